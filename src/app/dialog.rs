@@ -1,0 +1,61 @@
+//! The desktop's own file dialogs, beside the window's loop so that it goes on drawing.
+
+use std::{
+    path::PathBuf,
+    sync::mpsc::{Receiver, channel},
+};
+
+use eframe::egui;
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ask {
+    /// A TOML file.
+    Toml,
+    /// A folder.
+    Folder,
+}
+
+/// A dialog that may be open.
+#[derive(Default)]
+pub struct Dialog {
+    answer: Option<Receiver<Option<PathBuf>>>,
+}
+
+impl Dialog {
+    /// Opens it, unless it is open already.
+    pub fn open(&mut self, ctx: &egui::Context, ask: Ask) {
+        if self.answer.is_some() {
+            return;
+        }
+        let (send, receive) = channel();
+        let ctx = ctx.clone();
+        std::thread::spawn(move || {
+            let dialog = rfd::FileDialog::new();
+            let path = match ask {
+                Ask::Toml => dialog.add_filter("TOML", &["toml"]).pick_file(),
+                Ask::Folder => dialog.pick_folder(),
+            };
+            // The window may be gone; then nobody needs the answer.
+            let _ = send.send(path);
+            ctx.request_repaint();
+        });
+        self.answer = Some(receive);
+    }
+
+    /// The path chosen, once.
+    pub fn take(&mut self) -> Option<PathBuf> {
+        let answer = self.answer.as_ref()?.try_recv();
+        match answer {
+            Ok(path) => {
+                self.answer = None;
+                path
+            }
+            Err(std::sync::mpsc::TryRecvError::Disconnected) => {
+                self.answer = None;
+                None
+            }
+            Err(std::sync::mpsc::TryRecvError::Empty) => None,
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The monitor as the system describes it.
+
+use eframe::egui;
+
+/// What is known of the monitor that shows the window.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Monitor {
+    /// The system's name for it.
+    pub name: Option<String>,
+    /// Physical pixels.
+    pub width_px: u32,
+    /// Physical pixels.
+    pub height_px: u32,
+    /// Hertz, where the system tells.
+    pub refresh_hz: Option<f64>,
+    /// Physical pixels for each of the system's logical points.
+    pub scale: f64,
+}
+
+impl Monitor {
+    /// The monitor of the window now; without a window, one of the size of the page.
+    pub fn current(ctx: &egui::Context, frame: &eframe::Frame) -> Self {
+        if let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) {
+            let size = monitor.size();
+            return Self {
+                name: monitor.name(),
+                width_px: size.width,
+                height_px: size.height,
+                refresh_hz: monitor.refresh_rate_millihertz().map(|mhz| f64::from(mhz) / 1000.0),
+                scale: monitor.scale_factor(),
+            };
+        }
+        let (width_px, height_px) = window_px(ctx);
+        Self { name: None, width_px, height_px, refresh_hz: None, scale: f64::from(ctx.pixels_per_point()) }
+    }
+
+    /// Names of all monitors, in the order in which [`egui::ViewportCommand::SetMonitor`] counts them.
+    pub fn all(frame: &eframe::Frame) -> Vec<String> {
+        let Some(window) = frame.winit_window() else { return Vec::new() };
+        window
+            .available_monitors()
+            .enumerate()
+            .map(|(i, monitor)| {
+                let size = monitor.size();
+                let name = monitor.name().unwrap_or_else(|| format!("Monitor {}", i + 1));
+                format!("{name} ({} × {})", size.width, size.height)
+            })
+            .collect()
+    }
+
+    /// Width in cm if its pixels were 1/96 inch apart, the size that systems assume of a screen they do not know.
+    pub fn assumed_width_cm(&self) -> f64 {
+        f64::from(self.width_px) / self.scale.max(0.1) / 96.0 * 2.54
+    }
+}
+
+/// The window's content in physical pixels.
+pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
+    let size = ctx.content_rect().size() * ctx.pixels_per_point();
+    (size.x.round() as u32, size.y.round() as u32)
+}

@@ -1,0 +1,49 @@
+//! From codes to the screen: the only place that makes a texture.
+//!
+//! A texture drawn at physical pixels, without filtering and tint, reaches the screen byte for byte.
+
+use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, Vec2};
+
+use crate::{light::Quantizer, stimulus::Stimulus};
+
+/// Uploads a stimulus of `size` physical pixels.
+pub fn texture(ctx: &egui::Context, name: &str, stimulus: &Stimulus, size: u32, quantizer: &Quantizer) -> TextureHandle {
+    let image = stimulus.codes(size, quantizer);
+    let side = size as usize;
+    let pixels = match image.bytes() {
+        Some(bytes) => ColorImage::from_rgb([side, side], bytes),
+        None => ColorImage::filled([side, side], Color32::BLACK),
+    };
+    ctx.load_texture(name, pixels, TextureOptions::NEAREST)
+}
+
+/// The colour of a uniform field of linear light.
+pub fn field(quantizer: &Quantizer, light: [f32; 3]) -> Color32 {
+    let [r, g, b] = light.map(|linear| quantizer.code(linear).min(255) as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+/// Draws a texture of `size` physical pixels one to one, its corner on a whole pixel, centred in `area`.
+pub fn draw_centred(ui: &egui::Ui, texture: &TextureHandle, size: u32, area: Rect) {
+    let scale = ui.ctx().pixels_per_point();
+    let corner = |low: f32, high: f32| (((low + high) * scale - size as f32) / 2.0).floor() / scale;
+    let min = Pos2::new(corner(area.min.x, area.max.x), corner(area.min.y, area.max.y));
+    draw_at(ui, texture, size, min);
+}
+
+/// Draws a texture of `size` physical pixels one to one with its upper left corner at `min`, a whole pixel.
+fn draw_at(ui: &egui::Ui, texture: &TextureHandle, size: u32, min: Pos2) {
+    let side = size as f32 / ui.ctx().pixels_per_point();
+    let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+    ui.painter().image(texture.id(), Rect::from_min_size(min, Vec2::splat(side)), whole, Color32::WHITE);
+}
+
+/// Reserves room for a picture of `size` physical pixels in a page, and draws it there. `label` tells what it shows to
+/// someone who does not see it.
+pub fn picture(ui: &mut egui::Ui, texture: &TextureHandle, size: u32, label: &str) -> egui::Response {
+    let side = size as f32 / ui.ctx().pixels_per_point();
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), egui::Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, label));
+    draw_centred(ui, texture, size, rect);
+    response
+}

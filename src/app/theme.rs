@@ -1,0 +1,93 @@
+//! One look for all pages: neutral greys, so that pages between trials leave the eye's adaptation alone.
+
+use eframe::egui::{self, Color32, FontId, RichText, TextStyle, Vec2, style::HandleShape};
+
+/// What is wrong.
+pub const FAULT: Color32 = Color32::from_rgb(0xff, 0xa0, 0x80);
+/// What is worth knowing.
+pub const NOTE: Color32 = Color32::from_rgb(0xe8, 0xc8, 0x60);
+/// What is well.
+pub const GOOD: Color32 = Color32::from_rgb(0x90, 0xd0, 0xa0);
+/// Secondary text; 7:1 on the page.
+pub const QUIET: Color32 = Color32::from_gray(0xb4);
+/// The page.
+pub const PAGE: Color32 = Color32::from_gray(0x22);
+/// Widest line of running text, points.
+pub const COLUMN: f32 = 680.0;
+
+/// Sets the look once.
+pub fn apply(ctx: &egui::Context) {
+    ctx.set_theme(egui::Theme::Dark);
+    ctx.all_styles_mut(|style| {
+        style.text_styles = [
+            (TextStyle::Heading, 28.0),
+            (TextStyle::Body, 17.0),
+            (TextStyle::Button, 17.0),
+            (TextStyle::Small, 14.0),
+            (TextStyle::Monospace, 15.0),
+        ]
+        .map(|(name, size)| {
+            let family = if name == TextStyle::Monospace { egui::FontFamily::Monospace } else { egui::FontFamily::Proportional };
+            (name, FontId::new(size, family))
+        })
+        .into();
+        style.spacing.item_spacing = Vec2::new(10.0, 8.0);
+        style.spacing.button_padding = Vec2::new(12.0, 6.0);
+        style.spacing.interact_size.y = 32.0;
+        style.spacing.text_edit_width = 300.0;
+        style.visuals.panel_fill = PAGE;
+        style.visuals.window_fill = Color32::from_gray(0x2c);
+        style.visuals.extreme_bg_color = Color32::from_gray(0x14);
+        style.visuals.override_text_color = Some(Color32::from_gray(0xec));
+        style.visuals.handle_shape = HandleShape::Circle;
+        style.visuals.widgets.inactive.bg_fill = Color32::from_gray(0x48);
+        style.visuals.widgets.inactive.weak_bg_fill = Color32::from_gray(0x40);
+        style.visuals.widgets.inactive.bg_stroke = egui::Stroke::new(1.0, Color32::from_gray(0x68));
+        style.visuals.selection.bg_fill = Color32::from_rgb(0x4a, 0x5a, 0x80);
+        style.visuals.selection.stroke = egui::Stroke::new(2.0, Color32::from_rgb(0xc8, 0xd8, 0xff));
+    });
+}
+
+/// The button that a page leads to.
+pub fn primary(text: &str) -> egui::Button<'_> {
+    egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))
+        .fill(Color32::from_rgb(0xe8, 0xd0, 0x70))
+        .min_size(Vec2::new(180.0, 44.0))
+}
+
+/// Secondary text.
+pub fn quiet(text: impl Into<String>) -> RichText {
+    RichText::new(text).small().color(QUIET)
+}
+
+/// A fault beside its field.
+pub fn fault(ui: &mut egui::Ui, text: &str) {
+    ui.label(RichText::new(format!("⚠ {text}")).small().color(FAULT));
+}
+
+/// A page with a centred column that scrolls where the window is small.
+pub fn page<R>(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
+    egui::CentralPanel::default()
+        .frame(egui::Frame::NONE.fill(PAGE).inner_margin(24.0))
+        .show(ui, |ui| {
+            egui::ScrollArea::vertical()
+                .auto_shrink(false)
+                .show(ui, |ui| {
+                    let width = ui.available_width().min(COLUMN);
+                    let margin = (ui.available_width() - width) / 2.0;
+                    let top = (ui.available_height() * 0.12).min(120.0);
+                    ui.add_space(top);
+                    ui.horizontal(|ui| {
+                        ui.add_space(margin);
+                        ui.vertical(|ui| {
+                            ui.set_width(width);
+                            add(ui)
+                        })
+                        .inner
+                    })
+                    .inner
+                })
+                .inner
+        })
+        .inner
+}

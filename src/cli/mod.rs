@@ -1,0 +1,74 @@
+//! Floor 6: the commands. Each is a headless twin of what the window does.
+//!
+//! Exit status 0: done; 1: failed; 2: wrong usage. Errors go to stderr as `error: WHERE: what is wrong; what is
+//! expected`, data to stdout or the named files.
+
+mod check;
+mod run;
+mod simulate;
+mod stimulus;
+
+use std::{path::PathBuf, process::ExitCode};
+
+use clap::{Parser, Subcommand};
+
+/// Measure how visible Mach bands are.
+///
+/// Without a command, the window opens.
+#[derive(Parser)]
+#[command(name = "machband", version, max_term_width = 100)]
+#[command(after_help = "Example: machband simulate quick --participants 3 && machband check results/quick/data/*.csv")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Run(run::Arguments),
+    Simulate(simulate::Arguments),
+    Check(check::Arguments),
+    Stimulus(stimulus::Arguments),
+}
+
+/// Arguments that cannot be, found after parsing: exit status 2.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct UsageError(String);
+
+/// Runs the program with the process' arguments.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        None => crate::app::open(crate::app::Launch::default()).map_err(Into::into),
+        Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::Simulate(arguments)) => simulate::run(&arguments),
+        Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Stimulus(arguments)) => stimulus::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // One line a fault, so that each can be found by its `error:`.
+            for line in format!("{error:#}").lines() {
+                eprintln!("error: {line}");
+            }
+            ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
+        }
+    }
+}
+
+/// Where results go unless told otherwise.
+fn default_results() -> PathBuf {
+    PathBuf::from("results")
+}
+
+/// A participant's identifier, for clap.
+fn participant(text: &str) -> Result<String, String> {
+    crate::experiment::Identity::check_subject(text).map_err(|error| error.to_string())
+}
+
+/// A session's identifier, for clap.
+fn session(text: &str) -> Result<String, String> {
+    crate::experiment::Identity::check_session(text).map_err(|error| error.to_string())
+}

@@ -1,0 +1,169 @@
+//! `machband simulate`
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use jiff::Timestamp;
+use serde_json::json;
+
+use super::UsageError;
+use crate::{
+    experiment::{
+        FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session,
+        SessionOptions, TrialRecord, UniformObserver, simulate,
+    },
+    store::{
+        StoreError, definition, observer,
+        session::{Interrupted, SessionStore},
+        sidecar::Sitting,
+    },
+};
+
+/// Sessions that run at a time. A session waits for the disk most of its time (every row is synced), and disks serve
+/// several waiting sessions together, so this is more than there are cores.
+const AT_A_TIME: usize = 32;
+
+/// Run sessions with a simulated observer: the same session and the same files, without a window.
+#[derive(clap::Args)]
+#[command(after_help = "Example: machband simulate bangay2003 --participants 8 --seed 1 --results results")]
+pub(super) struct Arguments {
+    /// Built-in definition or path of a .toml file.
+    experiment: String,
+    /// Number of participants, S001 onwards.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    participants: u32,
+    /// Seed of the orders and of the observers.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR", default_value_os_t = super::default_results())]
+    results: PathBuf,
+    /// Who rates: `paper` follows the paper's findings, `random` presses any key.
+    #[arg(long, default_value = "paper", value_parser = ["paper", "random"])]
+    observer: String,
+    /// Parameters of the `paper` observer; the documented default is experiments/observers/paper.toml.
+    #[arg(long, value_name = "FILE.toml")]
+    observer_file: Option<PathBuf>,
+    /// Go on with what an interrupted run left; sessions that are complete stay as they are.
+    #[arg(long)]
+    resume: bool,
+}
+
+struct Rater {
+    observer: Box<dyn Observer>,
+    description: serde_json::Value,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let protocol = definition::open(&arguments.experiment)?;
+    let rater = rater(arguments)?;
+    let started = Instant::now();
+    let trials = protocol.main_trials() + protocol.design.practice as usize;
+    let bar = ProgressBar::new(u64::from(arguments.participants) * trials as u64).with_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {eta} to go")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let next = AtomicUsize::new(1);
+    let total = arguments.participants as usize;
+    let failure = Mutex::new(None);
+    std::thread::scope(|scope| {
+        for _ in 0..AT_A_TIME.min(total) {
+            scope.spawn(|| {
+                loop {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    if number > total {
+                        return;
+                    }
+                    if let Err(error) = one(arguments, &protocol, &rater, number, &bar) {
+                        // The first failure ends the run; what the others have recorded stays.
+                        next.store(total + 1, Ordering::Relaxed);
+                        if let Ok(mut first) = failure.lock() {
+                            first.get_or_insert(error);
+                        }
+                        return;
+                    }
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    if let Some(error) = failure.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()) {
+        return Err(error);
+    }
+    println!(
+        "{} sessions of {} in {}, {} rows, {:.1} s",
+        total,
+        protocol.name,
+        arguments.results.join(&protocol.name).display(),
+        total * trials,
+        started.elapsed().as_secs_f64()
+    );
+    Ok(())
+}
+
+fn rater(arguments: &Arguments) -> anyhow::Result<Rater> {
+    match (arguments.observer.as_str(), &arguments.observer_file) {
+        ("random", None) => Ok(Rater { observer: Box::new(UniformObserver), description: json!({ "observer": "random" }) }),
+        ("random", Some(_)) => {
+            Err(UsageError("--observer-file belongs to --observer paper; expected one of them alone".to_owned()).into())
+        }
+        (_, file) => {
+            let parameters = match file {
+                Some(path) => observer::open(path)?,
+                None => observer::parse("paper.toml", observer::PAPER)?,
+            };
+            Ok(Rater {
+                description: json!({ "observer": "paper", "ordered_logit": parameters }),
+                observer: Box::new(parameters),
+            })
+        }
+    }
+}
+
+fn one(arguments: &Arguments, protocol: &Protocol, rater: &Rater, number: usize, bar: &ProgressBar) -> anyhow::Result<()> {
+    let identity = Identity::new(&format!("S{number:03}"), "1")?;
+    let sitting = Sitting {
+        started_at: Timestamp::now().to_string(),
+        observer: Some(rater.description.clone()),
+        ..Sitting::default()
+    };
+    let fresh = |sitting| -> anyhow::Result<_> {
+        let schedule = Schedule::new(protocol, &identity, arguments.seed)?;
+        let store = SessionStore::create(&arguments.results, protocol, &identity, arguments.seed, sitting)?;
+        Ok((store, schedule, Resumed::default(), 0.0, 1))
+    };
+    let (mut store, schedule, resumed, elapsed_s, sitting) = if arguments.resume {
+        match SessionStore::resume(&arguments.results, protocol, &identity, Some(arguments.seed), sitting.clone()) {
+            Ok((store, Interrupted { schedule, resumed, elapsed_s, sitting, torn, .. })) => {
+                if torn.is_some() {
+                    bar.suspend(|| eprintln!("{}: a half-written last row was cut off and its trial asked again", store.csv().display()));
+                }
+                (store, schedule, resumed, elapsed_s, sitting)
+            }
+            Err(StoreError::NothingToResume(_)) => fresh(sitting)?,
+            Err(error) => return Err(error.into()),
+        }
+    } else {
+        fresh(sitting)?
+    };
+    bar.inc(resumed.done.len() as u64);
+    let elapsed = Duration::from_secs_f64(elapsed_s);
+    // Simulated time runs on from what is recorded; the wall clock is where it would have begun.
+    let origin = Timestamp::now() - elapsed;
+    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+    let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
+    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
+    simulate(&mut session, rater.observer.as_ref(), &identity, elapsed, |response| {
+        bar.inc(1);
+        store.append(&TrialRecord::new(&context, response, origin + response.onset))
+    })?;
+    store.finish(true, Timestamp::now().to_string(), None)?;
+    Ok(())
+}

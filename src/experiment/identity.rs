@@ -1,0 +1,92 @@
+//! Who is measured, and in which session.
+
+/// Longest identifier accepted, so that a file name with two of them fits every file system.
+const LONGEST: usize = 40;
+
+/// Participant and session of a data file. Both match `[A-Za-z0-9]+` and have at most 40 characters, so that they
+/// can stand in a file name on every system and in a Psych-DS or BIDS keyword.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Identity {
+    subject: String,
+    session: String,
+}
+
+/// An identifier that cannot stand in a file name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what} {given:?} {fault}; expected letters A–Z, a–z and digits only, at most 40, such as {example}")]
+pub struct IdentityError {
+    what: &'static str,
+    given: String,
+    fault: String,
+    example: &'static str,
+}
+
+impl Identity {
+    /// Checks both identifiers; the error names the first faulty one.
+    pub fn new(subject: &str, session: &str) -> Result<Self, IdentityError> {
+        Ok(Self {
+            subject: Self::check_subject(subject)?,
+            session: Self::check_session(session)?,
+        })
+    }
+
+    /// Checks a participant identifier alone.
+    pub fn check_subject(id: &str) -> Result<String, IdentityError> {
+        check("participant", id, "S001")
+    }
+
+    /// Checks a session identifier alone.
+    pub fn check_session(id: &str) -> Result<String, IdentityError> {
+        check("session", id, "1")
+    }
+
+    /// The participant's identifier.
+    pub fn subject(&self) -> &str {
+        &self.subject
+    }
+
+    /// The session's identifier.
+    pub fn session(&self) -> &str {
+        &self.session
+    }
+
+    /// The participant's place in a counterbalancing square: the number that ends the identifier, counted from 0
+    /// (`S001` → 0, `P12` → 11); without one, a hash that is the same on every machine.
+    pub fn counterbalance_row(&self) -> u64 {
+        let digits = self.subject.len()
+            - self
+                .subject
+                .trim_end_matches(|c: char| c.is_ascii_digit())
+                .len();
+        match self.subject[self.subject.len() - digits..].parse::<u64>() {
+            Ok(number) => number.saturating_sub(1),
+            Err(_) => fnv1a(self.subject.as_bytes()),
+        }
+    }
+}
+
+/// 64-bit FNV-1a: a fixed, public hash, since the standard library's may change between versions.
+pub(super) fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+fn check(what: &'static str, id: &str, example: &'static str) -> Result<String, IdentityError> {
+    let fault = if id.is_empty() {
+        "is empty".to_owned()
+    } else if let Some(c) = id.chars().find(|c| !c.is_ascii_alphanumeric()) {
+        format!("has the character {c:?}")
+    } else if id.len() > LONGEST {
+        format!("has {} characters", id.len())
+    } else {
+        return Ok(id.to_owned());
+    };
+    let shown: String = id.chars().take(LONGEST + 8).collect();
+    Err(IdentityError {
+        what,
+        given: shown,
+        fault,
+        example,
+    })
+}

@@ -1,0 +1,27 @@
+//! Floor 3: what an experiment is and how a session of it runs, without a clock, a file or a window.
+//!
+//! [`Protocol`] (a definition, validated once) and a seed make a [`Schedule`]; a [`Session`] walks through it by
+//! events and gives effects back; a [`TrialRecord`] is one row of the data. [`Observer`]s rate without eyes.
+
+mod condition;
+mod identity;
+mod observer;
+mod protocol;
+mod record;
+mod schedule;
+mod session;
+mod texts;
+
+pub use condition::{Condition, Factor};
+pub use identity::{Identity, IdentityError};
+pub use observer::{Observer, OrderedLogit, UniformObserver, simulate};
+pub use protocol::{
+    Category, Design, Fault, Order, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan,
+    name_fault,
+};
+pub use record::{Column, Phase, Rating, RowContext, Seconds, TrialRecord, columns, columns_by_header};
+pub use schedule::{GENERATOR, Schedule, ScheduleError, Trial, session_seed};
+pub use session::{
+    Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse,
+};
+pub use texts::Texts;

@@ -1,0 +1,187 @@
+//! Observers without eyes: they rate by a known rule, so that an analysis can be tried before anyone is measured.
+
+use std::time::Duration;
+
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng, SeedableRng as _},
+};
+use rand_distr::{Distribution as _, StandardNormal};
+
+use super::{
+    identity::{Identity, fnv1a},
+    session::{Effect, Event, Session, State, TrialResponse},
+};
+use crate::{
+    light::interpolation::Depth,
+    stimulus::{ParameterValue, Stimulus},
+};
+
+/// Something that rates a stimulus.
+pub trait Observer: Sync {
+    /// Rating 0…3 of a stimulus; `subject` is the participant's own standard normal deviate.
+    fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8;
+}
+
+/// Presses any key: each rating with probability ¼.
+#[derive(Clone, Copy, Debug)]
+pub struct UniformObserver;
+
+impl Observer for UniformObserver {
+    fn rate(&self, _: &Stimulus, _: f64, rng: &mut ChaCha8Rng) -> u8 {
+        (rng.next_u64() >> 62) as u8
+    }
+}
+
+/// An ordered-logit observer: P(rating ≤ j) = 1/(1+e^(η−θ_j)), with
+///
+/// η = `depth`·q − `fall`·log₂⁺(w/w₀) − `narrow`·log₂⁺(w₀/w) + `oblique`·|sin 2θ| + `contrast`·log₂(c/½) + `subject_sd`·z
+///
+/// where q = 1/n (for n = ∞ 1/`infinite_as`, as its middle slope of 2.5 is near n = 5's), w is the width, w₀ the width
+/// of the strongest band, θ the orientation, c = (high−low)/(high+low), z the participant's deviate and
+/// log₂⁺ = max(log₂, 0). A step (w = 0) and a uniform field (c = 0) have no band: rating 0.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct OrderedLogit {
+    /// θ₁ < θ₂ < θ₃: where one rating gives way to the next.
+    pub thresholds: [f64; 3],
+    /// Standard deviation of the participants' intercepts.
+    pub subject_sd: f64,
+    /// Weight of 1/n.
+    pub depth: f64,
+    /// The finite n that n = ∞ counts as.
+    pub infinite_as: f64,
+    /// Width of the strongest band, as a proportion of the window.
+    pub strongest_width: f64,
+    /// Loss for each doubling of the width above that.
+    pub fall: f64,
+    /// Loss for each halving of the width below that.
+    pub narrow: f64,
+    /// Weight of the distance from the cardinal orientations.
+    pub oblique: f64,
+    /// Weight of a doubling of Michelson contrast from one half.
+    pub contrast: f64,
+    /// Probability of a random key.
+    pub lapse: f64,
+}
+
+impl Default for OrderedLogit {
+    /// As the paper tells it: visibility falls with width and again for very narrow ramps, falls with n and is still
+    /// falling after n = 3, a linear ramp is always visible, no effect of orientation. [B] §3.2
+    /// The numbers are chosen to look like its Figure 4, not estimated from data.
+    fn default() -> Self {
+        Self {
+            thresholds: [0.0, 1.5, 3.5],
+            subject_sd: 0.6,
+            depth: 6.0,
+            infinite_as: 5.0,
+            strongest_width: 0.05,
+            fall: 0.7,
+            narrow: 0.9,
+            oblique: 0.0,
+            contrast: 0.0,
+            lapse: 0.01,
+        }
+    }
+}
+
+impl OrderedLogit {
+    /// Linear predictor η of a stimulus for a participant; −∞ where there is no band to see.
+    pub fn predictor(&self, stimulus: &Stimulus, subject: f64) -> f64 {
+        let number = |name| match stimulus.get(name) {
+            Some(ParameterValue::Number(value)) => Some(value),
+            _ => None,
+        };
+        let depth = match stimulus.get("depth").and_then(|d| d.to_string().parse().ok()) {
+            Some(Depth::Finite(n)) => self.depth / f64::from(n),
+            Some(Depth::Infinite) => self.depth / self.infinite_as,
+            None => 0.0,
+        };
+        let octaves = number("width").map_or(0.0, |w| (w / self.strongest_width).log2());
+        let loss = if octaves > 0.0 { self.fall * octaves } else { -self.narrow * octaves };
+        let oblique = number("orientation_deg").map_or(0.0, |deg| (2.0 * deg).to_radians().sin().abs());
+        let contrast = match (number("low"), number("high")) {
+            (Some(low), Some(high)) if high > low => (high - low) / (high + low),
+            (Some(_), Some(_)) => return f64::NEG_INFINITY,
+            _ => 0.5,
+        };
+        if loss == f64::INFINITY {
+            return f64::NEG_INFINITY;
+        }
+        depth - loss + self.oblique * oblique + self.contrast * (contrast / 0.5).log2() + self.subject_sd * subject
+    }
+}
+
+impl Observer for OrderedLogit {
+    fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
+        if unit(rng) < self.lapse {
+            return UniformObserver.rate(stimulus, subject, rng);
+        }
+        let u = unit(rng);
+        // Standard logistic noise by inversion.
+        let latent = self.predictor(stimulus, subject) + (u / (1.0 - u)).ln();
+        self.thresholds.iter().filter(|threshold| latent > **threshold).count() as u8
+    }
+}
+
+/// Uniform in the open interval (0, 1).
+fn unit(rng: &mut ChaCha8Rng) -> f64 {
+    ((rng.next_u64() >> 12) as f64 + 0.5) / (1u64 << 52) as f64
+}
+
+/// Median response time of a simulated observer, seconds.
+const RESPONSE_MEDIAN_S: f64 = 1.6;
+/// Standard deviation of its logarithm.
+const RESPONSE_SIGMA: f64 = 0.4;
+
+/// Lets an observer rate every trial that is left, as fast as the records can be stored. Time is simulated and starts
+/// at `start`. A rating depends on the seed, the participant, the session, the trial and the attempt alone, so a
+/// session that was interrupted goes on as if it had not been.
+///
+/// # Errors
+/// The first error of `record`, which must have the response on disk when it returns.
+pub fn simulate<E>(
+    session: &mut Session,
+    observer: &dyn Observer,
+    identity: &Identity,
+    start: Duration,
+    mut record: impl FnMut(&TrialResponse) -> Result<(), E>,
+) -> Result<(), E> {
+    let seed = session.schedule().seed;
+    let subject: f64 = StandardNormal.sample(&mut stream(seed, &["subject", identity.subject()]));
+    let mut rng = stream(seed, &["trials", identity.subject(), identity.session()]);
+    let mut now = start;
+    loop {
+        let effect = match session.state() {
+            State::Done | State::Left => return Ok(()),
+            State::Recovery { .. } | State::Closing { .. } => {
+                now += Duration::from_secs_f64(session.protocol().recovery.duration_s);
+                session.step(Event::Frame, now)
+            }
+            State::Stimulus { .. } => {
+                let Some(trial) = session.current() else { return Ok(()) };
+                // A place of its own in the key stream for each trial: 16 words a block, 64 blocks a trial.
+                rng.set_word_pos(trial as u128 * 1024);
+                let cell = session.schedule().trials[trial].condition;
+                let stimulus = &session.schedule().conditions[cell].stimulus;
+                let rating = observer.rate(stimulus, subject, &mut rng);
+                let normal: f64 = StandardNormal.sample(&mut rng);
+                now += Duration::from_secs_f64(RESPONSE_MEDIAN_S * (RESPONSE_SIGMA * normal).exp());
+                session.step(Event::Rate(rating), now)
+            }
+            State::Paused(_) => session.step(Event::Resume, now),
+            State::Instructions(_) | State::PhaseStart(_) | State::Break => {
+                session.step(Event::Continue, now)
+            }
+        };
+        if let Effect::Record(response) = effect {
+            record(&response)?;
+            session.step(Event::Stored, now);
+        }
+    }
+}
+
+fn stream(seed: u64, name: &[&str]) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(fnv1a(name.join("\0").as_bytes()));
+    rng
+}

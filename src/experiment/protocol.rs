@@ -1,0 +1,369 @@
+//! The definition of an experiment, validated once.
+
+use serde::{Serialize, Serializer, ser::SerializeMap as _};
+
+use super::{
+    condition::{Condition, Factor, cross, serialize_factors},
+    texts::Texts,
+};
+use crate::stimulus::Stimulus;
+
+/// Highest rating of the paper's scale; ratings are 0…3. [B] §3.1
+pub const RATING_MAX: u8 = 3;
+/// Most trials that one session may have.
+const TRIALS_MAX: usize = 100_000;
+
+/// What is wrong at one place of a definition.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// Keys and array indices joined by dots: `factors.width.2`.
+    pub path: String,
+    /// What is wrong, and what is expected.
+    pub message: String,
+}
+
+impl Fault {
+    fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
+        Self {
+            path: path.into(),
+            message: message.into(),
+        }
+    }
+}
+
+/// An experiment: what is varied, in what order, how it is shown and rated. Serialised, it has the form of a
+/// definition, so that what a sidecar keeps can be read again.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Protocol {
+    /// Version of the definition's format; 1.
+    pub schema: u32,
+    /// `[a-z0-9-]+`; names the results folder.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// The stimulus, with the parameters that do not vary.
+    pub stimulus: Stimulus,
+    /// Crossed factors in the definition's order.
+    #[serde(serialize_with = "serialize_factors")]
+    pub factors: Vec<Factor>,
+    /// How many trials, in what order.
+    pub design: Design,
+    /// What is shown between stimuli.
+    pub recovery: Recovery,
+    /// The rating scale.
+    pub response: ResponseScale,
+    /// The planned viewing geometry.
+    pub viewing: ViewingPlan,
+    /// The participant's texts.
+    pub instructions: Texts,
+}
+
+/// Number and order of the trials.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Design {
+    /// Main trials of each condition, at least 1.
+    pub repetitions: u32,
+    /// Practice trials, drawn from the same conditions.
+    pub practice: u32,
+    /// Main trials between two breaks; 0 for none.
+    pub break_every: u32,
+    /// Order of the main trials.
+    pub order: Order,
+    /// At most this many trials in a row with the same level of a factor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_run: Option<u32>,
+}
+
+/// Order of the main trials.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// All trials shuffled together.
+    Random,
+    /// One block for each level of a factor, blocks in random order, trials shuffled within.
+    Blocked(String),
+    /// One block for each level of a factor, the order of the blocks counterbalanced over participants by a Williams
+    /// square, trials shuffled within.
+    Latin(String),
+}
+
+impl Order {
+    /// The factor that makes the blocks.
+    pub fn factor(&self) -> Option<&str> {
+        match self {
+            Self::Random => None,
+            Self::Blocked(factor) | Self::Latin(factor) => Some(factor),
+        }
+    }
+}
+
+impl std::fmt::Display for Order {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Random => write!(f, "random"),
+            Self::Blocked(factor) => write!(f, "blocked:{factor}"),
+            Self::Latin(factor) => write!(f, "latin:{factor}"),
+        }
+    }
+}
+
+impl std::str::FromStr for Order {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "random" => Ok(Self::Random),
+            Some(("blocked", factor)) => Ok(Self::Blocked(factor.to_owned())),
+            Some(("latin", factor)) => Ok(Self::Latin(factor.to_owned())),
+            _ => Err(format!(
+                "order {text:?} is unknown; expected random, blocked:FACTOR or latin:FACTOR"
+            )),
+        }
+    }
+}
+
+impl Serialize for Order {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// The uniform field between stimuli. [B] §3.1
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Recovery {
+    /// Seconds, 0…600.
+    pub duration_s: f64,
+    /// Relative luminance in linear light, 0…1, of the stimulus colour.
+    pub level: f64,
+}
+
+/// The rating scale: one category for each of the ratings 0…3.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResponseScale {
+    /// Asked beside the scale.
+    pub question: String,
+    /// Categories in the order of their ratings.
+    pub categories: Vec<Category>,
+}
+
+/// As in a definition: question, labels, keys.
+impl Serialize for ResponseScale {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3))?;
+        map.serialize_entry("question", &self.question)?;
+        map.serialize_entry("labels", &self.categories.iter().map(|c| &c.label).collect::<Vec<_>>())?;
+        map.serialize_entry("keys", &self.categories.iter().map(|c| c.key).collect::<Vec<_>>())?;
+        map.end()
+    }
+}
+
+/// One answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Category {
+    /// What it means.
+    pub label: String,
+    /// The key that gives it: one digit or letter.
+    pub key: char,
+}
+
+/// The planned viewing geometry.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ViewingPlan {
+    /// Eye to screen in cm.
+    pub distance_cm: f64,
+    /// Side of the square stimulus in degrees of visual angle.
+    pub window_deg: f64,
+}
+
+impl Default for Design {
+    fn default() -> Self {
+        Self {
+            repetitions: 1,
+            practice: 0,
+            break_every: 0,
+            order: Order::Random,
+            max_run: None,
+        }
+    }
+}
+
+impl Default for Recovery {
+    fn default() -> Self {
+        Self {
+            duration_s: 2.0,
+            level: 0.5,
+        }
+    }
+}
+
+impl Default for ViewingPlan {
+    /// About 10° at 50 cm. [B] §3.1
+    fn default() -> Self {
+        Self {
+            distance_cm: 50.0,
+            window_deg: 10.0,
+        }
+    }
+}
+
+impl Default for ResponseScale {
+    /// The paper's four categories. [B] §3.1
+    fn default() -> Self {
+        let labels = [
+            "No band",
+            "Broad band",
+            "Narrow band, indistinct boundaries",
+            "Narrow band, clearly defined",
+        ];
+        Self {
+            question: "How visible is the brighter band?".to_owned(),
+            categories: labels
+                .iter()
+                .zip('0'..)
+                .map(|(label, key)| Category {
+                    label: (*label).to_owned(),
+                    key,
+                })
+                .collect(),
+        }
+    }
+}
+
+/// Keys that the session itself uses, and so cannot be an answer.
+const RESERVED_KEYS: [char; 1] = ['s'];
+
+impl Protocol {
+    /// All cells of the design, the last factor fastest.
+    ///
+    /// A validated protocol always has them; the error repeats the fault that [`Protocol::faults`] would name.
+    pub fn conditions(&self) -> Result<Vec<Condition>, crate::stimulus::ParameterError> {
+        cross(&self.stimulus, &self.factors)
+    }
+
+    /// Number of main trials.
+    pub fn main_trials(&self) -> usize {
+        self.factors
+            .iter()
+            .fold(self.design.repetitions as usize, |n, factor| {
+                n.saturating_mul(factor.levels.len())
+            })
+    }
+
+    /// A file-name part: the name without hyphens, since a Psych-DS keyword value is alphanumeric.
+    pub fn task(&self) -> String {
+        self.name.replace('-', "")
+    }
+
+    /// Everything that is wrong; empty for a valid protocol.
+    pub fn faults(&self) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        faults.extend(name_fault(&self.name).map(|message| Fault::new("name", message)));
+        self.factor_faults(&mut faults);
+        self.design_faults(&mut faults);
+        range(&mut faults, "recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
+        range(&mut faults, "recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
+        range(&mut faults, "viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
+        range(&mut faults, "viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
+        self.response_faults(&mut faults);
+        faults
+    }
+
+    fn factor_faults(&self, faults: &mut Vec<Fault>) {
+        let before = faults.len();
+        for (i, factor) in self.factors.iter().enumerate() {
+            let path = format!("factors.{}", factor.name);
+            if factor.levels.is_empty() {
+                faults.push(Fault::new(&path, format!("factor {} is empty; expected at least one level", factor.name)));
+            }
+            if self.factors[..i].iter().any(|other| other.name == factor.name) {
+                faults.push(Fault::new(&path, format!("factor {} stands twice", factor.name)));
+            }
+            for (j, level) in factor.levels.iter().enumerate() {
+                let path = format!("{path}.{j}");
+                if let Err(error) = self.stimulus.clone().set(&factor.name, level) {
+                    faults.push(Fault::new(path, error.to_string()));
+                } else if factor.levels[..j].contains(level) {
+                    faults.push(Fault::new(path, format!("level {level} of {} stands twice; expected each level once (repetitions repeat it)", factor.name)));
+                }
+            }
+        }
+        if faults.len() > before {
+            return;
+        }
+        let trials = self.main_trials().saturating_add(self.design.practice as usize);
+        if trials > TRIALS_MAX {
+            faults.push(Fault::new("factors", format!("the design has {trials} trials; expected at most {TRIALS_MAX}")));
+            return;
+        }
+        // Each level is possible by itself; now the cells, where a level of one factor may contradict another's.
+        let Ok(cells) = self.conditions() else { return };
+        if let Some(error) = cells.iter().find_map(|cell| cell.stimulus.validate().err()?.into_iter().next()) {
+            let place = if self.factors.iter().any(|f| f.name == "low" || f.name == "high") { "factors" } else { "stimulus" };
+            faults.push(Fault::new(place, error.to_string()));
+        }
+    }
+
+    fn design_faults(&self, faults: &mut Vec<Fault>) {
+        let design = &self.design;
+        if design.repetitions == 0 {
+            faults.push(Fault::new("design.repetitions", "repetitions is 0; expected at least 1"));
+        }
+        if design.max_run == Some(0) {
+            faults.push(Fault::new("design.max_run", "max_run is 0; expected at least 1"));
+        }
+        if let Some(name) = design.order.factor()
+            && !self.factors.iter().any(|factor| factor.name == name)
+        {
+            let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
+            faults.push(Fault::new("design.order", format!("order {} names no factor; expected one of {}", design.order, known.join(", "))));
+        }
+    }
+
+    fn response_faults(&self, faults: &mut Vec<Fault>) {
+        let categories = &self.response.categories;
+        let expected = usize::from(RATING_MAX) + 1;
+        if categories.len() != expected {
+            faults.push(Fault::new("response.labels", format!("the scale has {} categories; expected {expected}, one for each rating 0…{RATING_MAX}", categories.len())));
+        }
+        for (i, category) in categories.iter().enumerate() {
+            let path = format!("response.keys.{i}");
+            let key = category.key;
+            if !key.is_ascii_alphanumeric() || RESERVED_KEYS.contains(&key.to_ascii_lowercase()) {
+                faults.push(Fault::new(path, format!("key {key:?} cannot be an answer; expected a digit or a letter A–Z other than S")));
+            } else if categories[..i].iter().any(|other| other.key.eq_ignore_ascii_case(&key)) {
+                faults.push(Fault::new(path, format!("key {key:?} stands twice; expected a key of its own for each answer")));
+            }
+            if category.label.trim().is_empty() {
+                faults.push(Fault::new(format!("response.labels.{i}"), "the label is empty; expected what the answer means"));
+            }
+        }
+    }
+}
+
+/// Why a name cannot be an experiment's; `None` if it can.
+pub fn name_fault(name: &str) -> Option<String> {
+    // A folder of such a name cannot be made on Windows, and results move between machines.
+    let reserved = ["con", "prn", "aux", "nul"].contains(&name)
+        || (name.len() == 4
+            && (name.starts_with("com") || name.starts_with("lpt"))
+            && name.as_bytes()[3].is_ascii_digit());
+    let well_formed = !name.is_empty()
+        && name.len() <= 64
+        && name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
+        && name.bytes().any(|b| b != b'-');
+    if !well_formed {
+        Some(format!("name {name:?} is not allowed; expected lower-case letters, digits and hyphens, at most 64, such as \"bangay2003\""))
+    } else if reserved {
+        Some(format!("name {name:?} is reserved by Windows; expected another"))
+    } else {
+        None
+    }
+}
+
+/// Adds a fault unless `value` is finite and within `low…high`.
+fn range(faults: &mut Vec<Fault>, path: &str, value: f64, low: f64, high: f64, meaning: &str) {
+    if !(low..=high).contains(&value) {
+        let key = path.rsplit('.').next().unwrap_or(path);
+        faults.push(Fault::new(path, format!("{key} {value} is outside {low}…{high}; expected {meaning}")));
+    }
+}
+

@@ -1,0 +1,378 @@
+//! One row of the data. The schema is the struct: its fields, in their order, are the columns of a result file, and
+//! their descriptions make the column dictionary and the sidecar.
+
+use std::{str::FromStr, time::Duration};
+
+use jiff::Timestamp;
+use serde::Serialize;
+
+use super::{
+    identity::Identity,
+    protocol::Protocol,
+    schedule::{Schedule, Trial},
+    session::TrialResponse,
+};
+use crate::{light::interpolation::Depth, stimulus::ParameterValue};
+
+/// Practice trials are recorded and not analysed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Phase {
+    /// Before the measurement.
+    Practice,
+    /// The measurement.
+    Main,
+}
+
+impl std::fmt::Display for Phase {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Practice => "practice",
+            Self::Main => "main",
+        })
+    }
+}
+
+impl FromStr for Phase {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "practice" => Ok(Self::Practice),
+            "main" => Ok(Self::Main),
+            _ => Err("expected practice or main".to_owned()),
+        }
+    }
+}
+
+/// A value that stands in one cell of a CSV file.
+trait Cell: Sized {
+    fn to_cell(&self) -> String;
+    fn from_cell(text: &str) -> Result<Self, String>;
+}
+
+macro_rules! plain_cell {
+    ($($kind:ty => $expected:literal),*) => {$(
+        impl Cell for $kind {
+            fn to_cell(&self) -> String {
+                self.to_string()
+            }
+            fn from_cell(text: &str) -> Result<Self, String> {
+                text.parse().map_err(|_| format!("expected {}", $expected))
+            }
+        }
+    )*};
+}
+plain_cell! {
+    u32 => "a whole number",
+    u64 => "a whole number",
+    Depth => "a whole number from 1 to 32, or inf",
+    Phase => "practice or main"
+}
+
+impl Cell for Timestamp {
+    /// To the millisecond.
+    fn to_cell(&self) -> String {
+        format!("{self:.3}")
+    }
+    fn from_cell(text: &str) -> Result<Self, String> {
+        text.parse().map_err(|_| "expected an RFC 3339 time such as 2026-01-31T09:30:00Z".to_owned())
+    }
+}
+
+impl Cell for String {
+    fn to_cell(&self) -> String {
+        self.clone()
+    }
+    fn from_cell(text: &str) -> Result<Self, String> {
+        if text.is_empty() { Err("expected a text".to_owned()) } else { Ok(text.to_owned()) }
+    }
+}
+
+impl Cell for f64 {
+    fn to_cell(&self) -> String {
+        self.to_string()
+    }
+    fn from_cell(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            Ok(value) if f64::is_finite(value) => Ok(value),
+            _ => Err("expected a number".to_owned()),
+        }
+    }
+}
+
+/// A rating on the scale 0…3.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Rating(pub u8);
+
+impl Cell for Rating {
+    fn to_cell(&self) -> String {
+        self.0.to_string()
+    }
+    fn from_cell(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            Ok(rating) if rating <= super::RATING_MAX => Ok(Self(rating)),
+            _ => Err("expected a rating from 0 to 3".to_owned()),
+        }
+    }
+}
+
+/// A time in seconds, written to a tenth of a millisecond.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Seconds(pub f64);
+
+impl Cell for Seconds {
+    fn to_cell(&self) -> String {
+        format!("{:.4}", self.0)
+    }
+    fn from_cell(text: &str) -> Result<Self, String> {
+        match f64::from_cell(text) {
+            Ok(seconds) if seconds >= 0.0 => Ok(Self(seconds)),
+            _ => Err("expected seconds, 0 or more".to_owned()),
+        }
+    }
+}
+
+impl<T: Cell> Cell for Option<T> {
+    fn to_cell(&self) -> String {
+        self.as_ref().map_or_else(String::new, Cell::to_cell)
+    }
+    fn from_cell(text: &str) -> Result<Self, String> {
+        if text.is_empty() { Ok(None) } else { T::from_cell(text).map(Some) }
+    }
+}
+
+/// A column of a result file, described.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Column {
+    /// Header cell.
+    #[serde(skip)]
+    pub name: String,
+    /// What it holds.
+    pub description: String,
+    /// Unit, where it has one.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+    /// The possible values and their meaning, where they are few.
+    #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
+    pub levels: serde_json::Map<String, serde_json::Value>,
+}
+
+macro_rules! record {
+    ($($name:ident: $kind:ty, $unit:literal, $description:literal;)*) => {
+        /// One trial as it was seen and rated; one row of a result file.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct TrialRecord {
+            $(#[doc = $description] pub $name: $kind,)*
+            /// Levels of the factors that have no column above, in the order of the definition.
+            pub further: Vec<String>,
+        }
+
+        /// Name, unit and description of the columns that every result file has.
+        const FIXED: &[(&str, &str, &str)] = &[$((stringify!($name), $unit, $description),)*];
+
+        impl TrialRecord {
+            /// The cells of the row, in the order of [`columns`].
+            pub fn cells(&self) -> Vec<String> {
+                let mut cells = vec![$(Cell::to_cell(&self.$name),)*];
+                cells.extend(self.further.iter().cloned());
+                cells
+            }
+
+            /// Reads a row whose cells stand in the order of [`columns`].
+            ///
+            /// # Errors
+            /// Index of the faulty cell, and what was expected there.
+            pub fn from_cells(cells: &[&str]) -> Result<Self, (usize, String)> {
+                let mut next = 0;
+                let mut take = || {
+                    let at = next;
+                    next += 1;
+                    cells.get(at).copied().map(|cell| (at, cell)).ok_or((at, "the cell is missing".to_owned()))
+                };
+                Ok(Self {
+                    $($name: {
+                        let (at, cell) = take()?;
+                        Cell::from_cell(cell).map_err(|expected| {
+                            (at, format!("{} is {cell:?}; {expected}", stringify!($name)))
+                        })?
+                    },)*
+                    further: cells[FIXED.len()..].iter().map(|cell| (*cell).to_owned()).collect(),
+                })
+            }
+        }
+    };
+}
+
+record! {
+    row_id: String, "", "Unique name of the row: participant, session, phase, trial and attempt.";
+    experiment: String, "", "Name of the definition.";
+    subject_id: String, "", "Participant.";
+    session_id: String, "", "Session of the participant.";
+    phase: Phase, "", "Practice trials are not analysed.";
+    block: u32, "", "Block within the phase, from 1: a level of the blocking factor, else the stretch between two breaks.";
+    trial: u32, "", "Planned place within the phase, from 1.";
+    attempt: u32, "", "1, and 1 more each time the rating was taken back; the last attempt of a trial counts.";
+    repetition: u32, "", "How often the condition has been planned in this phase up to this trial, from 1.";
+    stimulus: String, "", "Kind of stimulus.";
+    width: Option<f64>, "proportion of the stimulus window", "Width of the luminance ramp; 0 is a step.";
+    depth: Option<Depth>, "", "Continuity depth n of the ramp, 1…32 or inf: n-1 derivatives vanish at its ends.";
+    orientation_deg: Option<f64>, "degree", "Direction in which the ramp brightens: 0 to the right, counter-clockwise.";
+    low: Option<f64>, "relative luminance, linear light", "Luminance of the darker plateau, 0…1.";
+    high: Option<f64>, "relative luminance, linear light", "Luminance of the brighter plateau, 0…1.";
+    color: Option<String>, "", "Colour: a name, or linear weights of red, green and blue.";
+    rating: Rating, "", "Rated visibility of the brighter band.";
+    response_time_s: Seconds, "s", "From the onset of the stimulus to the rating.";
+    onset_s: Seconds, "s", "Onset of the stimulus since the session's start: the start of the frame that presents it.";
+    recovery_s: Seconds, "s", "Achieved duration of the uniform field before the stimulus.";
+    frames: Option<u32>, "", "Frames for which the stimulus was presented; empty where no screen was used.";
+    dropped_frames: Option<u32>, "", "Frame intervals above 1.5 times the screen's, during recovery and stimulus; empty where not measured.";
+    started_at: Timestamp, "", "Wall-clock time of the onset, RFC 3339, UTC.";
+    sitting: u32, "", "1, and 1 more each time an interrupted session was resumed.";
+    seed: u64, "", "Seed of the order of the trials.";
+}
+
+/// Every column of the result files of a protocol, in order.
+pub fn columns(protocol: &Protocol) -> Vec<Column> {
+    let fixed = FIXED.iter().map(|(name, unit, description)| Column {
+        name: (*name).to_owned(),
+        description: (*description).to_owned(),
+        unit: (*unit).to_owned(),
+        levels: levels(protocol, name),
+    });
+    let known = protocol.stimulus.parameters();
+    let further = further_factors(protocol).map(|name| {
+        let parameter = known.iter().find(|parameter| parameter.name == name);
+        Column {
+            name: name.to_owned(),
+            description: parameter.map_or_else(String::new, |p| p.description.to_owned()),
+            unit: parameter.map_or_else(String::new, |p| p.unit.to_owned()),
+            levels: levels(protocol, name),
+        }
+    });
+    fixed.chain(further).collect()
+}
+
+/// The columns of a file that is not known to belong to a definition: those every file has, and what else its header
+/// names.
+pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
+    let name = |name: &str| Column { name: name.to_owned(), ..Column::default() };
+    let fixed = FIXED.iter().map(|(fixed, ..)| name(fixed));
+    fixed.chain(header.skip(FIXED.len()).map(name)).collect()
+}
+
+fn further_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
+    protocol
+        .factors
+        .iter()
+        .map(|factor| factor.name.as_str())
+        .filter(|name| FIXED.iter().all(|(fixed, ..)| fixed != name))
+}
+
+fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_json::Value> {
+    let pair = |value: String, meaning: &str| (value, serde_json::Value::from(meaning));
+    match column {
+        "phase" => [("practice", "Before the measurement"), ("main", "The measurement")]
+            .map(|(value, meaning)| pair(value.to_owned(), meaning))
+            .into_iter()
+            .collect(),
+        "rating" => (0..)
+            .zip(&protocol.response.categories)
+            .map(|(i, category): (u32, _)| pair(i.to_string(), &category.label))
+            .collect(),
+        _ => serde_json::Map::new(),
+    }
+}
+
+/// What a row needs beyond the trial's own response.
+#[derive(Clone, Debug)]
+pub struct RowContext<'a> {
+    /// The definition.
+    pub protocol: &'a Protocol,
+    /// The order the trial comes from.
+    pub schedule: &'a Schedule,
+    /// Whose data it is.
+    pub identity: &'a Identity,
+    /// Which sitting; 1 unless resumed.
+    pub sitting: u32,
+}
+
+impl TrialRecord {
+    /// The row for a response; `started_at` is the wall-clock time of the onset.
+    pub fn new(context: &RowContext<'_>, response: &TrialResponse, started_at: Timestamp) -> Self {
+        let RowContext { protocol, schedule, identity, sitting } = context;
+        let trial = &schedule.trials[response.trial];
+        let stimulus = &schedule.conditions[trial.condition].stimulus;
+        let number = |name| match stimulus.get(name) {
+            Some(ParameterValue::Number(value)) => Some(value),
+            _ => None,
+        };
+        let text = |name: &str| stimulus.get(name).map(|value| value.to_string());
+        Self {
+            row_id: row_id(identity, trial, response.attempt),
+            experiment: protocol.name.clone(),
+            subject_id: identity.subject().to_owned(),
+            session_id: identity.session().to_owned(),
+            phase: trial.phase,
+            block: trial.block,
+            trial: trial.number,
+            attempt: response.attempt,
+            repetition: trial.repetition,
+            stimulus: stimulus.kind().to_owned(),
+            width: number("width"),
+            depth: text("depth").and_then(|depth| depth.parse().ok()),
+            orientation_deg: number("orientation_deg"),
+            low: number("low"),
+            high: number("high"),
+            color: text("color"),
+            rating: Rating(response.rating),
+            response_time_s: Seconds(response.response_time.as_secs_f64()),
+            onset_s: Seconds(response.onset.as_secs_f64()),
+            recovery_s: Seconds(response.recovery.as_secs_f64()),
+            frames: response.frames,
+            dropped_frames: response.dropped_frames,
+            started_at,
+            sitting: *sitting,
+            seed: schedule.seed,
+            further: further_factors(protocol).map(|name| text(name).unwrap_or_default()).collect(),
+        }
+    }
+}
+
+impl TrialRecord {
+    /// Index of the trial that this row records, if the schedule plans just such a trial with just this condition.
+    pub fn planned_trial(&self, context: &RowContext<'_>) -> Option<usize> {
+        let index = context
+            .schedule
+            .trials
+            .iter()
+            .position(|trial| trial.phase == self.phase && trial.number == self.trial)?;
+        let measured = TrialResponse {
+            trial: index,
+            attempt: self.attempt,
+            rating: self.rating.0,
+            response_time: Duration::ZERO,
+            onset: Duration::ZERO,
+            recovery: Duration::ZERO,
+            frames: self.frames,
+            dropped_frames: self.dropped_frames,
+        };
+        let planned = Self {
+            response_time_s: self.response_time_s,
+            onset_s: self.onset_s,
+            recovery_s: self.recovery_s,
+            sitting: self.sitting,
+            ..Self::new(context, &measured, self.started_at)
+        };
+        (planned == *self).then_some(index)
+    }
+}
+
+fn row_id(identity: &Identity, trial: &Trial, attempt: u32) -> String {
+    format!(
+        "{}_{}_{}_{:04}_{attempt}",
+        identity.subject(),
+        identity.session(),
+        trial.phase,
+        trial.number
+    )
+}

@@ -1,0 +1,299 @@
+//! The order of the trials: made from the definition, the seed and the identity, the same on every machine.
+
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng, SeedableRng as _},
+};
+
+use super::{
+    condition::{Condition, Factor},
+    identity::{Identity, fnv1a},
+    protocol::{Order, Protocol},
+    record::Phase,
+};
+
+/// How an order follows from a seed, for the sidecar. Changing what this names changes recorded data's meaning.
+pub const GENERATOR: &str = "ChaCha8, seed_from_u64(seed), stream FNV-1a-64(subject_id NUL session_id), Fisher-Yates from the end, rejection sampling";
+
+/// Orders tried before `max_run` is given up.
+const RUN_ATTEMPTS: usize = 200;
+
+/// One planned trial.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Trial {
+    /// Practice or main.
+    pub phase: Phase,
+    /// From 1 within the phase: a factor's level in a blocked order, else the stretch between two breaks.
+    pub block: u32,
+    /// From 1 within the phase.
+    pub number: u32,
+    /// How often this condition has come in this phase, this time included; from 1.
+    pub repetition: u32,
+    /// Index into [`Schedule::conditions`].
+    pub condition: usize,
+}
+
+/// Every trial of a session in its order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Schedule {
+    /// The cells of the design.
+    pub conditions: Vec<Condition>,
+    /// Practice, then main.
+    pub trials: Vec<Trial>,
+    /// What the order was made from.
+    pub seed: u64,
+}
+
+/// Why a definition gives no order.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ScheduleError {
+    /// `max_run` is too small for the design.
+    #[error("no order with max_run = {max_run} was found in {RUN_ATTEMPTS} tries; expected a larger max_run or more levels")]
+    MaxRun {
+        /// The limit asked for.
+        max_run: u32,
+    },
+    /// A cell of the design is impossible.
+    #[error(transparent)]
+    Condition(#[from] crate::stimulus::ParameterError),
+}
+
+/// A session's own generator: one stream for each participant and session under a common seed.
+pub(super) fn generator(seed: u64, identity: &Identity) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let name = format!("{}\0{}", identity.subject(), identity.session());
+    rng.set_stream(fnv1a(name.as_bytes()));
+    rng
+}
+
+/// A seed for a new session from anything that differs between sessions; below 2³² so that every JSON reader keeps it.
+pub fn session_seed(entropy: u64) -> u64 {
+    ChaCha8Rng::seed_from_u64(entropy).next_u64() >> 32
+}
+
+impl Schedule {
+    /// The order for this definition, participant, session and seed.
+    ///
+    /// # Errors
+    /// [`ScheduleError`] where `max_run` cannot be met or the protocol was not validated.
+    pub fn new(protocol: &Protocol, identity: &Identity, seed: u64) -> Result<Self, ScheduleError> {
+        let conditions = protocol.conditions()?;
+        let mut rng = generator(seed, identity);
+        let mut trials = practice(protocol, conditions.len(), &mut rng);
+        trials.extend(main(protocol, &conditions, identity, &mut rng)?);
+        Ok(Self {
+            conditions,
+            trials,
+            seed,
+        })
+    }
+
+    /// The planned trials of one phase.
+    pub fn phase(&self, phase: Phase) -> impl Iterator<Item = &Trial> {
+        self.trials.iter().filter(move |trial| trial.phase == phase)
+    }
+}
+
+/// Each condition at most once more than any other.
+fn practice(protocol: &Protocol, conditions: usize, rng: &mut ChaCha8Rng) -> Vec<Trial> {
+    let wanted = protocol.design.practice as usize;
+    let mut picked = Vec::with_capacity(wanted);
+    while picked.len() < wanted {
+        let mut round: Vec<usize> = (0..conditions).collect();
+        shuffle(&mut round, rng);
+        round.truncate(wanted - picked.len());
+        picked.extend(round);
+    }
+    number(Phase::Practice, conditions, picked.into_iter().map(|condition| (1, condition)))
+}
+
+fn main(
+    protocol: &Protocol,
+    conditions: &[Condition],
+    identity: &Identity,
+    rng: &mut ChaCha8Rng,
+) -> Result<Vec<Trial>, ScheduleError> {
+    let design = &protocol.design;
+    let repeated = |cells: Vec<usize>| cells.repeat(design.repetitions as usize);
+    let mut ordered: Vec<(u32, usize)> = Vec::with_capacity(protocol.main_trials());
+    let blocking = design
+        .order
+        .factor()
+        .and_then(|name| protocol.factors.iter().position(|f| f.name == name));
+    let shuffled = |cells: Vec<usize>, rng: &mut ChaCha8Rng| {
+        let mut cells = repeated(cells);
+        shuffle(&mut cells, rng);
+        match design.max_run {
+            None => Ok(cells),
+            Some(max_run) => limit_runs(cells, conditions, &protocol.factors, blocking, max_run, rng),
+        }
+    };
+    match blocking {
+        None => {
+            let every = design.break_every.max(1);
+            for (i, cell) in shuffled((0..conditions.len()).collect(), rng)?.into_iter().enumerate() {
+                let block = if design.break_every == 0 { 1 } else { i as u32 / every + 1 };
+                ordered.push((block, cell));
+            }
+        }
+        Some(factor) => {
+            let levels = protocol.factors[factor].levels.len();
+            for (block, level) in (1..).zip(block_order(&design.order, levels, identity, rng)) {
+                let cells = (0..conditions.len()).filter(|c| conditions[*c].levels[factor] == level);
+                ordered.extend(shuffled(cells.collect(), rng)?.into_iter().map(|cell| (block, cell)));
+            }
+        }
+    }
+    Ok(number(Phase::Main, conditions.len(), ordered.into_iter()))
+}
+
+/// Order of the blocks of a blocking factor with `levels` levels.
+fn block_order(order: &Order, levels: usize, identity: &Identity, rng: &mut ChaCha8Rng) -> Vec<usize> {
+    if let Order::Latin(_) = order {
+        return williams_row(levels, identity.counterbalance_row());
+    }
+    let mut blocks: Vec<usize> = (0..levels).collect();
+    shuffle(&mut blocks, rng);
+    blocks
+}
+
+/// One row of a Williams square: over all rows each level stands in each place equally often, and follows each other
+/// level equally often. An odd number of levels needs twice as many rows, the second half mirrored.
+/// Williams 1949, Aust. J. Sci. Res. A 2:149.
+fn williams_row(levels: usize, row: u64) -> Vec<usize> {
+    let rows = if levels % 2 == 0 { levels } else { 2 * levels };
+    let row = (row % rows as u64) as usize;
+    let mut sequence: Vec<usize> = (0..levels)
+        .map(|i| if i % 2 == 1 { i.div_ceil(2) } else { (levels - i / 2) % levels })
+        .map(|base| (base + row) % levels)
+        .collect();
+    if row >= levels {
+        sequence.reverse();
+    }
+    sequence
+}
+
+fn number(phase: Phase, conditions: usize, cells: impl Iterator<Item = (u32, usize)>) -> Vec<Trial> {
+    let mut seen = vec![0; conditions];
+    cells
+        .zip(1..)
+        .map(|((block, condition), number)| {
+            seen[condition] += 1;
+            Trial {
+                phase,
+                block,
+                number,
+                repetition: seen[condition],
+                condition,
+            }
+        })
+        .collect()
+}
+
+/// Fisher–Yates, written out so that no library's next version can change an order.
+fn shuffle<T>(items: &mut [T], rng: &mut ChaCha8Rng) {
+    for i in (1..items.len()).rev() {
+        items.swap(i, below(rng, i as u64 + 1) as usize);
+    }
+}
+
+/// Uniform in `0..bound`, by rejection: no value is likelier than another.
+fn below(rng: &mut ChaCha8Rng, bound: u64) -> u64 {
+    let limit = u64::MAX - u64::MAX % bound;
+    loop {
+        let draw = rng.next_u64();
+        if draw < limit {
+            return draw % bound;
+        }
+    }
+}
+
+/// Rearranges a shuffled order until no factor keeps a level for more than `max_run` trials in a row. The factor that
+/// makes the blocks is left out: its level is constant by design, and so is one of a single level.
+fn limit_runs(
+    mut cells: Vec<usize>,
+    conditions: &[Condition],
+    factors: &[Factor],
+    blocking: Option<usize>,
+    max_run: u32,
+    rng: &mut ChaCha8Rng,
+) -> Result<Vec<usize>, ScheduleError> {
+    let held: Vec<usize> = (0..factors.len())
+        .filter(|f| Some(*f) != blocking && factors[*f].levels.len() > 1)
+        .collect();
+    let max = max_run as usize;
+    // Longest run through `at`, within what is settled (`..end`).
+    let fits = |cells: &[usize], at: usize, end: usize| {
+        held.iter().all(|&f| {
+            let same = |i: &usize| conditions[cells[*i]].levels[f] == conditions[cells[at]].levels[f];
+            let before = (0..at).rev().take(max).take_while(same).count();
+            let after = (at + 1..end).take(max).take_while(same).count();
+            before + after < max
+        })
+    };
+    'attempt: for _ in 0..RUN_ATTEMPTS {
+        for i in 0..cells.len() {
+            let ahead = (i..cells.len()).find(|&j| {
+                cells.swap(i, j);
+                let good = fits(&cells, i, i + 1);
+                if !good {
+                    cells.swap(i, j);
+                }
+                good
+            });
+            if ahead.is_some() {
+                continue;
+            }
+            // Nothing ahead fits: exchange with a place already settled where both then fit.
+            let behind = (0..i).find(|&j| {
+                cells.swap(i, j);
+                let good = fits(&cells, j, i + 1) && fits(&cells, i, i + 1);
+                if !good {
+                    cells.swap(i, j);
+                }
+                good
+            });
+            if behind.is_none() {
+                shuffle(&mut cells, rng);
+                continue 'attempt;
+            }
+        }
+        return Ok(cells);
+    }
+    Err(ScheduleError::MaxRun { max_run })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// MATH: every level in every place equally often, every ordered pair of neighbours equally often.
+    #[test]
+    fn williams_squares_are_balanced() {
+        for levels in 2..=9 {
+            let rows = if levels % 2 == 0 { levels } else { 2 * levels };
+            let mut place = vec![vec![0; levels]; levels];
+            let mut follows = vec![vec![0; levels]; levels];
+            for row in 0..rows as u64 {
+                let sequence = williams_row(levels, row);
+                for (i, level) in sequence.iter().enumerate() {
+                    place[i][*level] += 1;
+                }
+                for pair in sequence.windows(2) {
+                    follows[pair[0]][pair[1]] += 1;
+                }
+            }
+            assert!(place.iter().flatten().all(|n| *n == rows / levels), "{levels}: {place:?}");
+            for (a, row) in follows.iter().enumerate() {
+                for (b, n) in row.iter().enumerate() {
+                    assert_eq!(*n, if a == b { 0 } else { rows / levels }, "{levels}: {follows:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_generator_is_chacha8() {
+        assert_eq!(ChaCha8Rng::seed_from_u64(42).next_u64(), 12_578_764_544_318_200_737);
+    }
+}

@@ -1,0 +1,364 @@
+//! The session as a pure state machine: events and times in, effects out. It reads no clock, no file and no window;
+//! the person at the screen and the simulated observer drive the same one.
+
+use std::{collections::BTreeSet, time::Duration};
+
+use super::{protocol::Protocol, record::Phase, schedule::Schedule};
+
+/// What happens to a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A frame begins that will show the present [`State`]; without a screen, the time has come to look again.
+    Frame,
+    /// Go on from a page or a break.
+    Continue,
+    /// The stimulus is rated.
+    Rate(u8),
+    /// The last rating is taken back.
+    TakeBack,
+    /// Stop at the next possible moment: at once.
+    Pause,
+    /// Go on after a pause.
+    Resume,
+    /// End the session here; what is rated stays.
+    Leave,
+    /// The last [`Effect::Record`] is on disk.
+    Stored,
+}
+
+/// What the driver must do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// Nothing but show the state.
+    None,
+    /// Put this on disk and answer [`Event::Stored`]; until then no further stimulus comes.
+    Record(TrialResponse),
+}
+
+/// What the screen shows. Times are since the session's start.
+#[derive(Clone, Debug, PartialEq)]
+pub enum State {
+    /// Page of the instructions, from 0.
+    Instructions(usize),
+    /// Announces practice or the main trials.
+    PhaseStart(Phase),
+    /// The uniform field, since a time.
+    Recovery {
+        /// When it first stood on the screen.
+        since: Duration,
+    },
+    /// The stimulus, since its onset.
+    Stimulus {
+        /// Start of the frame that presented it.
+        onset: Duration,
+        /// Achieved duration of the field before.
+        recovery: Duration,
+    },
+    /// A rest; goes on when the participant does.
+    Break,
+    /// The uniform field after the last trial: its rating can still be taken back.
+    Closing {
+        /// When it first stood on the screen.
+        since: Duration,
+    },
+    /// Held by the participant; the trial will start again.
+    Paused(Box<State>),
+    /// All trials are rated and stored.
+    Done,
+    /// Ended early.
+    Left,
+}
+
+/// One rated trial.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TrialResponse {
+    /// Index into [`Schedule::trials`].
+    pub trial: usize,
+    /// 1, and 1 more each time it was taken back.
+    pub attempt: u32,
+    /// 0…3.
+    pub rating: u8,
+    /// Onset to rating.
+    pub response_time: Duration,
+    /// Since the session's start.
+    pub onset: Duration,
+    /// Achieved duration of the field before.
+    pub recovery: Duration,
+    /// Frames that presented the stimulus, where there is a screen.
+    pub frames: Option<u32>,
+    /// Intervals above 1.5 × the screen's during recovery and stimulus, where the interval is known.
+    pub dropped_frames: Option<u32>,
+}
+
+/// Whether frames are counted, and against what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FrameCount {
+    /// No screen.
+    Off,
+    /// A screen whose frame interval is not known.
+    Frames,
+    /// A screen with this interval in seconds.
+    Against(f64),
+}
+
+/// How a session starts.
+#[derive(Clone, Copy, Debug)]
+pub struct SessionOptions {
+    /// Pages of instructions before the first trial.
+    pub pages: usize,
+    /// How frames are counted.
+    pub frames: FrameCount,
+}
+
+/// What an interrupted session had already recorded.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Resumed {
+    /// Indices into [`Schedule::trials`] that have a rating.
+    pub done: BTreeSet<usize>,
+}
+
+/// How far a session is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Trials rated, earlier sittings included.
+    pub done: usize,
+    /// Trials planned.
+    pub total: usize,
+    /// Estimate from the pace so far; `None` before the first rating.
+    pub remaining: Option<Duration>,
+}
+
+/// A running session.
+#[derive(Clone, Debug)]
+pub struct Session {
+    protocol: Protocol,
+    schedule: Schedule,
+    /// Trials still missing when the session started, in their order.
+    missing: Vec<usize>,
+    /// Next of `missing`.
+    position: usize,
+    /// Trial and attempt being taken again.
+    again: Option<(usize, u32)>,
+    /// Last rated trial and its attempt: what can be taken back.
+    last: Option<(usize, u32)>,
+    /// A record is on its way to the disk.
+    pending: bool,
+    state: State,
+    options: SessionOptions,
+    frames: u32,
+    dropped: u32,
+    last_frame: Option<Duration>,
+    /// Time spent in trials, and how many, for the estimate.
+    pace: (Duration, u32),
+    trial_start: Duration,
+}
+
+impl Session {
+    /// A session at its first page, with all trials but those already done ahead of it.
+    pub fn new(protocol: Protocol, schedule: Schedule, resumed: &Resumed, options: SessionOptions) -> Self {
+        let missing = (0..schedule.trials.len())
+            .filter(|trial| !resumed.done.contains(trial))
+            .collect();
+        let mut session = Self {
+            protocol,
+            schedule,
+            missing,
+            position: 0,
+            again: None,
+            last: None,
+            pending: false,
+            state: State::Instructions(0),
+            options,
+            frames: 0,
+            dropped: 0,
+            last_frame: None,
+            pace: (Duration::ZERO, 0),
+            trial_start: Duration::ZERO,
+        };
+        if session.missing.is_empty() {
+            session.state = State::Done;
+        } else if options.pages == 0 {
+            session.state = State::PhaseStart(session.phase());
+        }
+        session
+    }
+
+    /// What the screen shows.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The definition.
+    pub fn protocol(&self) -> &Protocol {
+        &self.protocol
+    }
+
+    /// The planned order.
+    pub fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    /// Index into [`Schedule::trials`] of the trial at hand or next; `None` when none is left.
+    pub fn current(&self) -> Option<usize> {
+        self.again
+            .map(|(trial, _)| trial)
+            .or_else(|| self.missing.get(self.position).copied())
+    }
+
+    /// Whether a rating waits to be stored.
+    pub fn is_storing(&self) -> bool {
+        self.pending
+    }
+
+    /// Whether [`Event::TakeBack`] would do something now.
+    pub fn can_take_back(&self) -> bool {
+        let between = matches!(
+            self.state,
+            State::Recovery { .. } | State::Closing { .. } | State::Break | State::PhaseStart(_)
+        );
+        between && self.last.is_some() && self.again.is_none() && !self.pending
+    }
+
+    /// How far the session is.
+    pub fn progress(&self) -> Progress {
+        let total = self.schedule.trials.len();
+        let left = self.missing.len() - self.position;
+        let (time, rated) = self.pace;
+        Progress {
+            done: total - left,
+            total,
+            remaining: (rated > 0).then(|| time / rated * left as u32),
+        }
+    }
+
+    /// Takes one event at a time since the session's start; `now` never decreases.
+    /// An event that the present state does not know is ignored.
+    pub fn step(&mut self, event: Event, now: Duration) -> Effect {
+        match (event, &self.state) {
+            (Event::Stored, _) => self.pending = false,
+            (Event::Frame, _) => self.frame(now),
+            (Event::Continue, State::Instructions(page)) => {
+                let next = page + 1;
+                self.state = if next < self.options.pages {
+                    State::Instructions(next)
+                } else {
+                    State::PhaseStart(self.phase())
+                };
+            }
+            (Event::Continue, State::PhaseStart(_) | State::Break) => self.recover(now),
+            (Event::Rate(rating), State::Stimulus { onset, recovery }) => {
+                let (onset, recovery) = (*onset, *recovery);
+                return self.rate(rating, onset, recovery, now);
+            }
+            (Event::TakeBack, _) if self.can_take_back() => {
+                self.again = self.last.take().map(|(trial, attempt)| (trial, attempt + 1));
+                self.recover(now);
+            }
+            (
+                Event::Pause,
+                State::Recovery { .. } | State::Stimulus { .. } | State::Closing { .. } | State::Break | State::PhaseStart(_)
+                | State::Instructions(_),
+            ) => {
+                let held = std::mem::replace(&mut self.state, State::Done);
+                self.state = State::Paused(Box::new(held));
+            }
+            (Event::Resume, State::Paused(held)) => match held.as_ref() {
+                State::Recovery { .. } | State::Stimulus { .. } => self.recover(now),
+                State::Closing { .. } => self.state = State::Closing { since: now },
+                other => self.state = other.clone(),
+            },
+            (Event::Leave, State::Paused(_)) => self.state = State::Left,
+            _ => {}
+        }
+        Effect::None
+    }
+
+    fn phase(&self) -> Phase {
+        self.current().map_or(Phase::Main, |trial| self.schedule.trials[trial].phase)
+    }
+
+    fn recover(&mut self, now: Duration) {
+        self.frames = 0;
+        self.dropped = 0;
+        self.last_frame = None;
+        self.trial_start = now;
+        self.state = State::Recovery { since: now };
+    }
+
+    fn frame(&mut self, now: Duration) {
+        self.count_interval(now);
+        let over = |since: Duration| {
+            (now.saturating_sub(since)).as_secs_f64() >= self.protocol.recovery.duration_s && !self.pending
+        };
+        match self.state {
+            State::Recovery { since } if over(since) => {
+                self.frames = 1;
+                self.state = State::Stimulus { onset: now, recovery: now - since };
+            }
+            State::Stimulus { .. } => self.frames += 1,
+            State::Closing { since } if over(since) => self.state = State::Done,
+            _ => {}
+        }
+    }
+
+    fn count_interval(&mut self, now: Duration) {
+        if !matches!(self.state, State::Recovery { .. } | State::Stimulus { .. }) {
+            return;
+        }
+        if let (Some(last), FrameCount::Against(interval)) = (self.last_frame, self.options.frames)
+            && (now.saturating_sub(last)).as_secs_f64() > 1.5 * interval
+        {
+            self.dropped += 1;
+        }
+        self.last_frame = Some(now);
+    }
+
+    fn rate(&mut self, rating: u8, onset: Duration, recovery: Duration, now: Duration) -> Effect {
+        let Some(trial) = self.current() else { return Effect::None };
+        if usize::from(rating) >= self.protocol.response.categories.len() {
+            return Effect::None;
+        }
+        let attempt = self.again.map_or(1, |(_, attempt)| attempt);
+        if self.again.take().is_none() {
+            self.position += 1;
+        }
+        self.last = Some((trial, attempt));
+        self.pending = true;
+        self.pace.0 += now.saturating_sub(self.trial_start);
+        self.pace.1 += 1;
+        let (frames, dropped_frames) = match self.options.frames {
+            FrameCount::Off => (None, None),
+            FrameCount::Frames => (Some(self.frames), None),
+            FrameCount::Against(_) => (Some(self.frames), Some(self.dropped)),
+        };
+        let response = TrialResponse {
+            trial,
+            attempt,
+            rating,
+            response_time: now.saturating_sub(onset),
+            onset,
+            recovery,
+            frames,
+            dropped_frames,
+        };
+        self.after(trial, now);
+        Effect::Record(response)
+    }
+
+    /// What follows a rated trial.
+    fn after(&mut self, rated: usize, now: Duration) {
+        let rated = &self.schedule.trials[rated];
+        let every = self.protocol.design.break_every;
+        let Some(next) = self.current() else {
+            self.state = State::Closing { since: now };
+            return;
+        };
+        if self.schedule.trials[next].phase != rated.phase {
+            self.state = State::PhaseStart(self.phase());
+        } else if rated.phase == Phase::Main && every > 0 && rated.number % every == 0 {
+            self.state = State::Break;
+        } else {
+            self.recover(now);
+        }
+    }
+}

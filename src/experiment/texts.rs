@@ -1,0 +1,62 @@
+//! What a participant reads. Every text can be replaced by the definition, so that a session can run in the
+//! participants' language.
+
+use serde::Serialize;
+
+macro_rules! texts {
+    ($($(#[$meta:meta])* $name:ident = $default:expr;)*) => {
+        /// The participant's texts; `{…}` places are filled in by the program.
+        #[derive(Clone, Debug, PartialEq, Serialize)]
+        pub struct Texts {
+            $($(#[$meta])* pub $name: String,)*
+        }
+
+        impl Default for Texts {
+            fn default() -> Self {
+                Self { $($name: $default.to_owned(),)* }
+            }
+        }
+
+        impl Texts {
+            /// Every text by its key in `[instructions]`, to be read and replaced.
+            pub fn entries_mut(&mut self) -> Vec<(&'static str, &mut String)> {
+                vec![$((stringify!($name), &mut self.$name),)*]
+            }
+        }
+    };
+}
+
+texts! {
+    /// Heading of the first page.
+    welcome = "Welcome";
+    /// First page: what the task is.
+    task = "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, many people see a thin line that is brighter still: a Mach band. The line is not in the image; your eye adds it.\n\nAfter each image, rate how visible the BRIGHTER band is. There is no right answer: report what you see.\n\nBetween images the screen shows one even colour while your eyes recover. Sit at the planned distance; dim the room if you can.";
+    /// Heading of the page that shows the categories.
+    categories = "The four answers";
+    /// Below the categories.
+    keys = "Answer with the number keys (top row or number pad). Backspace takes the last answer back while the screen is even. S shows or hides the scale. Esc pauses.";
+    /// Before practice trials.
+    practice = "First some practice. These answers are recorded, marked as practice, and not analysed.";
+    /// Before the main trials.
+    main = "Now the main part. Take your time; the next image comes only after your answer.";
+    /// Heading of a break.
+    pause_heading = "Time for a break";
+    /// A break; `{done}`, `{total}` and `{minutes}` are filled in.
+    break_progress = "{done} of {total} done. About {minutes} min to go.";
+    /// Heading while paused.
+    paused = "Paused";
+    /// While paused.
+    paused_text = "Everything rated so far is saved. The image you were looking at will be shown again.";
+    /// Button and hint that go on.
+    next = "Continue";
+    /// The key that goes on, named.
+    next_key = "Space";
+    /// Button that leaves the session.
+    leave = "Leave the session";
+    /// When a session goes on after an interruption; `{done}` and `{total}` are filled in.
+    resumed = "Welcome back. {done} of {total} are done; the session goes on with the ones that are missing.";
+    /// Heading at the end.
+    thanks = "Thank you!";
+    /// At the end.
+    done = "That was the last image. Your answers are saved.";
+}

@@ -1,0 +1,31 @@
+//! machband: measure, and later analyse, generate and predict, the visibility of Mach bands.
+//!
+//! **Scope.** Full-screen rating experiments on luminance ramps (width, continuity depth, orientation), their exact
+//! stimulus images, their data. **Not in scope**: reaction-time or threshold paradigms in general, other modalities,
+//! anything over a network.
+//!
+//! **Units.** Light is linear and relative to the brightest that the screen shows, 0…1, unless a name says `encoded`
+//! or `code`. Angles are degrees; visual angles say so. Lengths on the screen are physical pixels or cm. Times are
+//! seconds or [`std::time::Duration`]. Widths of a ramp are proportions of the stimulus window.
+//!
+//! **The map**, each floor using itself and the floors above it in this list only:
+//!
+//! | floor | module | what |
+//! |---|---|---|
+//! | 0 | [`light`] | interpolation I_n, transfer functions, light to codes, images |
+//! | 1 | [`display`] | visual angle, cm and pixels; what is known of a screen |
+//! | 2 | [`stimulus`] | a validated description becomes an image |
+//! | 3 | [`experiment`] | definition, order, session, record, observers |
+//! | 4 | [`store`] | every file format |
+//! | 6 | [`app`], [`cli`] | the window; the commands |
+//!
+//! Sources: \[B\] Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; \[S\] Shoaff,
+//! *Color, Illumination Models, and Shading*.
+
+pub mod app;
+pub mod cli;
+pub mod display;
+pub mod experiment;
+pub mod light;
+pub mod stimulus;
+pub mod store;

@@ -1,0 +1,240 @@
+//! Transfer functions: what light an encoded value makes, and which encoded value makes a light. [S] §2.1.1.
+//!
+//! Both quantities are relative, 0…1. Every function's name says its direction.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// IEC 61966-2-1: the encoded value up to which sRGB is a straight line.
+const SRGB_ENCODED_KNEE: f64 = 0.04045;
+/// IEC 61966-2-1: the straight line's slope, encoded per linear.
+const SRGB_SLOPE: f64 = 12.92;
+/// IEC 61966-2-1: the offset of the power part; 1.055 is 1 + this.
+const SRGB_OFFSET: f64 = 0.055;
+/// IEC 61966-2-1: the exponent of the power part.
+const SRGB_EXPONENT: f64 = 2.4;
+
+/// Exponents that a display could have.
+const GAMMA_RANGE: std::ops::RangeInclusive<f64> = 0.1..=10.0;
+
+/// How a display turns encoded values into light. Written `linear`, `gamma:2.2` or `srgb`; a table has no short text.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Transfer {
+    /// Light proportional to the encoded value.
+    Linear,
+    /// linear = encoded^γ, [S]'s L = K·V^γ with K = 1. Made by [`Transfer::gamma`], γ within 0.1…10.
+    Gamma(f64),
+    /// sRGB, IEC 61966-2-1: a straight line up to 0.04045, then a power of 2.4.
+    Srgb,
+    /// A measured table, linear between its points.
+    Table(TransferTable),
+}
+
+/// Why something is not a [`Transfer`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TransferError {
+    /// A text that names no transfer function.
+    #[error("transfer {0:?} is not known; expected srgb, linear or gamma:G such as gamma:2.2")]
+    Unknown(String),
+    /// An exponent no display has.
+    #[error("gamma {0} is outside 0.1…10; expected the display's exponent, such as 2.2")]
+    Gamma(String),
+    /// A table's two columns do not belong together.
+    #[error("the table has {encoded} encoded and {linear} linear values; expected as many of both, at least 2")]
+    Length {
+        /// Number of encoded values.
+        encoded: usize,
+        /// Number of linear values.
+        linear: usize,
+    },
+    /// A table that stands still or goes back.
+    #[error("{column} value {value} at index {index} is not above the {previous} before it; expected every value above the last")]
+    NotIncreasing {
+        /// `encoded` or `linear`.
+        column: &'static str,
+        /// Index of the offending value, from 0.
+        index: usize,
+        /// The offending value.
+        value: f64,
+        /// The value before it.
+        previous: f64,
+    },
+    /// A table that leaves part of 0…1 without an answer.
+    #[error("the {column} values run from {first} to {last}; expected 0 to 1, relative to the display's range")]
+    Range {
+        /// `encoded` or `linear`.
+        column: &'static str,
+        /// First value of the column.
+        first: f64,
+        /// Last value of the column.
+        last: f64,
+    },
+    /// Equal-brightness steps from an impossible first level.
+    #[error("lowest intensity {0} is not between 0 and 1; expected the lowest level relative to the highest, such as 0.01")]
+    LowestIntensity(f64),
+    /// Equal-brightness steps, none of them.
+    #[error("0 steps of equal brightness; expected at least 1")]
+    NoSteps,
+}
+
+impl Transfer {
+    /// linear = encoded^`gamma`.
+    ///
+    /// # Errors
+    /// When `gamma` is not within 0.1…10.
+    pub fn gamma(gamma: f64) -> Result<Transfer, TransferError> {
+        if GAMMA_RANGE.contains(&gamma) {
+            Ok(Transfer::Gamma(gamma))
+        } else {
+            Err(TransferError::Gamma(gamma.to_string()))
+        }
+    }
+
+    /// The encoded value, 0…1, that makes the relative luminance `linear`; clamped to 0…1 first. NaN stays NaN.
+    ///
+    /// Never decreases. For sRGB the standard's rounded constants leave a gap in the light that encoded values make, of
+    /// 2.3e-9 at 0.00313; light within the gap is encoded as its lower end, 0.04045. Everywhere else this and
+    /// [`Transfer::linear_from_encoded`] are inverses.
+    #[must_use]
+    pub fn encoded_from_linear(&self, linear: f64) -> f64 {
+        let linear = linear.clamp(0.0, 1.0);
+        match self {
+            Transfer::Linear => linear,
+            Transfer::Gamma(gamma) => linear.powf(gamma.recip()),
+            Transfer::Srgb if linear <= SRGB_ENCODED_KNEE / SRGB_SLOPE => linear * SRGB_SLOPE,
+            // 1.055 − 0.055 is not quite 1 in f64.
+            Transfer::Srgb if linear == 1.0 => 1.0,
+            Transfer::Srgb => ((1.0 + SRGB_OFFSET) * linear.powf(SRGB_EXPONENT.recip()) - SRGB_OFFSET)
+                .clamp(SRGB_ENCODED_KNEE, 1.0),
+            Transfer::Table(table) => piecewise(&table.linear, &table.encoded, linear),
+        }
+    }
+
+    /// The relative luminance, 0…1, that the encoded value `encoded` makes; clamped to 0…1 first. NaN stays NaN.
+    #[must_use]
+    pub fn linear_from_encoded(&self, encoded: f64) -> f64 {
+        let encoded = encoded.clamp(0.0, 1.0);
+        match self {
+            Transfer::Linear => encoded,
+            Transfer::Gamma(gamma) => encoded.powf(*gamma),
+            Transfer::Srgb if encoded <= SRGB_ENCODED_KNEE => encoded / SRGB_SLOPE,
+            Transfer::Srgb => ((encoded + SRGB_OFFSET) / (1.0 + SRGB_OFFSET)).powf(SRGB_EXPONENT),
+            Transfer::Table(table) => piecewise(&table.encoded, &table.linear, encoded),
+        }
+    }
+}
+
+impl fmt::Display for Transfer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Transfer::Linear => f.write_str("linear"),
+            Transfer::Gamma(gamma) => write!(f, "gamma:{gamma}"),
+            Transfer::Srgb => f.write_str("srgb"),
+            Transfer::Table(_) => f.write_str("table"),
+        }
+    }
+}
+
+impl FromStr for Transfer {
+    type Err = TransferError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let text = text.trim();
+        match text {
+            "linear" => Ok(Transfer::Linear),
+            "srgb" => Ok(Transfer::Srgb),
+            _ => {
+                let gamma = text
+                    .strip_prefix("gamma:")
+                    .ok_or_else(|| TransferError::Unknown(text.to_owned()))?;
+                match gamma.trim().parse() {
+                    Ok(gamma) => Transfer::gamma(gamma),
+                    Err(_) => Err(TransferError::Gamma(format!("{gamma:?}"))),
+                }
+            }
+        }
+    }
+}
+
+/// A measured transfer function: pairs of encoded value and relative luminance, joined by straight lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferTable {
+    encoded: Vec<f64>,
+    linear: Vec<f64>,
+}
+
+impl TransferTable {
+    /// The table whose encoded value `encoded[i]` makes the relative luminance `linear[i]`.
+    ///
+    /// # Errors
+    /// When the columns differ in length or have fewer than two values, when one of them does not rise at every step (NaN
+    /// included), or when one of them does not run from 0 to 1.
+    pub fn new(encoded: Vec<f64>, linear: Vec<f64>) -> Result<Self, TransferError> {
+        if encoded.len() != linear.len() || encoded.len() < 2 {
+            return Err(TransferError::Length { encoded: encoded.len(), linear: linear.len() });
+        }
+        check_column("encoded", &encoded)?;
+        check_column("linear", &linear)?;
+        Ok(Self { encoded, linear })
+    }
+
+    /// The encoded values, from 0 to 1, rising.
+    #[must_use]
+    pub fn encoded(&self) -> &[f64] {
+        &self.encoded
+    }
+
+    /// The relative luminances, from 0 to 1, rising.
+    #[must_use]
+    pub fn linear(&self) -> &[f64] {
+        &self.linear
+    }
+}
+
+fn check_column(column: &'static str, values: &[f64]) -> Result<(), TransferError> {
+    for (i, pair) in values.windows(2).enumerate() {
+        if pair[1] <= pair[0] || pair[0].is_nan() || pair[1].is_nan() {
+            return Err(TransferError::NotIncreasing { column, index: i + 1, value: pair[1], previous: pair[0] });
+        }
+    }
+    let (first, last) = (values[0], values[values.len() - 1]);
+    if first != 0.0 || last != 1.0 {
+        return Err(TransferError::Range { column, first, last });
+    }
+    Ok(())
+}
+
+/// The straight line between the points (`x`[i], `y`[i]) at `at`; both rise from 0 to 1, and `at` is within 0…1 or NaN.
+fn piecewise(x: &[f64], y: &[f64], at: f64) -> f64 {
+    // The last segment also takes at = 1, and NaN, which goes through the arithmetic.
+    let i = x.partition_point(|&x| x <= at).clamp(1, x.len() - 1);
+    let t = (at - x[i - 1]) / (x[i] - x[i - 1]);
+    if t >= 1.0 { y[i] } else { y[i - 1] + t * (y[i] - y[i - 1]) }
+}
+
+/// n + 1 levels that look equally far apart: I_j = r^j·I₀, r = (1/I₀)^(1/n), j = 0…n. [S] §2.1.1.
+///
+/// `i0` is the lowest level relative to the highest, so 1/`i0` is the display's dynamic range. Relative luminances.
+///
+/// # Errors
+/// When `i0` is not strictly between 0 and 1, or `n` is 0.
+pub fn equal_brightness_levels(i0: f64, n: usize) -> Result<Vec<f64>, TransferError> {
+    if !(i0 > 0.0 && i0 < 1.0) {
+        return Err(TransferError::LowestIntensity(i0));
+    }
+    if n == 0 {
+        return Err(TransferError::NoSteps);
+    }
+    // r^j·I₀ = I₀^(1−j/n), which ends at exactly 1.
+    Ok((0..=n).map(|j| i0.powf(1.0 - j as f64 / n as f64)).collect())
+}
+
+/// The level j of [`equal_brightness_levels`]`(i0, n)` nearest to the relative luminance `i`: ⌊log_r(i/I₀) + ½⌋, [S] §2.1.1.
+///
+/// Kept within 0…n. An `i` of 0 or less, or NaN, is level 0. `i0` and `n` as there.
+#[must_use]
+pub fn nearest_equal_brightness_level(i: f64, i0: f64, n: usize) -> usize {
+    let level = (i / i0).ln() / i0.recip().ln() * n as f64;
+    // `as` takes NaN and everything below 0 to 0.
+    ((level + 0.5).floor() as usize).min(n)
+}

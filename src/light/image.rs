@@ -1,0 +1,115 @@
+//! Pictures: light, and the codes made of it. Rows from the top, pixels from the left, red green blue interleaved.
+
+/// An image of relative luminances, 0…1, linear in light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearImage {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green and blue of every pixel, row by row from the top left; `3 · width · height` values.
+    pub data: Vec<f32>,
+}
+
+impl LinearImage {
+    /// A dark image of `width` × `height` pixels.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { width, height, data: vec![0.0; samples(width, height)] }
+    }
+
+    /// The image whose pixel in column x and row y is `light(x, y)`.
+    #[must_use]
+    pub fn from_fn(width: u32, height: u32, mut light: impl FnMut(u32, u32) -> [f32; 3]) -> Self {
+        let mut data = Vec::with_capacity(samples(width, height));
+        for y in 0..height {
+            for x in 0..width {
+                data.extend(light(x, y));
+            }
+        }
+        Self { width, height, data }
+    }
+
+    /// Red, green and blue in column `x` and row `y`, both from 0 at the top left.
+    ///
+    /// # Panics
+    /// When the pixel is outside the image.
+    #[must_use]
+    pub fn pixel(&self, x: u32, y: u32) -> [f32; 3] {
+        let i = sample_index(self.width, self.height, x, y);
+        [self.data[i], self.data[i + 1], self.data[i + 2]]
+    }
+
+    /// Sets the pixel in column `x` and row `y`.
+    ///
+    /// # Panics
+    /// When the pixel is outside the image.
+    pub fn set_pixel(&mut self, x: u32, y: u32, light: [f32; 3]) {
+        let i = sample_index(self.width, self.height, x, y);
+        self.data[i..i + 3].copy_from_slice(&light);
+    }
+}
+
+/// An image of codes, as a file or a texture takes them. Made by [`Quantizer::quantize`](super::Quantizer::quantize).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CodeImage {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// The codes, in [`LinearImage::data`]'s order.
+    pub samples: Samples,
+}
+
+/// Codes of one of two sizes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// 0…255.
+    Eight(Vec<u8>),
+    /// 0…65535.
+    Sixteen(Vec<u16>),
+}
+
+impl CodeImage {
+    /// The 8-bit codes, red green blue interleaved; `None` if this image has 16 bits.
+    #[must_use]
+    pub fn bytes(&self) -> Option<&[u8]> {
+        match &self.samples {
+            Samples::Eight(codes) => Some(codes),
+            Samples::Sixteen(_) => None,
+        }
+    }
+
+    /// The 16-bit codes, red green blue interleaved; `None` if this image has 8 bits.
+    #[must_use]
+    pub fn words(&self) -> Option<&[u16]> {
+        match &self.samples {
+            Samples::Eight(_) => None,
+            Samples::Sixteen(codes) => Some(codes),
+        }
+    }
+
+    /// Red, green and blue codes in column `x` and row `y`, both from 0 at the top left.
+    ///
+    /// # Panics
+    /// When the pixel is outside the image.
+    #[must_use]
+    pub fn pixel(&self, x: u32, y: u32) -> [u16; 3] {
+        let i = sample_index(self.width, self.height, x, y);
+        match &self.samples {
+            Samples::Eight(codes) => [codes[i].into(), codes[i + 1].into(), codes[i + 2].into()],
+            Samples::Sixteen(codes) => [codes[i], codes[i + 1], codes[i + 2]],
+        }
+    }
+}
+
+/// Number of samples of an image.
+fn samples(width: u32, height: u32) -> usize {
+    width as usize * height as usize * 3
+}
+
+/// Where a pixel's red is.
+fn sample_index(width: u32, height: u32, x: u32, y: u32) -> usize {
+    assert!(x < width && y < height, "pixel ({x}, {y}) is outside the {width} × {height} image");
+    (y as usize * width as usize + x as usize) * 3
+}

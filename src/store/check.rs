@@ -1,0 +1,132 @@
+//! Is this file what it should be? Finds every fault, not the first only.
+
+use std::{collections::HashMap, path::Path};
+
+use super::{FileFault, FileFaults, definition, observer, profile, results, sidecar::Sidecar, text, toml_reader};
+use crate::experiment::{
+    Identity, Protocol, RowContext, Schedule, TrialRecord, columns, columns_by_header,
+};
+
+/// Checks a definition, a display profile, an observer (`.toml`) or a result file (`.csv`), or a built-in definition by
+/// its name, and says in one sentence what it is.
+///
+/// # Errors
+/// Every fault.
+pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
+    if definition::BUILT_IN.iter().any(|built_in| built_in.name == name_or_path) {
+        return check_definition(definition::open(name_or_path)?);
+    }
+    let path = Path::new(name_or_path);
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("csv") => check_results(path),
+        Some("toml") => check_toml(name_or_path, &text::read(path)?),
+        _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path)
+            .err()
+            .unwrap_or_else(|| FileFaults::whole(name_or_path, "cannot be checked; expected a .toml or .csv file"))),
+        _ => Err(FileFaults::whole(
+            name_or_path,
+            "is of no known kind; expected a definition, display profile or observer (.toml), or a result file (.csv)",
+        )),
+    }
+}
+
+/// The three kinds of TOML file differ in a key that each must have.
+fn check_toml(file: &str, text: &str) -> Result<String, FileFaults> {
+    let table = toml_reader::parse(file, text)?;
+    if table.contains_key("transfer") {
+        return Ok(format!("display profile {}", profile::parse(file, text)?.sentence()));
+    }
+    if table.contains_key("thresholds") {
+        observer::parse(file, text)?;
+        return Ok("parameters of the ordered-logit observer".to_owned());
+    }
+    check_definition(definition::parse(file, text)?)
+}
+
+fn check_definition(protocol: Protocol) -> Result<String, FileFaults> {
+    let trial = |error: String| FileFaults::whole(&protocol.name, error);
+    let identity = Identity::new("S001", "1").map_err(|error| trial(error.to_string()))?;
+    Schedule::new(&protocol, &identity, 1).map_err(|error| trial(error.to_string()))?;
+    Ok(format!(
+        "definition {}: {} practice and {} main trials, order {}",
+        protocol.name,
+        protocol.design.practice,
+        protocol.main_trials(),
+        protocol.design.order
+    ))
+}
+
+/// A result file, held against the definition and seed in its sidecar where there is one.
+fn check_results(path: &Path) -> Result<String, FileFaults> {
+    let file = path.display().to_string();
+    let whole = |message: String| FileFaults::whole(&file, message);
+    let content = std::fs::read(path)
+        .map_err(|error| whole(format!("cannot be read: {error}; expected a readable file")))?;
+    let sidecar = Sidecar::read(&path.with_extension("json")).map_err(|error| whole(error.to_string()))?;
+    let protocol = sidecar
+        .as_ref()
+        .map(|sidecar| definition::from_json(&path.with_extension("json").display().to_string(), &sidecar.definition))
+        .transpose()?;
+    let columns = match &protocol {
+        Some(protocol) => columns(protocol),
+        None => {
+            let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
+            let header = String::from_utf8_lossy(header);
+            columns_by_header(header.trim_end().split(','))
+        }
+    };
+    let rows = results::parse(&file, &content, &columns)?;
+    let mut faults = Vec::new();
+    repeated(&file, &rows, &mut faults);
+    let mut summary = format!("result file: {} rows", rows.len());
+    match (&protocol, &sidecar) {
+        (Some(protocol), Some(sidecar)) => {
+            summary += &against_plan(&file, protocol, sidecar, &rows, &mut faults)?;
+        }
+        _ => summary += "; no sidecar beside it, so the order was not checked",
+    }
+    if faults.is_empty() { Ok(summary) } else { Err(FileFaults(faults)) }
+}
+
+fn repeated(file: &str, rows: &[TrialRecord], faults: &mut Vec<FileFault>) {
+    let mut seen = HashMap::new();
+    for (row, line) in rows.iter().zip(2..) {
+        if let Some(first) = seen.insert(row.row_id.as_str(), line) {
+            faults.push(FileFault {
+                file: file.to_owned(),
+                position: Some((line, 1)),
+                message: format!("row_id {} stands in line {first} already; expected every row_id once", row.row_id),
+            });
+        }
+    }
+}
+
+fn against_plan(
+    file: &str,
+    protocol: &Protocol,
+    sidecar: &Sidecar,
+    rows: &[TrialRecord],
+    faults: &mut Vec<FileFault>,
+) -> Result<String, FileFaults> {
+    let Some(first) = rows.first() else { return Ok("; none of the planned trials is rated".to_owned()) };
+    let whole = |message: String| FileFaults::whole(file, message);
+    let identity = Identity::new(&first.subject_id, &first.session_id).map_err(|error| whole(error.to_string()))?;
+    let schedule = Schedule::new(protocol, &identity, sidecar.seed).map_err(|error| whole(error.to_string()))?;
+    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: 1 };
+    let mut rated = vec![false; schedule.trials.len()];
+    for (row, line) in rows.iter().zip(2..) {
+        match row.planned_trial(&context) {
+            Some(trial) => rated[trial] = true,
+            None => faults.push(FileFault {
+                file: file.to_owned(),
+                position: Some((line, 1)),
+                message: format!(
+                    "row {} is not planned by the definition and seed {} of the sidecar; expected the trial, block and condition of that order",
+                    row.row_id, sidecar.seed
+                ),
+            }),
+        }
+    }
+    let done = rated.iter().filter(|rated| **rated).count();
+    Ok(format!("; {done} of {} planned trials of {} rated", rated.len(), protocol.name))
+}

@@ -1,0 +1,135 @@
+//! The results folder of an experiment: a Psych-DS data set.
+
+use std::{
+    fs::{self, File},
+    io::Write as _,
+    path::{Path, PathBuf},
+};
+
+use serde_json::json;
+
+use super::{StoreError, fault::io};
+use crate::experiment::{Column, Identity, Protocol, columns};
+
+/// Where the files of one session are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SessionPaths {
+    /// `RESULTS/NAME`, the data set.
+    pub dataset: PathBuf,
+    /// The rows.
+    pub csv: PathBuf,
+    /// Everything else that is known of the session.
+    pub sidecar: PathBuf,
+}
+
+impl SessionPaths {
+    /// The contract's names below a results folder.
+    pub fn new(results: &Path, protocol: &Protocol, identity: &Identity) -> Self {
+        let dataset = results.join(&protocol.name);
+        let stem = format!(
+            "subject-{}_session-{}_task-{}_data",
+            identity.subject(),
+            identity.session(),
+            protocol.task()
+        );
+        let data = dataset.join("data");
+        Self {
+            csv: data.join(format!("{stem}.csv")),
+            sidecar: data.join(format!("{stem}.json")),
+            dataset,
+        }
+    }
+
+    /// Makes the folders and describes the data set, if nobody has yet.
+    ///
+    /// # Errors
+    /// The folder cannot be made or written.
+    pub fn prepare(&self, protocol: &Protocol) -> Result<(), StoreError> {
+        let data = self.dataset.join("data");
+        fs::create_dir_all(&data).map_err(io(&data, "make the folder"))?;
+        let description = self.dataset.join("dataset_description.json");
+        if !description.exists() {
+            write_json(&description, &describe(protocol))?;
+        }
+        Ok(())
+    }
+}
+
+/// The first of `P001`, `P002`, … that has no file in this experiment's results.
+pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
+    let taken: Vec<String> = fs::read_dir(results.join(&protocol.name).join("data"))
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter_map(|entry| {
+            let name = entry.file_name().into_string().ok()?;
+            Some(name.strip_prefix("subject-")?.split('_').next()?.to_ascii_uppercase())
+        })
+        .collect();
+    (1..)
+        .map(|number| format!("P{number:03}"))
+        .find(|id| !taken.contains(id))
+        .unwrap_or_default()
+}
+
+fn describe(protocol: &Protocol) -> serde_json::Value {
+    let variables: Vec<_> = columns(protocol).iter().map(variable).collect();
+    json!({
+        "@context": "https://schema.org/",
+        "@type": "Dataset",
+        "name": protocol.name,
+        "description": protocol.title,
+        "variableMeasured": variables,
+    })
+}
+
+fn variable(column: &Column) -> serde_json::Value {
+    let mut variable = json!({
+        "@type": "PropertyValue",
+        "name": column.name,
+        "description": column.description,
+    });
+    if !column.unit.is_empty() {
+        variable["unitText"] = column.unit.as_str().into();
+    }
+    variable
+}
+
+/// Writes a JSON file so that a reader sees the old one or the new one and never half of either, and a power cut
+/// leaves one of them.
+pub(super) fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreError> {
+    let mut text = serde_json::to_vec_pretty(value)
+        .map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
+    text.push(b'\n');
+    // Named after the process: two programs that describe the same data set do not meet in one temporary file.
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.tmp", unique()));
+    let temporary = path.with_file_name(name);
+    let written = File::create_new(&temporary)
+        .and_then(|mut file| file.write_all(&text).and_then(|()| file.sync_all()))
+        .and_then(|()| fs::rename(&temporary, path));
+    if let Err(error) = written {
+        // The temporary file is of no use; that it may stay behind on a broken disk changes nothing.
+        let _ = fs::remove_file(&temporary);
+        return Err(io(path, "write")(error));
+    }
+    sync_folder(path);
+    Ok(())
+}
+
+/// A name that no other thread or running program uses.
+fn unique() -> String {
+    use std::sync::atomic::{AtomicU32, Ordering};
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    format!("{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
+}
+
+/// Makes a new or renamed name in a folder survive a power cut, where the system knows the notion. Windows does not
+/// open folders as files and needs no such call, so a failure is no fault.
+pub(super) fn sync_folder(file: &Path) {
+    if let Some(folder) = file.parent()
+        && let Ok(folder) = File::open(folder)
+    {
+        let _ = folder.sync_all();
+    }
+}

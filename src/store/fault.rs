@@ -1,0 +1,98 @@
+//! What can be wrong with a file, and where.
+
+use std::path::{Path, PathBuf};
+
+/// One fault: where, what is wrong, and what is expected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileFault {
+    /// The file, or the name of a built-in definition.
+    pub file: String,
+    /// Line and column from 1, the column in characters.
+    pub position: Option<(usize, usize)>,
+    /// What is wrong; what is expected.
+    pub message: String,
+}
+
+impl std::fmt::Display for FileFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.file)?;
+        if let Some((line, column)) = self.position {
+            write!(f, ":{line}:{column}")?;
+        }
+        write!(f, ": {}", self.message)
+    }
+}
+
+/// Every fault of a file, in the order of the file; never empty.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub struct FileFaults(pub Vec<FileFault>);
+
+impl FileFaults {
+    /// A single fault of the file as a whole.
+    pub fn whole(file: impl Into<String>, message: impl Into<String>) -> Self {
+        Self(vec![FileFault { file: file.into(), position: None, message: message.into() }])
+    }
+}
+
+impl std::fmt::Display for FileFaults {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (i, fault) in self.0.iter().enumerate() {
+            if i > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{fault}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Why results could not be stored or found again.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// The system refused.
+    #[error("{}: cannot {action}: {source}", path.display())]
+    Io {
+        /// What was touched.
+        path: PathBuf,
+        /// What was tried, as a verb.
+        action: &'static str,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A new session would overwrite an old one.
+    #[error("{}: this participant and session already have a file; expected another session, or --resume to go on with it", .0.display())]
+    Exists(PathBuf),
+    /// Another program writes the same session.
+    #[error("{}: another machband is writing this session; expected it to be closed first", .0.display())]
+    InUse(PathBuf),
+    /// There is nothing to resume.
+    #[error("{}: no such session; expected one that was interrupted", .0.display())]
+    NothingToResume(PathBuf),
+    /// The file on disk is not what was written.
+    #[error("{}: {what}; expected the file as this session left it", path.display())]
+    Changed {
+        /// The data file.
+        path: PathBuf,
+        /// How it differs.
+        what: String,
+    },
+    /// The interrupted session belongs to other settings.
+    #[error("{}: {what}", path.display())]
+    Mismatch {
+        /// The sidecar or data file.
+        path: PathBuf,
+        /// What differs, and what is expected.
+        what: String,
+    },
+    /// A file does not parse.
+    #[error(transparent)]
+    Faults(#[from] FileFaults),
+}
+
+/// Attaches the path and the action to an I/O error.
+pub(super) fn io<'a>(
+    path: &'a Path,
+    action: &'static str,
+) -> impl FnOnce(std::io::Error) -> StoreError + 'a {
+    move |source| StoreError::Io { path: path.to_owned(), action, source }
+}

@@ -1,0 +1,20 @@
+//! Floor 4: every file format, one file each. Errors carry file, line and column.
+//!
+//! Read: [`definition`], [`profile`], [`observer`] (TOML). Written while a session runs: [`results`] (CSV),
+//! [`sidecar`] and [`dataset`] (JSON), joined in [`session`]. Exported: [`image`] (PNG) and [`curve`] (CSV).
+
+pub mod check;
+pub mod curve;
+pub mod dataset;
+pub mod definition;
+mod fault;
+pub mod image;
+pub mod observer;
+pub mod profile;
+pub mod results;
+pub mod session;
+pub mod sidecar;
+mod text;
+mod toml_reader;
+
+pub use fault::{FileFault, FileFaults, StoreError};

@@ -1,0 +1,222 @@
+//! A session's rows: one CSV file, one row a trial, on disk before the next trial is shown.
+
+use std::{
+    fs::{self, File, OpenOptions, TryLockError},
+    io::{Read as _, Seek as _, SeekFrom, Write as _},
+    path::{Path, PathBuf},
+};
+
+use super::{FileFault, FileFaults, StoreError, dataset::sync_folder, fault::io};
+use crate::experiment::{Column, TrialRecord};
+
+/// The result file of a running session; locked against a second program while it is open.
+///
+/// What has been recorded is also kept in memory, so that a disk that fails or vanishes takes nothing with it.
+#[derive(Debug)]
+pub struct ResultFile {
+    path: PathBuf,
+    file: File,
+    /// Everything that belongs in the file.
+    content: Vec<u8>,
+    /// How much of it is known to be on disk.
+    on_disk: usize,
+}
+
+/// What an interrupted session left.
+#[derive(Debug, PartialEq)]
+pub struct Recovered {
+    /// Its rows in the order of the file.
+    pub rows: Vec<TrialRecord>,
+    /// A last line that was half written and is now cut off.
+    pub torn: Option<String>,
+}
+
+impl ResultFile {
+    /// Creates the file with its header; an existing one is never touched.
+    ///
+    /// # Errors
+    /// [`StoreError::Exists`], or the system's refusal.
+    pub fn create(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
+        let content = line(columns.iter().map(|column| column.name.as_str()));
+        Self::create_with(path, content)
+    }
+
+    fn create_with(path: &Path, content: Vec<u8>) -> Result<Self, StoreError> {
+        let file = OpenOptions::new().read(true).write(true).create_new(true).open(path);
+        let file = file.map_err(|error| match error.kind() {
+            std::io::ErrorKind::AlreadyExists => StoreError::Exists(path.to_owned()),
+            _ => io(path, "create")(error),
+        })?;
+        lock(&file, path)?;
+        let mut created = Self { path: path.to_owned(), file, content, on_disk: 0 };
+        if let Err(error) = created.flush() {
+            // Ours alone, made just now: half a file must not stand in the way of the next try.
+            let _ = fs::remove_file(path);
+            return Err(error);
+        }
+        sync_folder(path);
+        Ok(created)
+    }
+
+    /// Opens an interrupted session's file, reads its rows, and cuts off a last line that was half written.
+    ///
+    /// # Errors
+    /// [`StoreError::InUse`], rows that do not parse (each with line and column), or the system's refusal. Nothing is
+    /// changed then.
+    pub fn resume(path: &Path, columns: &[Column]) -> Result<(Self, Recovered), StoreError> {
+        let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
+        lock(&file, path)?;
+        let mut content = Vec::new();
+        file.read_to_end(&mut content).map_err(io(path, "read"))?;
+        let whole = whole_lines(&content);
+        let torn = (whole < content.len()).then(|| String::from_utf8_lossy(&content[whole..]).into_owned());
+        content.truncate(whole);
+        if content.is_empty() {
+            content = line(columns.iter().map(|column| column.name.as_str()));
+        }
+        let rows = parse(&path.display().to_string(), &content, columns)?;
+        let mut resumed = Self { path: path.to_owned(), file, content, on_disk: whole };
+        resumed.flush()?;
+        Ok((resumed, Recovered { rows, torn }))
+    }
+
+    /// Where the file is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Adds a row. It is kept in memory from here on, and on disk when this returns without an error.
+    ///
+    /// # Errors
+    /// The disk refuses, or the file is no longer the one that was written; [`ResultFile::flush`] tries again,
+    /// [`ResultFile::move_to`] goes elsewhere.
+    pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
+        self.content.extend(line(record.cells().iter().map(String::as_str)));
+        self.flush()
+    }
+
+    /// Writes what is not on disk yet.
+    ///
+    /// # Errors
+    /// As [`ResultFile::append`].
+    pub fn flush(&mut self) -> Result<(), StoreError> {
+        let path = self.path.clone();
+        // After a failed write the file may hold part of a row: back to what is known to be whole.
+        self.file.set_len(self.on_disk as u64).map_err(io(&path, "write"))?;
+        self.file.seek(SeekFrom::Start(self.on_disk as u64)).map_err(io(&path, "write"))?;
+        self.file.write_all(&self.content[self.on_disk..]).map_err(io(&path, "write"))?;
+        self.file.sync_data().map_err(io(&path, "write"))?;
+        self.verify()?;
+        self.on_disk = self.content.len();
+        Ok(())
+    }
+
+    /// A file that was deleted, or whose folder was, can still be written to on some systems, and the rows are lost
+    /// when the program ends: so its name is asked for after each row.
+    fn verify(&self) -> Result<(), StoreError> {
+        let changed = |what: String| StoreError::Changed { path: self.path.clone(), what };
+        let expected = self.content.len() as u64;
+        match fs::metadata(&self.path) {
+            Ok(metadata) if metadata.len() == expected => Ok(()),
+            Ok(metadata) => Err(changed(format!("has {} bytes instead of {expected}", metadata.len()))),
+            Err(error) => Err(changed(format!("is gone ({error})"))),
+        }
+    }
+
+    /// Puts everything recorded so far into a new file, and goes on there. The old file stays as it is.
+    ///
+    /// # Errors
+    /// The new place refuses; the old one is then kept.
+    pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
+        *self = Self::create_with(path, self.content.clone())?;
+        Ok(())
+    }
+}
+
+/// Reads all rows of a result file whose columns are known.
+///
+/// # Errors
+/// Every row that does not parse, with line and column; a header that is not the expected one.
+pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<TrialRecord>, FileFaults> {
+    let mut faults = Vec::new();
+    let mut rows = Vec::new();
+    let mut fault = |position: (usize, usize), message: String| {
+        faults.push(FileFault { file: file.to_owned(), position: Some(position), message });
+    };
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(content);
+    let mut record = csv::StringRecord::new();
+    let mut header = true;
+    loop {
+        let line_number = reader.position().line() as usize;
+        match reader.read_record(&mut record) {
+            Ok(false) => break,
+            Ok(true) if header => {
+                header = false;
+                header_faults(&record, columns, &mut fault);
+            }
+            Ok(true) => {
+                let cells: Vec<&str> = record.iter().collect();
+                let column_at = |index: usize| cells.iter().take(index).map(|c| c.chars().count() + 1).sum::<usize>() + 1;
+                if cells.len() != columns.len() {
+                    fault((line_number, 1), format!("the row has {} cells; expected {}", cells.len(), columns.len()));
+                    continue;
+                }
+                match TrialRecord::from_cells(&cells) {
+                    Ok(row) => rows.push(row),
+                    Err((index, message)) => fault((line_number, column_at(index)), message),
+                }
+            }
+            Err(error) => {
+                let message = match error.kind() {
+                    csv::ErrorKind::Utf8 { .. } => "the row is not UTF-8 text; expected UTF-8".to_owned(),
+                    _ => format!("the row cannot be read: {error}; expected CSV"),
+                };
+                fault((line_number, 1), message);
+            }
+        }
+    }
+    if header {
+        fault((1, 1), "the file is empty; expected a header row".to_owned());
+    }
+    if faults.is_empty() { Ok(rows) } else { Err(FileFaults(faults)) }
+}
+
+fn header_faults(header: &csv::StringRecord, columns: &[Column], fault: &mut impl FnMut((usize, usize), String)) {
+    let mut at = 1;
+    for i in 0..columns.len().max(header.len()) {
+        let (found, expected) = (header.get(i), columns.get(i).map(|column| column.name.as_str()));
+        if found != expected {
+            let found = found.map_or("missing".to_owned(), |name| format!("{name:?}"));
+            let expected = expected.map_or("no further column".to_owned(), |name| format!("{name:?}"));
+            fault((1, at), format!("column {} is {found}; expected {expected}", i + 1));
+            return;
+        }
+        at += found.map_or(0, |name| name.chars().count()) + 1;
+    }
+}
+
+/// Length of the leading part that consists of whole lines. A power cut may also leave a tail of zero bytes where the
+/// system had enlarged the file and not yet filled it: such a tail is no line.
+fn whole_lines(content: &[u8]) -> usize {
+    let written = content.iter().position(|byte| *byte == 0).unwrap_or(content.len());
+    content[..written].iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1)
+}
+
+/// One line of CSV. A cell never holds a line break, so that a line is a row.
+fn line<'a>(cells: impl Iterator<Item = &'a str>) -> Vec<u8> {
+    let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
+    let clean: Vec<String> = cells.map(|cell| cell.replace(['\n', '\r'], " ")).collect();
+    // Writing to memory does not fail, and one record cannot differ in length from the others.
+    let _ = writer.write_record(&clean);
+    writer.into_inner().unwrap_or_default()
+}
+
+fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
+    match file.try_lock() {
+        Ok(()) => Ok(()),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse(path.to_owned())),
+        // A file system without locks (some network shares) is no reason to refuse the session.
+        Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => Ok(()),
+        Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
+    }
+}

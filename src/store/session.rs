@@ -1,0 +1,217 @@
+//! A running session on disk: rows, sidecar and data set together.
+
+use std::path::Path;
+
+use super::{
+    StoreError,
+    dataset::SessionPaths,
+    definition,
+    results::ResultFile,
+    sidecar::{Sidecar, Sitting},
+};
+use crate::experiment::{
+    Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns,
+};
+
+/// Where a session's rows go.
+#[derive(Debug)]
+pub struct SessionStore {
+    protocol: Protocol,
+    identity: Identity,
+    paths: SessionPaths,
+    rows: ResultFile,
+    sidecar: Sidecar,
+}
+
+/// What is known of an interrupted session.
+#[derive(Debug)]
+pub struct Interrupted {
+    /// The order it had.
+    pub schedule: Schedule,
+    /// What is already rated.
+    pub resumed: Resumed,
+    /// When the last rating was given, in seconds since the session's start; 0 before the first.
+    pub elapsed_s: f64,
+    /// Its rows.
+    pub rows: Vec<TrialRecord>,
+    /// Which sitting begins now.
+    pub sitting: u32,
+    /// A half-written last line that was cut off.
+    pub torn: Option<String>,
+}
+
+impl SessionStore {
+    /// Makes the files of a new session.
+    ///
+    /// # Errors
+    /// [`StoreError::Exists`] where they are, or the system's refusal.
+    pub fn create(
+        results: &Path,
+        protocol: &Protocol,
+        identity: &Identity,
+        seed: u64,
+        sitting: Sitting,
+    ) -> Result<Self, StoreError> {
+        let paths = SessionPaths::new(results, protocol, identity);
+        if paths.csv.exists() {
+            return Err(StoreError::Exists(paths.csv));
+        }
+        paths.prepare(protocol)?;
+        let rows = ResultFile::create(&paths.csv, &columns(protocol))?;
+        let sidecar = Sidecar::new(protocol, seed, sitting);
+        if let Err(error) = sidecar.write(&paths.sidecar) {
+            // Nothing is recorded yet: the next try must not find a session.
+            drop(rows);
+            let _ = std::fs::remove_file(&paths.csv);
+            return Err(error);
+        }
+        Ok(Self { protocol: protocol.clone(), identity: identity.clone(), paths, rows, sidecar })
+    }
+
+    /// Goes on with an interrupted session.
+    ///
+    /// # Errors
+    /// [`StoreError::NothingToResume`]; [`StoreError::Mismatch`] where definition, seed or a row are not this
+    /// session's; [`StoreError::InUse`]; rows that do not parse. Nothing is changed then.
+    pub fn resume(
+        results: &Path,
+        protocol: &Protocol,
+        identity: &Identity,
+        seed: Option<u64>,
+        sitting: Sitting,
+    ) -> Result<(Self, Interrupted), StoreError> {
+        let paths = SessionPaths::new(results, protocol, identity);
+        if !paths.csv.exists() {
+            return Err(StoreError::NothingToResume(paths.csv));
+        }
+        let found = Sidecar::read(&paths.sidecar)?;
+        if let Some(sidecar) = &found {
+            matches(sidecar, protocol, seed, &paths.sidecar)?;
+        }
+        let (rows, recovered) = ResultFile::resume(&paths.csv, &columns(protocol))?;
+        let seed = found
+            .as_ref()
+            .map(|sidecar| sidecar.seed)
+            .or(recovered.rows.first().map(|row| row.seed))
+            .or(seed)
+            .unwrap_or_default();
+        let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
+        let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
+        let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
+        let mut resumed = Resumed::default();
+        for row in &recovered.rows {
+            let trial = row.planned_trial(&context).ok_or_else(|| {
+                mismatch(format!("row {} is not planned by this definition and seed {seed}; expected the definition that recorded it", row.row_id))
+            })?;
+            resumed.done.insert(trial);
+        }
+        let sitting_number = recovered.rows.last().map_or(0, |row| row.sitting).max(found.as_ref().map_or(0, |s| s.sittings.len() as u32)) + 1;
+        let mut sidecar = found.unwrap_or_else(|| {
+            let mut lost = Sidecar::new(protocol, seed, Sitting::default());
+            lost.sittings[0].incidents.push("the sidecar of the first sitting was missing on resume".to_owned());
+            lost
+        });
+        sidecar.sittings.push(sitting);
+        let mut store = Self { protocol: protocol.clone(), identity: identity.clone(), paths, rows, sidecar };
+        if let Some(torn) = &recovered.torn {
+            store.note(format!("a half-written last row was cut off and its trial asked again: {torn:?}"));
+        }
+        store.sidecar.write(&store.paths.sidecar)?;
+        let last = recovered.rows.last();
+        let interrupted = Interrupted {
+            resumed,
+            elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + row.response_time_s.0),
+            rows: recovered.rows,
+            sitting: sitting_number,
+            torn: recovered.torn,
+            schedule,
+        };
+        Ok((store, interrupted))
+    }
+
+    /// Where the rows are.
+    pub fn csv(&self) -> &Path {
+        self.rows.path()
+    }
+
+    /// Adds a row; on disk when this returns without an error, and kept in memory in any case.
+    ///
+    /// # Errors
+    /// The disk refuses; see [`SessionStore::retry`] and [`SessionStore::move_to`].
+    pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
+        self.rows.append(record)
+    }
+
+    /// Tries again to write what is not on disk yet.
+    ///
+    /// # Errors
+    /// As [`SessionStore::append`].
+    pub fn retry(&mut self) -> Result<(), StoreError> {
+        self.rows.flush().or_else(|error| {
+            // Deleted, and the place is usable again: everything goes into a new file of the same name.
+            if self.paths.csv.exists() {
+                return Err(error);
+            }
+            self.paths.prepare(&self.protocol)?;
+            self.rows.move_to(&self.paths.csv)?;
+            self.sidecar.write(&self.paths.sidecar)
+        })
+    }
+
+    /// Puts everything recorded so far into another results folder and goes on there.
+    ///
+    /// # Errors
+    /// The new folder refuses, or has this session already; the old one is then kept.
+    pub fn move_to(&mut self, results: &Path) -> Result<(), StoreError> {
+        let paths = SessionPaths::new(results, &self.protocol, &self.identity);
+        paths.prepare(&self.protocol)?;
+        let from = self.paths.csv.display().to_string();
+        self.rows.move_to(&paths.csv)?;
+        self.paths = paths;
+        self.note(format!("the results folder failed; the session was moved from {from}"));
+        self.sidecar.write(&self.paths.sidecar)
+    }
+
+    /// Whether a session is there, and complete: `None` where there is none.
+    pub fn exists(results: &Path, protocol: &Protocol, identity: &Identity) -> Option<bool> {
+        let paths = SessionPaths::new(results, protocol, identity);
+        paths.csv.exists().then(|| matches!(Sidecar::read(&paths.sidecar), Ok(Some(sidecar)) if sidecar.complete))
+    }
+
+    /// Notes what was mended, for the sidecar's next writing.
+    pub fn note(&mut self, incident: String) {
+        if let Some(sitting) = self.sidecar.sittings.last_mut() {
+            sitting.incidents.push(incident);
+        }
+    }
+
+    /// Ends the sitting: writes the sidecar with what is now known.
+    ///
+    /// # Errors
+    /// The system's refusal; the rows are safe all the same.
+    pub fn finish(&mut self, complete: bool, ended_at: String, frames: Option<serde_json::Value>) -> Result<(), StoreError> {
+        self.sidecar.complete = complete;
+        if let Some(sitting) = self.sidecar.sittings.last_mut() {
+            sitting.ended_at = Some(ended_at);
+            sitting.frames = frames;
+        }
+        self.sidecar.write(&self.paths.sidecar)
+    }
+}
+
+fn matches(sidecar: &Sidecar, protocol: &Protocol, seed: Option<u64>, path: &Path) -> Result<(), StoreError> {
+    let mismatch = |what: String| Err(StoreError::Mismatch { path: path.to_owned(), what });
+    let hash = definition::hash(protocol);
+    if sidecar.definition_sha256 != hash {
+        return mismatch(format!(
+            "the session was recorded with another definition (sha256 {}); expected that one, not {} (sha256 {hash})",
+            sidecar.definition_sha256, protocol.name
+        ));
+    }
+    match seed {
+        Some(seed) if seed != sidecar.seed => {
+            mismatch(format!("the session has seed {}; expected that or none, not {seed}", sidecar.seed))
+        }
+        _ => Ok(()),
+    }
+}

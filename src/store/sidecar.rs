@@ -1,0 +1,146 @@
+//! The sidecar of a result file: everything that is known of a session but its rows.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::{FileFault, FileFaults, StoreError, dataset::write_json, definition, fault::io};
+use crate::experiment::{GENERATOR, Protocol, columns};
+
+/// How an onset is defined, for the reader of the data.
+const ONSET: &str = "Start of the frame that presents the stimulus, by the program's monotonic clock. The graphics system gives no presentation time: the light follows by the compositor's and the screen's latency. A rating is stamped at the start of the frame that receives the key, so it is late by at most one frame interval.";
+
+/// The sidecar's content.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sidecar {
+    /// The definition in the form of its file.
+    pub definition: Value,
+    /// [`definition::hash`] of it.
+    pub definition_sha256: String,
+    /// Seed of the order of the trials.
+    pub seed: u64,
+    /// How the order follows from the seed.
+    pub generator: String,
+    /// How an onset is defined.
+    pub onset: String,
+    /// Whether every planned trial is rated.
+    pub complete: bool,
+    /// Each time the session was run or resumed.
+    pub sittings: Vec<Sitting>,
+    /// Description, unit and levels of every column.
+    pub columns: Map<String, Value>,
+}
+
+/// One stretch of a session, from its start or resumption to its end.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sitting {
+    /// RFC 3339, UTC.
+    pub started_at: String,
+    /// RFC 3339, UTC; absent after a crash.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ended_at: Option<String>,
+    /// What ran it.
+    pub program: Program,
+    /// Parameters of the simulated observer; absent for a person.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub observer: Option<Value>,
+    /// The display profile in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub display: Option<Value>,
+    /// The monitor as the system describes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub monitor: Option<Value>,
+    /// Distance, screen size, size of the stimulus.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub viewing: Option<Value>,
+    /// What was found before the session, each with a plain sentence.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub preflight: Vec<PreflightNote>,
+    /// Frame intervals over the sitting.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames: Option<Value>,
+    /// What was mended or moved.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub incidents: Vec<String>,
+}
+
+/// The program that ran a sitting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Program {
+    /// `machband`.
+    pub name: String,
+    /// Version of the package.
+    pub version: String,
+    /// Commit it was built from, or `unknown`.
+    pub commit: String,
+}
+
+impl Default for Program {
+    fn default() -> Self {
+        Self {
+            name: env!("CARGO_PKG_NAME").to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: env!("MACHBAND_COMMIT").to_owned(),
+        }
+    }
+}
+
+/// One finding before a session.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PreflightNote {
+    /// What was looked at.
+    pub check: String,
+    /// Whether it is as it should be.
+    pub ok: bool,
+    /// In words.
+    pub sentence: String,
+}
+
+impl Sidecar {
+    /// The sidecar of a new session.
+    pub fn new(protocol: &Protocol, seed: u64, sitting: Sitting) -> Self {
+        let columns = columns(protocol)
+            .into_iter()
+            .map(|column| (column.name.clone(), serde_json::to_value(&column).unwrap_or_default()))
+            .collect();
+        Self {
+            definition: serde_json::to_value(protocol).unwrap_or_default(),
+            definition_sha256: definition::hash(protocol),
+            seed,
+            generator: GENERATOR.to_owned(),
+            onset: ONSET.to_owned(),
+            complete: false,
+            sittings: vec![sitting],
+            columns,
+        }
+    }
+
+    /// Reads a sidecar; `None` where there is none.
+    ///
+    /// # Errors
+    /// Not readable, or not a sidecar, with line and column.
+    pub fn read(path: &Path) -> Result<Option<Self>, StoreError> {
+        let text = match std::fs::read(path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(io(path, "read")(error)),
+        };
+        serde_json::from_slice(&text).map(Some).map_err(|error| {
+            StoreError::Faults(FileFaults(vec![FileFault {
+                file: path.display().to_string(),
+                position: Some((error.line(), error.column())),
+                message: format!("is no sidecar of a session: {error}"),
+            }]))
+        })
+    }
+
+    /// Writes it whole or not at all.
+    ///
+    /// # Errors
+    /// The system's refusal.
+    pub fn write(&self, path: &Path) -> Result<(), StoreError> {
+        let value = serde_json::to_value(self).map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
+        write_json(path, &value)
+    }
+}

@@ -1,0 +1,386 @@
+//! The interpolation, the transfer functions and the way from light to codes, against other implementations and
+//! against what must be true of them.
+
+use machband::light::gamma::{equal_brightness_levels, nearest_equal_brightness_level};
+use machband::light::interpolation::{TANH_K, coefficients};
+use machband::light::quantize::reference_code;
+use machband::light::{
+    Bits, Depth, DepthError, Interpolation, LinearImage, Quantizer, Transfer, TransferError, TransferTable,
+};
+use proptest::prelude::*;
+
+fn depths() -> impl Iterator<Item = u8> {
+    1..=Depth::MAX_FINITE
+}
+
+/// Rows of a golden file: n, u, I_n(u).
+fn golden(file: &str) -> Vec<(Depth, f64, f64)> {
+    let path = format!("{}/tests/golden/{file}", env!("CARGO_MANIFEST_DIR"));
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
+    let rows = reader.records().map(|row| {
+        let row = row.unwrap();
+        (row[0].parse().unwrap(), row[1].parse().unwrap(), row[2].parse().unwrap())
+    });
+    rows.collect()
+}
+
+fn transfers() -> Vec<Transfer> {
+    let table = TransferTable::new(vec![0.0, 0.1, 0.35, 0.8, 1.0], vec![0.0, 0.004, 0.11, 0.55, 1.0]).unwrap();
+    vec![
+        Transfer::Linear,
+        Transfer::Srgb,
+        Transfer::gamma(2.2).unwrap(),
+        Transfer::gamma(1.8).unwrap(),
+        Transfer::gamma(0.45).unwrap(),
+        Transfer::Table(table),
+    ]
+}
+
+#[test]
+fn interpolation_agrees_with_other_implementations() {
+    for (file, rows) in [("interpolation.csv", 55), ("interpolation_n32.csv", 57)] {
+        let golden = golden(file);
+        assert_eq!(golden.len(), rows, "{file}");
+        for (depth, u, expected) in golden {
+            let value = Interpolation::new(depth).value(u);
+            assert!((value - expected).abs() <= 1e-12, "n={depth} u={u}: {value}, not {expected}");
+            // The lower half does not cancel: it is good relatively, however small.
+            if u <= 0.5 {
+                assert!((value - expected).abs() <= 1e-12 * expected, "n={depth} u={u}: {value}, not {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn interpolation_is_the_text_book_polynomial() {
+    let expected = |u: f64| [u, u * u * (3.0 - 2.0 * u), u.powi(3) * (10.0 + u * (-15.0 + 6.0 * u))];
+    for i in 0..=1000 {
+        let u = f64::from(i) / 1000.0;
+        for (n, expected) in (1..).zip(expected(u)) {
+            let value = Interpolation::new(Depth::finite(n).unwrap()).value(u);
+            assert!((value - expected).abs() <= 4e-15, "n={n} u={u}");
+        }
+    }
+    let slopes = [1.0, 3.0 / 2.0, 15.0 / 8.0, 35.0 / 16.0, 315.0 / 128.0];
+    for (n, slope) in (1..).zip(slopes) {
+        let middle = Interpolation::new(Depth::Finite(n)).slope(0.5);
+        assert!((middle - slope).abs() < 1e-14, "n={n}: {middle}");
+    }
+}
+
+/// n − 1 derivatives vanish at the ends and the n-th does not: I_n(h) goes as hⁿ, with the coefficient C(2n−1, n).
+#[test]
+fn derivatives_vanish_up_to_the_depth_and_then_jump() {
+    for n in depths() {
+        let i = Interpolation::new(Depth::Finite(n));
+        let h = 1e-6;
+        let order = (i.value(2.0 * h) / i.value(h)).log2();
+        assert!((order - f64::from(n)).abs() < 1e-4, "n={n}: the foot has order {order}");
+        let leading: f64 = (1..=i32::from(n)).map(|k| f64::from(i32::from(n) - 1 + k) / f64::from(k)).product();
+        let jump = i.value(h) / h.powi(n.into());
+        assert!((jump / leading - 1.0).abs() < 1e-4, "n={n}: the n-th derivative jumps by {jump}·n!, not {leading}·n!");
+        // The shoulder mirrors the foot. 1 − I is representable to 1e-16, so h is as large as the order needs.
+        let h = 10f64.powf(-8.0 / f64::from(n)).min(0.01);
+        let shoulder = 1.0 - i.value(1.0 - h);
+        assert!((shoulder - i.value(h)).abs() < 2e-16, "n={n}");
+        assert_eq!((i.value(-1e-300), i.value(0.0), i.value(1.0), i.value(7.0)), (0.0, 0.0, 1.0, 1.0));
+    }
+}
+
+#[test]
+fn slope_and_curvature_are_the_derivatives() {
+    let finite = depths().map(|n| Interpolation::new(Depth::Finite(n)));
+    let infinite = [5.0, 10.0, 0.1].map(|k| Interpolation::with_k(Depth::Infinite, k));
+    for i in finite.chain(infinite) {
+        for step in 1..100 {
+            let (u, h) = (f64::from(step) / 100.0, 1e-6);
+            let slope = (i.value(u + h) - i.value(u - h)) / (2.0 * h);
+            assert!((slope - i.slope(u)).abs() < 1e-7, "{i:?} {u}: slope {} not {slope}", i.slope(u));
+            let curvature = (i.slope(u + h) - i.slope(u - h)) / (2.0 * h);
+            assert!((curvature - i.curvature(u)).abs() < 1e-5, "{i:?} {u}: curvature {}", i.curvature(u));
+        }
+        assert_eq!((i.slope(-0.1), i.slope(1.0), i.curvature(-0.1), i.curvature(1.0)), (0.0, 0.0, 0.0, 0.0));
+    }
+}
+
+#[test]
+fn printed_infinite_depth_leaves_a_residual() {
+    let printed = Interpolation::new(Depth::Infinite);
+    assert_eq!(TANH_K, 5.0);
+    assert!((printed.value(0.0) - 0.006_692_850_924).abs() < 1e-12);
+    assert!((Interpolation::with_k(Depth::Infinite, 10.0).value(0.0) - 4.54e-5).abs() < 1e-7);
+    assert_eq!((printed.value(-1e-9), printed.value(0.5), printed.value(1.0)), (0.0, 0.5, 1.0));
+    assert!((printed.slope(0.5) - 2.5).abs() < 1e-15);
+    // What only a jump reaches is reached at the end where it is.
+    assert_eq!((printed.inverse(0.005), printed.inverse(0.999)), (0.0, 1.0));
+}
+
+proptest! {
+    #[test]
+    fn halves_complement_each_other(n in 1u8..=32, billionths in 0u32..=1 << 30) {
+        // A multiple of 2⁻³⁰, so that 1 − u is exact and all of the error is the function's.
+        let u = f64::from(billionths) / f64::from(1u32 << 30);
+        let i = Interpolation::new(Depth::Finite(n));
+        prop_assert!((i.value(u) + i.value(1.0 - u) - 1.0).abs() <= f64::EPSILON);
+        let i = Interpolation::new(Depth::Infinite);
+        if u > 0.0 && u < 1.0 {
+            prop_assert!((i.value(u) + i.value(1.0 - u) - 1.0).abs() <= f64::EPSILON);
+        }
+    }
+
+    #[test]
+    fn interpolation_never_falls(n in 1u8..=32, k in 0.01..100.0f64, a in -0.1..1.1f64, step in 1e-12..0.1f64) {
+        for i in [Interpolation::new(Depth::Finite(n)), Interpolation::with_k(Depth::Infinite, k)] {
+            prop_assert!(i.value(a + step) >= i.value(a));
+        }
+    }
+
+    #[test]
+    fn inverse_undoes_the_interpolation(n in 1u8..=32, k in 0.01..40.0f64, exponent in -40.0..0.0f64, top: bool) {
+        let v = if top { 1.0 - 0.5 * exponent.exp() } else { 0.5 * exponent.exp() };
+        for i in [Interpolation::new(Depth::Finite(n)), Interpolation::with_k(Depth::Infinite, k)] {
+            let u = i.inverse(v);
+            prop_assert!((0.0..=1.0).contains(&u));
+            // 4e-16 of u to either side is across v, as far as v itself can be told.
+            let wobble = 1e-14 * v.min(1.0 - v) + f64::EPSILON;
+            prop_assert!(i.value(u + 4e-16) >= v - wobble, "{i:?} v={v} u={u}");
+            prop_assert!(i.value(u - 4e-16) <= v + wobble, "{i:?} v={v} u={u}");
+        }
+    }
+}
+
+/// Largest error of the polynomial by Horner's rule, on 0…`end`, in f64 and in f32.
+fn coefficient_errors<const N: usize>(end: f64) -> (f64, f64) {
+    const STEPS: u32 = 4096;
+    let c = coefficients::<N>();
+    let i = Interpolation::new(Depth::finite(N as u32).unwrap());
+    (0..=STEPS).fold((0.0, 0.0), |(worst, worst_f32), step| {
+        let u = end * f64::from(step) / f64::from(STEPS);
+        let u_f32 = u as f32;
+        let value = c.iter().rev().fold(0.0, |sum, c| sum * u + c) * u.powi(N as i32);
+        let value_f32 = c.iter().rev().fold(0f32, |sum, &c| sum * u_f32 + c as f32) * u_f32.powi(N as i32);
+        let error = (value - i.value(u)).abs();
+        let error_f32 = (f64::from(value_f32) - i.value(f64::from(u_f32))).abs();
+        (error.max(worst), error_f32.max(worst_f32))
+    })
+}
+
+#[test]
+fn coefficients_are_exact_and_as_good_as_documented() {
+    assert_eq!(coefficients::<1>(), [1.0]);
+    assert_eq!(coefficients::<2>(), [3.0, -2.0]);
+    assert_eq!(coefficients::<3>(), [10.0, -15.0, 6.0]);
+    assert_eq!(coefficients::<4>(), [35.0, -84.0, 70.0, -20.0]);
+    const AT_COMPILE_TIME: [f64; 5] = coefficients::<5>();
+    assert_eq!(AT_COMPILE_TIME, [126.0, -420.0, 540.0, -315.0, 70.0]);
+    macro_rules! errors { ($end:expr; $($n:literal)*) => { vec![$(($n, coefficient_errors::<$n>($end))),*] }; }
+    for (n, (in_f64, in_f32)) in errors!(1.0; 1 2 3 4 5 6) {
+        assert!(in_f64 <= 1e-12, "N={n} on 0…1: {in_f64}");
+        assert!(in_f32 <= [1e-6, 1e-6, 1e-6, 1e-5, 1.0, 1.0][n - 1], "N={n} on 0…1 in f32: {in_f32}");
+    }
+    for (n, (in_f64, in_f32)) in errors!(0.5; 1 2 3 4 5 6 7 8 9 10 11 12) {
+        assert!(in_f64 <= 1e-12, "N={n} on 0…½: {in_f64}");
+        assert!(n > 5 || in_f32 <= 1e-6, "N={n} on 0…½ in f32: {in_f32}");
+    }
+    // Beyond them the bound is broken: the documentation is not too modest.
+    assert!(errors!(1.0; 7)[0].1.0 > 1e-12 && errors!(0.5; 6)[0].1.1 > 1e-6);
+}
+
+#[test]
+fn depths_are_read_and_refused_with_reasons() {
+    for text in ["1", "3", "32", "inf"] {
+        assert_eq!(text.parse::<Depth>().unwrap().to_string(), text);
+    }
+    assert_eq!(Depth::finite(33), Err(DepthError::OutOfRange("33".into())));
+    let message = |text: &str| text.parse::<Depth>().unwrap_err().to_string();
+    assert_eq!(message("0"), "depth 0 is outside 1…32; expected a whole number from 1 to 32, or inf");
+    assert_eq!(message("-1"), "depth -1 is outside 1…32; expected a whole number from 1 to 32, or inf");
+    assert_eq!(message("2.5"), "depth \"2.5\" is not a whole number; expected a whole number from 1 to 32, or inf");
+}
+
+#[test]
+fn transfer_functions_have_their_published_values() {
+    // colour-science 0.4's eotf_sRGB(0.5) and the standard's own mid grey.
+    let srgb = Transfer::Srgb;
+    assert!((srgb.linear_from_encoded(0.5) - 0.214_041_140_482_232_55).abs() < 1e-15);
+    assert!((srgb.linear_from_encoded(0.04) - 0.04 / 12.92).abs() < 1e-17);
+    assert!((Transfer::Gamma(2.2).encoded_from_linear(0.25) - 0.532_520_5).abs() < 1e-6);
+    for transfer in transfers() {
+        assert_eq!((transfer.linear_from_encoded(0.0), transfer.linear_from_encoded(1.0)), (0.0, 1.0));
+        assert_eq!((transfer.encoded_from_linear(-3.0), transfer.encoded_from_linear(9.0)), (0.0, 1.0));
+        assert!(transfer.encoded_from_linear(f64::NAN).is_nan());
+    }
+}
+
+#[test]
+fn transfer_functions_are_inverses_and_rise() {
+    for transfer in transfers() {
+        let (mut last_linear, mut last_encoded) = (-1.0, -1.0);
+        for i in 0..=65_536 {
+            let at = f64::from(i) / 65_536.0;
+            let linear = transfer.linear_from_encoded(at);
+            assert!((transfer.encoded_from_linear(linear) - at).abs() < 1e-14, "{transfer} {at}");
+            let encoded = transfer.encoded_from_linear(at);
+            assert!((transfer.linear_from_encoded(encoded) - at).abs() < 1e-14, "{transfer} {at}");
+            assert!(linear > last_linear && encoded > last_encoded, "{transfer} {at}");
+            (last_linear, last_encoded) = (linear, encoded);
+        }
+    }
+    // The standard's constants do not quite meet; across the gap the encoded value stands still.
+    let knee: f64 = 0.04045 / 12.92;
+    let across = [knee.next_down(), knee, knee.next_up(), knee + 1e-9, knee + 2e-9, knee + 1e-8];
+    let encoded = across.map(|linear| Transfer::Srgb.encoded_from_linear(linear));
+    assert!(encoded.is_sorted(), "{encoded:?}");
+}
+
+#[test]
+fn transfers_are_read_and_refused_with_reasons() {
+    for text in ["srgb", "linear", "gamma:2.2", "gamma:1"] {
+        assert_eq!(text.parse::<Transfer>().unwrap().to_string(), text);
+    }
+    let message = |text: &str| text.parse::<Transfer>().unwrap_err().to_string();
+    assert!(message("rec709").contains("expected srgb, linear or gamma:G"));
+    for text in ["gamma:0", "gamma:-1", "gamma:nan", "gamma:inf", "gamma:", "gamma:11"] {
+        assert!(message(text).contains("outside 0.1…10"), "{text}: {}", message(text));
+    }
+}
+
+#[test]
+fn transfer_tables_must_rise_over_the_whole_range() {
+    let table = |encoded: &[f64], linear: &[f64]| TransferTable::new(encoded.to_vec(), linear.to_vec());
+    assert!(table(&[0.0, 0.5, 1.0], &[0.0, 0.2, 1.0]).is_ok());
+    assert_eq!(table(&[0.0, 1.0], &[0.0]), Err(TransferError::Length { encoded: 2, linear: 1 }));
+    assert_eq!(table(&[], &[]), Err(TransferError::Length { encoded: 0, linear: 0 }));
+    let flat = table(&[0.0, 0.5, 1.0], &[0.0, 0.0, 1.0]);
+    assert_eq!(flat, Err(TransferError::NotIncreasing { column: "linear", index: 1, value: 0.0, previous: 0.0 }));
+    assert!(matches!(
+        table(&[0.0, f64::NAN, 1.0], &[0.0, 0.5, 1.0]),
+        Err(TransferError::NotIncreasing { column: "encoded", index: 1, .. })
+    ));
+    let short = table(&[0.0, 1.0], &[0.01, 1.0]);
+    assert_eq!(short, Err(TransferError::Range { column: "linear", first: 0.01, last: 1.0 }));
+}
+
+#[test]
+fn every_code_survives_the_round_trip() {
+    for transfer in transfers() {
+        for bits in [Bits::Eight, Bits::Sixteen] {
+            let quantizer = Quantizer::new(&transfer, bits);
+            for code in 0..=bits.max_code() {
+                assert_eq!(quantizer.code(quantizer.linear(code) as f32), code, "{transfer} {bits} bits");
+            }
+        }
+    }
+}
+
+#[test]
+fn codes_rise_with_light() {
+    for transfer in transfers() {
+        let eight = Quantizer::new(&transfer, Bits::Eight);
+        let sixteen = Quantizer::new(&transfer, Bits::Sixteen);
+        let mut last = (0, 0);
+        for i in 0..=65_536u32 {
+            let linear = i as f32 / 65_536.0;
+            let codes = (eight.code(linear), sixteen.code(linear));
+            assert!(codes.0 >= last.0 && codes.1 >= last.1, "{transfer} {linear}");
+            last = codes;
+        }
+        assert_eq!(last, (255, 65_535));
+    }
+}
+
+/// The quantizer against the formula that defines it: both sides of every threshold, and all over the range.
+#[test]
+fn quantizer_is_the_plain_formula() {
+    for transfer in transfers().into_iter().chain([Transfer::Gamma(10.0), Transfer::Gamma(0.1)]) {
+        for (bits, around, stride) in [(Bits::Eight, 300u32, 4_001), (Bits::Sixteen, 2, 40_009)] {
+            let quantizer = Quantizer::new(&transfer, bits);
+            let agree = |v: f32| {
+                let plain = reference_code(&transfer, bits, v);
+                assert_eq!(quantizer.code(v), plain, "{transfer} {bits} bits, {v:e} = {:#x}", v.to_bits());
+            };
+            for code in 1..=bits.max_code() {
+                let threshold = quantizer.threshold(code);
+                assert!(reference_code(&transfer, bits, threshold) >= code);
+                assert!(reference_code(&transfer, bits, threshold.next_down()) < code);
+                let at = threshold.to_bits();
+                (at.saturating_sub(around)..=at + around).for_each(|at| agree(f32::from_bits(at)));
+            }
+            (0..1.5f32.to_bits()).step_by(stride).for_each(|at| agree(f32::from_bits(at)));
+            [-1.0, -0.0, 0.0, 1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY].map(agree);
+            assert_eq!((quantizer.code(f32::NAN), quantizer.threshold(0)), (0, 0.0));
+        }
+    }
+}
+
+#[test]
+fn rounding_is_to_nearest() {
+    let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
+    assert_eq!((quantizer.code(0.4999 / 255.0), quantizer.code(0.5001 / 255.0)), (0, 1));
+    assert_eq!(quantizer.code(254.501 / 255.0), 255);
+    // ¼ and ¾ in sRGB: 137 and 225.
+    let srgb = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+    assert_eq!((srgb.code(0.25), srgb.code(0.75)), (137, 225));
+}
+
+#[test]
+fn images_keep_their_order() {
+    let image = LinearImage::from_fn(3, 2, |x, y| [x as f32 / 2.0, y as f32, 0.5]);
+    assert_eq!(image.pixel(2, 0), [1.0, 0.0, 0.5]);
+    assert_eq!(image.pixel(0, 1), [0.0, 1.0, 0.5]);
+    let eight = Quantizer::new(&Transfer::Linear, Bits::Eight).quantize(&image);
+    assert_eq!((eight.width, eight.height, eight.pixel(2, 1)), (3, 2, [255, 255, 128]));
+    assert_eq!(&eight.bytes().unwrap()[..6], [0, 0, 128, 128, 0, 128]);
+    assert!(eight.words().is_none());
+    let sixteen = Quantizer::new(&Transfer::Linear, Bits::Sixteen).quantize(&image);
+    assert_eq!(sixteen.words().unwrap()[3..6], [32_768, 0, 32_768]);
+    assert!(sixteen.bytes().is_none());
+}
+
+/// Equal ratios, and the nearest level by ratio, half-way upwards.
+#[test]
+fn equal_brightness_steps_are_equal_ratios() {
+    let levels = equal_brightness_levels(0.02, 4).unwrap();
+    assert_eq!((levels.len(), levels[0], levels[4]), (5, 0.02, 1.0));
+    for pair in levels.windows(2) {
+        assert!((pair[1] / pair[0] - 50f64.powf(0.25)).abs() < 1e-12);
+    }
+    for (j, &level) in levels.iter().enumerate() {
+        assert_eq!(nearest_equal_brightness_level(level, 0.02, 4), j);
+        let half_way = level * 50f64.powf(0.125);
+        assert_eq!(nearest_equal_brightness_level(half_way * 1.0001, 0.02, 4), (j + 1).min(4));
+        assert_eq!(nearest_equal_brightness_level(half_way / 1.0001, 0.02, 4), j);
+    }
+    assert_eq!(nearest_equal_brightness_level(0.0, 0.02, 4), 0);
+    assert_eq!(nearest_equal_brightness_level(f64::NAN, 0.02, 4), 0);
+    for (i0, n) in [(0.0, 4), (1.0, 4), (-0.1, 4), (f64::NAN, 4), (0.1, 0)] {
+        assert!(equal_brightness_levels(i0, n).is_err());
+    }
+}
+
+/// Sizes and angles worked out by hand: a 10° window at 50 cm, on a screen of 1920 pixels over 53.1 cm.
+#[test]
+fn two_givens_fix_the_third() {
+    use machband::display::geometry::{Geometry, Screen, Viewing, width_cm_from_card};
+    let by_angle = Geometry::resolve(Some(10.0), None, Some(50.0)).unwrap();
+    assert!((by_angle.size_cm() - 8.748_866_352_592_4).abs() < 1e-12);
+    let by_size = Geometry::resolve(None, Some(by_angle.size_cm()), Some(50.0)).unwrap();
+    assert!((by_size.angle_deg() - 10.0).abs() < 1e-12);
+    let by_both = Geometry::resolve(Some(10.0), Some(by_angle.size_cm()), None).unwrap();
+    assert!((by_both.distance_cm() - 50.0).abs() < 1e-12);
+    assert!(Geometry::resolve(Some(10.0), None, None).unwrap_err().to_string().contains("exactly two"));
+    assert!(Geometry::resolve(Some(10.0), Some(1.0), Some(1.0)).is_err());
+    assert!(Geometry::resolve(Some(180.0), None, Some(50.0)).is_err());
+
+    let viewing = Viewing::new(Screen::new(1920, 1080, 53.1).unwrap(), 50.0).unwrap();
+    let px = viewing.px_from_deg(10.0);
+    assert!((px - 8.748_866_352_592_4 * 1920.0 / 53.1).abs() < 1e-9);
+    assert!((viewing.deg_from_px(px) - 10.0).abs() < 1e-12);
+    assert!((viewing.px_from_deg(0.001) / 0.001 / viewing.px_per_degree() - 1.0).abs() < 1e-9);
+    assert!(Viewing::new(viewing.screen(), f64::NAN).is_err());
+    let message = Screen::new(1920, 1080, 0.0).unwrap_err().to_string();
+    assert_eq!(message, "screen width 0 is outside 1…10000 cm; expected the width of the lit part of the screen");
+    assert!((width_cm_from_card(428.0, 1920).unwrap() - 38.4).abs() < 1e-12);
+    assert!(width_cm_from_card(0.0, 1920).is_err());
+}

@@ -1,0 +1,367 @@
+//! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and the fast path against the reference.
+
+use machband::light::{Bits, Depth, LinearImage, Quantizer, Samples, Transfer, TransferTable};
+use machband::stimulus::{MachBand, ParameterValue, Stimulus, StimulusColor};
+use proptest::prelude::*;
+
+fn quantizers() -> Vec<Quantizer> {
+    let table = TransferTable::new(vec![0.0, 0.2, 0.5, 0.9, 1.0], vec![0.0, 0.01, 0.3, 0.7, 1.0]).unwrap();
+    let transfers = [
+        Transfer::Linear,
+        Transfer::Srgb,
+        Transfer::Gamma(2.2),
+        Transfer::Gamma(0.5),
+        Transfer::Table(table),
+    ];
+    transfers.iter().map(|transfer| Quantizer::new(transfer, Bits::Eight)).collect()
+}
+
+/// The fast path gives the reference's bytes, or says where it does not.
+fn assert_fast_is_reference(band: &MachBand, size: u32, quantizer: &Quantizer) {
+    let fast = band.codes(size, quantizer);
+    let plain = quantizer.quantize(&band.linear(size));
+    if fast == plain {
+        return;
+    }
+    let place = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
+    let (x, y) = place.into_iter().find(|&(x, y)| fast.pixel(x, y) != plain.pixel(x, y)).unwrap();
+    let (fast, plain) = (fast.pixel(x, y), plain.pixel(x, y));
+    panic!("{band:?}, size {size}, {}: pixel ({x}, {y}) is {fast:?}, not {plain:?}", quantizer.transfer());
+}
+
+fn assert_point_mirrored(a: &LinearImage, b: &LinearImage) {
+    let reversed: Vec<f32> = b.data.chunks(3).rev().flatten().copied().collect();
+    assert!(a.data == reversed);
+}
+
+const ORIENTATIONS: [f64; 24] = [
+    0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0, 33.0, 26.565, 26.565_051_177_077_99, 1e-3, 89.999, 90.001,
+    1e-9, 89.0, 91.0, -33.0, 213.0, 147.0, 500.7, -1234.5, 60.0, 63.434_948_823,
+];
+
+#[test]
+fn fast_path_is_the_reference_for_every_orientation_and_shape() {
+    let quantizers = quantizers();
+    let color = "1,0.5,0.2".parse().unwrap();
+    let mut which = 0;
+    for orientation_deg in ORIENTATIONS {
+        for size in [1, 2, 3, 7, 64, 255] {
+            for width in [0.0, 1e-300, 1e-9, 0.004, 0.1, 0.4, 0.5, 1.0] {
+                for depth in [Depth::Finite(1), Depth::Finite(2), Depth::Finite(3), Depth::Finite(32), Depth::Infinite] {
+                    let mut band = MachBand { width, depth, orientation_deg, ..MachBand::default() };
+                    // Every combination of these would take minutes; each meets all others within a few rounds.
+                    which += 1;
+                    if which % 3 == 0 {
+                        band.color = color;
+                    }
+                    if which % 7 == 0 {
+                        (band.low, band.high) = (0.0, 1.0);
+                    }
+                    if which % 11 == 0 {
+                        band.tanh_k = 10.0;
+                    }
+                    assert_fast_is_reference(&band, size, &quantizers[which % quantizers.len()]);
+                }
+            }
+        }
+    }
+}
+
+/// Orientations whose tangent is a ratio of small numbers, and widths that put steps on pixel centres.
+#[test]
+fn fast_path_is_the_reference_where_steps_meet_pixel_centres() {
+    let linear = Quantizer::new(&Transfer::Linear, Bits::Eight);
+    for size in [16, 51, 255, 256] {
+        for orientation_deg in [0.0, 45.0, 135.0, 225.0, 0.5f64.atan().to_degrees(), 0.75f64.atan().to_degrees()] {
+            for steps in [1, 2, 4, 5, 17, 51, 85, 255] {
+                // Linear light, linear ramp, one code for every pixel or every few of them.
+                for width in [1.0, 0.5, f64::from(steps) / f64::from(size)] {
+                    let high = f64::from(steps) / 255.0;
+                    let band = MachBand { width: width.min(1.0), low: 0.0, high, orientation_deg, ..MachBand::default() };
+                    assert_fast_is_reference(&band, size, &linear);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn fast_path_is_the_reference_at_full_size() {
+    let srgb = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+    for orientation_deg in [33.0, 45.0, 89.0, 89.9, -61.3, 170.0] {
+        let band = MachBand { depth: Depth::Finite(3), orientation_deg, ..MachBand::default() };
+        assert_fast_is_reference(&band, 1024, &srgb);
+        assert_fast_is_reference(&band, 1023, &srgb);
+    }
+}
+
+fn depth() -> impl Strategy<Value = Depth> {
+    prop_oneof![8 => (1u8..=32).prop_map(Depth::Finite), 2 => Just(Depth::Infinite)]
+}
+
+fn width() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0f64, (-30.0..0.0f64).prop_map(f64::exp)]
+}
+
+fn steepness() -> impl Strategy<Value = f64> {
+    prop_oneof![0.01..100.0f64, (-40.0..0.0f64).prop_map(f64::exp)]
+}
+
+fn orientation() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        -720.0..720.0f64,
+        (-16..16i32).prop_map(|eighths| f64::from(eighths) * 45.0),
+        (-16..16i32, -20.0..1.0f64).prop_map(|(eighths, off)| f64::from(eighths) * 45.0 + off.exp()),
+        (-20..20i32, 1..20i32).prop_map(|(rise, run)| f64::from(rise).atan2(run.into()).to_degrees()),
+    ]
+}
+
+fn luminances() -> impl Strategy<Value = (f64, f64)> {
+    let sorted = |(a, b): (f64, f64)| (a.min(b), a.max(b));
+    prop_oneof![
+        Just((0.25, 0.75)),
+        Just((0.0, 1.0)),
+        (0.0..=1.0f64, 0.0..=1.0f64).prop_map(sorted),
+        // A few codes, one, or none apart.
+        (0.0..=1.0f64, -20.0..-3.0f64).prop_map(|(low, span)| (low, (low + span.exp()).min(1.0))),
+        // On a code's threshold, or a rounding off it.
+        (1u16..255, 1u16..255, -2..=2i32).prop_map(|(a, b, off)| {
+            let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
+            let low = f64::from(quantizer.threshold(a.min(b)));
+            let high = f64::from(quantizer.threshold(a.max(b)));
+            (low + f64::from(off) * f64::EPSILON, high + f64::from(off) * 1e-9)
+        })
+        .prop_map(sorted),
+    ]
+}
+
+fn color() -> impl Strategy<Value = StimulusColor> {
+    prop_oneof![
+        Just(StimulusColor::YELLOW),
+        Just(StimulusColor::GRAY),
+        (0.0..=1.0f64, 0.0..=1.0f64, 0.001..=1.0f64).prop_map(|(r, g, b)| StimulusColor::new([r, g, b]).unwrap()),
+        (0.001..=1.0f64).prop_map(|r| StimulusColor::new([0.0, r, r]).unwrap()),
+    ]
+}
+
+prop_compose! {
+    fn band()(
+        width in width(), depth in depth(), tanh_k in steepness(), orientation_deg in orientation(),
+        (low, high) in luminances(), color in color(),
+    ) -> MachBand {
+        MachBand { width, depth, tanh_k, orientation_deg, low, high, color }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1500))]
+
+    #[test]
+    fn fast_path_is_the_reference(
+        band in band(),
+        size in prop_oneof![1u32..140, Just(255), Just(256)],
+        (transfer, gamma) in (0usize..5, 0.1..10.0f64),
+    ) {
+        prop_assert_eq!(band.validate(), Ok(()));
+        let quantizer = match transfer {
+            4 => Quantizer::new(&Transfer::gamma(gamma).unwrap(), Bits::Eight),
+            other => quantizers().swap_remove(other),
+        };
+        assert_fast_is_reference(&band, size, &quantizer);
+    }
+
+    #[test]
+    fn half_a_turn_is_a_point_mirror(band in band(), size in 1u32..40, millidegrees in -400_000..400_000i32) {
+        let orientation_deg = f64::from(millidegrees) / 1000.0;
+        let image = MachBand { orientation_deg, ..band.clone() }.linear(size);
+        let turned = MachBand { orientation_deg: orientation_deg + 180.0, ..band }.linear(size);
+        assert_point_mirrored(&image, &turned);
+    }
+}
+
+#[test]
+fn a_quarter_turn_swaps_rows_and_columns() {
+    for (size, width) in [(64, 0.4), (65, 0.0), (33, 1.0)] {
+        let level = MachBand { width, depth: Depth::Finite(2), ..MachBand::default() };
+        let upright = MachBand { orientation_deg: 90.0, ..level.clone() };
+        let (level, upright) = (level.linear(size), upright.linear(size));
+        for y in 0..size {
+            for x in 0..size {
+                // 0° brightens to the right, 90° upwards; rows count downwards.
+                assert_eq!(level.pixel(x, y), upright.pixel(y, size - 1 - x));
+            }
+        }
+        assert!(level.pixel(size - 1, 0)[0] > level.pixel(0, 0)[0]);
+    }
+    // 45° and its neighbours: swapping the axes takes θ to 90° − θ.
+    let at = |orientation_deg| MachBand { orientation_deg, ..MachBand::default() }.linear(50);
+    let (a, b) = (at(20.0), at(70.0));
+    for (x, y) in [(0, 0), (49, 3), (17, 30), (25, 25)] {
+        assert_eq!(a.pixel(x, y), b.pixel(49 - y, 49 - x));
+    }
+}
+
+#[test]
+fn plateaus_are_exactly_a_quarter_and_three_quarters() {
+    for depth in [Depth::Finite(1), Depth::Finite(3), Depth::Infinite] {
+        for orientation_deg in [0.0, 33.0, 90.0, 200.0] {
+            let size = 128;
+            let band = MachBand { depth, orientation_deg, ..MachBand::default() };
+            let image = band.linear(size);
+            let (sin, cos) = orientation_deg.to_radians().sin_cos();
+            for y in 0..size {
+                for x in 0..size {
+                    let right = (f64::from(x) + 0.5) / f64::from(size) - 0.5;
+                    let up = 0.5 - (f64::from(y) + 0.5) / f64::from(size);
+                    let across = right * cos + up * sin;
+                    let [red, green, blue] = image.pixel(x, y);
+                    assert_eq!((red, blue), (green, 0.0));
+                    if across < -0.2 - 1e-12 {
+                        assert_eq!(red, 0.25);
+                    } else if across > 0.2 + 1e-12 {
+                        assert_eq!(red, 0.75);
+                    } else {
+                        assert!((0.25..=0.75).contains(&red));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A pixel and the one opposite add up to low + high, to the rounding of f32.
+#[test]
+fn opposite_pixels_complement_each_other() {
+    for width in [0.0, 0.3, 1.0] {
+        for size in [40, 41] {
+            let band = MachBand { width, depth: Depth::Finite(2), orientation_deg: 17.0, ..MachBand::default() };
+            let image = band.linear(size);
+            for y in 0..size {
+                for x in 0..size {
+                    let sum = image.pixel(x, y)[0] + image.pixel(size - 1 - x, size - 1 - y)[0];
+                    assert!((sum - 1.0).abs() <= f32::EPSILON, "({x}, {y}): {sum}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_ramp_is_linear_in_light_and_samples_pixel_centres() {
+    let band = MachBand { width: 1.0, ..MachBand::default() };
+    let image = band.linear(4);
+    let row: Vec<f32> = (0..4).map(|x| image.pixel(x, 0)[0]).collect();
+    assert_eq!(row, [0.3125, 0.4375, 0.5625, 0.6875]);
+    assert_eq!((band.luminance_at(-0.5), band.luminance_at(0.0), band.luminance_at(0.5)), (0.25, 0.5, 0.75));
+    let step = MachBand { width: 0.0, ..MachBand::default() };
+    assert_eq!([-1e-12, 0.0, 1e-12].map(|x| step.luminance_at(x)), [0.25, 0.5, 0.75]);
+    let catch = MachBand { low: 0.5, high: 0.5, ..MachBand::default() };
+    assert_eq!(catch.validate(), Ok(()));
+    assert!(catch.linear(9).data.chunks(3).all(|pixel| pixel == [0.5, 0.5, 0.0]));
+}
+
+#[test]
+fn sixteen_bits_and_empty_windows() {
+    let sixteen = Quantizer::new(&Transfer::Srgb, Bits::Sixteen);
+    let band = MachBand { orientation_deg: 33.0, ..MachBand::default() };
+    let codes = band.codes(20, &sixteen);
+    assert_eq!(codes, sixteen.quantize(&band.linear(20)));
+    assert!(matches!(codes.samples, Samples::Sixteen(ref words) if words.len() == 1200));
+    assert_eq!(band.codes(0, &quantizers()[0]).bytes(), Some(&[][..]));
+}
+
+#[test]
+fn every_fault_is_reported_in_one_sentence() {
+    let band = MachBand {
+        width: 1.5,
+        depth: Depth::Finite(0),
+        tanh_k: 0.0,
+        orientation_deg: f64::NAN,
+        low: 0.8,
+        high: 0.2,
+        ..MachBand::default()
+    };
+    let faults: Vec<String> = band.validate().unwrap_err().iter().map(ToString::to_string).collect();
+    assert_eq!(
+        faults,
+        [
+            "width 1.5 is outside 0…1; expected the proportion of the window that the ramp fills",
+            "depth 0 is outside 1…32; expected a whole number from 1 to 32, or inf",
+            "tanh_k 0 is no steepness that a ramp can have; expected a steepness above 0 and at most 100, such as 5",
+            "orientation_deg NaN is not a finite number; expected an angle in degrees, such as 45",
+            "high 0.2 is below low, which is 0.8; expected the relative luminance of the brighter plateau, at least low's",
+        ]
+    );
+    assert_eq!(MachBand::default().validate(), Ok(()));
+}
+
+#[test]
+fn parameters_are_set_and_read_by_name() {
+    let mut stimulus = Stimulus::default_of("mach-band").unwrap();
+    assert_eq!((stimulus.kind(), Stimulus::default_of("cornsweet")), ("mach-band", None));
+    let read = |stimulus: &Stimulus| {
+        let parameters = stimulus.parameters().iter();
+        parameters.map(|p| format!("{}={}", p.name, stimulus.get(p.name).unwrap())).collect::<Vec<_>>().join(" ")
+    };
+    let defaults = "width=0.4 depth=1 tanh_k=5 orientation_deg=0 low=0.25 high=0.75 color=yellow";
+    assert_eq!(read(&stimulus), defaults);
+    // Every level that is suggested can be set, and reads back as it was written.
+    for parameter in stimulus.parameters() {
+        for level in parameter.levels_hint {
+            let value: ParameterValue = level.parse().unwrap();
+            stimulus.set(parameter.name, &value).unwrap();
+            assert_eq!(stimulus.get(parameter.name).unwrap(), value);
+            assert_eq!(value.to_string(), *level);
+        }
+    }
+    let before = stimulus.clone();
+    let mut refuse = |name: &str, value: &str| {
+        let error = stimulus.set(name, &value.parse().unwrap()).unwrap_err().to_string();
+        assert_eq!(stimulus, before);
+        error
+    };
+    assert_eq!(refuse("depth", "0"), "depth 0 is outside 1…32; expected a whole number from 1 to 32, or inf");
+    assert_eq!(refuse("depth", "2.5"), "depth 2.5 is not a whole number; expected a whole number from 1 to 32, or inf");
+    for (name, value) in [
+        ("depth", "33"),
+        ("depth", "-1"),
+        ("depth", "smooth"),
+        ("width", "-0.1"),
+        ("width", "wide"),
+        ("width", "nan"),
+        ("tanh_k", "101"),
+        ("orientation_deg", "inf"),
+        ("low", "2"),
+        ("color", "pink"),
+        ("color", "1"),
+        ("color", "0,0,0"),
+        ("color", "1,1"),
+        ("color", "1,1,2"),
+    ] {
+        assert!(refuse(name, value).starts_with(name), "{}", refuse(name, value));
+    }
+    assert!(refuse("wdith", "0.4").contains("expected one of width, depth, tanh_k"));
+    assert_eq!(stimulus.get("wdith"), None);
+}
+
+#[test]
+fn colors_keep_their_names() {
+    for (text, written) in [("yellow", "yellow"), ("1,1,0", "yellow"), ("grey", "gray"), ("1, 0.5 ,0", "1,0.5,0")] {
+        assert_eq!(text.parse::<StimulusColor>().unwrap().to_string(), written);
+    }
+    let message = "cyan".parse::<StimulusColor>().unwrap_err().to_string();
+    assert!(message.starts_with("color \"cyan\" is not known; expected yellow, gray or three numbers"));
+}
+
+#[test]
+fn specifications_survive_being_written() {
+    let band = MachBand { depth: Depth::Infinite, color: "0.5,1,0".parse().unwrap(), ..MachBand::default() };
+    let written = serde_json::to_string(&Stimulus::MachBand(band.clone())).unwrap();
+    assert!(written.contains(r#""kind":"mach-band""#) && written.contains(r#""depth":"inf""#), "{written}");
+    assert_eq!(serde_json::from_str::<Stimulus>(&written).unwrap(), Stimulus::MachBand(band));
+    let partial: MachBand = serde_json::from_str(r#"{"depth": 3}"#).unwrap();
+    assert_eq!(partial, MachBand { depth: Depth::Finite(3), ..MachBand::default() });
+    for fault in [r#"{"depth": 0}"#, r#"{"depth": 2.5}"#, r#"{"wdith": 1}"#, r#"{"color": "pink"}"#] {
+        assert!(serde_json::from_str::<MachBand>(fault).is_err(), "{fault}");
+    }
+}
