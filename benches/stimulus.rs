@@ -1,7 +1,9 @@
-//! What one stimulus costs: 1024 × 1024 pixels, 8-bit RGB (3 MiB), sRGB, against plainly filling the same memory.
+//! What one stimulus costs: 1024 × 1024 pixels, 8-bit RGB (3 MiB), sRGB, against plainly filling
+//! the same memory.
 //!
-//! Peers, as reported and not measured here: stimupy 1.2.0 takes 62–100 ms for a step or Cornsweet image of this size
-//! (it has no Mach-band ramp). Results and how to repeat them: `benches/README.md`.
+//! Peers, as reported and not measured here: stimupy 1.2.0 takes 62–100 ms for a step or Cornsweet
+//! image of this size (it has no Mach-band ramp). Results and how to repeat them:
+//! `benches/README.md`.
 
 use divan::counter::BytesCount;
 use divan::{Bencher, black_box};

@@ -1,4 +1,5 @@
-//! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and the fast path against the reference.
+//! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and the fast path against
+//! the reference.
 
 use machband::light::{Bits, Depth, LinearImage, Quantizer, Samples, Transfer, TransferTable};
 use machband::stimulus::{MachBand, ParameterValue, Stimulus, StimulusColor};
@@ -6,13 +7,8 @@ use proptest::prelude::*;
 
 fn quantizers() -> Vec<Quantizer> {
     let table = TransferTable::new(vec![0.0, 0.2, 0.5, 0.9, 1.0], vec![0.0, 0.01, 0.3, 0.7, 1.0]).unwrap();
-    let transfers = [
-        Transfer::Linear,
-        Transfer::Srgb,
-        Transfer::Gamma(2.2),
-        Transfer::Gamma(0.5),
-        Transfer::Table(table),
-    ];
+    let transfers =
+        [Transfer::Linear, Transfer::Srgb, Transfer::Gamma(2.2), Transfer::Gamma(0.5), Transfer::Table(table)];
     transfers.iter().map(|transfer| Quantizer::new(transfer, Bits::Eight)).collect()
 }
 
@@ -35,8 +31,30 @@ fn assert_point_mirrored(a: &LinearImage, b: &LinearImage) {
 }
 
 const ORIENTATIONS: [f64; 24] = [
-    0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0, 33.0, 26.565, 26.565_051_177_077_99, 1e-3, 89.999, 90.001,
-    1e-9, 89.0, 91.0, -33.0, 213.0, 147.0, 500.7, -1234.5, 60.0, 63.434_948_823,
+    0.0,
+    45.0,
+    90.0,
+    135.0,
+    180.0,
+    225.0,
+    270.0,
+    315.0,
+    33.0,
+    26.565,
+    26.565_051_177_077_99,
+    1e-3,
+    89.999,
+    90.001,
+    1e-9,
+    89.0,
+    91.0,
+    -33.0,
+    213.0,
+    147.0,
+    500.7,
+    -1234.5,
+    60.0,
+    63.434_948_823,
 ];
 
 #[test]
@@ -47,9 +65,11 @@ fn fast_path_is_the_reference_for_every_orientation_and_shape() {
     for orientation_deg in ORIENTATIONS {
         for size in [1, 2, 3, 7, 64, 255] {
             for width in [0.0, 1e-300, 1e-9, 0.004, 0.1, 0.4, 0.5, 1.0] {
-                for depth in [Depth::Finite(1), Depth::Finite(2), Depth::Finite(3), Depth::Finite(32), Depth::Infinite] {
+                for depth in [Depth::Finite(1), Depth::Finite(2), Depth::Finite(3), Depth::Finite(32), Depth::Infinite]
+                {
                     let mut band = MachBand { width, depth, orientation_deg, ..MachBand::default() };
-                    // Every combination of these would take minutes; each meets all others within a few rounds.
+                    // Every combination of these would take minutes; each meets all others within a
+                    // few rounds.
                     which += 1;
                     if which % 3 == 0 {
                         band.color = color;
@@ -67,7 +87,8 @@ fn fast_path_is_the_reference_for_every_orientation_and_shape() {
     }
 }
 
-/// Orientations whose tangent is a ratio of small numbers, and widths that put steps on pixel centres.
+/// Orientations whose tangent is a ratio of small numbers, and widths that put steps on pixel
+/// centres.
 #[test]
 fn fast_path_is_the_reference_where_steps_meet_pixel_centres() {
     let linear = Quantizer::new(&Transfer::Linear, Bits::Eight);
@@ -77,9 +98,50 @@ fn fast_path_is_the_reference_where_steps_meet_pixel_centres() {
                 // Linear light, linear ramp, one code for every pixel or every few of them.
                 for width in [1.0, 0.5, f64::from(steps) / f64::from(size)] {
                     let high = f64::from(steps) / 255.0;
-                    let band = MachBand { width: width.min(1.0), low: 0.0, high, orientation_deg, ..MachBand::default() };
+                    let band =
+                        MachBand { width: width.min(1.0), low: 0.0, high, orientation_deg, ..MachBand::default() };
                     assert_fast_is_reference(&band, size, &linear);
                 }
+            }
+        }
+    }
+}
+
+/// The jumps of the infinite depth, and the step, put on pixel centres in rows whose shifts are whole or nearly whole.
+#[test]
+fn fast_path_is_the_reference_where_jumps_meet_pixel_centres() {
+    let srgb = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+    for size in [16, 51, 255, 256] {
+        for (rise, run) in [(1, 1), (1, 2), (-1, 2), (2, 1), (3, 4), (1, 3), (-2, 3), (1, 200), (80, 1), (67, 1)] {
+            let orientation_deg = f64::from(rise).atan2(f64::from(run)).to_degrees();
+            let cos = orientation_deg.to_radians().cos();
+            for pixels in 0..12 {
+                let width = f64::from(pixels) * cos / f64::from(size);
+                for turn in [0.0, 180.0] {
+                    let orientation_deg = orientation_deg + turn;
+                    let band = MachBand { width, depth: Depth::Infinite, orientation_deg, ..MachBand::default() };
+                    assert_fast_is_reference(&band, size, &srgb);
+                }
+            }
+        }
+    }
+}
+
+/// A plateau a hair below a threshold, and a ramp so flat at its foot that L's rounding decides where it crosses.
+#[test]
+fn fast_path_is_the_reference_where_rounding_moves_a_step() {
+    let linear = Quantizer::new(&Transfer::Linear, Bits::Eight);
+    for code in [1, 20, 64, 100, 127] {
+        let threshold = linear.threshold(code);
+        // From here on the cast to f32 ends at the threshold.
+        let rounds_up = 0.5 * (f64::from(threshold) + f64::from(threshold.next_down()));
+        for (low, high) in
+            [(rounds_up.next_down(), 0.9), (rounds_up, 0.9), (0.0, rounds_up), (0.0, rounds_up.next_up())]
+        {
+            for depth in [2, 4, 8, 16, 32] {
+                let depth = Depth::Finite(depth);
+                let band = MachBand { width: 1.0, depth, low, high, orientation_deg: 33.0, ..MachBand::default() };
+                assert_fast_is_reference(&band, 256, &linear);
             }
         }
     }
@@ -125,13 +187,14 @@ fn luminances() -> impl Strategy<Value = (f64, f64)> {
         // A few codes, one, or none apart.
         (0.0..=1.0f64, -20.0..-3.0f64).prop_map(|(low, span)| (low, (low + span.exp()).min(1.0))),
         // On a code's threshold, or a rounding off it.
-        (1u16..255, 1u16..255, -2..=2i32).prop_map(|(a, b, off)| {
-            let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
-            let low = f64::from(quantizer.threshold(a.min(b)));
-            let high = f64::from(quantizer.threshold(a.max(b)));
-            (low + f64::from(off) * f64::EPSILON, high + f64::from(off) * 1e-9)
-        })
-        .prop_map(sorted),
+        (1u16..255, 1u16..255, -2..=2i32)
+            .prop_map(|(a, b, off)| {
+                let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
+                let low = f64::from(quantizer.threshold(a.min(b)));
+                let high = f64::from(quantizer.threshold(a.max(b)));
+                (low + f64::from(off) * f64::EPSILON, high + f64::from(off) * 1e-9)
+            })
+            .prop_map(sorted),
     ]
 }
 
@@ -176,6 +239,26 @@ proptest! {
         let image = MachBand { orientation_deg, ..band.clone() }.linear(size);
         let turned = MachBand { orientation_deg: orientation_deg + 180.0, ..band }.linear(size);
         assert_point_mirrored(&image, &turned);
+    }
+}
+
+/// Where cosine and sine differ by a last digit, the diagonal of a step is not a line any more.
+#[test]
+fn a_step_through_pixel_centres_is_half_way_there() {
+    for (eighths, on_line) in [
+        (0, (|x, _| x == 20) as fn(u32, u32) -> bool),
+        (1, |x, y| x == y),
+        (2, |_, y| y == 20),
+        (3, |x, y| x + y == 40),
+    ] {
+        for turns in [-360.0, -180.0, 0.0, 180.0, 360.0, 3600.0] {
+            let orientation_deg = f64::from(eighths) * 45.0 + turns;
+            let image = MachBand { width: 0.0, orientation_deg, ..MachBand::default() }.linear(41);
+            for (x, y) in (0..41).flat_map(|y| (0..41).map(move |x| (x, y))) {
+                let half_way = image.pixel(x, y)[0] == 0.5;
+                assert_eq!(half_way, on_line(x, y), "{orientation_deg}°: ({x}, {y})");
+            }
+        }
     }
 }
 

@@ -34,7 +34,7 @@ impl CardHelper {
     pub fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> CardOutcome {
         let scale = ctx.pixels_per_point();
         let mut outcome = CardOutcome::Open;
-        let shown = egui::Modal::new("card".into()).show(ctx, |ui| {
+        let shown = egui::Modal::new(egui::Id::unique("card")).show(ctx, |ui| {
             ui.set_max_width((ctx.content_rect().width() - 80.0).max(300.0));
             ui.heading("Measure the screen with a card");
             ui.label("Hold a bank card (8.56 cm wide) against the screen and make the outline just as wide. Arrow keys move the slider.");
@@ -50,7 +50,7 @@ impl CardHelper {
                 Ok(width) => {
                     ui.label(format!("The screen is {width:.1} cm wide."));
                     ui.horizontal(|ui| {
-                        if ui.add(theme::primary("Use this width")).clicked() {
+                        if theme::primary(ui, "Use this width", true, "") {
                             outcome = CardOutcome::Measured((width * 10.0).round() / 10.0);
                         }
                         if ui.button("Cancel").clicked() {

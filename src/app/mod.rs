@@ -1,6 +1,182 @@
-//! Floor 6: the window.
+//! Floor 6: the window. One page a file; the only place that makes a texture.
+//!
+//! Home → preflight → session → finish. `machband run` begins at the preflight.
+
+mod card;
+mod dialog;
+mod finish;
+mod form;
+mod frames;
+mod home;
+mod monitor;
+mod pages;
+mod pixels;
+mod preflight;
+mod scale;
+mod session;
+mod theme;
+mod trouble;
+
+use std::path::PathBuf;
+
+use eframe::egui::{self, ViewportBuilder, ViewportCommand};
+
+use crate::{
+    display::DisplayProfile,
+    experiment::{Identity, Protocol},
+};
+
+pub use monitor::Monitor;
+
 /// How the window starts.
-#[derive(Default)]
-pub struct Launch {}
-/// Opens.
-pub fn open(_: Launch) -> Result<(), std::fmt::Error> { Ok(()) }
+#[derive(Debug, Default)]
+pub struct Launch {
+    /// Straight into this session; `None` for Home.
+    pub request: Option<Request>,
+}
+
+/// A session that is to be run, with everything checked that can be checked before the screen is known.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The definition.
+    pub protocol: Protocol,
+    /// Whose session.
+    pub identity: Identity,
+    /// Seed of the order; `None` for a fresh one, or on resume the one it had.
+    pub seed: Option<u64>,
+    /// Results folder.
+    pub results: PathBuf,
+    /// What is known of the screen.
+    pub display: DisplayProfile,
+    /// Eye to screen, cm.
+    pub distance_cm: f64,
+    /// Width of the screen in cm; `None` to assume 96 pixels an inch.
+    pub screen_width_cm: Option<f64>,
+    /// Go on with an interrupted session.
+    pub resume: bool,
+    /// In a window instead of the full screen.
+    pub windowed: bool,
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+pub enum WindowError {
+    /// No display to open a window on.
+    #[error("display: no window can be opened, since neither DISPLAY nor WAYLAND_DISPLAY is set; expected a desktop session (without one, `machband simulate` runs sessions with a simulated observer)")]
+    NoDisplay,
+    /// The window system or the graphics driver refused.
+    #[error("display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)")]
+    Refused(String),
+}
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// [`WindowError`] where there is no display, or no graphics.
+pub fn open(launch: Launch) -> Result<(), WindowError> {
+    let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    if cfg!(target_os = "linux") && !set("DISPLAY") && !set("WAYLAND_DISPLAY") {
+        return Err(WindowError::NoDisplay);
+    }
+    let fullscreen = launch.request.as_ref().is_some_and(|request| !request.windowed);
+    let mut options = eframe::NativeOptions {
+        viewport: ViewportBuilder::default()
+            .with_title("machband")
+            .with_inner_size([1100.0, 860.0])
+            .with_min_inner_size([420.0, 360.0])
+            .with_fullscreen(fullscreen),
+        // egui's dither adds noise to every pixel, stimulus included.
+        dithering: false,
+        ..Default::default()
+    };
+    // One frame in flight: an image reaches the screen as soon as the system allows.
+    options.wgpu_options.surface.desired_maximum_frame_latency = Some(1);
+    eframe::run_native("machband", options, Box::new(|cc| Ok(Box::new(App::new(cc, launch)))))
+        .map_err(|error| WindowError::Refused(error.to_string()))
+}
+
+/// What the window shows.
+enum Page {
+    Home(Box<home::Home>),
+    Preflight(Box<preflight::Preflight>),
+    Session(Box<session::SessionPage>),
+    Finish(Box<finish::Finish>),
+}
+
+/// Where a page leads.
+enum Go {
+    /// Nowhere yet.
+    Stay,
+    /// Home, or out of the program where it began with a session.
+    Back,
+    /// On to a page.
+    To(Page),
+}
+
+/// The program's window.
+pub struct App {
+    page: Page,
+    /// Started with a session: leaving it closes the window.
+    direct: bool,
+    monitors: Vec<String>,
+}
+
+impl App {
+    /// The first page of a launch.
+    pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
+        theme::apply(&cc.egui_ctx);
+        let direct = launch.request.is_some();
+        let page = match launch.request {
+            Some(request) => Page::Preflight(Box::new(preflight::Preflight::new(request))),
+            None => Page::Home(Box::default()),
+        };
+        Self { page, direct, monitors: Vec::new() }
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        let monitor = Monitor::current(ui.ctx(), frame);
+        if let Page::Home(_) = self.page {
+            self.monitors = Monitor::all(frame);
+        }
+        let go = match &mut self.page {
+            Page::Home(home) => home.show(ui, &monitor, &self.monitors),
+            Page::Preflight(preflight) => preflight.show(ui, &monitor),
+            Page::Session(session) => session.show(ui),
+            Page::Finish(finish) => finish.show(ui, self.direct),
+        };
+        match go {
+            Go::Stay => {}
+            Go::To(page) => self.turn_to(ui.ctx(), page),
+            Go::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
+            Go::Back => self.turn_to(ui.ctx(), Page::Home(Box::default())),
+        }
+        self.keep_unsaved(ui.ctx());
+    }
+
+    fn on_exit(&mut self) {
+        if let Page::Session(session) = &mut self.page {
+            session.close();
+        }
+    }
+
+    fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
+        theme::PAGE.to_normalized_gamma_f32()
+    }
+}
+
+impl App {
+    fn turn_to(&mut self, ctx: &egui::Context, page: Page) {
+        self.page = page;
+        ctx.request_repaint();
+    }
+
+    /// A window that closes while an answer is only in memory would lose it.
+    fn keep_unsaved(&self, ctx: &egui::Context) {
+        let unsaved = matches!(&self.page, Page::Session(session) if session.is_unsaved());
+        if unsaved && ctx.input(|input| input.viewport().close_requested()) {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+        }
+    }
+}

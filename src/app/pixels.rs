@@ -43,7 +43,7 @@ fn draw_at(ui: &egui::Ui, texture: &TextureHandle, size: u32, min: Pos2) {
 pub fn picture(ui: &mut egui::Ui, texture: &TextureHandle, size: u32, label: &str) -> egui::Response {
     let side = size as f32 / ui.ctx().pixels_per_point();
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), egui::Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, label));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, label));
     draw_centred(ui, texture, size, rect);
     response
 }

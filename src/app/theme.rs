@@ -48,11 +48,32 @@ pub fn apply(ctx: &egui::Context) {
     });
 }
 
-/// The button that a page leads to.
-pub fn primary(text: &str) -> egui::Button<'_> {
-    egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))
+/// The button that a page leads to, and a word about its keys beside it.
+pub fn primary(ui: &mut egui::Ui, text: &str, enabled: bool, hint: &str) -> bool {
+    let button = egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))
         .fill(Color32::from_rgb(0xe8, 0xd0, 0x70))
-        .min_size(Vec2::new(180.0, 44.0))
+        .min_size(Vec2::new(180.0, 44.0));
+    ui.horizontal(|ui| {
+        let clicked = ui.add_enabled(enabled, button).clicked();
+        if !hint.is_empty() {
+            ui.add(egui::Label::new(quiet(hint)).wrap());
+        }
+        clicked
+    })
+    .inner
+}
+
+/// A mark before a finding: a tick, or an exclamation mark. Painted, since not every font has one.
+pub fn mark(ui: &mut egui::Ui, good: bool) {
+    let (rect, _) = ui.allocate_exact_size(Vec2::splat(18.0), egui::Sense::hover());
+    let at = |x: f32, y: f32| rect.lerp_inside(Vec2::new(x, y));
+    let stroke = egui::Stroke::new(2.5, if good { GOOD } else { NOTE });
+    if good {
+        ui.painter().line(vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], stroke);
+    } else {
+        ui.painter().line_segment([at(0.5, 0.1), at(0.5, 0.62)], stroke);
+        ui.painter().circle_filled(at(0.5, 0.88), 2.0, NOTE);
+    }
 }
 
 /// Secondary text.
@@ -62,7 +83,7 @@ pub fn quiet(text: impl Into<String>) -> RichText {
 
 /// A fault beside its field.
 pub fn fault(ui: &mut egui::Ui, text: &str) {
-    ui.label(RichText::new(format!("⚠ {text}")).small().color(FAULT));
+    ui.add(egui::Label::new(RichText::new(text).small().color(FAULT)).wrap());
 }
 
 /// A page with a centred column that scrolls where the window is small.
@@ -75,7 +96,7 @@ pub fn page<R>(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
                 .show(ui, |ui| {
                     let width = ui.available_width().min(COLUMN);
                     let margin = (ui.available_width() - width) / 2.0;
-                    let top = (ui.available_height() * 0.12).min(120.0);
+                    let top = ((ui.available_height() - 500.0) * 0.25).clamp(0.0, 120.0);
                     ui.add_space(top);
                     ui.horizontal(|ui| {
                         ui.add_space(margin);

@@ -1,5 +1,78 @@
 //! `machband run`
-/// x
+
+use std::path::{Path, PathBuf};
+
+use crate::{
+    app::{self, Launch, Request},
+    display::DisplayProfile,
+    experiment::Identity,
+    store::{StoreError, dataset::free_participant, definition, profile, session::SessionStore},
+};
+
+/// Open the window, straight into a session.
 #[derive(clap::Args)]
-pub(super) struct Arguments {}
-pub(super) fn run(_: &Arguments) -> anyhow::Result<()> { Ok(()) }
+#[command(after_help = "Example: machband run bangay2003 --participant S001 --session 1 --seed 7")]
+pub(super) struct Arguments {
+    /// Built-in definition or path of a .toml file.
+    experiment: String,
+    /// Participant; the next free P001, P002, … unless given.
+    #[arg(long, value_name = "ID", value_parser = super::participant)]
+    participant: Option<String>,
+    /// Session of the participant.
+    #[arg(long, value_name = "ID", default_value = "1", value_parser = super::session)]
+    session: String,
+    /// Seed of the order of the trials; a fresh one unless given.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR", default_value_os_t = super::default_results())]
+    results: PathBuf,
+    /// Display profile; sRGB unless given.
+    #[arg(long, value_name = "PROFILE.toml")]
+    display: Option<PathBuf>,
+    /// In a window instead of the full screen.
+    #[arg(long)]
+    windowed: bool,
+    /// Go on with an interrupted session.
+    #[arg(long, requires = "participant")]
+    resume: bool,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let protocol = definition::open(&arguments.experiment)?;
+    let participant = match &arguments.participant {
+        Some(participant) => participant.clone(),
+        None => free_participant(&arguments.results, &protocol),
+    };
+    let identity = Identity::new(&participant, &arguments.session)?;
+    // What would only be found after the preflight is said before a window opens.
+    let found = SessionStore::exists(&arguments.results, &protocol, &identity);
+    let csv = crate::store::dataset::SessionPaths::new(&arguments.results, &protocol, &identity).csv;
+    match (found, arguments.resume) {
+        (Some(_), false) => return Err(StoreError::Exists(csv).into()),
+        (None, true) => return Err(StoreError::NothingToResume(csv).into()),
+        (Some(true), true) => {
+            println!("{}: the session is complete; nothing is left to do", csv.display());
+            return Ok(());
+        }
+        _ => {}
+    }
+    let display = arguments.display.as_deref().map(open_profile).transpose()?.unwrap_or_default();
+    let request = Request {
+        distance_cm: protocol.viewing.distance_cm,
+        screen_width_cm: None,
+        protocol,
+        identity,
+        seed: arguments.seed,
+        results: arguments.results.clone(),
+        display,
+        resume: arguments.resume,
+        windowed: arguments.windowed,
+    };
+    app::open(Launch { request: Some(request) })?;
+    Ok(())
+}
+
+fn open_profile(path: &Path) -> anyhow::Result<DisplayProfile> {
+    Ok(profile::open(path)?)
+}

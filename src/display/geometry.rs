@@ -1,9 +1,10 @@
 //! Visual angle, centimetres and physical pixels: two givens fix the third.
 //!
-//! A size is centred on the line of sight and square to it, so that size = 2·distance·tan(angle/2). Pixels are the
-//! display's own, not the window system's scaled ones, and are square.
+//! A size is centred on the line of sight and square to it, so that size = 2·distance·tan(angle/2).
+//! Pixels are the display's own, not the window system's scaled ones, and are square.
 
-/// Width in centimetres of an identity or bank card, ISO/IEC 7810 ID-1: what most people have at hand to measure a screen.
+/// Width in centimetres of an identity or bank card, ISO/IEC 7810 ID-1: what most people have at
+/// hand to measure a screen.
 pub const CARD_WIDTH_CM: f64 = 8.56;
 
 /// Pixels a screen could have along a side.
@@ -86,15 +87,12 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// The third of visual angle (degrees), size (cm) and distance (cm) from the two that are given.
+    /// The third of visual angle (degrees), size (cm) and distance (cm) from the two that are
+    /// given.
     ///
     /// # Errors
     /// When not exactly two are given, or one of the three, the third included, could not be true.
-    pub fn resolve(
-        angle: Option<f64>,
-        size: Option<f64>,
-        distance: Option<f64>,
-    ) -> Result<Geometry, GeometryError> {
+    pub fn resolve(angle: Option<f64>, size: Option<f64>, distance: Option<f64>) -> Result<Geometry, GeometryError> {
         let angle = angle.map(check_angle_deg).transpose()?;
         let size = size.map(check_size_cm).transpose()?;
         let distance = distance.map(check_distance_cm).transpose()?;
@@ -103,12 +101,8 @@ impl Geometry {
                 let distance = size / (2.0 * (angle.to_radians() / 2.0).tan());
                 (angle, size, check_distance_cm(distance)?)
             }
-            (Some(angle), None, Some(distance)) => {
-                (angle, check_size_cm(size_cm(angle, distance))?, distance)
-            }
-            (None, Some(size), Some(distance)) => {
-                (check_angle_deg(angle_deg(size, distance))?, size, distance)
-            }
+            (Some(angle), None, Some(distance)) => (angle, check_size_cm(size_cm(angle, distance))?, distance),
+            (None, Some(size), Some(distance)) => (check_angle_deg(angle_deg(size, distance))?, size, distance),
             _ => {
                 let given = [angle, size, distance].iter().flatten().count();
                 return Err(GeometryError::NotTwo(given));
@@ -145,7 +139,8 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// A screen of `width_px` × `height_px` physical pixels, `width_cm` wide (the lit part, without the frame).
+    /// A screen of `width_px` × `height_px` physical pixels, `width_cm` wide (the lit part, without
+    /// the frame).
     ///
     /// # Errors
     /// When a side is not within 16…65536 pixels, or the width not within 1…10000 cm.
@@ -226,13 +221,15 @@ impl Viewing {
         self.distance_cm
     }
 
-    /// Centimetres on the screen, centred on the line of sight, that fill `deg` degrees (0 ≤ `deg` < 180).
+    /// Centimetres on the screen, centred on the line of sight, that fill `deg` degrees (0 ≤ `deg`
+    /// < 180).
     #[must_use]
     pub fn cm_from_deg(&self, deg: f64) -> f64 {
         size_cm(deg, self.distance_cm)
     }
 
-    /// Physical pixels, centred on the line of sight, that fill `deg` degrees (0 ≤ `deg` < 180). Not rounded.
+    /// Physical pixels, centred on the line of sight, that fill `deg` degrees (0 ≤ `deg` < 180).
+    /// Not rounded.
     #[must_use]
     pub fn px_from_deg(&self, deg: f64) -> f64 {
         self.cm_from_deg(deg) * self.screen.px_per_cm()
@@ -244,18 +241,20 @@ impl Viewing {
         angle_deg(px / self.screen.px_per_cm(), self.distance_cm)
     }
 
-    /// Physical pixels per degree where the line of sight meets the screen: the limit of small angles.
+    /// Physical pixels per degree where the line of sight meets the screen: the limit of small
+    /// angles.
     #[must_use]
     pub fn px_per_degree(&self) -> f64 {
         1f64.to_radians() * self.distance_cm * self.screen.px_per_cm()
     }
 }
 
-/// Width in centimetres of a screen of `screen_width_px` physical pixels on which a card of [`CARD_WIDTH_CM`] covers
-/// `card_px` physical pixels.
+/// Width in centimetres of a screen of `screen_width_px` physical pixels on which a card of
+/// [`CARD_WIDTH_CM`] covers `card_px` physical pixels.
 ///
 /// # Errors
-/// When the card covers no pixels or more than the screen has, or the width that follows could not be a screen's.
+/// When the card covers no pixels or more than the screen has, or the width that follows could not
+/// be a screen's.
 pub fn width_cm_from_card(card_px: f64, screen_width_px: u32) -> Result<f64, GeometryError> {
     let screen_px = f64::from(screen_width_px);
     let expected = "the width of the card's outline on the screen";

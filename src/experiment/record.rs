@@ -339,6 +339,12 @@ impl TrialRecord {
 }
 
 impl TrialRecord {
+    /// The level of a factor in this row, as its cell says it.
+    pub fn level(&self, protocol: &Protocol, factor: &str) -> Option<String> {
+        let index = columns(protocol).iter().position(|column| column.name == factor)?;
+        self.cells().into_iter().nth(index)
+    }
+
     /// Index of the trial that this row records, if the schedule plans just such a trial with just this condition.
     pub fn planned_trial(&self, context: &RowContext<'_>) -> Option<usize> {
         let index = context

@@ -6,14 +6,16 @@ use std::str::FromStr;
 use serde::de::{Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Continuity depth n of [B] eq. 1: n − 1 derivatives of the interpolation vanish at both ends of the ramp.
+/// Continuity depth n of Bangay eq. 1: n − 1 derivatives of the interpolation vanish at both ends of
+/// the ramp.
 ///
 /// Written `1` … `32`, or `inf`, in text and in files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Depth {
-    /// A polynomial of degree 2n − 1, n from 1 (linear) to [`Depth::MAX_FINITE`]. Made by [`Depth::finite`].
+    /// A polynomial of degree 2n − 1, n from 1 (linear) to [`Depth::MAX_FINITE`]. Made by
+    /// [`Depth::finite`].
     Finite(u8),
-    /// [B]'s n = ∞, a scaled tanh. Not the limit of the finite depths, which is a step.
+    /// Bangay's n = ∞, a scaled tanh. Not the limit of the finite depths, which is a step.
     Infinite,
 }
 
@@ -68,9 +70,7 @@ impl FromStr for Depth {
             return Ok(Depth::Infinite);
         }
         match text.parse::<i128>() {
-            Ok(n) => u32::try_from(n)
-                .map_err(|_| DepthError::OutOfRange(text.to_owned()))
-                .and_then(Depth::finite),
+            Ok(n) => u32::try_from(n).map_err(|_| DepthError::OutOfRange(text.to_owned())).and_then(Depth::finite),
             Err(_) => Err(DepthError::NotWhole(format!("{text:?}"))),
         }
     }

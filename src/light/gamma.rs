@@ -1,4 +1,5 @@
-//! Transfer functions: what light an encoded value makes, and which encoded value makes a light. [S] §2.1.1.
+//! Transfer functions: what light an encoded value makes, and which encoded value makes a light.
+//! Shoaff §2.1.1.
 //!
 //! Both quantities are relative, 0…1. Every function's name says its direction.
 
@@ -17,12 +18,14 @@ const SRGB_EXPONENT: f64 = 2.4;
 /// Exponents that a display could have.
 const GAMMA_RANGE: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
-/// How a display turns encoded values into light. Written `linear`, `gamma:2.2` or `srgb`; a table has no short text.
+/// How a display turns encoded values into light. Written `linear`, `gamma:2.2` or `srgb`; a table
+/// has no short text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Transfer {
     /// Light proportional to the encoded value.
     Linear,
-    /// linear = encoded^γ, [S]'s L = K·V^γ with K = 1. Made by [`Transfer::gamma`], γ within 0.1…10.
+    /// linear = encoded^γ, Shoaff's L = K·V^γ with K = 1. Made by [`Transfer::gamma`], γ within
+    /// 0.1…10.
     Gamma(f64),
     /// sRGB, IEC 61966-2-1: a straight line up to 0.04045, then a power of 2.4.
     Srgb,
@@ -48,7 +51,9 @@ pub enum TransferError {
         linear: usize,
     },
     /// A table that stands still or goes back.
-    #[error("{column} value {value} at index {index} is not above the {previous} before it; expected every value above the last")]
+    #[error(
+        "{column} value {value} at index {index} is not above the {previous} before it; expected every value above the last"
+    )]
     NotIncreasing {
         /// `encoded` or `linear`.
         column: &'static str,
@@ -70,7 +75,9 @@ pub enum TransferError {
         last: f64,
     },
     /// Equal-brightness steps from an impossible first level.
-    #[error("lowest intensity {0} is not between 0 and 1; expected the lowest level relative to the highest, such as 0.01")]
+    #[error(
+        "lowest intensity {0} is not between 0 and 1; expected the lowest level relative to the highest, such as 0.01"
+    )]
     LowestIntensity(f64),
     /// Equal-brightness steps, none of them.
     #[error("0 steps of equal brightness; expected at least 1")]
@@ -90,11 +97,12 @@ impl Transfer {
         }
     }
 
-    /// The encoded value, 0…1, that makes the relative luminance `linear`; clamped to 0…1 first. NaN stays NaN.
+    /// The encoded value, 0…1, that makes the relative luminance `linear`; clamped to 0…1 first.
+    /// NaN stays NaN.
     ///
-    /// Never decreases. For sRGB the standard's rounded constants leave a gap in the light that encoded values make, of
-    /// 2.3e-9 at 0.00313; light within the gap is encoded as its lower end, 0.04045. Everywhere else this and
-    /// [`Transfer::linear_from_encoded`] are inverses.
+    /// Never decreases. For sRGB the standard's rounded constants leave a gap in the light that
+    /// encoded values make, of 2.3e-9 at 0.00313; light within the gap is encoded as its lower end,
+    /// 0.04045. Everywhere else this and [`Transfer::linear_from_encoded`] are inverses.
     #[must_use]
     pub fn encoded_from_linear(&self, linear: f64) -> f64 {
         let linear = linear.clamp(0.0, 1.0);
@@ -104,13 +112,15 @@ impl Transfer {
             Transfer::Srgb if linear <= SRGB_ENCODED_KNEE / SRGB_SLOPE => linear * SRGB_SLOPE,
             // 1.055 − 0.055 is not quite 1 in f64.
             Transfer::Srgb if linear == 1.0 => 1.0,
-            Transfer::Srgb => ((1.0 + SRGB_OFFSET) * linear.powf(SRGB_EXPONENT.recip()) - SRGB_OFFSET)
-                .clamp(SRGB_ENCODED_KNEE, 1.0),
+            Transfer::Srgb => {
+                ((1.0 + SRGB_OFFSET) * linear.powf(SRGB_EXPONENT.recip()) - SRGB_OFFSET).clamp(SRGB_ENCODED_KNEE, 1.0)
+            }
             Transfer::Table(table) => piecewise(&table.linear, &table.encoded, linear),
         }
     }
 
-    /// The relative luminance, 0…1, that the encoded value `encoded` makes; clamped to 0…1 first. NaN stays NaN.
+    /// The relative luminance, 0…1, that the encoded value `encoded` makes; clamped to 0…1 first.
+    /// NaN stays NaN.
     #[must_use]
     pub fn linear_from_encoded(&self, encoded: f64) -> f64 {
         let encoded = encoded.clamp(0.0, 1.0);
@@ -144,9 +154,7 @@ impl FromStr for Transfer {
             "linear" => Ok(Transfer::Linear),
             "srgb" => Ok(Transfer::Srgb),
             _ => {
-                let gamma = text
-                    .strip_prefix("gamma:")
-                    .ok_or_else(|| TransferError::Unknown(text.to_owned()))?;
+                let gamma = text.strip_prefix("gamma:").ok_or_else(|| TransferError::Unknown(text.to_owned()))?;
                 match gamma.trim().parse() {
                     Ok(gamma) => Transfer::gamma(gamma),
                     Err(_) => Err(TransferError::Gamma(format!("{gamma:?}"))),
@@ -156,7 +164,8 @@ impl FromStr for Transfer {
     }
 }
 
-/// A measured transfer function: pairs of encoded value and relative luminance, joined by straight lines.
+/// A measured transfer function: pairs of encoded value and relative luminance, joined by straight
+/// lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferTable {
     encoded: Vec<f64>,
@@ -167,8 +176,8 @@ impl TransferTable {
     /// The table whose encoded value `encoded[i]` makes the relative luminance `linear[i]`.
     ///
     /// # Errors
-    /// When the columns differ in length or have fewer than two values, when one of them does not rise at every step (NaN
-    /// included), or when one of them does not run from 0 to 1.
+    /// When the columns differ in length or have fewer than two values, when one of them does not
+    /// rise at every step (NaN included), or when one of them does not run from 0 to 1.
     pub fn new(encoded: Vec<f64>, linear: Vec<f64>) -> Result<Self, TransferError> {
         if encoded.len() != linear.len() || encoded.len() < 2 {
             return Err(TransferError::Length { encoded: encoded.len(), linear: linear.len() });
@@ -204,7 +213,8 @@ fn check_column(column: &'static str, values: &[f64]) -> Result<(), TransferErro
     Ok(())
 }
 
-/// The straight line between the points (`x`[i], `y`[i]) at `at`; both rise from 0 to 1, and `at` is within 0…1 or NaN.
+/// The straight line between the points (`x[i]`, `y[i]`) at `at`; both rise from 0 to 1, and `at`
+/// is within 0…1 or NaN.
 fn piecewise(x: &[f64], y: &[f64], at: f64) -> f64 {
     // The last segment also takes at = 1, and NaN, which goes through the arithmetic.
     let i = x.partition_point(|&x| x <= at).clamp(1, x.len() - 1);
@@ -212,9 +222,10 @@ fn piecewise(x: &[f64], y: &[f64], at: f64) -> f64 {
     if t >= 1.0 { y[i] } else { y[i - 1] + t * (y[i] - y[i - 1]) }
 }
 
-/// n + 1 levels that look equally far apart: I_j = r^j·I₀, r = (1/I₀)^(1/n), j = 0…n. [S] §2.1.1.
+/// n + 1 levels that look equally far apart: I_j = r^j·I₀, r = (1/I₀)^(1/n), j = 0…n. Shoaff §2.1.1.
 ///
-/// `i0` is the lowest level relative to the highest, so 1/`i0` is the display's dynamic range. Relative luminances.
+/// `i0` is the lowest level relative to the highest, so 1/`i0` is the display's dynamic range.
+/// Relative luminances.
 ///
 /// # Errors
 /// When `i0` is not strictly between 0 and 1, or `n` is 0.
@@ -229,7 +240,8 @@ pub fn equal_brightness_levels(i0: f64, n: usize) -> Result<Vec<f64>, TransferEr
     Ok((0..=n).map(|j| i0.powf(1.0 - j as f64 / n as f64)).collect())
 }
 
-/// The level j of [`equal_brightness_levels`]`(i0, n)` nearest to the relative luminance `i`: ⌊log_r(i/I₀) + ½⌋, [S] §2.1.1.
+/// The level j of [`equal_brightness_levels`]`(i0, n)` nearest to the relative luminance `i`:
+/// ⌊log_r(i/I₀) + ½⌋, Shoaff §2.1.1.
 ///
 /// Kept within 0…n. An `i` of 0 or less, or NaN, is level 0. `i0` and `n` as there.
 #[must_use]

@@ -1,4 +1,5 @@
-//! Pictures: light, and the codes made of it. Rows from the top, pixels from the left, red green blue interleaved.
+//! Pictures: light, and the codes made of it. Rows from the top, pixels from the left, red green
+//! blue interleaved.
 
 /// An image of relative luminances, 0…1, linear in light.
 #[derive(Clone, Debug, PartialEq)]
@@ -7,7 +8,8 @@ pub struct LinearImage {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Red, green and blue of every pixel, row by row from the top left; `3 · width · height` values.
+    /// Red, green and blue of every pixel, row by row from the top left; `3 · width · height`
+    /// values.
     pub data: Vec<f32>,
 }
 
@@ -50,7 +52,8 @@ impl LinearImage {
     }
 }
 
-/// An image of codes, as a file or a texture takes them. Made by [`Quantizer::quantize`](super::Quantizer::quantize).
+/// An image of codes, as a file or a texture takes them. Made by
+/// [`Quantizer::quantize`](super::Quantizer::quantize).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CodeImage {
     /// Pixels a row.

@@ -1,18 +1,22 @@
-//! I_n(u): how a ramp goes from 0 to 1. [B] eq. 1, labels as corrected in the crate's mathematics (the scan's are shifted by one).
+//! I_n(u): how a ramp goes from 0 to 1. Bangay eq. 1, labels as corrected in the crate's mathematics
+//! (the scan's are shifted by one).
 //!
 //! For every whole n ≥ 1, I_n is the regularised incomplete beta function I_u(n, n),
-//! `(2n−1)·C(2n−2, n−1)·∫₀ᵘ s^(n−1)(1−s)^(n−1) ds`: n = 1 is `u`, n = 2 is `3u²−2u³`, n = 3 is `10u³−15u⁴+6u⁵`.
+//! `(2n−1)·C(2n−2, n−1)·∫₀ᵘ s^(n−1)(1−s)^(n−1) ds`: n = 1 is `u`, n = 2 is `3u²−2u³`, n = 3 is
+//! `10u³−15u⁴+6u⁵`.
 //!
-//! The powers of u alternate in sign and cancel (at n = 32 nothing is left of an f64), so here, on 0 ≤ u ≤ ½,
-//! `I_n(u) = uⁿ · Σ_{k<n} C(n−1+k, k)·(1−u)^k`, in which every term is positive: the probability of n successes before
-//! n failures. The upper half follows from I_n(u) = 1 − I_n(1−u). Relative error is then a few n·ε everywhere.
+//! The powers of u alternate in sign and cancel (at n = 32 nothing is left of an f64), so here, on
+//! 0 ≤ u ≤ ½, `I_n(u) = uⁿ · Σ_{k<n} C(n−1+k, k)·(1−u)^k`, in which every term is positive: the
+//! probability of n successes before n failures. The upper half follows from I_n(u) = 1 − I_n(1−u).
+//! Relative error is then a few n·ε everywhere.
 
 pub use super::depth::{Depth, DepthError};
 
-/// Steepness k of the infinite depth as [B] prints it, `(1 + tanh(5(u − ½)))/2`.
+/// Steepness k of the infinite depth as Bangay prints it, `(1 + tanh(5(u − ½)))/2`.
 ///
-/// It does not reach the plateaus: I_∞(0) = 1/(1+e⁵) ≈ 0.00669, a step of up to 0.84 8-bit codes at ¼→¾. With k = 10,
-/// `(1 + tanh(5(2u−1)))/2`, the residual is 4.54e-5, "below the quantisation error" as [B]'s text says.
+/// It does not reach the plateaus: I_∞(0) = 1/(1+e⁵) ≈ 0.00669, a step of up to 0.84 8-bit codes at
+/// ¼→¾. With k = 10, `(1 + tanh(5(2u−1)))/2`, the residual is 4.54e-5, "below the quantisation
+/// error" as Bangay's text says.
 pub const TANH_K: f64 = 5.0;
 
 const MAX: usize = Depth::MAX_FINITE as usize;
@@ -44,12 +48,14 @@ const fn binomial(n: usize, k: usize) -> u128 {
     result
 }
 
-/// Coefficients c_j of u^(n+j), j = 0 … n−1, of the polynomial I_N(u) on 0…1: `[3, −2]` for N = 2, `[10, −15, 6]` for N = 3.
+/// Coefficients c_j of u^(n+j), j = 0 … n−1, of the polynomial I_N(u) on 0…1: `[3, −2]` for N = 2,
+/// `[10, −15, 6]` for N = 3.
 ///
-/// For shaders and other places that want a plain polynomial. They cancel. Evaluated by Horner's rule,
-/// on the whole of 0…1: within 1e-12 up to N = 6 in f64, and within 1e-6 up to N = 3, 1e-5 up to N = 4 in f32;
-/// on 0…½, with I(u) = 1 − I(1−u) above: within 1e-12 up to N = 12 in f64 and within 1e-6 up to N = 5 in f32.
-/// [`Interpolation::value`] has no such limit. Does not compile for N outside 1…32.
+/// For shaders and other places that want a plain polynomial. They cancel. Evaluated by Horner's
+/// rule, on the whole of 0…1: within 1e-12 up to N = 6 in f64, and within 1e-6 up to N = 3, 1e-5 up
+/// to N = 4 in f32; on 0…½, with I(u) = 1 − I(1−u) above: within 1e-12 up to N = 12 in f64 and
+/// within 1e-6 up to N = 5 in f32. [`Interpolation::value`] has no such limit. Does not compile for
+/// N outside 1…32.
 #[must_use]
 pub const fn coefficients<const N: usize>() -> [f64; N] {
     const { assert!(N >= 1 && N <= MAX, "depth outside 1…32") }
@@ -67,7 +73,8 @@ pub const fn coefficients<const N: usize>() -> [f64; N] {
 
 /// I_n for one depth, ready to be evaluated many times.
 ///
-/// All functions take u, the position across the ramp: 0 where it leaves the lower plateau, 1 where it meets the upper one.
+/// All functions take u, the position across the ramp: 0 where it leaves the lower plateau, 1 where
+/// it meets the upper one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {
     form: Form,
@@ -82,21 +89,22 @@ enum Form {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Polynomial {
     n: u8,
-    /// SUMS[n]\[..n\].
+    /// The first n of `SUMS[n]`.
     sum: &'static [f64],
     /// (2n−1)·C(2n−2, n−1): the slope's factor.
     slope_scale: f64,
 }
 
 impl Interpolation {
-    /// Depth `depth`; k = [`TANH_K`] if it is infinite. A finite depth outside 1…32, which [`Depth::finite`] never makes,
-    /// acts as the nearest one inside.
+    /// Depth `depth`; k = [`TANH_K`] if it is infinite. A finite depth outside 1…32, which
+    /// [`Depth::finite`] never makes, acts as the nearest one inside.
     #[must_use]
     pub fn new(depth: Depth) -> Self {
         Self::with_k(depth, TANH_K)
     }
 
-    /// Depth `depth`, of steepness `k` (> 0) if it is infinite; a finite depth does not look at `k`.
+    /// Depth `depth`, of steepness `k` (> 0) if it is infinite; a finite depth does not look at
+    /// `k`.
     #[must_use]
     pub fn with_k(depth: Depth, k: f64) -> Self {
         let form = match depth {
@@ -114,9 +122,11 @@ impl Interpolation {
         Self { form }
     }
 
-    /// I_n(u): 0 for u < 0, 1 for u ≥ 1, within 1e-12 of exact for every depth, and I_n(u) + I_n(1−u) = 1 inside.
+    /// I_n(u): 0 for u < 0, 1 for u ≥ 1, within 1e-12 of exact for every depth, and I_n(u) +
+    /// I_n(1−u) = 1 inside.
     ///
-    /// The infinite depth jumps at both ends, from 0 to 1/(1+e^k) at u = 0 and back to 1 at u = 1; see [`TANH_K`].
+    /// The infinite depth jumps at both ends, from 0 to 1/(1+e^k) at u = 0 and back to 1 at u = 1;
+    /// see [`TANH_K`].
     #[must_use]
     #[inline]
     pub fn value(&self, u: f64) -> f64 {
@@ -145,7 +155,8 @@ impl Interpolation {
         }
     }
 
-    /// Second derivative d²I_n/du². At u = 0 the derivative from the right; 0 for u < 0 and for u ≥ 1.
+    /// Second derivative d²I_n/du². At u = 0 the derivative from the right; 0 for u < 0 and for u ≥
+    /// 1.
     #[must_use]
     pub fn curvature(&self, u: f64) -> f64 {
         if !(0.0..1.0).contains(&u) {
@@ -161,10 +172,17 @@ impl Interpolation {
         }
     }
 
-    /// The smallest u in 0…1 with I_n(u) ≥ `v`, to the accuracy of f64. 0 for v ≤ 0; 1 for v > 1, which nothing reaches,
-    /// and, for the infinite depth, wherever only the jump at an end reaches v.
+    /// The smallest u in 0…1 with I_n(u) ≥ `v`, to the accuracy of f64. 0 for v ≤ 0; 1 for v > 1,
+    /// which nothing reaches, and, for the infinite depth, wherever only the jump at an end reaches
+    /// v.
     #[must_use]
     pub fn inverse(&self, v: f64) -> f64 {
+        self.inverse_near(v, 0.0)
+    }
+
+    /// [`Interpolation::inverse`], found sooner if the answer is near `near`: for many `v` in order.
+    #[must_use]
+    pub fn inverse_near(&self, v: f64, near: f64) -> f64 {
         if v <= self.value(0.0) {
             return 0.0;
         }
@@ -172,10 +190,10 @@ impl Interpolation {
             return match self.form {
                 Form::Tanh { k } if v > 1.0 - logistic(k, 0.0) => 1.0,
                 _ if v >= 1.0 => 1.0,
-                _ => 1.0 - self.inverse_lower_half(1.0 - v),
+                _ => 1.0 - self.inverse_lower_half(1.0 - v, 1.0 - near),
             };
         }
-        self.inverse_lower_half(v)
+        self.inverse_lower_half(v, near)
     }
 
     /// I_n on 0…½.
@@ -188,10 +206,10 @@ impl Interpolation {
     }
 
     /// The u in 0…½ where I_n reaches `v`, 0 < v ≤ ½.
-    fn inverse_lower_half(&self, v: f64) -> f64 {
+    fn inverse_lower_half(&self, v: f64, near: f64) -> f64 {
         match self.form {
             Form::Polynomial(p) if p.n == 1 => v,
-            Form::Polynomial(p) => p.inverse_lower_half(v),
+            Form::Polynomial(p) => p.inverse_lower_half(v, near),
             Form::Tanh { k } => (0.5 + (v.ln() - (-v).ln_1p()) / (2.0 * k)).clamp(0.0, 0.5),
         }
     }
@@ -205,14 +223,20 @@ impl Polynomial {
         power(u, self.n) * sum
     }
 
-    /// Halley's method from below the root: Newton's with the curvature, which I_n gives away, three to five steps.
-    fn inverse_lower_half(&self, v: f64) -> f64 {
-        // Σ_{k<n} C(n−1+k, k) = C(2n−1, n) bounds the sum, so this start is at or below the root, and near it for small v.
-        let bound = self.slope_scale / f64::from(self.n);
-        let mut u = (v / bound).powf(1.0 / f64::from(self.n)).min(0.5);
+    /// Halley's method: Newton's with the curvature, which I_n gives away, two to five steps.
+    fn inverse_lower_half(&self, v: f64, near: f64) -> f64 {
+        let mut u = near.clamp(0.0, 0.5);
+        let mut value = self.lower_half(u);
+        // From far below the root the steps are short: rather begin where I_n would be were it C(2n−1, n)·uⁿ, a little
+        // below the root, and near it for small v.
+        if value < 0.25 * v {
+            u = (v * f64::from(self.n) / self.slope_scale).powf(1.0 / f64::from(self.n)).min(0.5);
+            value = self.lower_half(u);
+        }
         for _ in 0..100 {
-            // With d = u(1−u): I' = s·d^(n−1), I'' = I'·(n−1)(1−2u)/d. Both sides of Halley's fraction are times d.
-            let error = self.lower_half(u) - v;
+            // With d = u(1−u): I' = s·d^(n−1), I'' = I'·(n−1)(1−2u)/d. Both sides of Halley's
+            // fraction are times d.
+            let error = value - v;
             let d = u * (1.0 - u);
             let slope = self.slope_scale * power(d, self.n);
             let bend = 0.5 * error * f64::from(self.n - 1) * (1.0 - 2.0 * u);
@@ -227,6 +251,7 @@ impl Polynomial {
             if done {
                 break;
             }
+            value = self.lower_half(u);
         }
         u
     }

@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Weights of red, green and blue, linear in light, each 0…1 and not all 0. A pixel of relative luminance L lights
-/// L times these. Written by name, `yellow` or `gray`, or as `R,G,B`.
+/// Weights of red, green and blue, linear in light, each 0…1 and not all 0. A pixel of relative
+/// luminance L lights L times these. Written by name, `yellow` or `gray`, or as `R,G,B`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StimulusColor {
     rgb: [f64; 3],
@@ -18,13 +18,11 @@ const NAMED: [(&str, [f64; 3]); 3] =
 
 /// A text or triple that is no color.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "color {0} is not known; expected yellow, gray or three numbers R,G,B from 0 to 1, not all 0, linear in light"
-)]
+#[error("color {0} is not known; expected yellow, gray or three numbers R,G,B from 0 to 1, not all 0, linear in light")]
 pub struct ColorError(String);
 
 impl StimulusColor {
-    /// Equal quantities of red and green: [B] §3.1.
+    /// Equal quantities of red and green: Bangay §3.1.
     pub const YELLOW: StimulusColor = StimulusColor { rgb: [1.0, 1.0, 0.0] };
     /// The display's white, dimmed.
     pub const GRAY: StimulusColor = StimulusColor { rgb: [1.0, 1.0, 1.0] };
@@ -70,11 +68,8 @@ impl FromStr for StimulusColor {
             return Ok(Self { rgb: *rgb });
         }
         let unknown = || ColorError(format!("{text:?}"));
-        let weights: Vec<f64> = text
-            .split(',')
-            .map(|weight| weight.trim().parse())
-            .collect::<Result<_, _>>()
-            .map_err(|_| unknown())?;
+        let weights: Vec<f64> =
+            text.split(',').map(|weight| weight.trim().parse()).collect::<Result<_, _>>().map_err(|_| unknown())?;
         Self::new(weights.try_into().map_err(|_| unknown())?)
     }
 }

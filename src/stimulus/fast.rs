@@ -1,10 +1,12 @@
-//! The fast path from a specification to 8-bit codes: the same bytes as the reference, for little more than writing them.
+//! The fast path from a specification to 8-bit codes: the same bytes as the reference, for little
+//! more than writing them.
 //!
-//! Quantised, the ramp is a staircase of at most a few hundred steps, and every row shows the same staircase, shifted. What
-//! a row looks like depends on where its shift falls between two pixels, and changes by one pixel at a time as that part of
-//! the shift grows from 0 to 1. So one template is made, rows are visited in order of the fraction of their shift, the
-//! template is corrected pixel by pixel on the way, and every row is a copy of a piece of it. Pixels whose centre lies
-//! on a step to within rounding are computed by the reference.
+//! Quantised, the ramp is a staircase of at most a few hundred steps, and every row shows the same
+//! staircase, shifted. What a row looks like depends on where its shift falls between two pixels,
+//! and changes by one pixel at a time as that part of the shift grows from 0 to 1. So one template
+//! is made, rows are visited in order of the fraction of their shift, the template is corrected
+//! pixel by pixel on the way, and every row is a copy of a piece of it. Pixels whose centre lies on
+//! a step to within rounding are computed by the reference.
 
 use super::mach_band::{MachBand, Ramp};
 use super::orientation::Grid;
@@ -15,7 +17,8 @@ use crate::light::Quantizer;
 const LONGEST_TEMPLATE: f64 = 64.0;
 /// Doubt, in pixels, up to which the template's order of steps and rows is certain enough.
 const LARGEST_DOUBT_PX: f64 = 0.01;
-/// Fractions of a pixel are compared as whole numbers of 2⁻⁴⁰, which leaves room for an index below.
+/// Fractions of a pixel are compared as whole numbers of 2⁻⁴⁰, which leaves room for an index
+/// below.
 const FRACTION_BITS: u32 = 40;
 const ONE: u64 = 1 << FRACTION_BITS;
 const INDEX_BITS: u32 = 24;
@@ -48,13 +51,13 @@ pub(super) fn render(band: &MachBand, size: u32, quantizer: &Quantizer, out: &mu
     if grid.sin == 0.0 {
         let (first, others) = out.split_at_mut(3 * n);
         write_row(&reference, 0, first);
-        others.chunks_exact_mut(3 * n).for_each(|row| row.copy_from_slice(first));
+        others.chunks_exact_mut(3 * n).for_each(|row| copy(first, row));
     } else if grid.cos == 0.0 {
         let mut above: Option<(&[u8], [u8; 3])> = None;
         for (iy, row) in out.chunks_exact_mut(3 * n).enumerate() {
             let rgb = reference.pixel(0, iy);
             match above {
-                Some((above, same)) if same == rgb => row.copy_from_slice(above),
+                Some((above, same)) if same == rgb => copy(above, row),
                 _ => fill(row, rgb),
             }
             above = Some((row, rgb));
@@ -76,6 +79,15 @@ pub(super) fn render(band: &MachBand, size: u32, quantizer: &Quantizer, out: &mu
 fn write_row(reference: &Reference<'_>, iy: usize, row: &mut [u8]) {
     for (ix, pixel) in row.chunks_exact_mut(3).enumerate() {
         pixel.copy_from_slice(&reference.pixel(ix, iy));
+    }
+}
+
+/// Copies a row, in pieces. From about 2 KiB on the C library may use the processor's string move, which on some
+/// processors is six times slower when source and target lie unluckily within their pages.
+fn copy(from: &[u8], to: &mut [u8]) {
+    const PIECE: usize = 1536;
+    for (from, to) in from.chunks(PIECE).zip(to.chunks_mut(PIECE)) {
+        to.copy_from_slice(from);
     }
 }
 
@@ -124,8 +136,8 @@ impl Along {
         1.0 + self.tan.abs()
     }
 
-    /// Pixels from the places of the steps to where row `iy` has them: pixel i of the row is after the step of place p
-    /// when i ≥ p + shift.
+    /// Pixels from the places of the steps to where row `iy` has them: pixel i of the row is after
+    /// the step of place p when i ≥ p + shift.
     fn shift(&self, iy: usize) -> f64 {
         let last = (self.size - 1) as f64;
         0.5 * last - (0.5 * last - iy as f64) * self.tan
@@ -137,10 +149,12 @@ impl Along {
         let shifts: Vec<f64> = (0..n).map(|iy| self.shift(iy)).collect();
         let whole: Vec<i64> = shifts.iter().map(|&shift| floor(shift)).collect();
         let rows = sorted(shifts.iter().zip(&whole).map(|(shift, &whole)| shift - whole as f64));
-        // A step crosses the first pixel after it when the fraction of the shift reaches the gap between them.
+        // A step crosses the first pixel after it when the fraction of the shift reaches the gap
+        // between them.
         let gaps = sorted(self.places.iter().map(|place| place.ceil() - place));
         let (first, last) = (whole[0], whole[n - 1]);
-        // The template's pixel 0 is this far from that of shift 0; the row with the largest shift begins there.
+        // The template's pixel 0 is this far from that of shift 0; the row with the largest shift
+        // begins there.
         let origin = -first.max(last);
         let mut template = self.template(origin, n + first.abs_diff(last) as usize);
         let doubt = (self.doubt * ONE as f64).ceil() as u64;
@@ -157,7 +171,7 @@ impl Along {
             let iy = index(row);
             let start = (-whole[iy] - origin) as usize;
             let target = &mut out[3 * n * iy..3 * n * (iy + 1)];
-            target.copy_from_slice(&template[3 * start..3 * (start + n)]);
+            copy(&template[3 * start..3 * (start + n)], target);
             each_near(&gaps, passed, fraction(row), doubt, |step| {
                 settle(reference, iy, self.places[step] + shifts[iy], target);
             });
@@ -179,7 +193,8 @@ impl Along {
         template
     }
 
-    /// Every row by itself, from step to step: for ramps so nearly level that a row sees few of them.
+    /// Every row by itself, from step to step: for ramps so nearly level that a row sees few of
+    /// them.
     fn fill_rows(&self, reference: &Reference<'_>, out: &mut [u8]) {
         let n = self.size;
         for (iy, row) in out.chunks_exact_mut(3 * n).enumerate() {
@@ -207,7 +222,8 @@ impl Along {
     }
 }
 
-/// The largest whole number not above `x`, which fits an i64. `f64::floor` is a call where the processor's floor may not be used.
+/// The largest whole number not above `x`, which fits an i64. `f64::floor` is a call where the
+/// processor's floor may not be used.
 fn floor(x: f64) -> i64 {
     let whole = x as i64;
     if (whole as f64) > x { whole - 1 } else { whole }
@@ -232,22 +248,52 @@ fn index(key: u64) -> usize {
     (INDEX_MASK - (key & INDEX_MASK)) as usize
 }
 
-/// `fractions` (0…1) in rising order, each in one word with its index. Of equal fractions the later comes first: two steps
-/// before the same pixel are crossed from the far one to the near one.
+/// `fractions` (0…1) in rising order, each in one word with its index. Of equal fractions the later
+/// comes first: two steps before the same pixel are crossed from the far one to the near one.
 fn sorted(fractions: impl ExactSizeIterator<Item = f64>) -> Vec<u64> {
     let mut keys: Vec<u64> = fractions
         .enumerate()
         // A fraction may round up to 1, which is as good as the largest below it.
-        .map(|(i, fraction)| {
-            ((fraction * ONE as f64) as u64).min(ONE - 1) << INDEX_BITS | (INDEX_MASK - i as u64)
-        })
+        .map(|(i, fraction)| ((fraction * ONE as f64) as u64).min(ONE - 1) << INDEX_BITS | (INDEX_MASK - i as u64))
         .collect();
-    keys.sort_unstable();
+    sort(&mut keys);
     keys
 }
 
-/// Calls `each` with the index of every one of `gaps` within `doubt` of `at`, all in 2⁻⁴⁰; 0 and 1 are neighbours.
-/// The first `passed` gaps are below `at`.
+/// Sorts. The fractions of many rows are spread evenly: bucketed by their first bits, hardly one is out of place.
+fn sort(keys: &mut Vec<u64>) {
+    const BUCKET_BITS: u32 = 10;
+    let bucket = |key: u64| (key >> (FRACTION_BITS + INDEX_BITS - BUCKET_BITS)) as usize;
+    let mut ends = [0; 1 << BUCKET_BITS];
+    keys.iter().for_each(|&key| ends[bucket(key)] += 1);
+    if keys.len() < ends.len() / 2 || ends.iter().any(|&count| count > 16) {
+        return keys.sort_unstable();
+    }
+    let mut total = 0;
+    for end in &mut ends {
+        total += *end;
+        *end = total;
+    }
+    let mut spread = vec![0; keys.len()];
+    for &key in keys.iter() {
+        let end = &mut ends[bucket(key)];
+        *end -= 1;
+        spread[*end] = key;
+    }
+    // Insertion: nothing moves further than its bucket reaches.
+    for i in 1..spread.len() {
+        let (key, mut to) = (spread[i], i);
+        while to > 0 && spread[to - 1] > key {
+            spread[to] = spread[to - 1];
+            to -= 1;
+        }
+        spread[to] = key;
+    }
+    *keys = spread;
+}
+
+/// Calls `each` with the index of every one of `gaps` within `doubt` of `at`, all in 2⁻⁴⁰; 0 and 1
+/// are neighbours. The first `passed` gaps are below `at`.
 fn each_near(gaps: &[u64], passed: usize, at: u64, doubt: u64, mut each: impl FnMut(usize)) {
     let near = |gap: &&u64| {
         let distance = fraction(**gap).abs_diff(at);

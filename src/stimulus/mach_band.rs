@@ -1,4 +1,5 @@
-//! The Mach-band stimulus of [B] §3.1: two plateaus of luminance and the ramp between them, turned about the centre.
+//! The Mach-band stimulus of Bangay §3.1: two plateaus of luminance and the ramp between them, turned
+//! about the centre.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,10 +10,11 @@ use super::parameter::{Parameter, ParameterError, ParameterValue};
 use crate::light::interpolation::TANH_K;
 use crate::light::{Bits, CodeImage, Depth, Interpolation, LinearImage, Quantizer, Samples};
 
-/// A square window of side 1 with a ramp across its middle. Light, not codes: L = low + (high − low)·I_n(u),
-/// u = x/width + ½, x the distance from the centre line, positive on the brighter side.
+/// A square window of side 1 with a ramp across its middle. Light, not codes: L = low + (high −
+/// low)·I_n(u), u = x/width + ½, x the distance from the centre line, positive on the brighter
+/// side.
 ///
-/// Fields left out of a file have their defaults, those of [B].
+/// Fields left out of a file have their defaults, those of Bangay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MachBand {
@@ -20,13 +22,15 @@ pub struct MachBand {
     pub width: f64,
     /// Continuity depth n of the ramp, 1…32 or inf.
     pub depth: Depth,
-    /// Steepness k of the ramp of infinite depth, above 0, at most 100; finite depths do not use it.
+    /// Steepness k of the ramp of infinite depth, above 0, at most 100; finite depths do not use
+    /// it.
     pub tanh_k: f64,
     /// Orientation θ in degrees, counter-clockwise, to 1e-9°: 0 brightens to the right, 90 upwards.
     pub orientation_deg: f64,
     /// Relative luminance of the darker plateau, 0…1.
     pub low: f64,
-    /// Relative luminance of the brighter plateau, `low`…1. Equal to `low` it is a uniform field: a catch trial.
+    /// Relative luminance of the brighter plateau, `low`…1. Equal to `low` it is a uniform field: a
+    /// catch trial.
     pub high: f64,
     /// Weights of red, green and blue.
     pub color: StimulusColor,
@@ -121,14 +125,11 @@ fn orientation(value: f64) -> Result<f64, ParameterError> {
 
 fn depth(value: &ParameterValue) -> Result<Depth, ParameterError> {
     match value {
-        ParameterValue::Text(text) => {
-            text.parse().map_err(|_| DEPTH.error(format!("{text:?}"), "is not a depth"))
-        }
+        ParameterValue::Text(text) => text.parse().map_err(|_| DEPTH.error(format!("{text:?}"), "is not a depth")),
         ParameterValue::Number(n) if n.fract() != 0.0 => Err(DEPTH.error(n, "is not a whole number")),
-        // A whole number or ±∞: `as` keeps it in u32's range, outside the depths where it was outside.
-        ParameterValue::Number(n) => {
-            Depth::finite(*n as u32).map_err(|_| DEPTH.error(n, "is outside 1…32"))
-        }
+        // A whole number or ±∞: `as` keeps it in u32's range, outside the depths where it was
+        // outside.
+        ParameterValue::Number(n) => Depth::finite(*n as u32).map_err(|_| DEPTH.error(n, "is outside 1…32")),
     }
 }
 
@@ -197,8 +198,7 @@ impl MachBand {
             orientation(self.orientation_deg).err(),
             proportion(&LOW, self.low).err(),
             proportion(&HIGH, self.high).err(),
-            (self.low > self.high)
-                .then(|| HIGH.error(self.high, format!("is below low, which is {}", self.low))),
+            (self.low > self.high).then(|| HIGH.error(self.high, format!("is below low, which is {}", self.low))),
         ];
         let faults: Vec<ParameterError> = checks.into_iter().flatten().collect();
         if faults.is_empty() { Ok(()) } else { Err(faults) }
@@ -215,22 +215,23 @@ impl MachBand {
         }
     }
 
-    /// Relative luminance at `x` window sides from the centre line, positive on the brighter side; −½…½ is the window at 0°.
+    /// Relative luminance at `x` window sides from the centre line, positive on the brighter side;
+    /// −½…½ is the window at 0°.
     #[must_use]
     pub fn luminance_at(&self, x: f64) -> f64 {
         self.ramp().luminance_at(x)
     }
 
-    /// The light of a window of `size` × `size` pixels, each taken at its centre. The reference: every pixel on its own, in
-    /// f64, rounded once to f32.
+    /// The light of a window of `size` × `size` pixels, each taken at its centre. The reference:
+    /// every pixel on its own, in f64, rounded once to f32.
     #[must_use]
     pub fn linear(&self, size: u32) -> LinearImage {
         let (grid, ramp, weights) = (Grid::new(size, self.orientation_deg), self.ramp(), self.color.rgb());
         LinearImage::from_fn(size, size, |ix, iy| light(weights, ramp.luminance_at(grid.across(ix, iy))))
     }
 
-    /// The codes of a window of `size` × `size` pixels: exactly those of [`MachBand::linear`], quantised. At 8 bits this is
-    /// a fast path that costs little more than writing the memory.
+    /// The codes of a window of `size` × `size` pixels: exactly those of [`MachBand::linear`],
+    /// quantised. At 8 bits this is a fast path that costs little more than writing the memory.
     #[must_use]
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
         match quantizer.bits() {
@@ -243,7 +244,8 @@ impl MachBand {
         }
     }
 
-    /// [`MachBand::codes`] at 8 bits, into memory that is already there: red green blue, row by row from the top.
+    /// [`MachBand::codes`] at 8 bits, into memory that is already there: red green blue, row by row
+    /// from the top.
     ///
     /// # Panics
     /// When `codes` is not 3 · `size`² bytes long, or `quantizer` is not one of 8 bits.
@@ -272,7 +274,8 @@ pub struct Ramp {
 impl Ramp {
     /// Relative luminance at `x` window sides from the centre line, positive on the brighter side.
     ///
-    /// A ramp of width 0 is the limit of narrow ones: low before the line, high after it, and half-way on it.
+    /// A ramp of width 0 is the limit of narrow ones: low before the line, high after it, and
+    /// half-way on it.
     #[must_use]
     #[inline]
     pub fn luminance_at(&self, x: f64) -> f64 {

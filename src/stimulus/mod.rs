@@ -22,7 +22,7 @@ pub const KINDS: &[&str] = &[MachBand::KIND];
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Stimulus {
-    /// Two plateaus and the ramp between them, [B] §3.1.
+    /// Two plateaus and the ramp between them, Bangay §3.1.
     MachBand(MachBand),
 }
 
@@ -35,7 +35,8 @@ impl Stimulus {
         }
     }
 
-    /// The stimulus of kind `kind` with every parameter at its default; `None` if there is no such kind.
+    /// The stimulus of kind `kind` with every parameter at its default; `None` if there is no such
+    /// kind.
     #[must_use]
     pub fn default_of(kind: &str) -> Option<Stimulus> {
         match kind {
@@ -52,11 +53,12 @@ impl Stimulus {
         }
     }
 
-    /// Sets the parameter `name`. Only its own range is checked here; what must hold between parameters, in
-    /// [`Stimulus::validate`].
+    /// Sets the parameter `name`. Only its own range is checked here; what must hold between
+    /// parameters, in [`Stimulus::validate`].
     ///
     /// # Errors
-    /// When there is no such parameter, or it cannot have this value; the stimulus is then as before.
+    /// When there is no such parameter, or it cannot have this value; the stimulus is then as
+    /// before.
     pub fn set(&mut self, name: &str, value: &ParameterValue) -> Result<(), ParameterError> {
         match self {
             Stimulus::MachBand(band) => band.set(name, value),
@@ -68,6 +70,14 @@ impl Stimulus {
     pub fn get(&self, name: &str) -> Option<ParameterValue> {
         match self {
             Stimulus::MachBand(band) => band.get(name),
+        }
+    }
+
+    /// The light of a uniform field of relative luminance `level` in the colour of this stimulus.
+    #[must_use]
+    pub fn field_light(&self, level: f64) -> [f32; 3] {
+        match self {
+            Stimulus::MachBand(band) => band.color.rgb().map(|weight| (weight * level) as f32),
         }
     }
 
@@ -89,7 +99,8 @@ impl Stimulus {
         }
     }
 
-    /// The codes of a window of `size` × `size` pixels: those of [`Stimulus::linear`], quantised, whichever way is faster.
+    /// The codes of a window of `size` × `size` pixels: those of [`Stimulus::linear`], quantised,
+    /// whichever way is faster.
     #[must_use]
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
         match self {
@@ -97,7 +108,8 @@ impl Stimulus {
         }
     }
 
-    /// [`Stimulus::codes`] at 8 bits, into memory that is already there: red green blue, row by row from the top.
+    /// [`Stimulus::codes`] at 8 bits, into memory that is already there: red green blue, row by row
+    /// from the top.
     ///
     /// # Panics
     /// When `codes` is not 3 · `size`² bytes long, or `quantizer` is not one of 8 bits.

@@ -2,8 +2,9 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Steps of orientation in one degree. Finer than any picture can show (1e-9° moves the corner of a window 10000 pixels
-/// wide by 1e-7 pixels), and coarse enough that θ and θ + 180, both rounded to f64, are the same step half a turn apart.
+/// Steps of orientation in one degree. Finer than any picture can show (1e-9° moves the corner of a
+/// window 10000 pixels wide by 1e-7 pixels), and coarse enough that θ and θ + 180, both rounded to
+/// f64, are the same step half a turn apart.
 const STEPS_PER_DEG: f64 = 1e9;
 const QUARTER: i64 = 90_000_000_000;
 
@@ -52,7 +53,8 @@ impl Grid {
         Self { size, cos, sin }
     }
 
-    /// x of [B] §3.1, in window sides: (p − centre)·(cos θ, sin θ), p the centre of the pixel in column `ix` and row `iy`.
+    /// x of Bangay §3.1, in window sides: (p − centre)·(cos θ, sin θ), p the centre of the pixel in
+    /// column `ix` and row `iy`.
     ///
     /// The pixel opposite through the centre has exactly −x.
     #[inline]

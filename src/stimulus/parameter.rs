@@ -83,7 +83,8 @@ pub struct ParameterError {
 }
 
 impl ParameterError {
-    /// The error for the parameter `name`, which does not exist, set to `value`, in a stimulus that has `known` ones.
+    /// The error for the parameter `name`, which does not exist, set to `value`, in a stimulus that
+    /// has `known` ones.
     pub(super) fn unknown(name: &str, value: &ParameterValue, kind: &str, known: &[Parameter]) -> Self {
         let names: Vec<&str> = known.iter().map(|parameter| parameter.name).collect();
         Self {

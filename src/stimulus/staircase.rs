@@ -3,12 +3,14 @@
 use super::mach_band::{Ramp, light};
 use crate::light::{Interpolation, Quantizer};
 
-/// Doubt about where a step lies, in u: the interpolation's last digits may wobble by this much. Far more than they do.
+/// Doubt about where a step lies, in u: the interpolation's last digits may wobble by this much.
+/// Far more than they do.
 const DOUBT_U: f64 = 1e-14;
 /// Doubt about where a pixel lies, in window sides: a few roundings of numbers below 1.
 const DOUBT_X: f64 = 4e-15;
 
-/// A change of codes: before `x` (window sides across the ramp), the codes of the step before; after it, `after`.
+/// A change of codes: before `x` (window sides across the ramp), the codes of the step before;
+/// after it, `after`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Step {
     pub x: f64,
@@ -17,7 +19,8 @@ pub(super) struct Step {
 
 /// The codes across the ramp, from the darker side to the brighter, or the other way round.
 ///
-/// True for every pixel further from all steps than `doubt`. Nearer than that, the pixel itself must be asked.
+/// True for every pixel further from all steps than `doubt`. Nearer than that, the pixel itself
+/// must be asked.
 #[derive(Clone, Debug)]
 pub(super) struct Staircase {
     pub first: [u8; 3],
@@ -46,9 +49,11 @@ impl Staircase {
         for channel in 0..3 {
             // Channels of equal weight change together: the first of them stands for all.
             if !weights[..channel].contains(&weights[channel]) {
+                let mut u = 0.0;
                 changes.extend((first[channel]..last[channel]).map(|code| {
                     let threshold = quantizer.threshold(u16::from(code) + 1);
-                    (reach(ramp, weights[channel], threshold, doubt_u), channel, code + 1)
+                    u = reach(ramp, weights[channel], threshold, doubt_u, u);
+                    (u, channel, code + 1)
                 }));
             }
         }
@@ -87,21 +92,21 @@ impl Staircase {
 
 /// How far from a step the interpolation may still be on its other side, in u.
 fn doubt_u(interpolation: &Interpolation) -> f64 {
-    // Finite depths rise by at least 1/e for every e-fold of u or of 1 − u, so their rounding is as small in u. A tanh may be
-    // as flat as its k is small.
+    // Finite depths rise by at least 1/e for every e-fold of u or of 1 − u, so their rounding is as
+    // small in u. A tanh may be as flat as its k is small.
     let middle_slope = interpolation.slope(0.5);
     if middle_slope < 1.0 { DOUBT_U / middle_slope } else { DOUBT_U }
 }
 
-/// The u, to within half of `doubt`, from which the channel of weight `weight` has at least the light `threshold`.
-/// The lower plateau has less, the upper one at least as much.
-fn reach(ramp: &Ramp, weight: f64, threshold: f32, doubt: f64) -> f64 {
+/// The u, to within half of `doubt`, from which the channel of weight `weight` has at least the
+/// light `threshold`: sooner if it is near `near`. The lower plateau has less, the upper one at least as much.
+fn reach(ramp: &Ramp, weight: f64, threshold: f32, doubt: f64, near: f64) -> f64 {
     // The rounding to f32 is part of the definition, so the function itself decides.
     let reached = |u: f64| (weight * ramp.luminance_at_u(u)) as f32 >= threshold;
     // Half-way to the float below: from there on rounding ends at the threshold.
     let rounds_up = 0.5 * (f64::from(threshold) + f64::from(threshold.next_down()));
     let part = (rounds_up / weight - ramp.low) / (ramp.high - ramp.low);
-    let guess = ramp.interpolation.inverse(part);
+    let guess = ramp.interpolation.inverse_near(part, near);
     if reached(guess + 0.5 * doubt) && !reached(guess - 0.5 * doubt) {
         return guess;
     }

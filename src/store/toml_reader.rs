@@ -122,11 +122,6 @@ impl<'r, 't> Section<'r, 't> {
         self.reader.fault(at, format!("{} is {}; expected {what}", self.label(key), describe(value)));
     }
 
-    /// Whether the table is there at all.
-    pub(super) fn is_present(&self) -> bool {
-        self.table.is_some()
-    }
-
     /// A table within this one; absent is like empty.
     pub(super) fn section(&self, key: &'static str) -> Section<'r, 't> {
         let found = self.get(key);

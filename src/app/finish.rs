@@ -1,0 +1,173 @@
+//! The end: thanks, the participant's own ratings, and where they are.
+
+use std::{collections::BTreeMap, path::PathBuf};
+
+use eframe::egui::{self, Color32, Key};
+use egui_plot::{Corner, GridMark, Legend, Line, MarkerShape, Plot, Points};
+
+use super::{Go, theme};
+use crate::experiment::{Phase, Protocol, RATING_MAX, TrialRecord};
+
+/// Okabe and Ito's colours, told apart by colour-blind readers and on a dark page (2008, jfly.uni-koeln.de/color).
+const COLORS: [Color32; 7] = [
+    Color32::from_rgb(0xe6, 0x9f, 0x00),
+    Color32::from_rgb(0x56, 0xb4, 0xe9),
+    Color32::from_rgb(0x00, 0x9e, 0x73),
+    Color32::from_rgb(0xf0, 0xe4, 0x42),
+    Color32::from_rgb(0x00, 0x72, 0xb2),
+    Color32::from_rgb(0xd5, 0x5e, 0x00),
+    Color32::from_rgb(0xcc, 0x79, 0xa7),
+];
+/// A marker of its own for each line, so that colour is not needed.
+const MARKERS: [MarkerShape; 7] = [
+    MarkerShape::Circle,
+    MarkerShape::Square,
+    MarkerShape::Diamond,
+    MarkerShape::Up,
+    MarkerShape::Down,
+    MarkerShape::Cross,
+    MarkerShape::Plus,
+];
+
+/// The page.
+pub struct Finish {
+    protocol: Protocol,
+    path: PathBuf,
+    complete: bool,
+    lines: Vec<MeanLine>,
+    /// Labels along the horizontal axis, and what they are.
+    levels: Vec<String>,
+    axis: String,
+    by: Option<String>,
+    opened: Option<String>,
+}
+
+/// Mean rating along the first factor, for one level of the second.
+struct MeanLine {
+    name: String,
+    points: Vec<[f64; 2]>,
+}
+
+impl Finish {
+    /// For a session that was completed or left.
+    pub fn new(protocol: Protocol, rows: Vec<TrialRecord>, path: PathBuf, complete: bool) -> Self {
+        let name = |wanted: &str, other: usize| {
+            let found = protocol.factors.iter().position(|factor| factor.name == wanted);
+            found.or((protocol.factors.len() > other).then_some(other))
+        };
+        let along = name("width", 0);
+        let by = name("depth", 1).filter(|by| Some(*by) != along);
+        let factor = |index: Option<usize>| index.map(|index| &protocol.factors[index]);
+        let lines = factor(along).map_or_else(Vec::new, |along| mean_lines(&protocol, &rows, &along.name, factor(by).map(|f| f.name.as_str())));
+        Self {
+            levels: factor(along).map_or_else(Vec::new, |f| f.levels.iter().map(ToString::to_string).collect()),
+            axis: factor(along).map_or_else(String::new, |f| f.name.clone()),
+            by: factor(by).map(|f| f.name.clone()),
+            lines,
+            protocol,
+            path,
+            complete,
+            opened: None,
+        }
+    }
+
+    /// Draws the page.
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, direct: bool) -> Go {
+        let texts = self.protocol.instructions.clone();
+        let mut leave = false;
+        theme::page(ui, |ui| {
+            if self.complete {
+                ui.heading(&texts.thanks);
+                ui.label(&texts.done);
+            } else {
+                ui.heading(&texts.paused);
+                ui.label("The session was left before its end. Every answer given is saved; start it again with the same participant and session to go on.");
+            }
+            ui.add_space(8.0);
+            if self.lines.is_empty() {
+                ui.label("No main trial is rated yet, so there is nothing to plot.");
+            } else {
+                self.plot(ui);
+            }
+            ui.add_space(8.0);
+            ui.label("The answers are in");
+            ui.add(egui::Label::new(egui::RichText::new(self.path.display().to_string()).monospace()).wrap());
+            ui.horizontal(|ui| {
+                if ui.button("Open the folder").clicked() {
+                    let folder = self.path.parent().unwrap_or(&self.path);
+                    self.opened = open::that_detached(folder).err().map(|error| format!("{}: cannot be opened: {error}", folder.display()));
+                }
+                leave = theme::primary(ui, if direct { "Close" } else { "Back to the start" }, true, "Enter");
+            });
+            if let Some(fault) = &self.opened {
+                theme::fault(ui, fault);
+            }
+        });
+        let focused = ui.ctx().memory(|memory| memory.focused().is_some());
+        let entered = !focused && ui.input(|input| input.key_pressed(Key::Enter));
+        if leave || entered { Go::Back } else { Go::Stay }
+    }
+
+    fn plot(&self, ui: &mut egui::Ui) {
+        let by = self.by.as_ref().map_or_else(String::new, |by| format!(", one line for each {by}"));
+        ui.label(format!("Your mean rating by {}{by}", self.axis));
+        let labels = self.levels.clone();
+        let last = labels.len().saturating_sub(1) as f64;
+        Plot::new("ratings")
+            .height(280.0)
+            .allow_drag(false)
+            .allow_zoom(false)
+            .allow_scroll(false)
+            .allow_boxed_zoom(false)
+            .include_x(-0.3)
+            .include_x(last + 0.3)
+            .include_y(-0.1)
+            .include_y(f64::from(RATING_MAX) + 0.1)
+            .x_axis_label(self.axis.clone())
+            .y_axis_label("mean rating")
+            .legend(Legend::default().position(Corner::RightTop))
+            .x_grid_spacer(move |_| (0..=last as i64).map(|i| GridMark { value: i as f64, step_size: 1.0 }).collect())
+            .y_grid_spacer(|_| (0..=RATING_MAX).map(|i| GridMark { value: f64::from(i), step_size: 1.0 }).collect())
+            .x_axis_formatter(move |mark, _| {
+                let index = mark.value.round();
+                if index < 0.0 { String::new() } else { labels.get(index as usize).cloned().unwrap_or_default() }
+            })
+            .show(ui, |plot| {
+                for (i, line) in self.lines.iter().enumerate() {
+                    let color = COLORS[i % COLORS.len()];
+                    let marker = MARKERS[i % MARKERS.len()];
+                    plot.line(Line::new(line.name.clone(), line.points.clone()).color(color).width(2.0));
+                    plot.points(Points::new(line.name.clone(), line.points.clone()).shape(marker).radius(5.0).color(color));
+                }
+            });
+    }
+}
+
+/// Means over the main trials, last attempts only; the horizontal place of a level is its index.
+fn mean_lines(protocol: &Protocol, rows: &[TrialRecord], along: &str, by: Option<&str>) -> Vec<MeanLine> {
+    // Later attempts overwrite earlier ones: rows come in the order in which they were given.
+    let last: BTreeMap<u32, &TrialRecord> =
+        rows.iter().filter(|row| row.phase == Phase::Main).map(|row| (row.trial, row)).collect();
+    let level = |row: &TrialRecord, name: &str| {
+        let text = row.level(protocol, name)?;
+        let factor = protocol.factors.iter().find(|factor| factor.name == name)?;
+        factor.levels.iter().position(|level| level.to_string() == text)
+    };
+    let mut sums: BTreeMap<(usize, usize), (f64, f64)> = BTreeMap::new();
+    for row in last.values() {
+        let Some(x) = level(row, along) else { continue };
+        let line = by.and_then(|by| level(row, by)).unwrap_or(0);
+        let sum = sums.entry((line, x)).or_default();
+        sum.0 += f64::from(row.rating.0);
+        sum.1 += 1.0;
+    }
+    let mut lines: BTreeMap<usize, MeanLine> = BTreeMap::new();
+    for ((line, x), (sum, n)) in sums {
+        let name = by
+            .and_then(|by| protocol.factors.iter().find(|factor| factor.name == by))
+            .and_then(|factor| factor.levels.get(line))
+            .map_or_else(|| "rating".to_owned(), |level| format!("{} {level}", by.unwrap_or_default()));
+        lines.entry(line).or_insert_with(|| MeanLine { name, points: Vec::new() }).points.push([x as f64, sum / n]);
+    }
+    lines.into_values().collect()
+}

@@ -1,0 +1,328 @@
+//! Home: what is to be run, for whom, on which screen.
+
+use eframe::egui::{self, Key, RichText, TextureHandle, ViewportCommand};
+
+use super::{
+    Go, Monitor, Page,
+    card::{CardHelper, CardOutcome},
+    dialog::{Ask, Dialog},
+    form::{Checked, Form},
+    pixels,
+    preflight::Preflight,
+    theme,
+};
+use crate::{
+    light::{Bits, Quantizer, Transfer},
+    stimulus::{MachBand, Stimulus},
+    store::definition::BUILT_IN,
+};
+
+/// Side of the picture beside the form, physical pixels.
+const PICTURE_PX: u32 = 180;
+
+/// The page.
+#[derive(Default)]
+pub struct Home {
+    form: Form,
+    checked: Option<(Form, Monitor, Checked)>,
+    /// What the card helper found: shows that the width is not an assumption.
+    measured_cm: Option<f64>,
+    card: Option<CardHelper>,
+    /// Which field an open dialog is for.
+    dialog: Dialog,
+    asking: Option<Field>,
+    picture: Option<TextureHandle>,
+    monitor_choice: Option<usize>,
+    full_screen: bool,
+    started: bool,
+}
+
+#[derive(Clone, Copy)]
+enum Field {
+    Experiment,
+    Profile,
+    Results,
+}
+
+impl Home {
+    /// Draws the page.
+    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, monitors: &[String]) -> Go {
+        if !self.started {
+            self.started = true;
+            self.full_screen = true;
+            self.form.suggest(monitor);
+        }
+        self.take_files(ui.ctx());
+        self.recheck(monitor);
+        let mut go = Go::Stay;
+        theme::page(ui, |ui| {
+            ui.heading("machband");
+            ui.label("How visible are Mach bands? Rate them, and keep every answer.");
+            ui.add_space(12.0);
+            self.fields(ui, monitor, monitors);
+            ui.add_space(8.0);
+            go = self.start(ui);
+            ui.add_space(16.0);
+            self.example(ui);
+        });
+        self.card(ui.ctx(), monitor);
+        go
+    }
+
+    /// A file dropped on the window or chosen in a dialog.
+    fn take_files(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        if let Some(path) = dropped {
+            self.choose_experiment(path.display().to_string());
+        }
+        if let Some(path) = self.dialog.take() {
+            let path = path.display().to_string();
+            match self.asking {
+                Some(Field::Experiment) => self.choose_experiment(path),
+                Some(Field::Profile) => self.form.profile = path,
+                Some(Field::Results) => self.form.results = path,
+                None => {}
+            }
+        }
+    }
+
+    fn choose_experiment(&mut self, name_or_path: String) {
+        self.form.experiment = name_or_path;
+        // The planned distance belongs to the definition.
+        self.form.distance_cm.clear();
+    }
+
+    /// Looks the form through when something in it has changed.
+    fn recheck(&mut self, monitor: &Monitor) {
+        let current = |(form, seen, _): &(Form, Monitor, Checked)| *form == self.form && seen == monitor;
+        if !self.checked.as_ref().is_some_and(current) {
+            if self.form.distance_cm.is_empty() {
+                self.form.suggest(monitor);
+            }
+            self.checked = Some((self.form.clone(), monitor.clone(), self.form.check(monitor)));
+        }
+    }
+
+    fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, monitors: &[String]) {
+        // Taken out while the fields change the form; what was checked stays known by the form it was checked for.
+        let Some((form, seen, checked)) = self.checked.take() else { return };
+        let faults = &checked.faults;
+        self.experiment_field(ui, &checked);
+        let typed = &mut self.form;
+        text_field(ui, "Participant", &mut typed.participant, faults.participant.as_deref(), "letters and digits");
+        text_field(ui, "Session", &mut typed.session, faults.session.as_deref(), "1, 2, … for the same participant");
+        text_field(ui, "Viewing distance, cm", &mut typed.distance_cm, faults.distance.as_deref(), "from eye to screen");
+        row(ui, "Screen width, cm", |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                ui.add(egui::TextEdit::singleline(&mut self.form.screen_width_cm).desired_width(120.0)).labelled_by(label);
+                if ui.button("Measure with a card…").clicked() {
+                    let width = self.form.screen_width_cm.parse().unwrap_or_else(|_| monitor.assumed_width_cm());
+                    self.card = Some(CardHelper::new(width, monitor.width_px));
+                }
+            });
+            match (&faults.screen_width, checked.stimulus_px) {
+                (Some(text), _) => theme::fault(ui, text),
+                (None, Some((side, per_degree))) => {
+                    let origin = if self.measured_cm.is_some_and(|cm| self.form.screen_width_cm == cm.to_string()) {
+                        "measured with a card"
+                    } else if self.form.width_is_assumed(monitor) {
+                        "assumed from 96 pixels an inch; measure it for a real study"
+                    } else {
+                        "typed"
+                    };
+                    ui.label(theme::quiet(format!("{origin}. {per_degree:.1} pixels a degree; the stimulus is {side} pixels wide.")));
+                }
+                (None, None) => {}
+            }
+        });
+        row(ui, "Display profile", |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                ui.add(egui::TextEdit::singleline(&mut self.form.profile).desired_width(300.0).hint_text("sRGB")).labelled_by(label);
+                self.browse(ui, Field::Profile, "Choose a display profile…");
+            });
+            match (&faults.profile, &checked.display) {
+                (Some(text), _) => theme::fault(ui, text),
+                (None, Some(display)) => _ = ui.label(theme::quiet(display.sentence())),
+                (None, None) => {}
+            }
+        });
+        row(ui, "Results folder", |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                ui.add(egui::TextEdit::singleline(&mut self.form.results).desired_width(300.0)).labelled_by(label);
+                self.browse(ui, Field::Results, "Choose the results folder…");
+            });
+            if let Some(text) = &faults.results {
+                theme::fault(ui, text);
+            }
+        });
+        self.monitor_field(ui, monitor, monitors);
+        self.checked.get_or_insert((form, seen, checked));
+    }
+
+    fn experiment_field(&mut self, ui: &mut egui::Ui, checked: &Checked) {
+        let mut chosen = None;
+        row(ui, "Experiment", |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                let shown = self.form.experiment.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+                egui::ComboBox::from_id_salt("experiment")
+                    .selected_text(shown)
+                    .width(220.0)
+                    .show_ui(ui, |ui| {
+                        for built_in in BUILT_IN {
+                            if ui.selectable_label(self.form.experiment == built_in.name, built_in.name).clicked() {
+                                chosen = Some(built_in.name.to_owned());
+                            }
+                        }
+                    })
+                    .response
+                    .labelled_by(label);
+                self.browse(ui, Field::Experiment, "Choose a definition…");
+            });
+            match (&checked.faults.experiment, &checked.protocol) {
+                (Some(text), _) => text.lines().for_each(|line| theme::fault(ui, line)),
+                (None, Some(protocol)) => {
+                    let practice = match protocol.design.practice {
+                        0 => String::new(),
+                        n => format!("{n} practice and "),
+                    };
+                    let minutes = (protocol.main_trials() + protocol.design.practice as usize) as f64
+                        * (protocol.recovery.duration_s + 3.5)
+                        / 60.0;
+                    ui.label(theme::quiet(format!(
+                        "{}. {practice}{} trials, about {:.0} min. A .toml file can also be dropped on this window.",
+                        protocol.title,
+                        protocol.main_trials(),
+                        minutes.ceil() + 1.0
+                    )));
+                }
+                (None, None) => {}
+            }
+        });
+        if let Some(name) = chosen {
+            self.choose_experiment(name);
+        }
+    }
+
+    fn browse(&mut self, ui: &mut egui::Ui, field: Field, label: &str) {
+        let button = ui.button("Browse…");
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, label));
+        if button.clicked() {
+            self.asking = Some(field);
+            self.dialog.open(ui.ctx(), if let Field::Results = field { Ask::Folder } else { Ask::Toml });
+        }
+    }
+
+    fn monitor_field(&mut self, ui: &mut egui::Ui, monitor: &Monitor, monitors: &[String]) {
+        row(ui, "Screen", |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                if monitors.len() > 1 {
+                    let shown = self.monitor_choice.and_then(|i| monitors.get(i)).map_or("the one that shows this window", String::as_str);
+                    egui::ComboBox::from_id_salt("monitor")
+                        .selected_text(shown)
+                        .width(300.0)
+                        .show_ui(ui, |ui| {
+                            for (i, name) in monitors.iter().enumerate() {
+                                ui.selectable_value(&mut self.monitor_choice, Some(i), name);
+                            }
+                        })
+                        .response
+                        .labelled_by(label);
+                } else {
+                    ui.label(format!("{} × {} pixels", monitor.width_px, monitor.height_px));
+                }
+                ui.checkbox(&mut self.full_screen, "Full screen");
+            });
+        });
+    }
+
+    fn start(&mut self, ui: &mut egui::Ui) -> Go {
+        let Some((_, _, checked)) = &self.checked else { return Go::Stay };
+        let text = if checked.resume { "Resume" } else { "Start" };
+        let ready = checked.request().is_some();
+        let mut clicked = false;
+        row(ui, "", |ui, _| {
+            let hint = match (ready, checked.resume) {
+                (false, _) => "Something above needs attention.",
+                (true, true) => "This session was interrupted; it goes on with the trials that are missing.",
+                (true, false) => "Enter starts too. Esc pauses at any time; every answer is saved at once.",
+            };
+            clicked = theme::primary(ui, text, ready, hint);
+        });
+        let typing = ui.ctx().memory(|memory| memory.focused().is_some());
+        let entered = !typing && self.card.is_none() && ui.input(|input| input.key_pressed(Key::Enter));
+        match checked.request() {
+            Some(request) if clicked || entered => {
+                let mut request = request.clone();
+                request.windowed = !self.full_screen;
+                if self.full_screen {
+                    if let Some(index) = self.monitor_choice {
+                        ui.ctx().send_viewport_cmd(ViewportCommand::SetMonitor(index));
+                    }
+                    ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
+                }
+                Go::To(Page::Preflight(Box::new(Preflight::new(request))))
+            }
+            _ => Go::Stay,
+        }
+    }
+
+    /// A Mach band to look at while deciding.
+    fn example(&mut self, ui: &mut egui::Ui) {
+        let texture = self.picture.get_or_insert_with(|| {
+            let stimulus = Stimulus::MachBand(MachBand::default());
+            pixels::texture(ui.ctx(), "example", &stimulus, PICTURE_PX, &Quantizer::new(&Transfer::Srgb, Bits::Eight))
+        });
+        ui.separator();
+        ui.horizontal_top(|ui| {
+            pixels::picture(ui, texture, PICTURE_PX, "A dark and a bright area with a linear ramp between them");
+            ui.vertical(|ui| {
+                ui.label(RichText::new("Do you see a bright line?").strong());
+                ui.label("On the right of the ramp, where it meets the bright area: that line is not in the picture.");
+                ui.label("It is a Mach band. The session asks how visible it is in pictures like this one.");
+            });
+        });
+    }
+
+    fn card(&mut self, ctx: &egui::Context, monitor: &Monitor) {
+        let Some(card) = &mut self.card else { return };
+        match card.show(ctx, monitor.width_px) {
+            CardOutcome::Open => return,
+            CardOutcome::Closed => {}
+            CardOutcome::Measured(width) => {
+                self.form.screen_width_cm = width.to_string();
+                self.measured_cm = Some(width);
+            }
+        }
+        self.card = None;
+    }
+}
+
+/// A label, and a field beside it or, where the window is narrow, below.
+fn row(ui: &mut egui::Ui, label: &str, field: impl FnOnce(&mut egui::Ui, egui::Id)) {
+    const LABEL: f32 = 190.0;
+    let narrow = ui.available_width() < 520.0;
+    let draw_label = |ui: &mut egui::Ui| ui.label(label).id;
+    if narrow {
+        let id = draw_label(ui);
+        ui.vertical(|ui| field(ui, id));
+    } else {
+        ui.horizontal_top(|ui| {
+            let id = ui
+                .allocate_ui_with_layout(egui::vec2(LABEL, 32.0), egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                    ui.set_min_width(LABEL);
+                    draw_label(ui)
+                })
+                .inner;
+            ui.vertical(|ui| field(ui, id));
+        });
+    }
+}
+
+fn text_field(ui: &mut egui::Ui, label: &str, text: &mut String, fault: Option<&str>, hint: &str) {
+    row(ui, label, |ui, id| {
+        ui.add(egui::TextEdit::singleline(text).desired_width(300.0).hint_text(hint)).labelled_by(id);
+        if let Some(fault) = fault {
+            theme::fault(ui, fault);
+        }
+    });
+}

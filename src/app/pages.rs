@@ -1,0 +1,162 @@
+//! What a participant reads between trials.
+
+use eframe::egui::{self, Key, ProgressBar, TextureHandle};
+
+use super::{pixels, theme};
+use crate::{
+    experiment::{Phase, Progress, Protocol, Texts},
+    light::{Depth, Quantizer},
+    stimulus::{ParameterValue, Stimulus},
+};
+
+/// What a page was answered with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// Nothing yet.
+    None,
+    /// Go on.
+    Next,
+    /// Leave the session.
+    Leave,
+}
+
+/// Pages before the first trial: the task, and the categories.
+pub const INSTRUCTION_PAGES: usize = 2;
+
+/// Side of a category's picture, physical pixels per point of the page.
+const PICTURE: f32 = 150.0;
+
+/// An example of each category, drawn with the session's own colours: width and depth of a ramp whose brighter band
+/// most people see as that category describes. They are examples for the eye, not answers: [B] §3.2's findings put
+/// them in this order.
+const EXAMPLES: [(f64, Depth); 4] = [
+    (0.9, Depth::Finite(4)),
+    (0.9, Depth::Finite(2)),
+    (0.6, Depth::Finite(1)),
+    (0.12, Depth::Finite(1)),
+];
+
+/// Pictures of the categories, made once.
+#[derive(Default)]
+pub struct CategoryPictures {
+    textures: Vec<(TextureHandle, u32)>,
+}
+
+impl CategoryPictures {
+    fn get(&mut self, ctx: &egui::Context, protocol: &Protocol, quantizer: &Quantizer) -> &[(TextureHandle, u32)] {
+        if self.textures.is_empty() {
+            let size = (PICTURE * ctx.pixels_per_point()).round() as u32;
+            for (i, (width, depth)) in EXAMPLES.iter().enumerate() {
+                let mut stimulus: Stimulus = protocol.stimulus.clone();
+                let depth = match depth {
+                    Depth::Finite(n) => ParameterValue::Number(f64::from(*n)),
+                    Depth::Infinite => ParameterValue::Text("inf".to_owned()),
+                };
+                // A kind without these parameters shows itself as it is.
+                let _ = stimulus.set("width", &ParameterValue::Number(*width));
+                let _ = stimulus.set("depth", &depth);
+                let _ = stimulus.set("orientation_deg", &ParameterValue::Number(0.0));
+                self.textures.push((pixels::texture(ctx, &format!("category{i}"), &stimulus, size, quantizer), size));
+            }
+        }
+        &self.textures
+    }
+}
+
+/// A page of instructions.
+pub fn instructions(
+    ui: &mut egui::Ui,
+    page: usize,
+    protocol: &Protocol,
+    resumed: Option<Progress>,
+    pictures: &mut CategoryPictures,
+    quantizer: &Quantizer,
+) -> Answer {
+    let texts = &protocol.instructions;
+    theme::page(ui, |ui| {
+        if page == 0 {
+            ui.heading(&texts.welcome);
+            if let Some(progress) = resumed {
+                ui.label(egui::RichText::new(fill(&texts.resumed, &progress)).color(theme::NOTE));
+            }
+            ui.add_space(8.0);
+            for paragraph in texts.task.split("\n\n") {
+                ui.label(paragraph);
+                ui.add_space(4.0);
+            }
+        } else {
+            ui.heading(&texts.categories);
+            ui.label(&protocol.response.question);
+            ui.add_space(8.0);
+            let shown = pictures.get(ui.ctx(), protocol, quantizer);
+            ui.horizontal_wrapped(|ui| {
+                for (category, (texture, size)) in protocol.response.categories.iter().zip(shown) {
+                    ui.vertical(|ui| {
+                        let side = *size as f32 / ui.ctx().pixels_per_point();
+                        ui.set_width(side);
+                        pixels::picture(ui, texture, *size, &category.label);
+                        ui.label(egui::RichText::new(category.key.to_string()).size(24.0).strong());
+                        ui.add(egui::Label::new(&category.label).wrap());
+                    });
+                }
+            });
+            ui.add_space(8.0);
+            ui.label(&texts.keys);
+        }
+        ui.add_space(16.0);
+        next(ui, texts)
+    })
+}
+
+/// Before practice, or before the main trials.
+pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Answer {
+    theme::page(ui, |ui| {
+        ui.label(match phase {
+            Phase::Practice => &texts.practice,
+            Phase::Main => &texts.main,
+        });
+        ui.add_space(16.0);
+        next(ui, texts)
+    })
+}
+
+/// A break.
+pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Answer {
+    theme::page(ui, |ui| {
+        ui.heading(&texts.pause_heading);
+        ui.label(fill(&texts.break_progress, progress));
+        ui.add(ProgressBar::new(progress.done as f32 / progress.total.max(1) as f32).desired_height(14.0));
+        ui.add_space(16.0);
+        next(ui, texts)
+    })
+}
+
+/// Paused by the participant, or because the window became too small (`why`).
+pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Answer {
+    theme::page(ui, |ui| {
+        ui.heading(&texts.paused);
+        ui.label(&texts.paused_text);
+        if let Some(why) = why {
+            theme::fault(ui, why);
+        }
+        ui.add_space(16.0);
+        let next = next(ui, texts);
+        ui.add_space(8.0);
+        if ui.button(&texts.leave).clicked() { Answer::Leave } else { next }
+    })
+}
+
+fn next(ui: &mut egui::Ui, texts: &Texts) -> Answer {
+    // A control that has the keyboard's focus takes Space and Enter for itself.
+    let focused = ui.ctx().memory(|memory| memory.focused().is_some());
+    let key = !focused && ui.input(|input| input.key_pressed(Key::Space) || input.key_pressed(Key::Enter));
+    let clicked = theme::primary(ui, &texts.next, true, &texts.next_key);
+    if clicked || key { Answer::Next } else { Answer::None }
+}
+
+fn fill(text: &str, progress: &Progress) -> String {
+    let minutes = progress.remaining.map_or("?".to_owned(), |left| format!("{:.0}", (left.as_secs_f64() / 60.0).ceil()));
+    text.replace("{done}", &progress.done.to_string())
+        .replace("{total}", &progress.total.to_string())
+        .replace("{minutes}", &minutes)
+}

@@ -1,0 +1,206 @@
+//! Preflight: what the screen really is, in plain sentences, before anything is measured on it.
+
+use eframe::egui::{self, Key, ViewportCommand};
+
+use super::{
+    Go, Monitor, Page, Request,
+    form::stimulus_side_px,
+    frames::FrameStatistics,
+    monitor::window_px,
+    session::{Prepared, SessionPage},
+    theme,
+};
+use crate::{
+    display::{Screen, Viewing},
+    experiment::FrameCount,
+    store::sidecar::PreflightNote,
+};
+
+/// How long frames are measured, seconds, after the window has come to rest.
+const MEASURE_S: f64 = 1.0;
+/// And how many at least.
+const MEASURE_FRAMES: u64 = 30;
+/// Longest wait for the window to become full screen, seconds.
+const SETTLE_S: f64 = 0.7;
+
+/// The page.
+pub struct Preflight {
+    request: Request,
+    since: Option<f64>,
+    frames: FrameStatistics,
+    /// Why the session could not begin.
+    refused: Option<String>,
+}
+
+/// What was found.
+struct Findings {
+    notes: Vec<PreflightNote>,
+    prepared: Option<Prepared>,
+}
+
+impl Preflight {
+    /// For a session; the window is on its way to full screen.
+    pub fn new(request: Request) -> Self {
+        Self { request, since: None, frames: FrameStatistics::default(), refused: None }
+    }
+
+    /// Draws the page.
+    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Go {
+        let now = ui.input(|input| input.time);
+        let since = *self.since.get_or_insert(now);
+        if self.measuring(now - since) {
+            if now - since > SETTLE_S {
+                self.frames.frame(now);
+            }
+            ui.ctx().request_repaint();
+            theme::page(ui, |ui| {
+                ui.heading("Before the session");
+                ui.label("Measuring the screen…");
+                ui.spinner();
+            });
+            return if ui.input(|input| input.key_pressed(Key::Escape)) { self.back(ui.ctx()) } else { Go::Stay };
+        }
+        let findings = self.findings(ui.ctx(), monitor);
+        let (begin, back) = self.draw(ui, &findings);
+        if back {
+            return self.back(ui.ctx());
+        }
+        match findings.prepared {
+            Some(prepared) if begin => match SessionPage::begin(ui.ctx(), &self.request, prepared, findings.notes, monitor) {
+                Ok(page) => Go::To(Page::Session(Box::new(page))),
+                Err(error) => {
+                    self.refused = Some(error.to_string());
+                    Go::Stay
+                }
+            },
+            _ => Go::Stay,
+        }
+    }
+
+    fn measuring(&self, elapsed: f64) -> bool {
+        elapsed < SETTLE_S + MEASURE_S || (self.frames.count() < MEASURE_FRAMES && elapsed < SETTLE_S + 5.0 * MEASURE_S)
+    }
+
+    fn back(&self, ctx: &egui::Context) -> Go {
+        if !self.request.windowed {
+            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+        }
+        Go::Back
+    }
+
+    fn draw(&self, ui: &mut egui::Ui, findings: &Findings) -> (bool, bool) {
+        let mut begin = false;
+        let mut back = false;
+        theme::page(ui, |ui| {
+            ui.heading("Before the session");
+            ui.label(theme::quiet(format!(
+                "{} · participant {} · session {}",
+                self.request.protocol.title,
+                self.request.identity.subject(),
+                self.request.identity.session()
+            )));
+            ui.add_space(8.0);
+            for note in &findings.notes {
+                ui.horizontal(|ui| {
+                    theme::mark(ui, note.ok);
+                    ui.add(egui::Label::new(&note.sentence).wrap());
+                });
+            }
+            ui.add_space(16.0);
+            if let Some(refused) = &self.refused {
+                theme::fault(ui, refused);
+            }
+            begin = theme::primary(ui, "Continue", findings.prepared.is_some(), "Space. These findings are kept with the data.");
+            ui.add_space(4.0);
+            ui.horizontal(|ui| {
+                back = ui.button("Back").clicked();
+                ui.label(theme::quiet("Esc"));
+            });
+        });
+        let focused = ui.ctx().memory(|memory| memory.focused().is_some());
+        let key = |key| !focused && ui.input(|input| input.key_pressed(key));
+        (begin || key(Key::Space) || key(Key::Enter), back || ui.input(|input| input.key_pressed(Key::Escape)))
+    }
+
+    fn findings(&self, ctx: &egui::Context, monitor: &Monitor) -> Findings {
+        let mut notes = Vec::new();
+        let mut note = |check: &str, ok: bool, sentence: String| {
+            notes.push(PreflightNote { check: check.to_owned(), ok, sentence });
+        };
+        let name = monitor.name.as_ref().map_or_else(|| "without a name".to_owned(), |name| format!("{name:?}"));
+        note("monitor", true, format!("Monitor {name}, {} × {} pixels.", monitor.width_px, monitor.height_px));
+
+        let window = window_px(ctx);
+        let whole = window == (monitor.width_px, monitor.height_px);
+        note("full_screen", whole || self.request.windowed, match (self.request.windowed, whole) {
+            (true, _) => format!("The session runs in a window of {} × {} pixels, as asked; other things on the screen may distract.", window.0, window.1),
+            (false, true) => "The window has the whole screen.".to_owned(),
+            (false, false) => format!("The window has {} × {} pixels and not the whole screen; the window system did not give it.", window.0, window.1),
+        });
+        let points = f64::from(ctx.pixels_per_point());
+        note("scale", true, format!("The system's scale is {points}; stimuli are drawn in physical pixels whatever it is."));
+
+        let median = self.frames.quantile(0.5);
+        let steady = match (median, self.frames.quantile(0.99)) {
+            (Some(median), Some(slow)) => slow <= 1.5 * median,
+            _ => false,
+        };
+        note("refresh", monitor.refresh_hz.is_some(), match monitor.refresh_hz {
+            Some(hz) => format!("The system reports {hz:.2} Hz."),
+            None => "The system does not report a refresh rate; the measured frame interval stands in for it.".to_owned(),
+        });
+        note("frame_interval", steady, match (median, self.frames.quantile(0.99)) {
+            (Some(median), Some(slow)) => format!(
+                "Frames came every {:.1} ms ({:.1} Hz); 99 % of them within {:.1} ms{}",
+                median * 1e3,
+                1.0 / median,
+                slow * 1e3,
+                if steady { "." } else { ": not steady, so close other programs. Dropped frames will be counted all the same where the refresh rate is known." }
+            ),
+            _ => "No frames could be measured.".to_owned(),
+        });
+        note("display_profile", self.request.display.measured.is_some(), format!("Display profile: {}.", self.request.display.sentence()));
+
+        let interval = monitor.refresh_hz.map(|hz| 1.0 / hz).or(median.filter(|_| steady));
+        let prepared = self.geometry(monitor, window, &mut note).map(|(viewing, size_px)| Prepared {
+            viewing,
+            size_px,
+            frames: interval.map_or(FrameCount::Frames, FrameCount::Against),
+            window,
+        });
+        Findings { notes, prepared }
+    }
+
+    fn geometry(
+        &self,
+        monitor: &Monitor,
+        window: (u32, u32),
+        note: &mut impl FnMut(&str, bool, String),
+    ) -> Option<(Viewing, u32)> {
+        let width_cm = self.request.screen_width_cm.or(self.request.display.screen_width_cm);
+        let assumed = width_cm.unwrap_or_else(|| monitor.assumed_width_cm());
+        let viewing = Screen::new(monitor.width_px, monitor.height_px, assumed)
+            .and_then(|screen| Viewing::new(screen, self.request.distance_cm));
+        let viewing = match viewing {
+            Ok(viewing) => viewing,
+            Err(error) => {
+                note("geometry", false, format!("{error}."));
+                return None;
+            }
+        };
+        note("physical_size", width_cm.is_some(), match width_cm {
+            Some(cm) => format!("The screen is {cm:.1} cm wide; at {} cm a degree is {:.1} pixels.", self.request.distance_cm, viewing.px_per_degree()),
+            None => format!("The screen's width is not known; {assumed:.1} cm is assumed from 96 pixels an inch. At {} cm a degree is {:.1} pixels.", self.request.distance_cm, viewing.px_per_degree()),
+        });
+        let deg = self.request.protocol.viewing.window_deg;
+        let size_px = stimulus_side_px(&viewing, deg);
+        let least = window.0.min(window.1);
+        let fits = size_px <= least;
+        note("stimulus_fits", fits, if fits {
+            format!("The stimulus of {deg}° is {size_px} × {size_px} pixels and fits.")
+        } else {
+            format!("The stimulus of {deg}° would be {size_px} × {size_px} pixels, and the window has {} × {}: sit closer, or use a larger screen.", window.0, window.1)
+        });
+        fits.then_some((viewing, size_px))
+    }
+}

@@ -1,0 +1,380 @@
+//! The session on the screen: turns input into events, effects into rows, and states into pictures.
+
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use eframe::egui::{self, CursorIcon, Key, TextureHandle, ViewportCommand};
+use jiff::Timestamp;
+use serde_json::json;
+
+use super::{
+    Go, Monitor, Page, Request,
+    finish::Finish,
+    frames::FrameStatistics,
+    monitor::window_px,
+    pages::{self, Answer, CategoryPictures, INSTRUCTION_PAGES},
+    pixels, scale,
+    trouble::{Remedy, Trouble},
+};
+use crate::{
+    display::Viewing,
+    experiment::{
+        Effect, Event, FrameCount, Identity, Phase, Resumed, RowContext, Schedule, Session,
+        SessionOptions, State, TrialRecord, TrialResponse, session_seed,
+    },
+    light::{Bits, Quantizer},
+    store::{
+        StoreError,
+        session::SessionStore,
+        sidecar::{PreflightNote, Sitting},
+    },
+};
+
+/// Textures kept: the stimulus on the screen and the one that comes next.
+const TEXTURES_KEPT: usize = 2;
+/// How long the cursor stays after the mouse moved, where the scale can be clicked, seconds.
+const CURSOR_S: f64 = 2.0;
+
+/// What the preflight settled.
+pub struct Prepared {
+    /// Screen and distance.
+    pub viewing: Viewing,
+    /// Side of the stimulus in physical pixels.
+    pub size_px: u32,
+    /// Against what frames are counted.
+    pub frames: FrameCount,
+    /// The window in physical pixels.
+    pub window: (u32, u32),
+}
+
+/// A session that runs.
+pub struct SessionPage {
+    session: Session,
+    store: SessionStore,
+    identity: Identity,
+    sitting: u32,
+    /// Rows so far, earlier sittings included, for the plot at the end.
+    rows: Vec<TrialRecord>,
+    /// The window's time at which the session's time was `offset`.
+    window_start_s: f64,
+    /// Session time at the start of this sitting.
+    offset: Duration,
+    /// Wall-clock time at which the session's time was 0.
+    origin: Timestamp,
+    quantizer: Quantizer,
+    size_px: u32,
+    /// Condition and picture, the latest last.
+    textures: Vec<(usize, TextureHandle)>,
+    categories: CategoryPictures,
+    frames: FrameStatistics,
+    scale_shown: bool,
+    trouble: Option<Trouble>,
+    resumed: bool,
+    closed: bool,
+    mouse_moved_s: f64,
+}
+
+impl SessionPage {
+    /// Makes or finds the files and shows the first page.
+    pub(super) fn begin(
+        ctx: &egui::Context,
+        request: &Request,
+        prepared: Prepared,
+        notes: Vec<PreflightNote>,
+        monitor: &Monitor,
+    ) -> Result<Self, StoreError> {
+        let protocol = &request.protocol;
+        let sitting = Sitting {
+            started_at: Timestamp::now().to_string(),
+            display: Some(json!({
+                "name": request.display.name,
+                "transfer": request.display.transfer.to_string(),
+                "measured": request.display.measured,
+            })),
+            monitor: serde_json::to_value(monitor).ok(),
+            viewing: Some(viewing(request, &prepared)),
+            preflight: notes,
+            ..Sitting::default()
+        };
+        let results = &request.results;
+        let (store, schedule, resumed, elapsed_s, number, rows) = if request.resume {
+            let (store, found) = SessionStore::resume(results, protocol, &request.identity, request.seed, sitting)?;
+            (store, found.schedule, found.resumed, found.elapsed_s, found.sitting, found.rows)
+        } else {
+            let seed = request.seed.unwrap_or_else(fresh_seed);
+            let store = SessionStore::create(results, protocol, &request.identity, seed, sitting)?;
+            let schedule = Schedule::new(protocol, &request.identity, seed).map_err(|error| StoreError::Mismatch {
+                path: store.csv().to_owned(),
+                what: error.to_string(),
+            })?;
+            (store, schedule, Resumed::default(), 0.0, 1, Vec::new())
+        };
+        let offset = offset(elapsed_s, rows.first());
+        let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: prepared.frames };
+        Ok(Self {
+            resumed: request.resume,
+            session: Session::new(protocol.clone(), schedule, &resumed, options),
+            store,
+            identity: request.identity.clone(),
+            sitting: number,
+            rows,
+            window_start_s: ctx.input(|input| input.time),
+            offset,
+            origin: Timestamp::now() - offset,
+            quantizer: Quantizer::new(&request.display.transfer, Bits::Eight),
+            size_px: prepared.size_px,
+            textures: Vec::new(),
+            categories: CategoryPictures::default(),
+            frames: FrameStatistics::default(),
+            scale_shown: true,
+            trouble: None,
+            closed: false,
+            mouse_moved_s: f64::NEG_INFINITY,
+        })
+    }
+
+    /// Whether an answer is only in memory.
+    pub fn is_unsaved(&self) -> bool {
+        self.session.is_storing()
+    }
+
+    /// One frame: input, time, picture.
+    pub(super) fn show(&mut self, ui: &mut egui::Ui) -> Go {
+        let window_s = ui.input(|input| input.time);
+        let now = self.offset + Duration::from_secs_f64((window_s - self.window_start_s).max(0.0));
+        if self.trouble.is_some() {
+            self.frames.interrupt();
+            self.remedy(ui, now);
+            return Go::Stay;
+        }
+        let was_main = self.in_main();
+        self.hear(ui, now);
+        self.pause_if_too_small(ui.ctx(), now);
+        self.step(Event::Frame, now);
+        if self.in_main() && !was_main {
+            // Practised: from here on nothing but field and stimulus, unless the participant asks for the scale.
+            self.scale_shown = false;
+        }
+        if let State::Recovery { .. } | State::Stimulus { .. } | State::Closing { .. } = self.session.state() {
+            self.frames.frame(window_s);
+            // Every refresh is a frame: timing is held to them, and dropped ones are seen.
+            ui.ctx().request_repaint();
+        } else {
+            self.frames.interrupt();
+        }
+        self.prepare(ui.ctx());
+        self.draw(ui, now, window_s)
+    }
+
+    fn in_main(&self) -> bool {
+        let trial = self.session.current().map(|trial| self.session.schedule().trials[trial].phase);
+        trial == Some(Phase::Main)
+    }
+
+    /// Keys, in the order in which they came.
+    fn hear(&mut self, ui: &egui::Ui, now: Duration) {
+        let (events, moved, time) = ui.input(|input| (input.events.clone(), input.pointer.delta() != egui::Vec2::ZERO, input.time));
+        if moved {
+            self.mouse_moved_s = time;
+        }
+        for event in events {
+            let egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers, .. } = event else { continue };
+            if modifiers.ctrl || modifiers.alt || modifiers.command {
+                continue;
+            }
+            match key {
+                Key::Escape => self.step(Event::Pause, now),
+                Key::Backspace => self.step(Event::TakeBack, now),
+                Key::S if self.is_trial() => self.scale_shown = !self.scale_shown,
+                // Some keyboards give the digits of the top row only with Shift; the key itself is then what counts.
+                _ => match self.rating(key).or_else(|| physical_key.and_then(|key| self.rating(key))) {
+                    Some(rating) => self.step(Event::Rate(rating), now),
+                    None => {}
+                },
+            }
+        }
+    }
+
+    fn rating(&self, key: Key) -> Option<u8> {
+        let name = key.name();
+        let categories = &self.session.protocol().response.categories;
+        let index = categories.iter().position(|category| name.eq_ignore_ascii_case(&category.key.to_string()))?;
+        u8::try_from(index).ok()
+    }
+
+    fn is_trial(&self) -> bool {
+        matches!(self.session.state(), State::Recovery { .. } | State::Stimulus { .. } | State::Closing { .. })
+    }
+
+    fn step(&mut self, event: Event, now: Duration) {
+        if let Effect::Record(response) = self.session.step(event, now) {
+            self.record(&response, now);
+        }
+    }
+
+    /// Puts a row on disk before anything else happens; the field is on the screen meanwhile.
+    fn record(&mut self, response: &TrialResponse, now: Duration) {
+        let context = RowContext {
+            protocol: self.session.protocol(),
+            schedule: self.session.schedule(),
+            identity: &self.identity,
+            sitting: self.sitting,
+        };
+        let row = TrialRecord::new(&context, response, self.origin + response.onset);
+        match self.store.append(&row) {
+            Ok(()) => _ = self.session.step(Event::Stored, now),
+            Err(error) => self.trouble = Some(Trouble::new(error.to_string())),
+        }
+        self.rows.push(row);
+    }
+
+    fn remedy(&mut self, ui: &mut egui::Ui, now: Duration) {
+        let Some(trouble) = &mut self.trouble else { return };
+        let tried = match trouble.show(ui) {
+            Remedy::None => return,
+            Remedy::Retry => self.store.retry(),
+            Remedy::MoveTo(folder) => self.store.move_to(&folder),
+        };
+        match tried {
+            Ok(()) => {
+                self.trouble = None;
+                self.session.step(Event::Stored, now);
+            }
+            Err(error) => trouble.again(error.to_string()),
+        }
+        ui.ctx().request_repaint();
+    }
+
+    fn too_small(&self, ctx: &egui::Context) -> Option<String> {
+        let (width, height) = window_px(ctx);
+        (width.min(height) < self.size_px).then(|| {
+            format!("The window has {width} × {height} pixels and the stimulus needs {}; make the window larger.", self.size_px)
+        })
+    }
+
+    fn pause_if_too_small(&mut self, ctx: &egui::Context, now: Duration) {
+        if self.is_trial() && self.too_small(ctx).is_some() {
+            self.step(Event::Pause, now);
+        }
+    }
+
+    /// The picture of the trial at hand, ready before it is due.
+    fn prepare(&mut self, ctx: &egui::Context) {
+        let Some(trial) = self.session.current() else { return };
+        let schedule = self.session.schedule();
+        let cell = schedule.trials[trial].condition;
+        if self.textures.iter().any(|(made, _)| *made == cell) {
+            return;
+        }
+        let stimulus = &schedule.conditions[cell].stimulus;
+        let texture = pixels::texture(ctx, &format!("condition{cell}"), stimulus, self.size_px, &self.quantizer);
+        self.textures.push((cell, texture));
+        if self.textures.len() > TEXTURES_KEPT {
+            drop(self.textures.remove(0));
+        }
+    }
+
+    fn draw(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64) -> Go {
+        let texts = &self.session.protocol().instructions;
+        let answer = match self.session.state() {
+            State::Recovery { .. } | State::Stimulus { .. } | State::Closing { .. } => {
+                self.draw_trial(ui, now, window_s);
+                Answer::None
+            }
+            State::Instructions(page) => {
+                let resumed = self.resumed.then(|| self.session.progress());
+                pages::instructions(ui, *page, self.session.protocol(), resumed, &mut self.categories, &self.quantizer)
+            }
+            State::PhaseStart(phase) => pages::phase_start(ui, *phase, texts),
+            State::Break => pages::rest(ui, &self.session.progress(), texts),
+            State::Paused(_) => {
+                let why = self.too_small(ui.ctx());
+                match pages::paused(ui, texts, why.as_deref()) {
+                    Answer::Next if why.is_some() => Answer::None,
+                    answer => answer,
+                }
+            }
+            State::Done | State::Left => return self.finish(ui.ctx()),
+        };
+        let paused = matches!(self.session.state(), State::Paused(_));
+        match answer {
+            Answer::None => return Go::Stay,
+            Answer::Next => self.step(if paused { Event::Resume } else { Event::Continue }, now),
+            Answer::Leave => self.step(Event::Leave, now),
+        }
+        ui.ctx().request_repaint();
+        Go::Stay
+    }
+
+    fn draw_trial(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64) {
+        let protocol = self.session.protocol();
+        let light = protocol.stimulus.field_light(protocol.recovery.level);
+        let field = pixels::field(&self.quantizer, light);
+        let rating_now = matches!(self.session.state(), State::Stimulus { .. });
+        egui::CentralPanel::default().frame(egui::Frame::NONE.fill(field)).show(ui, |ui| {
+            if !rating_now {
+                return;
+            }
+            let schedule = self.session.schedule();
+            let cell = self.session.current().map(|trial| schedule.trials[trial].condition);
+            if let Some((_, texture)) = self.textures.iter().find(|(made, _)| Some(*made) == cell) {
+                pixels::draw_centred(ui, texture, self.size_px, ui.ctx().content_rect());
+            }
+        });
+        let clicked = if self.scale_shown { scale::show(ui.ctx(), &self.session.protocol().response, rating_now) } else { None };
+        if !self.scale_shown || window_s - self.mouse_moved_s > CURSOR_S {
+            ui.ctx().set_cursor_icon(CursorIcon::None);
+        }
+        if let Some(rating) = clicked {
+            self.step(Event::Rate(rating), now);
+        }
+    }
+
+    fn finish(&mut self, ctx: &egui::Context) -> Go {
+        self.close();
+        ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+        let complete = *self.session.state() == State::Done;
+        let finish = Finish::new(self.session.protocol().clone(), std::mem::take(&mut self.rows), self.store.csv().to_owned(), complete);
+        Go::To(Page::Finish(Box::new(finish)))
+    }
+
+    /// Ends the sitting in the sidecar, once. The rows are on disk already; a sidecar that cannot be written now says
+    /// less, and takes nothing with it.
+    pub fn close(&mut self) {
+        if std::mem::replace(&mut self.closed, true) {
+            return;
+        }
+        let complete = *self.session.state() == State::Done;
+        if let Err(error) = self.store.finish(complete, Timestamp::now().to_string(), self.frames.summary()) {
+            eprintln!("error: {error}");
+        }
+    }
+}
+
+fn viewing(request: &Request, prepared: &Prepared) -> serde_json::Value {
+    let screen = prepared.viewing.screen();
+    json!({
+        "distance_cm": request.distance_cm,
+        "screen_width_cm": screen.width_cm(),
+        "screen_width_measured": request.screen_width_cm.or(request.display.screen_width_cm).is_some(),
+        "pixels_per_degree": prepared.viewing.px_per_degree(),
+        "stimulus_px": prepared.size_px,
+        "stimulus_deg": prepared.viewing.deg_from_px(f64::from(prepared.size_px)),
+        "window_px": [prepared.window.0, prepared.window.1],
+        "windowed": request.windowed,
+    })
+}
+
+/// Session time at which a resumed sitting starts: by the wall clock, but never before what is recorded, since a clock
+/// can be turned back.
+fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
+    let recorded = Duration::from_secs_f64(elapsed_s);
+    let Some(first) = first else { return recorded };
+    let since_first = Timestamp::now().duration_since(first.started_at).as_secs_f64() + first.onset_s.0;
+    recorded.max(Duration::from_secs_f64(since_first.max(0.0)))
+}
+
+/// A seed that differs from session to session.
+fn fresh_seed() -> u64 {
+    let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
+    session_seed(nanoseconds ^ (u64::from(std::process::id()) << 32))
+}

@@ -1,0 +1,70 @@
+//! When an answer could not be saved: it is kept in memory, and the page says so until it is on disk.
+
+use std::path::PathBuf;
+
+use eframe::egui;
+
+use super::{
+    dialog::{Ask, Dialog},
+    theme,
+};
+
+/// The page.
+pub struct Trouble {
+    what: String,
+    folder: String,
+    dialog: Dialog,
+}
+
+/// What is to be tried.
+pub enum Remedy {
+    /// Nothing yet.
+    None,
+    /// The same place again.
+    Retry,
+    /// Another results folder.
+    MoveTo(PathBuf),
+}
+
+impl Trouble {
+    /// For an error of the store.
+    pub fn new(what: String) -> Self {
+        let folder = std::env::temp_dir().join("machband-results").display().to_string();
+        Self { what, folder, dialog: Dialog::default() }
+    }
+
+    /// The last remedy did not help either.
+    pub fn again(&mut self, what: String) {
+        self.what = what;
+    }
+
+    /// Draws the page.
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Remedy {
+        if let Some(path) = self.dialog.take() {
+            self.folder = path.display().to_string();
+        }
+        theme::page(ui, |ui| {
+            let mut remedy = Remedy::None;
+            ui.heading("The last answer could not be saved");
+            theme::fault(ui, &self.what);
+            ui.label("Nothing is lost: every answer of this session is kept in memory. Please call the experimenter. The session goes on when the answers are saved.");
+            ui.add_space(12.0);
+            if theme::primary(ui, "Try again", true, "") {
+                remedy = Remedy::Retry;
+            }
+            ui.add_space(12.0);
+            let label = ui.label("Or save the whole session in another folder:");
+            ui.horizontal_wrapped(|ui| {
+                ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(380.0)).labelled_by(label.id);
+                if ui.button("Browse…").clicked() {
+                    self.dialog.open(ui.ctx(), Ask::Folder);
+                }
+            });
+            let usable = !self.folder.trim().is_empty();
+            if ui.add_enabled(usable, egui::Button::new("Save there and go on")).clicked() {
+                remedy = Remedy::MoveTo(PathBuf::from(self.folder.trim()));
+            }
+            remedy
+        })
+    }
+}
