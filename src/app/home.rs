@@ -55,7 +55,7 @@ impl Home {
         self.take_files(ui.ctx());
         self.recheck(monitor);
         let mut go = Go::Stay;
-        theme::page(ui, |ui| {
+        theme::page_from(ui, 0.02, |ui| {
             ui.heading("machband");
             ui.label("How visible are Mach bands? Rate them, and keep every answer.");
             ui.add_space(12.0);
@@ -124,11 +124,11 @@ impl Home {
                 (Some(text), _) => theme::fault(ui, text),
                 (None, Some((side, per_degree))) => {
                     let origin = if self.measured_cm.is_some_and(|cm| self.form.screen_width_cm == cm.to_string()) {
-                        "measured with a card"
+                        "Measured with a card"
                     } else if self.form.width_is_assumed(monitor) {
-                        "assumed from 96 pixels an inch; measure it for a real study"
+                        "Assumed from 96 pixels an inch; measure it for a real study"
                     } else {
-                        "typed"
+                        "As typed"
                     };
                     ui.label(theme::quiet(format!("{origin}. {per_degree:.1} pixels a degree; the stimulus is {side} pixels wide.")));
                 }

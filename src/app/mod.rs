@@ -161,8 +161,14 @@ impl eframe::App for App {
         }
     }
 
+    /// The page's ground, and the uniform field of a trial: clearing to it costs nothing, while a rectangle over the
+    /// whole screen would be most of a frame's work where there is no GPU.
     fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
-        theme::PAGE.to_normalized_gamma_f32()
+        let ground = match &self.page {
+            Page::Session(session) => session.ground(),
+            _ => theme::PAGE,
+        };
+        ground.to_normalized_gamma_f32()
     }
 }
 

@@ -12,7 +12,7 @@ use super::{
     frames::FrameStatistics,
     monitor::window_px,
     pages::{self, Answer, CategoryPictures, INSTRUCTION_PAGES},
-    pixels, scale,
+    pixels, scale, theme,
     trouble::{Remedy, Trouble},
 };
 use crate::{
@@ -61,6 +61,8 @@ pub struct SessionPage {
     /// Wall-clock time at which the session's time was 0.
     origin: Timestamp,
     quantizer: Quantizer,
+    /// The recovery field's colour.
+    field: egui::Color32,
     size_px: u32,
     /// Condition and picture, the latest last.
     textures: Vec<(usize, TextureHandle)>,
@@ -109,6 +111,7 @@ impl SessionPage {
             (store, schedule, Resumed::default(), 0.0, 1, Vec::new())
         };
         let offset = offset(elapsed_s, rows.first());
+        let quantizer = Quantizer::new(&request.display.transfer, Bits::Eight);
         let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: prepared.frames };
         Ok(Self {
             resumed: request.resume,
@@ -120,7 +123,8 @@ impl SessionPage {
             window_start_s: ctx.input(|input| input.time),
             offset,
             origin: Timestamp::now() - offset,
-            quantizer: Quantizer::new(&request.display.transfer, Bits::Eight),
+            field: pixels::field(&quantizer, protocol.stimulus.field_light(protocol.recovery.level)),
+            quantizer,
             size_px: prepared.size_px,
             textures: Vec::new(),
             categories: CategoryPictures::default(),
@@ -305,12 +309,14 @@ impl SessionPage {
         Go::Stay
     }
 
+    /// What stands behind everything else: the uniform field during trials.
+    pub fn ground(&self) -> egui::Color32 {
+        if self.is_trial() && self.trouble.is_none() { self.field } else { theme::PAGE }
+    }
+
     fn draw_trial(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64) {
-        let protocol = self.session.protocol();
-        let light = protocol.stimulus.field_light(protocol.recovery.level);
-        let field = pixels::field(&self.quantizer, light);
         let rating_now = matches!(self.session.state(), State::Stimulus { .. });
-        egui::CentralPanel::default().frame(egui::Frame::NONE.fill(field)).show(ui, |ui| {
+        egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
             if !rating_now {
                 return;
             }

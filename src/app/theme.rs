@@ -35,7 +35,7 @@ pub fn apply(ctx: &egui::Context) {
         style.spacing.button_padding = Vec2::new(12.0, 6.0);
         style.spacing.interact_size.y = 32.0;
         style.spacing.text_edit_width = 300.0;
-        style.visuals.panel_fill = PAGE;
+        style.visuals.panel_fill = Color32::TRANSPARENT;
         style.visuals.window_fill = Color32::from_gray(0x2c);
         style.visuals.extreme_bg_color = Color32::from_gray(0x14);
         style.visuals.override_text_color = Some(Color32::from_gray(0xec));
@@ -86,18 +86,24 @@ pub fn fault(ui: &mut egui::Ui, text: &str) {
     ui.add(egui::Label::new(RichText::new(text).small().color(FAULT)).wrap());
 }
 
-/// A page with a centred column that scrolls where the window is small.
+/// A page with a centred column, a little below the top, that scrolls where the window is small.
 pub fn page<R>(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
+    page_from(ui, 0.18, add)
+}
+
+/// A page that begins below this share of the window's height.
+pub fn page_from<R>(ui: &mut egui::Ui, top: f32, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
     egui::CentralPanel::default()
-        .frame(egui::Frame::NONE.fill(PAGE).inner_margin(24.0))
+        .frame(egui::Frame::NONE.inner_margin(24.0))
         .show(ui, |ui| {
             egui::ScrollArea::vertical()
                 .auto_shrink(false)
                 .show(ui, |ui| {
                     let width = ui.available_width().min(COLUMN);
                     let margin = (ui.available_width() - width) / 2.0;
-                    let top = ((ui.available_height() - 500.0) * 0.25).clamp(0.0, 120.0);
-                    ui.add_space(top);
+                    // A small window has no room to give away.
+                    let spare = ui.available_height() - 560.0;
+                    ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
                     ui.horizontal(|ui| {
                         ui.add_space(margin);
                         ui.vertical(|ui| {

@@ -1,0 +1,285 @@
+//! The window's pages, driven without a display: clicks, keys and time come from the test.
+
+use std::path::Path;
+
+use eframe::egui::{self, Key};
+use egui_kittest::{Harness, kittest::Queryable as _};
+use machband::{
+    app::{App, Launch, Request},
+    display::DisplayProfile,
+    experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
+    light::{Bits, Quantizer, Transfer},
+    store::{definition, results, sidecar::Sidecar},
+};
+
+const STEP_S: f32 = 1.0 / 60.0;
+
+fn protocol(recovery_s: f64, window_deg: f64) -> Protocol {
+    let text = format!(
+        "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.8]\ndepth = [1, \"inf\"]\n\
+         [design]\npractice = 1\nbreak_every = 2\n[recovery]\nduration_s = {recovery_s}\n[viewing]\nwindow_deg = {window_deg}\n"
+    );
+    definition::parse("panes", &text).unwrap()
+}
+
+fn request(results: &Path, protocol: Protocol) -> Request {
+    Request {
+        protocol,
+        identity: Identity::new("P001", "1").unwrap(),
+        seed: Some(5),
+        results: results.to_owned(),
+        display: DisplayProfile::default(),
+        distance_cm: 50.0,
+        screen_width_cm: Some(30.0),
+        resume: false,
+        windowed: true,
+    }
+}
+
+fn harness(launch: Launch) -> Harness<'static, App> {
+    Harness::builder()
+        .with_size([1000.0, 800.0])
+        .with_pixels_per_point(1.0)
+        .with_step_dt(STEP_S)
+        .build_eframe(|cc| App::new(cc, launch))
+}
+
+/// Steps until a label stands on the page.
+fn wait_for(harness: &mut Harness<'static, App>, label: &str) {
+    for _ in 0..2000 {
+        if harness.query_by_label_contains(label).is_some() {
+            return;
+        }
+        harness.step();
+    }
+    panic!("{label:?} did not come");
+}
+
+fn press(harness: &mut Harness<'static, App>, key: Key) {
+    harness.key_press(key);
+    harness.step();
+}
+
+/// From the preflight to the first recovery field.
+fn walk_to_first_trial(harness: &mut Harness<'static, App>) {
+    wait_for(harness, "These findings are kept");
+    press(harness, Key::Space);
+    wait_for(harness, "Welcome");
+    press(harness, Key::Space);
+    wait_for(harness, "The four answers");
+    press(harness, Key::Space);
+    wait_for(harness, "First some practice");
+    press(harness, Key::Space);
+}
+
+fn rows(results: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
+    let csv = results.join("panes/data/subject-P001_session-1_task-panes_data.csv");
+    results::parse("rows", &std::fs::read(csv).unwrap(), &columns(protocol)).unwrap()
+}
+
+#[test]
+fn a_whole_session_by_keyboard_with_breaks_pause_and_a_rating_taken_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let protocol = protocol(0.5, 10.0);
+    let mut harness = harness(Launch { request: Some(request(folder.path(), protocol.clone())) });
+    walk_to_first_trial(&mut harness);
+
+    // Too early: nothing to rate yet.
+    press(&mut harness, Key::Num3);
+    harness.run_steps(32);
+    press(&mut harness, Key::Num1);
+    wait_for(&mut harness, "Now the main part");
+    press(&mut harness, Key::Space);
+    harness.run_steps(35);
+    press(&mut harness, Key::Num2);
+    // Taken back in the recovery that follows, and given again.
+    harness.run_steps(5);
+    press(&mut harness, Key::Backspace);
+    harness.run_steps(35);
+    press(&mut harness, Key::Num0);
+    // Paused while the stimulus stands: it comes again.
+    harness.run_steps(35);
+    press(&mut harness, Key::Escape);
+    wait_for(&mut harness, "Paused");
+    press(&mut harness, Key::Space);
+    harness.run_steps(35);
+    press(&mut harness, Key::Num3);
+    wait_for(&mut harness, "Time for a break");
+    wait_for(&mut harness, "3 of 5 done");
+    press(&mut harness, Key::Space);
+    for _ in 0..2 {
+        harness.run_steps(35);
+        press(&mut harness, Key::Num1);
+    }
+    wait_for(&mut harness, "Thank you!");
+    harness.get_by_label("Open the folder");
+
+    let rows = rows(folder.path(), &protocol);
+    let seen: Vec<_> = rows.iter().map(|row| (row.phase.to_string(), row.trial, row.attempt, row.rating.0)).collect();
+    let main = |trial, attempt, rating| ("main".to_owned(), trial, attempt, rating);
+    assert_eq!(
+        seen,
+        [("practice".to_owned(), 1, 1, 1), main(1, 1, 2), main(1, 2, 0), main(2, 1, 3), main(3, 1, 1), main(4, 1, 1)]
+    );
+    let schedule = Schedule::new(&protocol, &Identity::new("P001", "1").unwrap(), 5).unwrap();
+    let identity = Identity::new("P001", "1").unwrap();
+    let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
+    for row in &rows {
+        assert!(row.planned_trial(&context).is_some(), "{row:?}");
+        // Held to whole frames, and never shorter than asked.
+        assert!((0.5..0.5 + 1.5 / 60.0).contains(&row.recovery_s.0), "{row:?}");
+        assert!(row.frames.unwrap() > 0);
+    }
+    let sidecar = Sidecar::read(&folder.path().join("panes/data/subject-P001_session-1_task-panes_data.json")).unwrap().unwrap();
+    assert!(sidecar.complete);
+    assert_eq!(sidecar.sittings.len(), 1);
+    assert!(sidecar.sittings[0].preflight.iter().any(|note| note.check == "stimulus_fits" && note.ok));
+    assert!(sidecar.sittings[0].frames.is_some());
+}
+
+#[test]
+fn the_scale_can_be_clicked() {
+    let folder = tempfile::tempdir().unwrap();
+    let protocol = protocol(0.2, 10.0);
+    let mut harness = harness(Launch { request: Some(request(folder.path(), protocol.clone())) });
+    walk_to_first_trial(&mut harness);
+    harness.run_steps(20);
+    harness.get_by_label_contains("Broad band").click();
+    harness.run_steps(3);
+    assert_eq!(rows(folder.path(), &protocol)[0].rating.0, 1);
+}
+
+#[test]
+fn a_stimulus_that_does_not_fit_says_so_and_makes_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = harness(Launch { request: Some(request(folder.path(), protocol(0.2, 40.0))) });
+    wait_for(&mut harness, "sit closer");
+    press(&mut harness, Key::Space);
+    harness.run_steps(10);
+    wait_for(&mut harness, "sit closer");
+    assert!(!folder.path().join("panes").exists());
+}
+
+#[test]
+fn a_folder_that_vanishes_takes_no_answer_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (first, second) = (folder.path().join("first"), folder.path().join("second"));
+    let protocol = protocol(0.2, 10.0);
+    let mut harness = harness(Launch { request: Some(request(&first, protocol.clone())) });
+    walk_to_first_trial(&mut harness);
+    harness.run_steps(20);
+    press(&mut harness, Key::Num1);
+    wait_for(&mut harness, "Now the main part");
+    press(&mut harness, Key::Space);
+    // The folder is replaced by a file, so that it cannot come back by itself.
+    std::fs::remove_dir_all(&first).unwrap();
+    std::fs::write(&first, "in the way").unwrap();
+    harness.run_steps(20);
+    press(&mut harness, Key::Num3);
+    wait_for(&mut harness, "The last answer could not be saved");
+    harness.get_by_label("Try again").click();
+    harness.run_steps(3);
+    wait_for(&mut harness, "The last answer could not be saved");
+    let field = harness.get_by_label("Or save the whole session in another folder:");
+    field.focus();
+    harness.step();
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    harness.step();
+    harness
+        .get_by_label("Or save the whole session in another folder:")
+        .type_text(&second.display().to_string());
+    harness.step();
+    harness.get_by_label("Save there and go on").click();
+    harness.run_steps(25);
+    press(&mut harness, Key::Num0);
+    harness.run_steps(3);
+    let ratings: Vec<_> = rows(&second, &protocol).iter().map(|row| row.rating.0).collect();
+    assert_eq!(ratings, [1, 3, 0]);
+}
+
+#[test]
+fn home_says_what_is_wrong_beside_the_field() {
+    let mut harness = harness(Launch::default());
+    harness.run_steps(3);
+    for label in ["Experiment", "Participant", "Session", "Viewing distance, cm", "Screen width, cm", "Display profile", "Results folder"] {
+        assert!(harness.query_all_by_label(label).count() > 0, "{label}");
+    }
+    harness.get_by_label_contains("about 4 min");
+    let type_into = |harness: &mut Harness<'static, App>, label: &str, text: &str| {
+        let field = |harness: &Harness<'static, App>| {
+            harness.query_all_by_label(label).find(|node| node.value().is_some()).map(|node| node.focus())
+        };
+        field(harness).unwrap();
+        harness.step();
+        harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+        harness.step();
+        harness.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().type_text(text);
+        harness.run_steps(2);
+    };
+    type_into(&mut harness, "Participant", "../../x");
+    harness.get_by_label_contains("expected letters A–Z");
+    harness.get_by_label_contains("Something above needs attention");
+    type_into(&mut harness, "Participant", "P7");
+    assert!(harness.query_by_label_contains("expected letters A–Z").is_none());
+    type_into(&mut harness, "Viewing distance, cm", "near");
+    harness.get_by_label_contains("is no number");
+    type_into(&mut harness, "Viewing distance, cm", "500");
+    harness.get_by_label_contains("expected a shorter distance");
+    type_into(&mut harness, "Viewing distance, cm", "50");
+    type_into(&mut harness, "Display profile", "/nowhere.toml");
+    harness.get_by_label_contains("cannot be opened");
+}
+
+/// What reaches the screen is what `machband stimulus` writes, byte for byte, whatever the scale.
+#[test]
+fn the_stimulus_is_drawn_byte_for_byte() {
+    let instance = eframe::wgpu::Instance::new(eframe::wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapters = pollster(instance.enumerate_adapters(eframe::wgpu::Backends::all()));
+    if adapters.is_empty() {
+        assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
+        eprintln!("SKIPPED: no graphics adapter");
+        return;
+    }
+    for scale in [1.0, 1.25, 1.5, 2.0] {
+        let folder = tempfile::tempdir().unwrap();
+        let protocol = protocol(0.2, 10.0);
+        let launch = Launch { request: Some(request(folder.path(), protocol.clone())) };
+        let mut harness = Harness::builder()
+            .with_size([900.0, 700.0])
+            .with_pixels_per_point(scale)
+            .with_step_dt(STEP_S)
+            .wgpu()
+            .build_eframe(|cc| App::new(cc, launch));
+        walk_to_first_trial(&mut harness);
+        harness.run_steps(20);
+        let shot = harness.render().unwrap();
+        let schedule = Schedule::new(&protocol, &Identity::new("P001", "1").unwrap(), 5).unwrap();
+        let stimulus = &schedule.conditions[schedule.trials[0].condition].stimulus;
+        press(&mut harness, Key::Num1);
+        let sidecar = Sidecar::read(&folder.path().join("panes/data/subject-P001_session-1_task-panes_data.json")).unwrap().unwrap();
+        let side = sidecar.sittings[0].viewing.as_ref().unwrap()["stimulus_px"].as_u64().unwrap() as u32;
+        let codes = stimulus.codes(side, &Quantizer::new(&Transfer::Srgb, Bits::Eight));
+        let corner = |whole: u32| (whole - side) / 2;
+        let (left, top) = (corner(shot.width()), corner(shot.height()));
+        let wrong = (0..side * side)
+            .filter(|i| {
+                let (x, y) = (i % side, i / side);
+                let shown = shot.get_pixel(left + x, top + y).0;
+                let [r, g, b] = codes.pixel(x, y).map(|code| code as u8);
+                shown != [r, g, b, 255]
+            })
+            .count();
+        assert_eq!(wrong, 0, "of {} pixels at scale {scale}", side * side);
+    }
+}
+
+/// Waits for a future that does not wait for anything itself.
+fn pollster<T>(future: impl Future<Output = T>) -> T {
+    let mut future = std::pin::pin!(future);
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    loop {
+        if let std::task::Poll::Ready(value) = future.as_mut().poll(&mut context) {
+            return value;
+        }
+    }
+}
