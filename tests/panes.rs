@@ -130,7 +130,8 @@ fn a_whole_session_by_keyboard_with_breaks_pause_and_a_rating_taken_back() {
         assert!((0.5..0.5 + 1.5 / 60.0).contains(&row.recovery_s.0), "{row:?}");
         assert!(row.frames.unwrap() > 0);
     }
-    let sidecar = Sidecar::read(&folder.path().join("panes/data/subject-P001_session-1_task-panes_data.json")).unwrap().unwrap();
+    let sidecar =
+        Sidecar::read(&folder.path().join("panes/data/subject-P001_session-1_task-panes_data.json")).unwrap().unwrap();
     assert!(sidecar.complete);
     assert_eq!(sidecar.sittings.len(), 1);
     assert!(sidecar.sittings[0].preflight.iter().any(|note| note.check == "stimulus_fits" && note.ok));
@@ -185,9 +186,7 @@ fn a_folder_that_vanishes_takes_no_answer_with_it() {
     harness.step();
     harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
     harness.step();
-    harness
-        .get_by_label("Or save the whole session in another folder:")
-        .type_text(&second.display().to_string());
+    harness.get_by_label("Or save the whole session in another folder:").type_text(&second.display().to_string());
     harness.step();
     harness.get_by_label("Save there and go on").click();
     harness.run_steps(25);
@@ -201,7 +200,15 @@ fn a_folder_that_vanishes_takes_no_answer_with_it() {
 fn home_says_what_is_wrong_beside_the_field() {
     let mut harness = harness(Launch::default());
     harness.run_steps(3);
-    for label in ["Experiment", "Participant", "Session", "Viewing distance, cm", "Screen width, cm", "Display profile", "Results folder"] {
+    for label in [
+        "Experiment",
+        "Participant",
+        "Session",
+        "Viewing distance, cm",
+        "Screen width, cm",
+        "Display profile",
+        "Results folder",
+    ] {
         assert!(harness.query_all_by_label(label).count() > 0, "{label}");
     }
     harness.get_by_label_contains("about 4 min");
@@ -256,7 +263,9 @@ fn the_stimulus_is_drawn_byte_for_byte() {
         let schedule = Schedule::new(&protocol, &Identity::new("P001", "1").unwrap(), 5).unwrap();
         let stimulus = &schedule.conditions[schedule.trials[0].condition].stimulus;
         press(&mut harness, Key::Num1);
-        let sidecar = Sidecar::read(&folder.path().join("panes/data/subject-P001_session-1_task-panes_data.json")).unwrap().unwrap();
+        let sidecar = Sidecar::read(&folder.path().join("panes/data/subject-P001_session-1_task-panes_data.json"))
+            .unwrap()
+            .unwrap();
         let side = sidecar.sittings[0].viewing.as_ref().unwrap()["stimulus_px"].as_u64().unwrap() as u32;
         let codes = stimulus.codes(side, &Quantizer::new(&Transfer::Srgb, Bits::Eight));
         let corner = |whole: u32| (whole - side) / 2;

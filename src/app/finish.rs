@@ -58,7 +58,9 @@ impl Finish {
         let along = name("width", 0);
         let by = name("depth", 1).filter(|by| Some(*by) != along);
         let factor = |index: Option<usize>| index.map(|index| &protocol.factors[index]);
-        let lines = factor(along).map_or_else(Vec::new, |along| mean_lines(&protocol, &rows, &along.name, factor(by).map(|f| f.name.as_str())));
+        let lines = factor(along).map_or_else(Vec::new, |along| {
+            mean_lines(&protocol, &rows, &along.name, factor(by).map(|f| f.name.as_str()))
+        });
         Self {
             levels: factor(along).map_or_else(Vec::new, |f| f.levels.iter().map(ToString::to_string).collect()),
             axis: factor(along).map_or_else(String::new, |f| f.name.clone()),
@@ -95,7 +97,9 @@ impl Finish {
             ui.horizontal(|ui| {
                 if ui.button("Open the folder").clicked() {
                     let folder = self.path.parent().unwrap_or(&self.path);
-                    self.opened = open::that_detached(folder).err().map(|error| format!("{}: cannot be opened: {error}", folder.display()));
+                    self.opened = open::that_detached(folder)
+                        .err()
+                        .map(|error| format!("{}: cannot be opened: {error}", folder.display()));
                 }
                 leave = theme::primary(ui, if direct { "Close" } else { "Back to the start" }, true, "Enter");
             });
@@ -137,7 +141,9 @@ impl Finish {
                     let color = COLORS[i % COLORS.len()];
                     let marker = MARKERS[i % MARKERS.len()];
                     plot.line(Line::new(line.name.clone(), line.points.clone()).color(color).width(2.0));
-                    plot.points(Points::new(line.name.clone(), line.points.clone()).shape(marker).radius(5.0).color(color));
+                    plot.points(
+                        Points::new(line.name.clone(), line.points.clone()).shape(marker).radius(5.0).color(color),
+                    );
                 }
             });
     }

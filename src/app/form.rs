@@ -116,9 +116,8 @@ impl Form {
     /// Looks every field through.
     pub fn check(&self, monitor: &Monitor) -> Checked {
         let mut faults = Faults::default();
-        let protocol = definition::open(&self.experiment)
-            .map_err(|error| faults.experiment = Some(error.to_string()))
-            .ok();
+        let protocol =
+            definition::open(&self.experiment).map_err(|error| faults.experiment = Some(error.to_string())).ok();
         let display = self.display().map_err(|error| faults.profile = Some(error)).ok();
         faults.participant = Identity::check_subject(&self.participant).err().map(|error| error.to_string());
         faults.session = Identity::check_session(&self.session).err().map(|error| error.to_string());
@@ -167,11 +166,13 @@ impl Form {
     }
 
     fn geometry(&self, monitor: &Monitor, protocol: Option<&Protocol>, faults: &mut Faults) -> Option<(u32, f64)> {
-        let number = |text: &str, what: &str| parse(text).ok_or(format!("{text:?} is no number; expected {what} in cm"));
+        let number =
+            |text: &str, what: &str| parse(text).ok_or(format!("{text:?} is no number; expected {what} in cm"));
         let width = number(&self.screen_width_cm, "the width of the visible screen")
             .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm).map_err(|error| error.to_string()))
             .map_err(|fault| faults.screen_width = Some(fault));
-        let distance = number(&self.distance_cm, "the distance from eye to screen").map_err(|fault| faults.distance = Some(fault));
+        let distance =
+            number(&self.distance_cm, "the distance from eye to screen").map_err(|fault| faults.distance = Some(fault));
         let viewing = Viewing::new(width.ok()?, distance.ok()?)
             .map_err(|error| faults.distance = Some(error.to_string()))
             .ok()?;
@@ -215,9 +216,10 @@ fn results_fault(results: &Path) -> Option<String> {
         Some(metadata) if !metadata.is_dir() => {
             Some(format!("{} is a file; expected a folder", existing.unwrap_or(results).display()))
         }
-        Some(metadata) if metadata.permissions().readonly() => {
-            Some(format!("{} is read-only; expected a folder that can be written", existing.unwrap_or(results).display()))
-        }
+        Some(metadata) if metadata.permissions().readonly() => Some(format!(
+            "{} is read-only; expected a folder that can be written",
+            existing.unwrap_or(results).display()
+        )),
         _ => None,
     }
 }

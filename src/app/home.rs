@@ -27,6 +27,8 @@ pub struct Home {
     checked: Option<(Form, Monitor, Checked)>,
     /// What the card helper found: shows that the width is not an assumption.
     measured_cm: Option<f64>,
+    /// What the display profile says.
+    profile_cm: Option<f64>,
     card: Option<CardHelper>,
     /// Which field an open dialog is for.
     dialog: Dialog,
@@ -46,7 +48,10 @@ enum Field {
 
 impl Home {
     /// Draws the page.
-    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, monitors: &[String]) -> Go {
+    pub fn show(&mut self, ui: &mut egui::Ui, here: &Monitor, monitors: &[Monitor]) -> Go {
+        // The form is about the monitor that the session will use, wherever this window is.
+        let chosen = self.monitor_choice.filter(|_| self.full_screen).and_then(|index| monitors.get(index));
+        let monitor = chosen.unwrap_or(here);
         if !self.started {
             self.started = true;
             self.full_screen = true;
@@ -59,13 +64,13 @@ impl Home {
             ui.heading("machband");
             ui.label("How visible are Mach bands? Rate them, and keep every answer.");
             ui.add_space(12.0);
-            self.fields(ui, monitor, monitors);
+            self.fields(ui, monitor, here, monitors);
             ui.add_space(8.0);
             go = self.start(ui);
             ui.add_space(16.0);
             self.example(ui);
         });
-        self.card(ui.ctx(), monitor);
+        self.card(ui.ctx(), here);
         go
     }
 
@@ -99,11 +104,21 @@ impl Home {
             if self.form.distance_cm.is_empty() {
                 self.form.suggest(monitor);
             }
-            self.checked = Some((self.form.clone(), monitor.clone(), self.form.check(monitor)));
+            let mut checked = self.form.check(monitor);
+            let measured = checked.display.as_ref().and_then(|display| display.screen_width_cm);
+            if let Some(width) = measured
+                && self.form.width_is_assumed(monitor)
+            {
+                // A profile that knows the screen's width is better than an assumption.
+                self.form.screen_width_cm = width.to_string();
+                self.profile_cm = Some(width);
+                checked = self.form.check(monitor);
+            }
+            self.checked = Some((self.form.clone(), monitor.clone(), checked));
         }
     }
 
-    fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, monitors: &[String]) {
+    fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, here: &Monitor, monitors: &[Monitor]) {
         // Taken out while the fields change the form; what was checked stays known by the form it was checked for.
         let Some((form, seen, checked)) = self.checked.take() else { return };
         let faults = &checked.faults;
@@ -111,11 +126,19 @@ impl Home {
         let typed = &mut self.form;
         text_field(ui, "Participant", &mut typed.participant, faults.participant.as_deref(), "letters and digits");
         text_field(ui, "Session", &mut typed.session, faults.session.as_deref(), "1, 2, … for the same participant");
-        text_field(ui, "Viewing distance, cm", &mut typed.distance_cm, faults.distance.as_deref(), "from eye to screen");
+        text_field(
+            ui,
+            "Viewing distance, cm",
+            &mut typed.distance_cm,
+            faults.distance.as_deref(),
+            "from eye to screen",
+        );
         row(ui, "Screen width, cm", |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                ui.add(egui::TextEdit::singleline(&mut self.form.screen_width_cm).desired_width(120.0)).labelled_by(label);
-                if ui.button("Measure with a card…").clicked() {
+                ui.add(egui::TextEdit::singleline(&mut self.form.screen_width_cm).desired_width(120.0))
+                    .labelled_by(label);
+                let measure = ui.add_enabled(monitor == here, egui::Button::new("Measure with a card…"));
+                if measure.on_disabled_hover_text("Move this window to that screen first.").clicked() {
                     let width = self.form.screen_width_cm.parse().unwrap_or_else(|_| monitor.assumed_width_cm());
                     self.card = Some(CardHelper::new(width, monitor.width_px));
                 }
@@ -125,19 +148,24 @@ impl Home {
                 (None, Some((side, per_degree))) => {
                     let origin = if self.measured_cm.is_some_and(|cm| self.form.screen_width_cm == cm.to_string()) {
                         "Measured with a card"
+                    } else if self.profile_cm.is_some_and(|cm| self.form.screen_width_cm == cm.to_string()) {
+                        "From the display profile"
                     } else if self.form.width_is_assumed(monitor) {
                         "Assumed from 96 pixels an inch; measure it for a real study"
                     } else {
                         "As typed"
                     };
-                    ui.label(theme::quiet(format!("{origin}. {per_degree:.1} pixels a degree; the stimulus is {side} pixels wide.")));
+                    ui.label(theme::quiet(format!(
+                        "{origin}. {per_degree:.1} pixels a degree; the stimulus is {side} pixels wide."
+                    )));
                 }
                 (None, None) => {}
             }
         });
         row(ui, "Display profile", |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                ui.add(egui::TextEdit::singleline(&mut self.form.profile).desired_width(300.0).hint_text("sRGB")).labelled_by(label);
+                ui.add(egui::TextEdit::singleline(&mut self.form.profile).desired_width(300.0).hint_text("sRGB"))
+                    .labelled_by(label);
                 self.browse(ui, Field::Profile, "Choose a display profile…");
             });
             match (&faults.profile, &checked.display) {
@@ -212,23 +240,23 @@ impl Home {
         }
     }
 
-    fn monitor_field(&mut self, ui: &mut egui::Ui, monitor: &Monitor, monitors: &[String]) {
+    fn monitor_field(&mut self, ui: &mut egui::Ui, monitor: &Monitor, monitors: &[Monitor]) {
         row(ui, "Screen", |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 if monitors.len() > 1 {
-                    let shown = self.monitor_choice.and_then(|i| monitors.get(i)).map_or("the one that shows this window", String::as_str);
+                    let shown = monitor.title();
                     egui::ComboBox::from_id_salt("monitor")
                         .selected_text(shown)
                         .width(300.0)
                         .show_ui(ui, |ui| {
-                            for (i, name) in monitors.iter().enumerate() {
-                                ui.selectable_value(&mut self.monitor_choice, Some(i), name);
+                            for (i, monitor) in monitors.iter().enumerate() {
+                                ui.selectable_value(&mut self.monitor_choice, Some(i), monitor.title());
                             }
                         })
                         .response
                         .labelled_by(label);
                 } else {
-                    ui.label(format!("{} × {} pixels", monitor.width_px, monitor.height_px));
+                    ui.label(monitor.title());
                 }
                 ui.checkbox(&mut self.full_screen, "Full screen");
             });
@@ -255,10 +283,11 @@ impl Home {
                 let mut request = request.clone();
                 request.windowed = !self.full_screen;
                 if self.full_screen {
-                    if let Some(index) = self.monitor_choice {
-                        ui.ctx().send_viewport_cmd(ViewportCommand::SetMonitor(index));
-                    }
-                    ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
+                    // Choosing a monitor makes the window full screen there.
+                    ui.ctx().send_viewport_cmd(match self.monitor_choice {
+                        Some(index) => ViewportCommand::SetMonitor(index),
+                        None => ViewportCommand::Fullscreen(true),
+                    });
                 }
                 Go::To(Page::Preflight(Box::new(Preflight::new(request))))
             }
@@ -308,10 +337,14 @@ fn row(ui: &mut egui::Ui, label: &str, field: impl FnOnce(&mut egui::Ui, egui::I
     } else {
         ui.horizontal_top(|ui| {
             let id = ui
-                .allocate_ui_with_layout(egui::vec2(LABEL, 32.0), egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                    ui.set_min_width(LABEL);
-                    draw_label(ui)
-                })
+                .allocate_ui_with_layout(
+                    egui::vec2(LABEL, 32.0),
+                    egui::Layout::left_to_right(egui::Align::Center),
+                    |ui| {
+                        ui.set_min_width(LABEL);
+                        draw_label(ui)
+                    },
+                )
                 .inner;
             ui.vertical(|ui| field(ui, id));
         });

@@ -62,10 +62,14 @@ pub struct Request {
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
     /// No display to open a window on.
-    #[error("display: no window can be opened, since neither DISPLAY nor WAYLAND_DISPLAY is set; expected a desktop session (without one, `machband simulate` runs sessions with a simulated observer)")]
+    #[error(
+        "display: no window can be opened, since neither DISPLAY nor WAYLAND_DISPLAY is set; expected a desktop session (without one, `machband simulate` runs sessions with a simulated observer)"
+    )]
     NoDisplay,
     /// The window system or the graphics driver refused.
-    #[error("display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)")]
+    #[error(
+        "display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)"
+    )]
     Refused(String),
 }
 
@@ -118,7 +122,7 @@ pub struct App {
     page: Page,
     /// Started with a session: leaving it closes the window.
     direct: bool,
-    monitors: Vec<String>,
+    monitors: Vec<Monitor>,
 }
 
 impl App {

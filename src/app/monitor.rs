@@ -2,6 +2,21 @@
 
 use eframe::egui;
 
+/// A monitor as the window system describes it. A macro, since the type is the window system's own and is named nowhere
+/// else here.
+macro_rules! described {
+    ($monitor:expr) => {{
+        let size = $monitor.size();
+        Monitor {
+            name: $monitor.name(),
+            width_px: size.width,
+            height_px: size.height,
+            refresh_hz: $monitor.refresh_rate_millihertz().map(|mhz| f64::from(mhz) / 1000.0),
+            scale: $monitor.scale_factor(),
+        }
+    }};
+}
+
 /// What is known of the monitor that shows the window.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Monitor {
@@ -21,31 +36,25 @@ impl Monitor {
     /// The monitor of the window now; without a window, one of the size of the page.
     pub fn current(ctx: &egui::Context, frame: &eframe::Frame) -> Self {
         if let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) {
-            let size = monitor.size();
-            return Self {
-                name: monitor.name(),
-                width_px: size.width,
-                height_px: size.height,
-                refresh_hz: monitor.refresh_rate_millihertz().map(|mhz| f64::from(mhz) / 1000.0),
-                scale: monitor.scale_factor(),
-            };
+            return described!(monitor);
         }
         let (width_px, height_px) = window_px(ctx);
         Self { name: None, width_px, height_px, refresh_hz: None, scale: f64::from(ctx.pixels_per_point()) }
     }
 
-    /// Names of all monitors, in the order in which [`egui::ViewportCommand::SetMonitor`] counts them.
-    pub fn all(frame: &eframe::Frame) -> Vec<String> {
+    /// All monitors, in the order in which [`egui::ViewportCommand::SetMonitor`] counts them.
+    pub fn all(frame: &eframe::Frame) -> Vec<Self> {
         let Some(window) = frame.winit_window() else { return Vec::new() };
-        window
-            .available_monitors()
-            .enumerate()
-            .map(|(i, monitor)| {
-                let size = monitor.size();
-                let name = monitor.name().unwrap_or_else(|| format!("Monitor {}", i + 1));
-                format!("{name} ({} × {})", size.width, size.height)
-            })
-            .collect()
+        window.available_monitors().map(|monitor| described!(monitor)).collect()
+    }
+
+    /// For a list to choose from.
+    pub fn title(&self) -> String {
+        let size = format!("{} × {} pixels", self.width_px, self.height_px);
+        match &self.name {
+            Some(name) => format!("{name}, {size}"),
+            None => size,
+        }
     }
 
     /// Width in cm if its pixels were 1/96 inch apart, the size that systems assume of a screen they do not know.

@@ -29,12 +29,8 @@ const PICTURE: f32 = 150.0;
 /// An example of each category, drawn with the session's own colours: width and depth of a ramp whose brighter band
 /// most people see as that category describes. They are examples for the eye, not answers: [B] §3.2's findings put
 /// them in this order.
-const EXAMPLES: [(f64, Depth); 4] = [
-    (0.9, Depth::Finite(4)),
-    (0.9, Depth::Finite(2)),
-    (0.6, Depth::Finite(1)),
-    (0.12, Depth::Finite(1)),
-];
+const EXAMPLES: [(f64, Depth); 4] =
+    [(0.9, Depth::Finite(4)), (0.9, Depth::Finite(2)), (0.6, Depth::Finite(1)), (0.12, Depth::Finite(1))];
 
 /// Pictures of the categories, made once.
 #[derive(Default)]
@@ -155,7 +151,8 @@ fn next(ui: &mut egui::Ui, texts: &Texts) -> Answer {
 }
 
 fn fill(text: &str, progress: &Progress) -> String {
-    let minutes = progress.remaining.map_or("?".to_owned(), |left| format!("{:.0}", (left.as_secs_f64() / 60.0).ceil()));
+    let minutes =
+        progress.remaining.map_or("?".to_owned(), |left| format!("{:.0}", (left.as_secs_f64() / 60.0).ceil()));
     text.replace("{done}", &progress.done.to_string())
         .replace("{total}", &progress.total.to_string())
         .replace("{minutes}", &minutes)

@@ -7,7 +7,13 @@ use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, TextureHandle, Texture
 use crate::{light::Quantizer, stimulus::Stimulus};
 
 /// Uploads a stimulus of `size` physical pixels.
-pub fn texture(ctx: &egui::Context, name: &str, stimulus: &Stimulus, size: u32, quantizer: &Quantizer) -> TextureHandle {
+pub fn texture(
+    ctx: &egui::Context,
+    name: &str,
+    stimulus: &Stimulus,
+    size: u32,
+    quantizer: &Quantizer,
+) -> TextureHandle {
     let image = stimulus.codes(size, quantizer);
     let side = size as usize;
     let pixels = match image.bytes() {

@@ -66,13 +66,15 @@ impl Preflight {
             return self.back(ui.ctx());
         }
         match findings.prepared {
-            Some(prepared) if begin => match SessionPage::begin(ui.ctx(), &self.request, prepared, findings.notes, monitor) {
-                Ok(page) => Go::To(Page::Session(Box::new(page))),
-                Err(error) => {
-                    self.refused = Some(error.to_string());
-                    Go::Stay
+            Some(prepared) if begin => {
+                match SessionPage::begin(ui.ctx(), &self.request, prepared, findings.notes, monitor) {
+                    Ok(page) => Go::To(Page::Session(Box::new(page))),
+                    Err(error) => {
+                        self.refused = Some(error.to_string());
+                        Go::Stay
+                    }
                 }
-            },
+            }
             _ => Go::Stay,
         }
     }
@@ -110,7 +112,12 @@ impl Preflight {
             if let Some(refused) = &self.refused {
                 theme::fault(ui, refused);
             }
-            begin = theme::primary(ui, "Continue", findings.prepared.is_some(), "Space. These findings are kept with the data.");
+            begin = theme::primary(
+                ui,
+                "Continue",
+                findings.prepared.is_some(),
+                "Space. These findings are kept with the data.",
+            );
             ui.add_space(4.0);
             ui.horizontal(|ui| {
                 back = ui.button("Back").clicked();
@@ -132,34 +139,65 @@ impl Preflight {
 
         let window = window_px(ctx);
         let whole = window == (monitor.width_px, monitor.height_px);
-        note("full_screen", whole || self.request.windowed, match (self.request.windowed, whole) {
-            (true, _) => format!("The session runs in a window of {} × {} pixels, as asked; other things on the screen may distract.", window.0, window.1),
-            (false, true) => "The window has the whole screen.".to_owned(),
-            (false, false) => format!("The window has {} × {} pixels and not the whole screen; the window system did not give it.", window.0, window.1),
-        });
+        note(
+            "full_screen",
+            whole || self.request.windowed,
+            match (self.request.windowed, whole) {
+                (true, _) => format!(
+                    "The session runs in a window of {} × {} pixels, as asked; other things on the screen may distract.",
+                    window.0, window.1
+                ),
+                (false, true) => "The window has the whole screen.".to_owned(),
+                (false, false) => format!(
+                    "The window has {} × {} pixels and not the whole screen; the window system did not give it.",
+                    window.0, window.1
+                ),
+            },
+        );
         let points = f64::from(ctx.pixels_per_point());
-        note("scale", true, format!("The system's scale is {points}; stimuli are drawn in physical pixels whatever it is."));
+        note(
+            "scale",
+            true,
+            format!("The system's scale is {points}; stimuli are drawn in physical pixels whatever it is."),
+        );
 
         let median = self.frames.quantile(0.5);
         let steady = match (median, self.frames.quantile(0.99)) {
             (Some(median), Some(slow)) => slow <= 1.5 * median,
             _ => false,
         };
-        note("refresh", monitor.refresh_hz.is_some(), match monitor.refresh_hz {
-            Some(hz) => format!("The system reports {hz:.2} Hz."),
-            None => "The system does not report a refresh rate; the measured frame interval stands in for it.".to_owned(),
-        });
-        note("frame_interval", steady, match (median, self.frames.quantile(0.99)) {
-            (Some(median), Some(slow)) => format!(
-                "Frames came every {:.1} ms ({:.1} Hz); 99 % of them within {:.1} ms{}",
-                median * 1e3,
-                1.0 / median,
-                slow * 1e3,
-                if steady { "." } else { ": not steady, so close other programs. Dropped frames will be counted all the same where the refresh rate is known." }
-            ),
-            _ => "No frames could be measured.".to_owned(),
-        });
-        note("display_profile", self.request.display.measured.is_some(), format!("Display profile: {}.", self.request.display.sentence()));
+        note(
+            "refresh",
+            monitor.refresh_hz.is_some(),
+            match monitor.refresh_hz {
+                Some(hz) => format!("The system reports {hz:.2} Hz."),
+                None => "The system does not report a refresh rate; the measured frame interval stands in for it."
+                    .to_owned(),
+            },
+        );
+        note(
+            "frame_interval",
+            steady,
+            match (median, self.frames.quantile(0.99)) {
+                (Some(median), Some(slow)) => format!(
+                    "Frames came every {:.1} ms ({:.1} Hz); 99 % of them within {:.1} ms{}",
+                    median * 1e3,
+                    1.0 / median,
+                    slow * 1e3,
+                    if steady {
+                        "."
+                    } else {
+                        ": not steady, so close other programs. Dropped frames will be counted all the same where the refresh rate is known."
+                    }
+                ),
+                _ => "No frames could be measured.".to_owned(),
+            },
+        );
+        note(
+            "display_profile",
+            self.request.display.measured.is_some(),
+            format!("Display profile: {}.", self.request.display.sentence()),
+        );
 
         let interval = monitor.refresh_hz.map(|hz| 1.0 / hz).or(median.filter(|_| steady));
         let prepared = self.geometry(monitor, window, &mut note).map(|(viewing, size_px)| Prepared {
@@ -188,19 +226,38 @@ impl Preflight {
                 return None;
             }
         };
-        note("physical_size", width_cm.is_some(), match width_cm {
-            Some(cm) => format!("The screen is {cm:.1} cm wide; at {} cm a degree is {:.1} pixels.", self.request.distance_cm, viewing.px_per_degree()),
-            None => format!("The screen's width is not known; {assumed:.1} cm is assumed from 96 pixels an inch. At {} cm a degree is {:.1} pixels.", self.request.distance_cm, viewing.px_per_degree()),
-        });
+        note(
+            "physical_size",
+            width_cm.is_some(),
+            match width_cm {
+                Some(cm) => format!(
+                    "The screen is {cm:.1} cm wide; at {} cm a degree is {:.1} pixels.",
+                    self.request.distance_cm,
+                    viewing.px_per_degree()
+                ),
+                None => format!(
+                    "The screen's width is not known; {assumed:.1} cm is assumed from 96 pixels an inch. At {} cm a degree is {:.1} pixels.",
+                    self.request.distance_cm,
+                    viewing.px_per_degree()
+                ),
+            },
+        );
         let deg = self.request.protocol.viewing.window_deg;
         let size_px = stimulus_side_px(&viewing, deg);
         let least = window.0.min(window.1);
         let fits = size_px <= least;
-        note("stimulus_fits", fits, if fits {
-            format!("The stimulus of {deg}° is {size_px} × {size_px} pixels and fits.")
-        } else {
-            format!("The stimulus of {deg}° would be {size_px} × {size_px} pixels, and the window has {} × {}: sit closer, or use a larger screen.", window.0, window.1)
-        });
+        note(
+            "stimulus_fits",
+            fits,
+            if fits {
+                format!("The stimulus of {deg}° is {size_px} × {size_px} pixels and fits.")
+            } else {
+                format!(
+                    "The stimulus of {deg}° would be {size_px} × {size_px} pixels, and the window has {} × {}: sit closer, or use a larger screen.",
+                    window.0, window.1
+                )
+            },
+        );
         fits.then_some((viewing, size_px))
     }
 }

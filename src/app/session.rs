@@ -18,8 +18,8 @@ use super::{
 use crate::{
     display::Viewing,
     experiment::{
-        Effect, Event, FrameCount, Identity, Phase, Resumed, RowContext, Schedule, Session,
-        SessionOptions, State, TrialRecord, TrialResponse, session_seed,
+        Effect, Event, FrameCount, Identity, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, State,
+        TrialRecord, TrialResponse, session_seed,
     },
     light::{Bits, Quantizer},
     store::{
@@ -104,10 +104,8 @@ impl SessionPage {
         } else {
             let seed = request.seed.unwrap_or_else(fresh_seed);
             let store = SessionStore::create(results, protocol, &request.identity, seed, sitting)?;
-            let schedule = Schedule::new(protocol, &request.identity, seed).map_err(|error| StoreError::Mismatch {
-                path: store.csv().to_owned(),
-                what: error.to_string(),
-            })?;
+            let schedule = Schedule::new(protocol, &request.identity, seed)
+                .map_err(|error| StoreError::Mismatch { path: store.csv().to_owned(), what: error.to_string() })?;
             (store, schedule, Resumed::default(), 0.0, 1, Vec::new())
         };
         let offset = offset(elapsed_s, rows.first());
@@ -176,12 +174,15 @@ impl SessionPage {
 
     /// Keys, in the order in which they came.
     fn hear(&mut self, ui: &egui::Ui, now: Duration) {
-        let (events, moved, time) = ui.input(|input| (input.events.clone(), input.pointer.delta() != egui::Vec2::ZERO, input.time));
+        let (events, moved, time) =
+            ui.input(|input| (input.events.clone(), input.pointer.delta() != egui::Vec2::ZERO, input.time));
         if moved {
             self.mouse_moved_s = time;
         }
         for event in events {
-            let egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers, .. } = event else { continue };
+            let egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers, .. } = event else {
+                continue;
+            };
             if modifiers.ctrl || modifiers.alt || modifiers.command {
                 continue;
             }
@@ -251,7 +252,10 @@ impl SessionPage {
     fn too_small(&self, ctx: &egui::Context) -> Option<String> {
         let (width, height) = window_px(ctx);
         (width.min(height) < self.size_px).then(|| {
-            format!("The window has {width} × {height} pixels and the stimulus needs {}; make the window larger.", self.size_px)
+            format!(
+                "The window has {width} × {height} pixels and the stimulus needs {}; make the window larger.",
+                self.size_px
+            )
         })
     }
 
@@ -326,7 +330,8 @@ impl SessionPage {
                 pixels::draw_centred(ui, texture, self.size_px, ui.ctx().content_rect());
             }
         });
-        let clicked = if self.scale_shown { scale::show(ui.ctx(), &self.session.protocol().response, rating_now) } else { None };
+        let clicked =
+            if self.scale_shown { scale::show(ui.ctx(), &self.session.protocol().response, rating_now) } else { None };
         if !self.scale_shown || window_s - self.mouse_moved_s > CURSOR_S {
             ui.ctx().set_cursor_icon(CursorIcon::None);
         }
@@ -339,7 +344,12 @@ impl SessionPage {
         self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         let complete = *self.session.state() == State::Done;
-        let finish = Finish::new(self.session.protocol().clone(), std::mem::take(&mut self.rows), self.store.csv().to_owned(), complete);
+        let finish = Finish::new(
+            self.session.protocol().clone(),
+            std::mem::take(&mut self.rows),
+            self.store.csv().to_owned(),
+            complete,
+        );
         Go::To(Page::Finish(Box::new(finish)))
     }
 

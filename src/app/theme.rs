@@ -27,7 +27,8 @@ pub fn apply(ctx: &egui::Context) {
             (TextStyle::Monospace, 15.0),
         ]
         .map(|(name, size)| {
-            let family = if name == TextStyle::Monospace { egui::FontFamily::Monospace } else { egui::FontFamily::Proportional };
+            let family =
+                if name == TextStyle::Monospace { egui::FontFamily::Monospace } else { egui::FontFamily::Proportional };
             (name, FontId::new(size, family))
         })
         .into();

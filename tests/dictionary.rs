@@ -1,0 +1,39 @@
+//! `results/README.md` is the column dictionary, made from the record itself. `UPDATE_DOCS=1 cargo test --test dictionary`
+//! writes it anew.
+
+use machband::{experiment::columns, store::definition};
+
+const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/results/README.md");
+
+fn dictionary() -> String {
+    let mut text = String::from(
+        "# Results\n\n\
+         Sessions are recorded here unless told otherwise (`--results DIR`): one folder an experiment, each a Psych-DS data set.\n\n\
+         ```\n\
+         results/EXPERIMENT/dataset_description.json\n\
+         results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_data.csv    one row a trial, on disk before the next trial is shown\n\
+         results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_data.json   the sidecar: definition, seed, program, screen, geometry, frames, columns\n\
+         ```\n\n\
+         NAME is the experiment's name without hyphens. Missing values are empty. A corrected response is a new row with\n\
+         `attempt` + 1; the last attempt counts. A factor without a column below has one of its own name, after these.\n\n\
+         | column | unit | what |\n|---|---|---|\n",
+    );
+    for column in columns(&definition::open("bangay2003").unwrap()) {
+        let levels: Vec<String> = column
+            .levels
+            .iter()
+            .map(|(value, meaning)| format!("{value}: {}", meaning.as_str().unwrap_or_default()))
+            .collect();
+        let levels = if levels.is_empty() { String::new() } else { format!(" ({})", levels.join("; ")) };
+        text += &format!("| `{}` | {} | {}{levels} |\n", column.name, column.unit, column.description);
+    }
+    text
+}
+
+#[test]
+fn the_column_dictionary_is_that_of_the_program() {
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(PATH, dictionary()).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(PATH).unwrap(), dictionary(), "run UPDATE_DOCS=1 cargo test --test dictionary");
+}
