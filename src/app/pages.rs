@@ -23,7 +23,7 @@ pub enum Answer {
 /// Pages before the first trial: the task, and the categories.
 pub const INSTRUCTION_PAGES: usize = 2;
 
-/// Side of a category's picture, physical pixels per point of the page.
+/// Largest side of a category's picture, points.
 const PICTURE: f32 = 150.0;
 
 /// An example of each category, drawn with the session's own colours: width and depth of a ramp whose brighter band
@@ -32,31 +32,42 @@ const PICTURE: f32 = 150.0;
 const EXAMPLES: [(f64, Depth); 4] =
     [(0.9, Depth::Finite(4)), (0.9, Depth::Finite(2)), (0.6, Depth::Finite(1)), (0.12, Depth::Finite(1))];
 
-/// Pictures of the categories, made once.
+/// Pictures of the categories, made once for a size.
 #[derive(Default)]
 pub struct CategoryPictures {
-    textures: Vec<(TextureHandle, u32)>,
+    size: u32,
+    textures: Vec<TextureHandle>,
 }
 
 impl CategoryPictures {
-    fn get(&mut self, ctx: &egui::Context, protocol: &Protocol, quantizer: &Quantizer) -> &[(TextureHandle, u32)] {
-        if self.textures.is_empty() {
-            let size = (PICTURE * ctx.pixels_per_point()).round() as u32;
-            for (i, (width, depth)) in EXAMPLES.iter().enumerate() {
-                let mut stimulus: Stimulus = protocol.stimulus.clone();
-                let depth = match depth {
-                    Depth::Finite(n) => ParameterValue::Number(f64::from(*n)),
-                    Depth::Infinite => ParameterValue::Text("inf".to_owned()),
-                };
-                // A kind without these parameters shows itself as it is.
-                let _ = stimulus.set("width", &ParameterValue::Number(*width));
-                let _ = stimulus.set("depth", &depth);
-                let _ = stimulus.set("orientation_deg", &ParameterValue::Number(0.0));
-                self.textures.push((pixels::texture(ctx, &format!("category{i}"), &stimulus, size, quantizer), size));
-            }
+    /// Pictures of `size` physical pixels.
+    fn get(&mut self, ctx: &egui::Context, protocol: &Protocol, quantizer: &Quantizer, size: u32) -> &[TextureHandle] {
+        if self.size != size {
+            self.size = size;
+            self.textures = EXAMPLES
+                .iter()
+                .enumerate()
+                .map(|(i, example)| {
+                    pixels::texture(ctx, &format!("category{i}"), &drawn(protocol, *example), size, quantizer)
+                })
+                .collect();
         }
         &self.textures
     }
+}
+
+/// The session's stimulus with the width and depth of an example.
+fn drawn(protocol: &Protocol, (width, depth): (f64, Depth)) -> Stimulus {
+    let mut stimulus = protocol.stimulus.clone();
+    let depth = match depth {
+        Depth::Finite(n) => ParameterValue::Number(f64::from(n)),
+        Depth::Infinite => ParameterValue::Text("inf".to_owned()),
+    };
+    for (name, value) in [("width", width.into()), ("depth", depth), ("orientation_deg", 0.0.into())] {
+        // A kind without this parameter shows itself as it is.
+        let _ = stimulus.set(name, &value);
+    }
+    stimulus
 }
 
 /// A page of instructions.
@@ -84,13 +95,15 @@ pub fn instructions(
             ui.heading(&texts.categories);
             ui.label(&protocol.response.question);
             ui.add_space(8.0);
-            let shown = pictures.get(ui.ctx(), protocol, quantizer);
-            ui.horizontal_wrapped(|ui| {
-                for (category, (texture, size)) in protocol.response.categories.iter().zip(shown) {
+            let gap = ui.spacing().item_spacing.x;
+            let side = ((ui.available_width() - 3.0 * gap) / 4.0).clamp(40.0, PICTURE);
+            let size = (side * ui.ctx().pixels_per_point()).floor() as u32;
+            let shown = pictures.get(ui.ctx(), protocol, quantizer, size);
+            ui.horizontal_top(|ui| {
+                for (category, texture) in protocol.response.categories.iter().zip(shown) {
                     ui.vertical(|ui| {
-                        let side = *size as f32 / ui.ctx().pixels_per_point();
                         ui.set_width(side);
-                        pixels::picture(ui, texture, *size, &category.label);
+                        pixels::picture(ui, texture, size, &category.label);
                         ui.label(egui::RichText::new(category.key.to_string()).size(24.0).strong());
                         ui.add(egui::Label::new(&category.label).wrap());
                     });

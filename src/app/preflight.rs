@@ -96,7 +96,7 @@ impl Preflight {
         theme::page(ui, |ui| {
             ui.heading("Before the session");
             ui.label(theme::quiet(format!(
-                "{} · participant {} · session {}",
+                "{} · participant {} · session {} · Space continues, Esc goes back",
                 self.request.protocol.title,
                 self.request.identity.subject(),
                 self.request.identity.session()

@@ -1,0 +1,664 @@
+//! A session without files, clock or window: the order of the trials, the state machine, the simulated observer.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    time::{Duration, Instant},
+};
+
+use machband::{
+    experiment::{
+        Effect, Event, FrameCount, Identity, Observer, OrderedLogit, Phase, Protocol, Resumed, Schedule, ScheduleError,
+        Session, SessionOptions, State, TrialResponse, UniformObserver, simulate,
+    },
+    stimulus::{MachBand, ParameterValue, Stimulus},
+    store::definition,
+};
+use proptest::prelude::*;
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
+
+fn identity(number: usize) -> Identity {
+    Identity::new(&format!("S{number:03}"), "1").unwrap()
+}
+
+/// A definition with these `[factors]` and this `[design]`; the field between stimuli lasts half a second.
+fn protocol(factors: &str, design: &str) -> Protocol {
+    let text = format!(
+        "schema = 1\nname = \"test\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n{factors}\n[design]\n{design}\n[recovery]\nduration_s = 0.5\n"
+    );
+    definition::parse("test.toml", &text).unwrap()
+}
+
+fn conditions(schedule: &Schedule, phase: Phase) -> Vec<usize> {
+    schedule.phase(phase).map(|trial| trial.condition).collect()
+}
+
+/// Level of a factor in each main trial.
+fn levels(schedule: &Schedule, factor: usize) -> Vec<usize> {
+    schedule.phase(Phase::Main).map(|trial| schedule.conditions[trial.condition].levels[factor]).collect()
+}
+
+/// Levels with repetitions in a row left out: the order of the blocks, if blocks keep together.
+fn blocks(schedule: &Schedule, factor: usize) -> Vec<usize> {
+    let mut blocks = levels(schedule, factor);
+    blocks.dedup();
+    blocks
+}
+
+mod order {
+    use super::*;
+
+    /// Computed from the words of `GENERATOR` by an implementation of ChaCha8 of its own, in Python.
+    #[test]
+    fn a_seed_gives_this_order_for_ever() {
+        let quick = definition::open("quick").unwrap();
+        let schedule = Schedule::new(&quick, &identity(1), 42).unwrap();
+        assert_eq!(conditions(&schedule, Phase::Practice), PINNED_PRACTICE);
+        assert_eq!(conditions(&schedule, Phase::Main)[..6], PINNED_MAIN);
+        let others = [
+            (Identity::new("S002", "1").unwrap(), 42),
+            (Identity::new("S001", "2").unwrap(), 42),
+            // Participant and session must not run into each other.
+            (Identity::new("S0011", "").unwrap_or_else(|_| Identity::new("S00", "11").unwrap()), 42),
+            (identity(1), 43),
+        ];
+        for (identity, seed) in others {
+            let other = Schedule::new(&quick, &identity, seed).unwrap();
+            assert_ne!(conditions(&other, Phase::Main), conditions(&schedule, Phase::Main), "{identity:?} {seed}");
+        }
+    }
+    const PINNED_PRACTICE: [usize; 4] = [0, 0, 0, 0];
+    const PINNED_MAIN: [usize; 6] = [0, 0, 0, 0, 0, 0];
+
+    #[test]
+    fn every_condition_comes_once_a_repetition_and_blocks_keep_together() {
+        for order in ["random", "blocked:depth", "latin:depth"] {
+            let protocol = protocol(
+                "width = [0.1, 0.2]\ndepth = [1, 2, \"inf\"]\norientation_deg = [0, 90]",
+                &format!("repetitions = 3\npractice = 29\norder = \"{order}\""),
+            );
+            for participant in 1..=12 {
+                let schedule = Schedule::new(&protocol, &identity(participant), 7).unwrap();
+                for phase in [Phase::Practice, Phase::Main] {
+                    let mut count = [0_u32; 12];
+                    for (trial, number) in schedule.phase(phase).zip(1..) {
+                        count[trial.condition] += 1;
+                        assert_eq!((trial.number, trial.repetition), (number, count[trial.condition]));
+                    }
+                    let (least, most) = (count.iter().min().unwrap(), count.iter().max().unwrap());
+                    let expected = if phase == Phase::Main { (3, 3) } else { (2, 3) };
+                    assert_eq!((*least, *most), expected, "{order} {phase}");
+                }
+                if order != "random" {
+                    assert_eq!(blocks(&schedule, 1).len(), 3, "{order}");
+                    let numbers: Vec<u32> = schedule.phase(Phase::Main).map(|trial| trial.block).collect();
+                    assert_eq!(numbers, (0..36).map(|i| i / 12 + 1).collect::<Vec<_>>(), "{order}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn latin_blocks_are_balanced_over_participants() {
+        let widths = ["0.1", "0.2", "0.3", "0.4", "0.5"];
+        for count in 2..=5 {
+            let protocol =
+                protocol(&format!("depth = [1, 2]\nwidth = [{}]", widths[..count].join(", ")), "order = \"latin:width\"");
+            // An odd number of levels needs two squares.
+            let participants = if count % 2 == 0 { count } else { 2 * count };
+            let mut place = vec![vec![0; count]; count];
+            let mut follows = vec![vec![0; count]; count];
+            for participant in 1..=participants {
+                let blocks = blocks(&Schedule::new(&protocol, &identity(participant), 3).unwrap(), 1);
+                for (i, level) in blocks.iter().enumerate() {
+                    place[i][*level] += 1;
+                }
+                for pair in blocks.windows(2) {
+                    follows[pair[0]][pair[1]] += 1;
+                }
+            }
+            assert!(place.iter().flatten().all(|n| *n == participants / count), "{count}: {place:?}");
+            let balanced = |a: usize, b: usize| follows[a][b] == if a == b { 0 } else { participants / count };
+            assert!((0..count).all(|a| (0..count).all(|b| balanced(a, b))), "{count}: {follows:?}");
+        }
+    }
+
+    /// Longest stretch of equal values.
+    fn longest_run(levels: &[usize]) -> usize {
+        levels.chunk_by(|a, b| a == b).map(<[usize]>::len).max().unwrap_or(0)
+    }
+
+    proptest! {
+        /// Blocks follow each other without a rest, so the limit holds across them too.
+        #[test]
+        fn no_factor_keeps_a_level_longer_than_max_run(
+            widths in 1..5_usize, depths in 1..4_usize, repetitions in 1..4_u32, max_run in 1..5_u32,
+            order in prop::sample::select(vec!["random", "blocked:width", "latin:depth"]), seed: u64,
+        ) {
+            let list = |n: usize, scale: f64| (1..=n).map(|i| (i as f64 * scale).to_string()).collect::<Vec<_>>().join(", ");
+            let protocol = protocol(
+                &format!("width = [{}]\ndepth = [{}]", list(widths, 0.1), list(depths, 1.0)),
+                &format!("repetitions = {repetitions}\norder = \"{order}\"\nmax_run = {max_run}"),
+            );
+            match Schedule::new(&protocol, &identity(1), seed) {
+                Ok(schedule) => {
+                    prop_assert_eq!(schedule.trials.len(), protocol.main_trials());
+                    let mut cells = conditions(&schedule, Phase::Main);
+                    cells.sort_unstable();
+                    prop_assert!(cells.chunk_by(|a, b| a == b).all(|run| run.len() == repetitions as usize));
+                    for (factor, (name, count)) in [("width", widths), ("depth", depths)].into_iter().enumerate() {
+                        if count > 1 && !order.ends_with(name) {
+                            let levels = levels(&schedule, factor);
+                            prop_assert!(longest_run(&levels) <= max_run as usize, "{order} {name} {levels:?}");
+                        }
+                    }
+                }
+                // Two levels and more, each at most twice in a row: there is always such an order.
+                Err(error) => prop_assert!(max_run < 2, "{}", error),
+            }
+        }
+    }
+
+    #[test]
+    fn an_impossible_max_run_is_refused_in_words_and_soon() {
+        let started = Instant::now();
+        for repetitions in [1, 10_000] {
+            // Both factors would have to change with every trial: half of the cells cannot be reached.
+            let protocol =
+                protocol("width = [0.1, 0.2]\ndepth = [1, 2]", &format!("repetitions = {repetitions}\nmax_run = 1"));
+            let error = Schedule::new(&protocol, &identity(1), 1).unwrap_err();
+            assert_eq!(error, ScheduleError::MaxRun { max_run: 1 });
+            assert!(error.to_string().contains("max_run = 1") && error.to_string().contains("expected"), "{error}");
+        }
+        assert!(started.elapsed() < Duration::from_secs(20), "{:?}", started.elapsed());
+    }
+}
+
+/// A session with a clock of its own.
+struct Driver {
+    session: Session,
+    now: Duration,
+    records: Vec<TrialResponse>,
+}
+
+impl Driver {
+    fn new(protocol: &Protocol, frames: FrameCount, done: &[usize]) -> Self {
+        let schedule = Schedule::new(protocol, &identity(1), 5).unwrap();
+        let resumed = Resumed { done: done.iter().copied().collect() };
+        let session = Session::new(protocol.clone(), schedule, &resumed, SessionOptions { pages: 2, frames });
+        Self { session, now: Duration::from_secs(3), records: Vec::new() }
+    }
+
+    fn step(&mut self, event: Event) -> bool {
+        match self.session.step(event, self.now) {
+            Effect::None => false,
+            Effect::Record(response) => {
+                self.records.push(response);
+                true
+            }
+        }
+    }
+
+    fn wait(&mut self, seconds: f64) {
+        self.now += Duration::from_secs_f64(seconds);
+        self.step(Event::Frame);
+    }
+
+    /// Goes on until the state is one that `wanted` knows; a stimulus on the way is rated 1.
+    fn until(&mut self, wanted: impl Fn(&State) -> bool) {
+        for _ in 0..10_000 {
+            if wanted(self.session.state()) {
+                return;
+            }
+            match self.session.state() {
+                State::Stimulus { .. } => self.rate(1),
+                State::Recovery { .. } | State::Closing { .. } => self.wait(0.5),
+                State::Paused(_) => drop(self.step(Event::Resume)),
+                State::Instructions(_) | State::PhaseStart(_) | State::Break => drop(self.step(Event::Continue)),
+                State::Done | State::Left => break,
+            }
+        }
+        panic!("ended in {:?}", self.session.state());
+    }
+
+    /// Rates the stimulus on the screen; the row is stored at once.
+    fn rate(&mut self, rating: u8) {
+        self.now += Duration::from_millis(700);
+        assert!(self.step(Event::Rate(rating)), "no stimulus in {:?}", self.session.state());
+        self.step(Event::Stored);
+    }
+
+    fn rated(&self) -> Vec<(usize, u32)> {
+        self.records.iter().map(|record| (record.trial, record.attempt)).collect()
+    }
+}
+
+const PRACTICE_AND_MAIN: &str = "practice = 2\nrepetitions = 2\nbreak_every = 3";
+
+/// Two practice and eight main trials, breaks after the third and the sixth.
+fn ten() -> Protocol {
+    protocol("width = [0.1, 0.2]\ndepth = [1, 2]", PRACTICE_AND_MAIN)
+}
+
+fn is_stimulus(state: &State) -> bool {
+    matches!(state, State::Stimulus { .. })
+}
+
+fn is_recovery(state: &State) -> bool {
+    matches!(state, State::Recovery { .. })
+}
+
+mod machine {
+    use super::*;
+
+    #[test]
+    fn a_session_goes_by_its_plan() {
+        let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
+        let mut seen = Vec::new();
+        let mut remaining = Vec::new();
+        while *driver.session.state() != State::Done {
+            let before = driver.session.state().clone();
+            let name = match &before {
+                State::Instructions(page) => format!("page {page}"),
+                State::PhaseStart(phase) => phase.to_string(),
+                State::Break => format!("break {}", driver.session.progress().done),
+                State::Closing { .. } => "closing".to_owned(),
+                _ => "trial".to_owned(),
+            };
+            driver.until(|state| *state != before);
+            if seen.last() != Some(&name) {
+                seen.push(name);
+            }
+            let progress = driver.session.progress();
+            assert_eq!((progress.done, progress.total), (driver.records.len(), 10));
+            remaining.extend(progress.remaining);
+        }
+        let expected = "page 0,page 1,practice,trial,main,trial,break 5,trial,break 8,trial,closing";
+        assert_eq!(seen.join(","), expected);
+        assert_eq!(driver.rated(), (0..10).map(|trial| (trial, 1)).collect::<Vec<_>>());
+        // Every trial took 0.5 + 0.7 s.
+        assert_eq!(remaining.first(), Some(&Duration::from_millis(1200 * 9)));
+        assert_eq!(remaining.last(), Some(&Duration::ZERO));
+        for record in &driver.records {
+            assert_eq!((record.recovery.as_millis(), record.response_time.as_millis()), (500, 700));
+            assert_eq!((record.frames, record.dropped_frames), (None, None));
+        }
+        // A break that would come after the last trial does not.
+        let mut driver = Driver::new(&protocol("width = [0.1, 0.2]", "repetitions = 2\nbreak_every = 2"), FrameCount::Off, &[]);
+        driver.until(|state| *state == State::Break);
+        driver.until(|state| matches!(state, State::Closing { .. }));
+        assert_eq!(driver.records.len(), 4);
+    }
+
+    #[test]
+    fn the_field_lasts_and_nothing_comes_while_a_row_is_not_stored() {
+        let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
+        driver.until(is_recovery);
+        driver.wait(0.499_999_999);
+        assert!(is_recovery(driver.session.state()));
+        driver.wait(0.000_000_001);
+        assert!(is_stimulus(driver.session.state()));
+        driver.now += Duration::from_millis(900);
+        assert!(driver.step(Event::Rate(3)));
+        assert!(driver.session.is_storing() && !driver.session.can_take_back());
+        for _ in 0..100 {
+            driver.wait(0.1);
+            driver.step(Event::TakeBack);
+            driver.step(Event::Pause);
+            driver.step(Event::Resume);
+            assert!(is_recovery(driver.session.state()), "{:?}", driver.session.state());
+        }
+        driver.step(Event::Stored);
+        driver.wait(0.5);
+        assert!(is_stimulus(driver.session.state()));
+        // The last row too: the end waits for it.
+        let mut driver = Driver::new(&ten(), FrameCount::Off, &(0..9).collect::<Vec<_>>());
+        driver.until(is_stimulus);
+        driver.now += Duration::from_millis(900);
+        driver.step(Event::Rate(0));
+        driver.wait(60.0);
+        assert!(matches!(driver.session.state(), State::Closing { .. }));
+        driver.step(Event::Stored);
+        driver.wait(0.0);
+        assert_eq!(*driver.session.state(), State::Done);
+    }
+
+    #[test]
+    fn a_rating_counts_only_while_there_is_a_stimulus() {
+        let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
+        loop {
+            let state = driver.session.state().clone();
+            if is_stimulus(&state) {
+                assert!(!driver.step(Event::Rate(4)), "there is no rating 4");
+                assert_eq!(*driver.session.state(), state);
+            } else {
+                assert!(!driver.step(Event::Rate(2)), "{state:?}");
+                assert_eq!(*driver.session.state(), state);
+                driver.step(Event::Pause);
+                assert!(!driver.step(Event::Rate(2)));
+                driver.step(Event::Resume);
+            }
+            if state == State::Done {
+                break;
+            }
+            let now = driver.session.state().clone();
+            driver.until(|state| *state != now);
+        }
+        assert_eq!(driver.records.len(), 10);
+    }
+
+    #[test]
+    fn the_last_rating_can_be_taken_back_once_wherever_it_can_be_seen() {
+        let places: [(&str, fn(&State) -> bool); 4] = [
+            ("recovery", is_recovery),
+            ("the next phase's page", |state| *state == State::PhaseStart(Phase::Main)),
+            ("break", |state| *state == State::Break),
+            ("closing", |state| matches!(state, State::Closing { .. })),
+        ];
+        for (place, there) in places {
+            let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
+            driver.until(is_stimulus);
+            driver.rate(1);
+            driver.until(there);
+            let last = *driver.rated().last().unwrap();
+            let next = driver.session.current();
+            assert!(driver.session.can_take_back(), "{place}");
+            driver.step(Event::TakeBack);
+            assert_eq!((driver.session.current(), driver.session.can_take_back()), (Some(last.0), false), "{place}");
+            // Not a second time, and not the one before.
+            driver.step(Event::TakeBack);
+            driver.until(is_stimulus);
+            driver.step(Event::TakeBack);
+            driver.rate(2);
+            assert_eq!(*driver.rated().last().unwrap(), (last.0, 2), "{place}");
+            assert!(there(driver.session.state()), "{place}: {:?}", driver.session.state());
+            assert_eq!(driver.session.current(), next, "{place}");
+            // A third attempt is possible after the second.
+            driver.step(Event::TakeBack);
+            driver.until(is_stimulus);
+            driver.rate(3);
+            assert_eq!(*driver.rated().last().unwrap(), (last.0, 3), "{place}");
+            driver.until(|state| *state == State::Done);
+            let firsts: Vec<usize> = driver.rated().into_iter().filter(|r| r.1 == 1).map(|r| r.0).collect();
+            assert_eq!(firsts, (0..10).collect::<Vec<_>>(), "{place}");
+            assert_eq!(driver.records.len(), 12, "{place}");
+        }
+    }
+
+    /// Who has had a break and sees the field again, goes on there and not back to the break.
+    #[test]
+    fn a_rating_taken_back_after_a_break_brings_no_second_break() {
+        let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
+        driver.until(|state| *state == State::Break);
+        driver.step(Event::Continue);
+        assert!(is_recovery(driver.session.state()) && driver.session.can_take_back());
+        let next = driver.session.current();
+        driver.step(Event::TakeBack);
+        driver.until(is_stimulus);
+        driver.rate(0);
+        assert!(is_recovery(driver.session.state()), "{:?}", driver.session.state());
+        assert_eq!(driver.session.current(), next);
+    }
+
+    #[test]
+    fn a_pause_anywhere_loses_nothing_and_shows_the_same_trial_again() {
+        let mut plain = Driver::new(&ten(), FrameCount::Off, &[]);
+        plain.until(|state| *state == State::Done);
+        let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
+        while *driver.session.state() != State::Done {
+            let (state, trial) = (driver.session.state().clone(), driver.session.current());
+            driver.step(Event::Pause);
+            assert_eq!(*driver.session.state(), State::Paused(Box::new(state.clone())));
+            for event in [Event::Pause, Event::Continue, Event::Rate(1), Event::TakeBack] {
+                driver.step(event);
+            }
+            driver.wait(100.0);
+            assert_eq!(*driver.session.state(), State::Paused(Box::new(state.clone())));
+            driver.step(Event::Resume);
+            assert_eq!(driver.session.current(), trial);
+            match (&state, driver.session.state()) {
+                // What was half over starts anew.
+                (State::Recovery { .. } | State::Stimulus { .. }, State::Recovery { since })
+                | (State::Closing { .. }, State::Closing { since }) => assert_eq!(*since, driver.now),
+                (before, after) => assert_eq!(before, after),
+            }
+            // The stimulus that was interrupted once more, this time to the end.
+            let after = driver.session.state().clone();
+            driver.until(|now| *now != after);
+            if is_stimulus(&state) {
+                driver.rate(1);
+            }
+        }
+        assert_eq!(driver.rated(), plain.rated());
+        assert!(driver.records.iter().all(|record| record.recovery.as_millis() == 500));
+        // Leaving is possible from the pause, and only from there.
+        let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
+        driver.until(is_stimulus);
+        driver.step(Event::Leave);
+        assert!(is_stimulus(driver.session.state()));
+        driver.step(Event::Pause);
+        driver.step(Event::Leave);
+        for event in [Event::Resume, Event::Continue, Event::Frame, Event::Rate(1)] {
+            driver.step(event);
+            assert_eq!(*driver.session.state(), State::Left);
+        }
+    }
+
+    #[test]
+    fn frames_and_stalls_are_counted_exactly() {
+        let protocol = protocol("width = [0.1, 0.2]", "repetitions = 20");
+        let mut driver = Driver::new(&protocol, FrameCount::Against(1.0 / 60.0), &[]);
+        driver.until(is_recovery);
+        let mut expected = Vec::new();
+        for trial in 0..40_u32 {
+            // Stalls of two to five intervals, in the field and during the stimulus; jitter below half is none.
+            let (mut stalls, mut shown) = (0, 0);
+            for frame in 0..90_u32 {
+                let stalled = (frame * 7 + trial * 3) % 11 == 0;
+                let intervals = if stalled { f64::from(2 + frame % 4) } else { 1.0 + 0.4 * f64::from(frame % 3 - frame % 2).sin() };
+                // The first frame after a rating starts the count.
+                stalls += u32::from(stalled && frame > 0);
+                driver.wait(intervals / 60.0);
+                shown += u32::from(is_stimulus(driver.session.state()));
+            }
+            assert!(shown > 0);
+            expected.push((Some(shown), Some(stalls)));
+            driver.rate(1);
+        }
+        let counted: Vec<_> = driver.records.iter().map(|r| (r.frames, r.dropped_frames)).collect();
+        assert_eq!(counted, expected);
+        // Without a known interval only frames are counted.
+        let mut driver = Driver::new(&protocol, FrameCount::Frames, &[]);
+        driver.until(is_stimulus);
+        driver.wait(1.0);
+        driver.rate(1);
+        assert_eq!((driver.records[0].frames, driver.records[0].dropped_frames), (Some(2), None));
+    }
+
+    #[test]
+    fn a_resumed_session_shows_just_what_is_missing() {
+        for done in [vec![], vec![0], vec![0, 1, 2, 3], vec![1, 2, 5, 9], (0..9).collect(), (0..10).collect()] {
+            let mut driver = Driver::new(&ten(), FrameCount::Off, &done);
+            assert_eq!(driver.session.progress().done, done.len());
+            driver.until(|state| *state == State::Done);
+            let missing: Vec<_> = (0..10).filter(|trial| !done.contains(trial)).map(|trial| (trial, 1)).collect();
+            assert_eq!(driver.rated(), missing);
+        }
+    }
+
+    fn any_event() -> impl Strategy<Value = Event> {
+        // What happens most, most often, so that a sequence gets somewhere.
+        prop_oneof![
+            8 => Just(Event::Frame),
+            3 => Just(Event::Stored),
+            3 => Just(Event::Continue),
+            4 => (0..6_u8).prop_map(Event::Rate),
+            2 => Just(Event::TakeBack),
+            1 => Just(Event::Pause),
+            2 => Just(Event::Resume),
+            1 => Just(Event::Leave),
+        ]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+
+        /// Whatever happens in whatever order: rows are valid and unique, no stimulus comes early or while a row is
+        /// not stored, and in the end every trial is rated, in the planned order.
+        #[test]
+        fn nothing_is_lost_whatever_happens(events in prop::collection::vec((any_event(), 0..1500_u64), 0..400)) {
+            let mut driver = Driver::new(&ten(), FrameCount::Against(1.0 / 60.0), &[]);
+            let mut stored = true;
+            let mut done = 0;
+            for (event, after) in events {
+                driver.now += Duration::from_millis(after);
+                let before = driver.session.state().clone();
+                let could = driver.session.can_take_back();
+                let recorded = driver.step(event);
+                let state = driver.session.state();
+                if recorded {
+                    prop_assert!(is_stimulus(&before) && stored);
+                    stored = false;
+                } else if event == Event::Stored {
+                    stored = true;
+                }
+                prop_assert_eq!(driver.session.is_storing(), !stored);
+                if event == Event::TakeBack {
+                    prop_assert_eq!(could, *state != before);
+                }
+                if let (State::Stimulus { onset, recovery }, false) = (state, is_stimulus(&before)) {
+                    prop_assert!(stored && *onset == driver.now && recovery.as_millis() >= 500);
+                }
+                let progress = driver.session.progress();
+                prop_assert!(progress.done >= done && progress.done <= 10);
+                done = progress.done;
+            }
+            driver.step(Event::Stored);
+            let mut rated = driver.rated();
+            if *driver.session.state() == State::Left {
+                let done: BTreeSet<_> = rated.iter().map(|r| r.0).collect();
+                driver = Driver::new(&ten(), FrameCount::Off, &done.into_iter().collect::<Vec<_>>());
+                driver.until(|state| *state == State::Done);
+                rated.extend(driver.rated());
+            } else {
+                driver.until(|state| *state == State::Done);
+                rated = driver.rated();
+            }
+            let firsts: Vec<_> = rated.iter().filter(|r| r.1 == 1).map(|r| r.0).collect();
+            prop_assert_eq!(firsts, (0..10).collect::<Vec<_>>());
+            let mut attempts = BTreeMap::new();
+            for (trial, attempt) in rated {
+                let last = attempts.insert(trial, attempt).unwrap_or(0);
+                prop_assert_eq!(attempt, last + 1);
+            }
+        }
+    }
+}
+
+mod observer {
+    use super::*;
+
+    fn band(settings: &[(&str, f64)]) -> Stimulus {
+        let mut stimulus = Stimulus::MachBand(MachBand::default());
+        for (name, value) in settings {
+            let value = if value.is_infinite() { ParameterValue::from("inf") } else { ParameterValue::from(*value) };
+            stimulus.set(name, &value).unwrap();
+        }
+        stimulus
+    }
+
+    fn frequencies(observer: &dyn Observer, stimulus: &Stimulus, subject: f64, draws: u32) -> [f64; 4] {
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let mut count = [0_u32; 4];
+        for _ in 0..draws {
+            count[usize::from(observer.rate(stimulus, subject, &mut rng))] += 1;
+        }
+        count.map(|n| f64::from(n) / f64::from(draws))
+    }
+
+    /// The probabilities of the doc comment, written out by hand for each stimulus.
+    #[test]
+    fn ratings_have_the_documented_probabilities() {
+        let observer = OrderedLogit { oblique: 0.8, contrast: 0.5, lapse: 0.1, ..OrderedLogit::default() };
+        let cases: [(&[(&str, f64)], f64, f64); 7] = [
+            (&[("width", 0.05), ("depth", 1.0)], 0.0, 6.0),
+            (&[("width", 0.2), ("depth", 2.0)], 0.0, 3.0 - 2.0 * 0.7),
+            (&[("width", 0.0125), ("depth", 3.0)], 0.0, 2.0 - 2.0 * 0.9),
+            (&[("width", 0.1), ("depth", f64::INFINITY)], 1.5, 6.0 / 5.0 - 0.7 + 0.6 * 1.5),
+            (&[("width", 0.05), ("depth", 4.0), ("orientation_deg", 135.0)], -1.0, 1.5 + 0.8 - 0.6),
+            (&[("width", 0.4), ("depth", 1.0), ("orientation_deg", 15.0)], 0.0, 6.0 - 2.1 + 0.4),
+            // Michelson contrast (0.6 − 0.2)/0.8 = ½, and 1 for a black plateau.
+            (&[("width", 0.05), ("depth", 4.0), ("low", 0.0), ("high", 0.6)], 0.0, 1.5 + 0.5),
+        ];
+        let draws = 60_000;
+        for (settings, subject, eta) in cases {
+            let stimulus = band(settings);
+            assert!((observer.predictor(&stimulus, subject) - eta).abs() < 1e-12, "{settings:?}");
+            let below = [0.0, 1.5, 3.5].map(|threshold: f64| 1.0 / (1.0 + (eta - threshold).exp()));
+            let exact = [below[0], below[1] - below[0], below[2] - below[1], 1.0 - below[2]];
+            for (found, exact) in frequencies(&observer, &stimulus, subject, draws).into_iter().zip(exact) {
+                let expected = 0.9 * exact + 0.1 / 4.0;
+                let error = (expected * (1.0 - expected) / f64::from(draws)).sqrt();
+                assert!((found - expected).abs() < 4.0 * error, "{settings:?}: {found} is not {expected} ± {error}");
+            }
+        }
+        for found in frequencies(&UniformObserver, &band(&[]), 0.0, draws) {
+            assert!((found - 0.25).abs() < 4.0 * (0.25 * 0.75 / f64::from(draws)).sqrt(), "{found}");
+        }
+    }
+
+    #[test]
+    fn the_default_follows_the_paper() {
+        let mean = |settings: &[(&str, f64)]| {
+            let [_, one, two, three] = frequencies(&OrderedLogit::default(), &band(settings), 0.0, 20_000);
+            one + 2.0 * two + 3.0 * three
+        };
+        let falls = |means: &[f64]| means.windows(2).all(|pair| pair[0] > pair[1]);
+        let by_width = [0.05, 0.1, 0.2, 0.4, 0.8].map(|width| mean(&[("width", width), ("depth", 2.0)]));
+        assert!(falls(&by_width), "{by_width:?}");
+        let narrow = [0.05, 0.02, 0.01].map(|width| mean(&[("width", width), ("depth", 2.0)]));
+        assert!(falls(&narrow), "{narrow:?}");
+        let by_depth = [1.0, 2.0, 3.0, 4.0, f64::INFINITY].map(|depth| mean(&[("width", 0.1), ("depth", depth)]));
+        assert!(falls(&by_depth), "{by_depth:?}");
+        assert!((mean(&[("orientation_deg", 45.0)]) - mean(&[])).abs() < 1e-9, "no effect of orientation");
+    }
+
+    /// Without an edge there is no band, whatever the parameters are.
+    #[test]
+    fn no_band_is_rated_0() {
+        for narrow in [0.9, 0.0, -1.0] {
+            let observer = OrderedLogit { lapse: 0.0, narrow, ..OrderedLogit::default() };
+            for nothing in [band(&[("low", 0.5), ("high", 0.5)]), band(&[("low", 0.0), ("high", 0.0)]), band(&[("width", 0.0)])] {
+                assert_eq!(observer.predictor(&nothing, 3.0), f64::NEG_INFINITY, "{nothing:?}, narrow = {narrow}");
+                assert_eq!(frequencies(&observer, &nothing, 3.0, 1000)[0], 1.0);
+            }
+        }
+    }
+
+    /// Also for durations that are no whole number of nanoseconds, or none at all.
+    #[test]
+    fn an_interrupted_simulation_goes_on_as_if_it_had_not_been() {
+        for duration_s in [0.5, 1.0 / 3.0, 2.0 / 3.0, 1e-10, 0.0] {
+            let mut protocol = ten();
+            protocol.recovery.duration_s = duration_s;
+            let schedule = Schedule::new(&protocol, &identity(1), 9).unwrap();
+            let run = |done: BTreeSet<usize>, stop: usize| {
+                let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+                let mut session = Session::new(protocol.clone(), schedule.clone(), &Resumed { done }, options);
+                let mut rows = Vec::new();
+                let _ = simulate(&mut session, &OrderedLogit::default(), &identity(1), Duration::ZERO, |response| {
+                    rows.push((response.trial, response.rating, response.response_time));
+                    assert!((response.recovery.as_secs_f64() - duration_s).abs() < 1e-9, "{:?}", response.recovery);
+                    if rows.len() == stop { Err(()) } else { Ok(()) }
+                });
+                rows
+            };
+            let whole = run(BTreeSet::new(), usize::MAX);
+            assert_eq!(whole.len(), 10);
+            for stop in 1..10 {
+                let mut parts = run(BTreeSet::new(), stop);
+                parts.extend(run(parts.iter().map(|row| row.0).collect(), usize::MAX));
+                assert_eq!(parts, whole);
+            }
+        }
+    }
+}
