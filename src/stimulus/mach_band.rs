@@ -222,6 +222,12 @@ impl MachBand {
         self.ramp().luminance_at(x)
     }
 
+    /// The light asked at `x` window sides from the centre line, positive on the brighter side.
+    #[must_use]
+    pub fn light_at(&self, x: f64) -> [f32; 3] {
+        light(self.color.rgb(), self.luminance_at(x))
+    }
+
     /// The light of a window of `size` × `size` pixels, each taken at its centre. The reference:
     /// every pixel on its own, in f64, rounded once to f32.
     #[must_use]

@@ -11,16 +11,14 @@ use crate::{light::Quantizer, stimulus::Stimulus};
 /// # Errors
 /// The system's refusal.
 pub fn write_profile(path: &Path, stimulus: &Stimulus, size: u32, quantizer: &Quantizer) -> Result<(), StoreError> {
-    let Stimulus::MachBand(band) = stimulus;
-    let weights = band.color.rgb();
-    let strongest = (1..3).fold(0, |best, channel| if weights[channel] > weights[best] { channel } else { best });
+    let strongest = stimulus.strongest_channel();
     let failed = |error: csv::Error| io(path, "write")(std::io::Error::other(error));
     let file = std::fs::File::create(path).map_err(io(path, "create"))?;
     let mut writer = csv::Writer::from_writer(std::io::BufWriter::new(file));
     writer.write_record(["x", "linear", "code_r", "code_g", "code_b", "emitted"]).map_err(failed)?;
     for i in 0..size {
         let x = (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size));
-        let light = weights.map(|weight| (weight * band.luminance_at(x)) as f32);
+        let light = stimulus.light_at(x);
         let codes = light.map(|linear| quantizer.code(linear));
         writer
             .write_record([

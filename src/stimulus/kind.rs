@@ -1,0 +1,170 @@
+//! What every kind of stimulus has in common: fields that are parameters, each with its range, readable and settable by
+//! name.
+
+use super::parameter::{Parameter, ParameterError, ParameterValue};
+
+/// The values that a parameter can have.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Range {
+    /// Finite numbers from the first to the second.
+    Within(f64, f64),
+    /// Any finite number.
+    Finite,
+    /// Whatever the type reads.
+    Any,
+}
+
+/// A field's type: how it is read from a parameter's value and written as one.
+pub(super) trait Field: Sized {
+    fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError>;
+    fn write(&self) -> ParameterValue;
+}
+
+fn number(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<f64, ParameterError> {
+    let ParameterValue::Number(number) = value else {
+        return Err(parameter.error(format!("{:?}", value.to_string()), "is not a number"));
+    };
+    match range {
+        _ if !number.is_finite() => Err(parameter.error(number, "is not a finite number")),
+        Range::Within(least, most) if !(least..=most).contains(number) => {
+            Err(parameter.error(number, format!("is outside {least}…{most}")))
+        }
+        _ => Ok(*number),
+    }
+}
+
+impl Field for f64 {
+    fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        number(parameter, range, value)
+    }
+    fn write(&self) -> ParameterValue {
+        (*self).into()
+    }
+}
+
+impl Field for u32 {
+    fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        let number = number(parameter, range, value)?;
+        if number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number) {
+            Ok(number as u32)
+        } else {
+            Err(parameter.error(number, "is not a whole number"))
+        }
+    }
+    fn write(&self) -> ParameterValue {
+        f64::from(*self).into()
+    }
+}
+
+/// Fields that are written as a word.
+macro_rules! text_field {
+    ($kind:ty) => {
+        impl $crate::stimulus::kind::Field for $kind {
+            fn read(
+                parameter: &$crate::stimulus::Parameter,
+                _: $crate::stimulus::kind::Range,
+                value: &$crate::stimulus::ParameterValue,
+            ) -> Result<Self, $crate::stimulus::ParameterError> {
+                let text = value.to_string();
+                text.parse().map_err(|_| parameter.error(format!("{text:?}"), "is not known"))
+            }
+            fn write(&self) -> $crate::stimulus::ParameterValue {
+                self.to_string().as_str().into()
+            }
+        }
+    };
+}
+pub(super) use text_field;
+text_field!(super::color::StimulusColor);
+
+/// Declares a kind of stimulus: a struct whose fields are its parameters, with defaults, ranges, units, meanings and
+/// levels worth comparing; `set`, `get` and `validate` follow from the declaration.
+macro_rules! kind {
+    (
+        $(#[$meta:meta])*
+        $name:ident = $kind:literal {
+            $($field:ident: $type:ty = $default:expr, $range:expr, $unit:literal, $meaning:literal, $expected:literal, [$($level:literal),*];)*
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct $name {
+            $(#[doc = concat!($meaning, ".")] pub $field: $type,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        impl $name {
+            /// This kind's name in files and commands.
+            pub const KIND: &'static str = $kind;
+
+            /// Every parameter, in the order of the fields.
+            pub const PARAMETERS: &'static [$crate::stimulus::Parameter] = &[$($crate::stimulus::Parameter {
+                name: stringify!($field),
+                unit: $unit,
+                description: $meaning,
+                expected: $expected,
+                levels_hint: &[$($level),*],
+            },)*];
+
+            /// The ranges, in the same order.
+            const RANGES: &'static [$crate::stimulus::kind::Range] = &[$($range,)*];
+
+            /// Sets the parameter `name`, checking its own range only.
+            ///
+            /// # Errors
+            /// When there is no such parameter, or it cannot have this value.
+            pub fn set(
+                &mut self,
+                name: &str,
+                value: &$crate::stimulus::ParameterValue,
+            ) -> Result<(), $crate::stimulus::ParameterError> {
+                let Some(at) = Self::PARAMETERS.iter().position(|parameter| parameter.name == name) else {
+                    return Err($crate::stimulus::ParameterError::unknown(name, value, Self::KIND, Self::PARAMETERS));
+                };
+                let (parameter, range) = (&Self::PARAMETERS[at], Self::RANGES[at]);
+                $(if name == stringify!($field) {
+                    self.$field = $crate::stimulus::kind::Field::read(parameter, range, value)?;
+                })*
+                Ok(())
+            }
+
+            /// The value of the parameter `name`; `None` if there is no such parameter.
+            #[must_use]
+            pub fn get(&self, name: &str) -> Option<$crate::stimulus::ParameterValue> {
+                $(if name == stringify!($field) {
+                    return Some($crate::stimulus::kind::Field::write(&self.$field));
+                })*
+                None
+            }
+
+            /// Whether every parameter is within its range, and they agree with each other.
+            ///
+            /// # Errors
+            /// Every fault found, in the order of the fields.
+            pub fn validate(&self) -> Result<(), Vec<$crate::stimulus::ParameterError>> {
+                let mut probe = self.clone();
+                let mut faults: Vec<_> = Self::PARAMETERS
+                    .iter()
+                    .filter_map(|parameter| probe.set(parameter.name, &self.get(parameter.name)?).err())
+                    .collect();
+                if faults.is_empty() {
+                    faults.extend(self.contradictions());
+                }
+                if faults.is_empty() { Ok(()) } else { Err(faults) }
+            }
+        }
+    };
+}
+pub(super) use kind;
+
+/// The fault of a pair of plateaus in the wrong order; equal ones are a uniform field.
+pub(super) fn low_above_high(parameters: &[Parameter], low: f64, high: f64) -> Option<ParameterError> {
+    let parameter = parameters.iter().find(|parameter| parameter.name == "high")?;
+    (low > high).then(|| parameter.error(high, format!("is below low, which is {low}")))
+}
