@@ -118,7 +118,7 @@ fn answers_can_be_taken_back_and_sessions_paused() {
     desk.rate(&csv, "3");
     // Taken back: the same trial again, as a second attempt.
     desk.press("BackSpace");
-    desk.rate(&csv, "KP_0");
+    desk.rate(&csv, PAD[0]);
     // Twice Backspace takes back one answer only: the one before has been looked at with another in mind.
     desk.rate(&csv, "1");
     desk.press("BackSpace");
@@ -153,6 +153,28 @@ fn answers_can_be_taken_back_and_sessions_paused() {
         assert!(row["recovery_s"].parse::<f64>().unwrap() >= 0.5, "{row:?}");
     }
     assert!(checked(&csv).contains("10 of 10 planned trials"));
+}
+
+/// A key may mean something else when it is released than when it was pressed: the number pad when Num Lock is switched
+/// meanwhile, the digits of a Czech keyboard when Shift goes up first. The next press of that digit counts all the same.
+#[test]
+fn a_key_that_changes_its_meaning_while_held_is_not_lost_the_next_time() {
+    let Some(mut desk) = Desk::new() else { return };
+    let definition = desk.swift();
+    desk.run(&definition, &["--participant", "S001", "--seed", "7"]);
+    let csv = desk.csv("swift");
+    desk.rate(&csv, "2");
+    desk.stimulus();
+    for (action, key) in [("keydown", PAD[1]), ("key", "Num_Lock"), ("keyup", PAD[1])] {
+        desk.xdotool(&[action, key]);
+    }
+    desk.until("the row of the number pad", |_| rows(&csv).len() == 2);
+    desk.until("the stimulus to go", |desk| desk.see() != Sight::Stimulus);
+    desk.stimulus();
+    desk.press("1");
+    desk.until_for(Duration::from_secs(15), "the row of the same digit", |_| rows(&csv).len() == 3);
+    let ratings: Vec<_> = rows(&csv).iter().map(|row| row["rating"].clone()).collect();
+    assert_eq!(ratings, ["2", "1", "1"]);
 }
 
 /// The process is killed twice, once while it waits and once while it writes: `--resume` asks exactly what is missing.
@@ -309,8 +331,12 @@ fn without_a_display_there_is_one_sentence() {
 
 /// The key for the `i`-th rating `i % 4`: four from the top row, four from the number pad, and so on.
 fn pattern(i: usize) -> &'static str {
-    ["0", "1", "2", "3", "KP_0", "KP_1", "KP_2", "KP_3"][i % 8]
+    ["0", "1", "2", "3", PAD[0], PAD[1], PAD[2], PAD[3]][i % 8]
 }
+
+/// The keys 0…3 of the number pad by their key codes: by name, xdotool would switch Num Lock with each of them, between
+/// press and release.
+const PAD: [&str; 4] = ["90", "87", "88", "89"];
 
 // ---------------------------------------------------------------------------------------------------------------
 // Result files
@@ -419,6 +445,8 @@ impl Desk {
         self.until("openbox", |desk| {
             desk.command("xdotool").arg("get_num_desktops").output().unwrap().status.success()
         });
+        // As on most keyboards with a number pad; the program does not depend on it.
+        self.press("Num_Lock");
     }
 
     fn command(&self, program: &str) -> Command {
@@ -535,9 +563,13 @@ impl Desk {
 
     // -- keys
 
+    fn xdotool(&self, arguments: &[&str]) {
+        let output = self.command("xdotool").args(arguments).output().unwrap();
+        assert!(output.status.success() && output.stderr.is_empty(), "xdotool {arguments:?}: {output:?}");
+    }
+
     fn press(&self, key: &str) {
-        let output = self.command("xdotool").args(["key", key]).output().unwrap();
-        assert!(output.status.success() && output.stderr.is_empty(), "xdotool key {key}: {output:?}");
+        self.xdotool(&["key", key]);
     }
 
     fn window_found(&self) -> bool {
@@ -584,13 +616,17 @@ impl Desk {
     // -- the screen
 
     /// Looks until something is so.
-    fn until(&mut self, what: &str, mut so: impl FnMut(&mut Self) -> bool) {
+    fn until(&mut self, what: &str, so: impl FnMut(&mut Self) -> bool) {
+        self.until_for(PATIENCE, what, so);
+    }
+
+    fn until_for(&mut self, patience: Duration, what: &str, mut so: impl FnMut(&mut Self) -> bool) {
         let start = Instant::now();
         while !so(self) {
             if let Some(status) = self.ended() {
                 panic!("the program ended ({status}) while waiting for {what}: {}", self.said());
             }
-            assert!(start.elapsed() < PATIENCE, "waited {PATIENCE:?} for {what}; stderr: {}", self.said());
+            assert!(start.elapsed() < patience, "waited {patience:?} for {what}; stderr: {}", self.said());
             std::thread::sleep(GLANCE);
         }
     }
@@ -688,7 +724,8 @@ impl Drop for Desk {
     fn drop(&mut self) {
         if std::thread::panicking() && !self.display.is_empty() {
             // Best effort: a picture of what went wrong.
-            let shot = Path::new(env!("CARGO_TARGET_TMPDIR")).join("window-failed.png");
+            let test = std::thread::current().name().unwrap_or("window").to_owned();
+            let shot = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{test}.png"));
             let _ = self.command("import").args(["-window", "root"]).arg(&shot).output();
             let _ = writeln!(std::io::stderr(), "the screen at the failure: {}", shot.display());
         }

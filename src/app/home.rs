@@ -67,6 +67,11 @@ impl Home {
             self.fields(ui, monitor, here, monitors);
             ui.add_space(8.0);
             go = self.start(ui);
+            row(ui, "", |ui, _| {
+                if ui.button("Gallery of stimuli…").clicked() {
+                    go = Go::To(Page::Gallery(Box::default()));
+                }
+            });
             ui.add_space(16.0);
             self.example(ui);
         });

@@ -1,12 +1,13 @@
 //! Floor 6: the window. One page a file; the only place that makes a texture.
 //!
-//! Home → preflight → session → finish. `machband run` begins at the preflight.
+//! Home → preflight → session → finish. `machband run` begins at the preflight. Home → gallery.
 
 mod card;
 mod dialog;
 mod finish;
 mod form;
 mod frames;
+mod gallery;
 mod home;
 mod monitor;
 mod pages;
@@ -105,6 +106,7 @@ enum Page {
     Preflight(Box<preflight::Preflight>),
     Session(Box<session::SessionPage>),
     Finish(Box<finish::Finish>),
+    Gallery(Box<gallery::Gallery>),
 }
 
 /// Where a page leads.
@@ -149,6 +151,7 @@ impl eframe::App for App {
             Page::Preflight(preflight) => preflight.show(ui, &monitor),
             Page::Session(session) => session.show(ui),
             Page::Finish(finish) => finish.show(ui, self.direct),
+            Page::Gallery(gallery) => gallery.show(ui),
         };
         match go {
             Go::Stay => {}

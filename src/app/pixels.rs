@@ -4,7 +4,10 @@
 
 use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, Vec2};
 
-use crate::{light::Quantizer, stimulus::Stimulus};
+use crate::{
+    light::{CodeImage, Quantizer},
+    stimulus::Stimulus,
+};
 
 /// Uploads a stimulus of `size` physical pixels.
 pub fn texture(
@@ -14,11 +17,15 @@ pub fn texture(
     size: u32,
     quantizer: &Quantizer,
 ) -> TextureHandle {
-    let image = stimulus.codes(size, quantizer);
-    let side = size as usize;
+    texture_of(ctx, name, &stimulus.codes(size, quantizer))
+}
+
+/// Uploads an image; the screen takes 8 bits, and an image of 16 is black.
+pub fn texture_of(ctx: &egui::Context, name: &str, image: &CodeImage) -> TextureHandle {
+    let size = [image.width as usize, image.height as usize];
     let pixels = match image.bytes() {
-        Some(bytes) => ColorImage::from_rgb([side, side], bytes),
-        None => ColorImage::filled([side, side], Color32::BLACK),
+        Some(bytes) => ColorImage::from_rgb(size, bytes),
+        None => ColorImage::filled(size, Color32::BLACK),
     };
     ctx.load_texture(name, pixels, TextureOptions::NEAREST)
 }

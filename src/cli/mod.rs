@@ -4,8 +4,11 @@
 //! expected`, data to stdout or the named files.
 
 mod check;
+mod options;
+mod parallel;
 mod run;
 mod simulate;
+mod stimuli;
 mod stimulus;
 
 use std::{path::PathBuf, process::ExitCode};
@@ -29,6 +32,7 @@ enum Command {
     Simulate(simulate::Arguments),
     Check(check::Arguments),
     Stimulus(stimulus::Arguments),
+    Stimuli(stimuli::Arguments),
 }
 
 /// Arguments that cannot be, found after parsing: exit status 2.
@@ -45,6 +49,7 @@ pub fn main() -> ExitCode {
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Stimulus(arguments)) => stimulus::run(&arguments),
+        Some(Command::Stimuli(arguments)) => stimuli::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -61,6 +66,12 @@ pub fn main() -> ExitCode {
 /// Where results go unless told otherwise.
 fn default_results() -> PathBuf {
     PathBuf::from("results")
+}
+
+/// How progress is drawn on a terminal; `what` is counted.
+fn progress_style(what: &str) -> indicatif::ProgressStyle {
+    let template = format!("{{bar:40}} {{pos}}/{{len}} {what}, {{eta}} to go");
+    indicatif::ProgressStyle::with_template(&template).unwrap_or_else(|_| indicatif::ProgressStyle::default_bar())
 }
 
 /// A participant's identifier, for clap.

@@ -2,18 +2,14 @@
 
 use std::{
     path::PathBuf,
-    sync::{
-        Mutex,
-        atomic::{AtomicUsize, Ordering},
-    },
     time::{Duration, Instant},
 };
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use jiff::Timestamp;
 use serde_json::json;
 
-use super::UsageError;
+use super::{UsageError, parallel, progress_style};
 use crate::{
     experiment::{
         FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session,
@@ -66,37 +62,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let rater = rater(arguments)?;
     let started = Instant::now();
     let trials = protocol.main_trials() + protocol.design.practice as usize;
-    let bar = ProgressBar::new(u64::from(arguments.participants) * trials as u64).with_style(
-        ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {eta} to go")
-            .unwrap_or_else(|_| ProgressStyle::default_bar()),
-    );
-    let next = AtomicUsize::new(1);
     let total = arguments.participants as usize;
-    let failure = Mutex::new(None);
-    std::thread::scope(|scope| {
-        for _ in 0..AT_A_TIME.min(total) {
-            scope.spawn(|| {
-                loop {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    if number > total {
-                        return;
-                    }
-                    if let Err(error) = one(arguments, &protocol, &rater, number, &bar) {
-                        // The first failure ends the run; what the others have recorded stays.
-                        next.store(total + 1, Ordering::Relaxed);
-                        if let Ok(mut first) = failure.lock() {
-                            first.get_or_insert(error);
-                        }
-                        return;
-                    }
-                }
-            });
-        }
-    });
+    let bar = ProgressBar::new((total * trials) as u64).with_style(progress_style("trials"));
+    let done = parallel::each(total, AT_A_TIME, |i| one(arguments, &protocol, &rater, i + 1, &bar));
     bar.finish_and_clear();
-    if let Some(error) = failure.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()) {
-        return Err(error);
-    }
+    done?;
     println!(
         "{} sessions of {} in {}, {} rows, {:.1} s",
         total,
@@ -154,6 +124,9 @@ fn one(arguments: &Arguments, protocol: &Protocol, rater: &Rater, number: usize,
         fresh(sitting)?
     };
     bar.inc(resumed.done.len() as u64);
+    if store.is_complete() {
+        return Ok(());
+    }
     let elapsed = Duration::from_secs_f64(elapsed_s);
     // Simulated time runs on from what is recorded; the wall clock is where it would have begun.
     let origin = Timestamp::now() - elapsed;

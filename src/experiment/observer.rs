@@ -96,6 +96,9 @@ impl OrderedLogit {
             Some(Depth::Infinite) => self.depth / self.infinite_as,
             None => 0.0,
         };
+        if number("width") == Some(0.0) {
+            return f64::NEG_INFINITY;
+        }
         let octaves = number("width").map_or(0.0, |w| (w / self.strongest_width).log2());
         let loss = if octaves > 0.0 { self.fall * octaves } else { -self.narrow * octaves };
         let oblique = number("orientation_deg").map_or(0.0, |deg| (2.0 * deg).to_radians().sin().abs());
@@ -104,9 +107,6 @@ impl OrderedLogit {
             (Some(_), Some(_)) => return f64::NEG_INFINITY,
             _ => 0.5,
         };
-        if loss == f64::INFINITY {
-            return f64::NEG_INFINITY;
-        }
         depth - loss + self.oblique * oblique + self.contrast * (contrast / 0.5).log2() + self.subject_sd * subject
     }
 }
@@ -154,7 +154,7 @@ pub fn simulate<E>(
         let effect = match session.state() {
             State::Done | State::Left => return Ok(()),
             State::Recovery { .. } | State::Closing { .. } => {
-                now += Duration::from_secs_f64(session.protocol().recovery.duration_s);
+                now += session.protocol().recovery.duration();
                 session.step(Event::Frame, now)
             }
             State::Stimulus { .. } => {

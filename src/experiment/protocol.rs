@@ -1,5 +1,7 @@
 //! The definition of an experiment, validated once.
 
+use std::{collections::HashSet, time::Duration};
+
 use serde::{Serialize, Serializer, ser::SerializeMap as _};
 
 use super::{
@@ -136,6 +138,13 @@ pub struct Recovery {
     pub level: f64,
 }
 
+impl Recovery {
+    /// The duration to the nanosecond, as the session measures it.
+    pub fn duration(&self) -> Duration {
+        Duration::try_from_secs_f64(self.duration_s).unwrap_or_default()
+    }
+}
+
 /// The rating scale: one category for each of the ratings 0…3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseScale {
@@ -241,11 +250,11 @@ impl Protocol {
 
     /// Number of main trials.
     pub fn main_trials(&self) -> usize {
-        self.factors
-            .iter()
-            .fold(self.design.repetitions as usize, |n, factor| {
-                n.saturating_mul(factor.levels.len())
-            })
+        self.cells().saturating_mul(self.design.repetitions as usize)
+    }
+
+    fn cells(&self) -> usize {
+        self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.levels.len()))
     }
 
     /// A file-name part: the name without hyphens, since a Psych-DS keyword value is alphanumeric.
@@ -277,11 +286,13 @@ impl Protocol {
             if self.factors[..i].iter().any(|other| other.name == factor.name) {
                 faults.push(Fault::new(&path, format!("factor {} stands twice", factor.name)));
             }
+            // As text, so that a list of a hundred thousand levels is compared in no time.
+            let mut seen = HashSet::new();
             for (j, level) in factor.levels.iter().enumerate() {
                 let path = format!("{path}.{j}");
                 if let Err(error) = self.stimulus.clone().set(&factor.name, level) {
                     faults.push(Fault::new(path, error.to_string()));
-                } else if factor.levels[..j].contains(level) {
+                } else if !seen.insert(level.to_string()) {
                     faults.push(Fault::new(path, format!("level {level} of {} stands twice; expected each level once (repetitions repeat it)", factor.name)));
                 }
             }
@@ -289,7 +300,10 @@ impl Protocol {
         if faults.len() > before {
             return;
         }
-        let trials = self.main_trials().saturating_add(self.design.practice as usize);
+        // With repetitions = 0, a fault of its own, there are no trials, but cells all the same.
+        let repetitions = self.design.repetitions.max(1) as usize;
+        let main = self.cells().saturating_mul(repetitions);
+        let trials = main.saturating_add(self.design.practice as usize);
         if trials > TRIALS_MAX {
             faults.push(Fault::new("factors", format!("the design has {trials} trials; expected at most {TRIALS_MAX}")));
             return;

@@ -116,6 +116,9 @@ impl Cell for Rating {
     }
 }
 
+/// Longest time that a row may hold, some thirty years: what is longer is no measurement, and no clock could add it.
+const LONGEST_S: f64 = 1e9;
+
 /// A time in seconds, written to a tenth of a millisecond.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Seconds(pub f64);
@@ -126,7 +129,7 @@ impl Cell for Seconds {
     }
     fn from_cell(text: &str) -> Result<Self, String> {
         match f64::from_cell(text) {
-            Ok(seconds) if seconds >= 0.0 => Ok(Self(seconds)),
+            Ok(seconds) if (0.0..=LONGEST_S).contains(&seconds) => Ok(Self(seconds)),
             _ => Err("expected seconds, 0 or more".to_owned()),
         }
     }

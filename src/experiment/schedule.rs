@@ -17,6 +17,8 @@ pub const GENERATOR: &str = "ChaCha8, seed_from_u64(seed), stream FNV-1a-64(subj
 
 /// Orders tried before `max_run` is given up.
 const RUN_ATTEMPTS: usize = 200;
+/// Exchanges tried before `max_run` is given up: a second's work, where a large design allows no order at all.
+const RUN_EXCHANGES: usize = 20_000_000;
 
 /// One planned trial.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,7 +50,7 @@ pub struct Schedule {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScheduleError {
     /// `max_run` is too small for the design.
-    #[error("no order with max_run = {max_run} was found in {RUN_ATTEMPTS} tries; expected a larger max_run or more levels")]
+    #[error("no order with max_run = {max_run} was found; expected a larger max_run or more levels")]
     MaxRun {
         /// The limit asked for.
         max_run: u32,
@@ -114,37 +116,32 @@ fn main(
     rng: &mut ChaCha8Rng,
 ) -> Result<Vec<Trial>, ScheduleError> {
     let design = &protocol.design;
-    let repeated = |cells: Vec<usize>| cells.repeat(design.repetitions as usize);
-    let mut ordered: Vec<(u32, usize)> = Vec::with_capacity(protocol.main_trials());
     let blocking = design
         .order
         .factor()
         .and_then(|name| protocol.factors.iter().position(|f| f.name == name));
-    let shuffled = |cells: Vec<usize>, rng: &mut ChaCha8Rng| {
-        let mut cells = repeated(cells);
-        shuffle(&mut cells, rng);
-        match design.max_run {
-            None => Ok(cells),
-            Some(max_run) => limit_runs(cells, conditions, &protocol.factors, blocking, max_run, rng),
-        }
-    };
-    match blocking {
-        None => {
-            let every = design.break_every.max(1);
-            for (i, cell) in shuffled((0..conditions.len()).collect(), rng)?.into_iter().enumerate() {
-                let block = if design.break_every == 0 { 1 } else { i as u32 / every + 1 };
-                ordered.push((block, cell));
-            }
-        }
+    let all = 0..conditions.len();
+    let (blocks, block_trials): (Vec<Vec<usize>>, _) = match blocking {
+        None if design.break_every == 0 => (vec![all.collect()], protocol.main_trials()),
+        None => (vec![all.collect()], design.break_every as usize),
         Some(factor) => {
             let levels = protocol.factors[factor].levels.len();
-            for (block, level) in (1..).zip(block_order(&design.order, levels, identity, rng)) {
-                let cells = (0..conditions.len()).filter(|c| conditions[*c].levels[factor] == level);
-                ordered.extend(shuffled(cells.collect(), rng)?.into_iter().map(|cell| (block, cell)));
-            }
+            let of_level = |level| all.clone().filter(|c| conditions[*c].levels[factor] == level).collect();
+            let order = block_order(&design.order, levels, identity, rng);
+            (order.into_iter().map(of_level).collect(), protocol.main_trials() / levels)
+        }
+    };
+    let mut cells = Vec::with_capacity(protocol.main_trials());
+    for block in blocks {
+        let settled = cells.len();
+        cells.extend(block.repeat(design.repetitions as usize));
+        shuffle(&mut cells[settled..], rng);
+        if let Some(max_run) = design.max_run {
+            limit_runs(&mut cells, settled, conditions, &protocol.factors, blocking, max_run, rng)?;
         }
     }
-    Ok(number(Phase::Main, conditions.len(), ordered.into_iter()))
+    let numbered = cells.into_iter().enumerate().map(|(i, cell)| ((i / block_trials.max(1)) as u32 + 1, cell));
+    Ok(number(Phase::Main, conditions.len(), numbered))
 }
 
 /// Order of the blocks of a blocking factor with `levels` levels.
@@ -208,16 +205,18 @@ fn below(rng: &mut ChaCha8Rng, bound: u64) -> u64 {
     }
 }
 
-/// Rearranges a shuffled order until no factor keeps a level for more than `max_run` trials in a row. The factor that
-/// makes the blocks is left out: its level is constant by design, and so is one of a single level.
+/// Rearranges the shuffled `cells` from `settled` on until no factor keeps a level for more than `max_run` trials in a
+/// row, those of the blocks before included. The factor that makes the blocks is left out: its level is constant by
+/// design, and so is one of a single level.
 fn limit_runs(
-    mut cells: Vec<usize>,
+    cells: &mut [usize],
+    settled: usize,
     conditions: &[Condition],
     factors: &[Factor],
     blocking: Option<usize>,
     max_run: u32,
     rng: &mut ChaCha8Rng,
-) -> Result<Vec<usize>, ScheduleError> {
+) -> Result<(), ScheduleError> {
     let held: Vec<usize> = (0..factors.len())
         .filter(|f| Some(*f) != blocking && factors[*f].levels.len() > 1)
         .collect();
@@ -231,34 +230,31 @@ fn limit_runs(
             before + after < max
         })
     };
+    let end = cells.len();
+    let mut exchanges = 0;
     'attempt: for _ in 0..RUN_ATTEMPTS {
-        for i in 0..cells.len() {
-            let ahead = (i..cells.len()).find(|&j| {
-                cells.swap(i, j);
-                let good = fits(&cells, i, i + 1);
-                if !good {
-                    cells.swap(i, j);
-                }
-                good
-            });
-            if ahead.is_some() {
-                continue;
+        for i in settled..end {
+            if exchanges > RUN_EXCHANGES {
+                break 'attempt;
             }
-            // Nothing ahead fits: exchange with a place already settled where both then fit.
-            let behind = (0..i).find(|&j| {
+            let mut exchange = |j: usize, good: &dyn Fn(&[usize]) -> bool| {
+                exchanges += 1;
                 cells.swap(i, j);
-                let good = fits(&cells, j, i + 1) && fits(&cells, i, i + 1);
+                let good = good(cells);
                 if !good {
                     cells.swap(i, j);
                 }
                 good
-            });
-            if behind.is_none() {
-                shuffle(&mut cells, rng);
+            };
+            let found = (i..end).any(|j| exchange(j, &|cells| fits(cells, i, i + 1)))
+                // Nothing ahead fits: exchange with a place already settled where both then fit.
+                || (settled..i).any(|j| exchange(j, &|cells| fits(cells, j, i + 1) && fits(cells, i, i + 1)));
+            if !found {
+                shuffle(&mut cells[settled..], rng);
                 continue 'attempt;
             }
         }
-        return Ok(cells);
+        return Ok(());
     }
     Err(ScheduleError::MaxRun { max_run })
 }

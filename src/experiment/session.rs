@@ -139,6 +139,8 @@ pub struct Session {
     position: usize,
     /// Trial and attempt being taken again.
     again: Option<(usize, u32)>,
+    /// The page or break before the next trial has been left when a rating was taken back: it does not come again.
+    page_left: bool,
     /// Last rated trial and its attempt: what can be taken back.
     last: Option<(usize, u32)>,
     /// A record is on its way to the disk.
@@ -165,6 +167,7 @@ impl Session {
             missing,
             position: 0,
             again: None,
+            page_left: false,
             last: None,
             pending: false,
             state: State::Instructions(0),
@@ -252,6 +255,7 @@ impl Session {
             }
             (Event::TakeBack, _) if self.can_take_back() => {
                 self.again = self.last.take().map(|(trial, attempt)| (trial, attempt + 1));
+                self.page_left = matches!(self.state, State::Recovery { .. });
                 self.recover(now);
             }
             (
@@ -287,9 +291,8 @@ impl Session {
 
     fn frame(&mut self, now: Duration) {
         self.count_interval(now);
-        let over = |since: Duration| {
-            (now.saturating_sub(since)).as_secs_f64() >= self.protocol.recovery.duration_s && !self.pending
-        };
+        let over =
+            |since: Duration| now.saturating_sub(since) >= self.protocol.recovery.duration() && !self.pending;
         match self.state {
             State::Recovery { since } if over(since) => {
                 self.frames = 1;
@@ -353,7 +356,9 @@ impl Session {
             self.state = State::Closing { since: now };
             return;
         };
-        if self.schedule.trials[next].phase != rated.phase {
+        if std::mem::take(&mut self.page_left) {
+            self.recover(now);
+        } else if self.schedule.trials[next].phase != rated.phase {
             self.state = State::PhaseStart(self.phase());
         } else if rated.phase == Phase::Main && every > 0 && rated.number % every == 0 {
             self.state = State::Break;

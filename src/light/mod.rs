@@ -5,16 +5,27 @@
 //!
 //! Values called *linear* are relative luminances, proportional to physical light, 0 (none) to 1
 //! (the display's most). Values called *encoded* are what a display is driven with, 0…1, before
-//! rounding. *Codes* are the rounded integers. [`quantize`] is the only way from light to codes.
+//! rounding. *Codes* are the rounded integers. [`quantize`] is the only way from light to a display's
+//! codes; [`halftone`], to those of a device with few.
 
+pub mod blue_noise;
+pub mod color;
+pub mod color_models;
 pub mod depth;
+pub mod dither;
 pub mod gamma;
+pub mod halftone;
 pub mod image;
 pub mod interpolation;
+pub mod matrix;
+pub mod palette;
 pub mod quantize;
 
 pub use depth::{Depth, DepthError};
+pub use dither::{Dither, DitherError};
 pub use gamma::{Transfer, TransferError, TransferTable};
+pub use halftone::{Halftone, HalftoneError, HalftoneImage};
 pub use image::{CodeImage, LinearImage, Samples};
 pub use interpolation::Interpolation;
+pub use matrix::{DitherMatrix, DitherMatrixError};
 pub use quantize::{Bits, Quantizer};

@@ -1,13 +1,12 @@
 //! From light to codes: the only place that knows how many codes there are. Rounding is to nearest,
-//! in encoded space.
-//!
-//! Every way of deciding a pixel's code belongs here; dither, which picks one of the two codes that
-//! enclose a value, needs no more than [`Quantizer::code`], [`Quantizer::linear`] and the pixel's
-//! place.
+//! in encoded space; dither, which decides between the two codes that enclose a value, in linear
+//! light.
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::OnceLock;
 
+use super::dither::{Dither, Levels, Thresholds};
 use super::gamma::Transfer;
 use super::image::{CodeImage, LinearImage, Samples};
 
@@ -81,6 +80,8 @@ pub struct Quantizer {
     thresholds: Vec<f32>,
     /// Code of the smallest f32 of every bucket, the one that starts at 1 included.
     bucket_codes: Vec<u16>,
+    /// The light of every code, for dither; made when it is first asked for.
+    levels: OnceLock<Levels>,
 }
 
 impl Quantizer {
@@ -93,7 +94,7 @@ impl Quantizer {
         let bucket_codes = (0..=1f32.to_bits() >> BUCKET_SHIFT)
             .map(|bucket| reference_code(transfer, bits, f32::from_bits(bucket << BUCKET_SHIFT)))
             .collect();
-        Self { transfer: transfer.clone(), bits, thresholds, bucket_codes }
+        Self { transfer: transfer.clone(), bits, thresholds, bucket_codes, levels: OnceLock::new() }
     }
 
     /// Bits of the codes.
@@ -149,6 +150,26 @@ impl Quantizer {
             Bits::Sixteen => Samples::Sixteen(image.data.iter().map(|&v| self.code(v)).collect()),
         };
         CodeImage { width: image.width, height: image.height, samples }
+    }
+
+    /// The codes of a whole image, each one of the two that enclose its value, chosen by `dither` such
+    /// that the mean light is right; without dither, those of [`Quantizer::quantize`].
+    ///
+    /// Red, green and blue of a pixel share a threshold. See [`dither`](super::dither) for what holds of every kind.
+    #[must_use]
+    pub fn quantize_with(&self, image: &LinearImage, dither: &Dither) -> CodeImage {
+        let Some(thresholds) = Thresholds::new(dither, image.width) else { return self.quantize(image) };
+        let samples = match self.bits {
+            // An 8-bit code fits: the largest is 255.
+            Bits::Eight => Samples::Eight(self.decide_all(image, thresholds, |code| code as u8)),
+            Bits::Sixteen => Samples::Sixteen(self.decide_all(image, thresholds, |code| code)),
+        };
+        CodeImage { width: image.width, height: image.height, samples }
+    }
+
+    fn decide_all<T: Copy>(&self, image: &LinearImage, thresholds: Thresholds, sample: impl Fn(u16) -> T) -> Vec<T> {
+        let levels = self.levels.get_or_init(|| Levels::new((0..=self.bits.max_code()).map(|code| self.linear(code))));
+        thresholds.map(image, |linear, threshold| sample(levels.decide(linear, threshold, self.code(linear))))
     }
 }
 

@@ -5,21 +5,123 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::light::color::{Chromaticity, OutOfGamut, Primaries, XyY, in_gamut, xyy_from_xyz, xyz_from_xyy};
+use crate::light::color_models::{Hsv, hsv_from_rgb, rgb_from_hsv, wrapped_deg};
+
 /// Weights of red, green and blue, linear in light, each 0…1 and not all 0. A pixel of relative
-/// luminance L lights L times these. Written by name, `yellow` or `gray`, or as `R,G,B`.
+/// luminance L lights L times these.
+///
+/// Written in one of four ways, all of which say the same three weights:
+///
+/// - a name: `yellow`, `gray` (also `grey`, `white`), `red`, `green`, `blue`, `cyan`, `magenta`, the corners of the
+///   screen's RGB cube;
+/// - `R,G,B`, the weights themselves;
+/// - `hsv:H,S,V`, the hexcone of Shoaff §2.2.6 over these *linear* weights, not over code values: H in degrees, S and V
+///   0…1;
+/// - `xyY:x,y,Y`, CIE chromaticity and luminance relative to white of a screen with the primaries of sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StimulusColor {
     rgb: [f64; 3],
 }
 
 /// The colors that have a name. The first of equal ones is the one that is written.
-const NAMED: [(&str, [f64; 3]); 3] =
-    [("yellow", [1.0, 1.0, 0.0]), ("gray", [1.0, 1.0, 1.0]), ("grey", [1.0, 1.0, 1.0])];
+const NAMED: [(&str, [f64; 3]); 9] = [
+    ("yellow", [1.0, 1.0, 0.0]),
+    ("gray", [1.0, 1.0, 1.0]),
+    ("grey", [1.0, 1.0, 1.0]),
+    ("white", [1.0, 1.0, 1.0]),
+    ("red", [1.0, 0.0, 0.0]),
+    ("green", [0.0, 1.0, 0.0]),
+    ("blue", [0.0, 0.0, 1.0]),
+    ("cyan", [0.0, 1.0, 1.0]),
+    ("magenta", [1.0, 0.0, 1.0]),
+];
+
+/// What a color's text may be, for messages.
+pub(super) const EXPECTED: &str = "yellow, gray, red, green, blue, cyan, magenta, three numbers R,G,B from 0 to 1, not \
+                                   all 0, linear in light, or hsv:H,S,V, or xyY:x,y,Y";
 
 /// A text or triple that is no color.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("color {0} is not known; expected yellow, gray or three numbers R,G,B from 0 to 1, not all 0, linear in light")]
-pub struct ColorError(String);
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("color {color} {}; expected {EXPECTED}", self.problem())]
+pub struct ColorError {
+    /// What was given.
+    color: String,
+    fault: Fault,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Fault {
+    Unknown,
+    Number { name: &'static str, value: f64, range: &'static str },
+    Dark,
+    OutOfGamut(OutOfGamut),
+}
+
+impl ColorError {
+    /// What is wrong: a verb and what follows.
+    #[must_use]
+    pub fn problem(&self) -> String {
+        match &self.fault {
+            Fault::Unknown => "is not known".to_owned(),
+            Fault::Number { name, value, range } => format!("has {name} = {value}, outside {range}"),
+            Fault::Dark => "has no light in it".to_owned(),
+            Fault::OutOfGamut(by_how_much) => format!("is outside the gamut of sRGB: {by_how_much}"),
+        }
+    }
+}
+
+fn within_unit(name: &'static str, value: f64) -> Result<f64, Fault> {
+    // −0 is within the range; it must not be written.
+    if (0.0..=1.0).contains(&value) { Ok(value + 0.0) } else { Err(Fault::Number { name, value, range: "0…1" }) }
+}
+
+fn from_rgb([r, g, b]: [f64; 3]) -> Result<StimulusColor, Fault> {
+    let rgb = [within_unit("R", r)?, within_unit("G", g)?, within_unit("B", b)?];
+    if rgb == [0.0; 3] { Err(Fault::Dark) } else { Ok(StimulusColor { rgb }) }
+}
+
+fn from_hsv([h, s, v]: [f64; 3]) -> Result<StimulusColor, Fault> {
+    if !h.is_finite() {
+        return Err(Fault::Number { name: "H", value: h, range: "the angles in degrees" });
+    }
+    from_rgb(rgb_from_hsv(Hsv { hue: Some(h), saturation: within_unit("S", s)?, value: within_unit("V", v)? }))
+}
+
+/// Closer than this to 0 or 1 a weight is meant to be it: the white point's own xyY is white.
+const ROUNDING: f64 = 1e-12;
+
+fn from_xyy([x, y, luminance]: [f64; 3]) -> Result<StimulusColor, Fault> {
+    let chromaticity = Chromaticity::new(x, y).map_err(|_| {
+        if (0.0..=1.0).contains(&x) {
+            Fault::Number { name: "y", value: y, range: "0…1−x, 0 excluded" }
+        } else {
+            Fault::Number { name: "x", value: x, range: "0…1" }
+        }
+    })?;
+    let luminance = within_unit("Y", luminance)?;
+    let rgb = Primaries::SRGB.rgb_from_xyz(xyz_from_xyy(XyY { chromaticity, luminance }));
+    let rgb = in_gamut(rgb).map_err(Fault::OutOfGamut)?;
+    from_rgb(rgb.map(|weight| if (weight - weight.round()).abs() < ROUNDING { weight.round() } else { weight }))
+}
+
+fn parsed(text: &str) -> Result<StimulusColor, Fault> {
+    if let Some((_, rgb)) = NAMED.iter().find(|(name, _)| *name == text) {
+        return Ok(StimulusColor { rgb: *rgb });
+    }
+    match text.split_once(':') {
+        None => from_rgb(three_numbers(text)?),
+        Some(("hsv", numbers)) => from_hsv(three_numbers(numbers)?),
+        Some(("xyY", numbers)) => from_xyy(three_numbers(numbers)?),
+        Some(_) => Err(Fault::Unknown),
+    }
+}
+
+fn three_numbers(text: &str) -> Result<[f64; 3], Fault> {
+    let numbers: Vec<f64> =
+        text.split(',').map(|number| number.trim().parse()).collect::<Result<_, _>>().map_err(|_| Fault::Unknown)?;
+    numbers.try_into().map_err(|_| Fault::Unknown)
+}
 
 impl StimulusColor {
     /// Equal quantities of red and green: Bangay §3.1.
@@ -32,14 +134,8 @@ impl StimulusColor {
     /// # Errors
     /// When one is not within 0…1, or all are 0.
     pub fn new(rgb: [f64; 3]) -> Result<Self, ColorError> {
-        let in_range = rgb.iter().all(|weight| (0.0..=1.0).contains(weight));
-        if in_range && rgb.iter().any(|&weight| weight > 0.0) {
-            // −0 is within the range; it must not be written.
-            Ok(Self { rgb: rgb.map(|weight| weight + 0.0) })
-        } else {
-            let [r, g, b] = rgb;
-            Err(ColorError(format!("{r},{g},{b}")))
-        }
+        let [r, g, b] = rgb;
+        from_rgb(rgb).map_err(|fault| ColorError { color: format!("{r},{g},{b}"), fault })
     }
 
     /// Weights of red, green and blue, 0…1, linear in light.
@@ -47,15 +143,50 @@ impl StimulusColor {
     pub const fn rgb(self) -> [f64; 3] {
         self.rgb
     }
+
+    /// The texts that this color may have come from: as `hsv:` and as `xyY:`, with more and more decimals.
+    fn candidates(self) -> impl Iterator<Item = String> {
+        let hsv = hsv_from_rgb(self.rgb);
+        let hsv = hsv.hue.map(|hue| [hue, hsv.saturation, hsv.value]);
+        let xyy = xyy_from_xyz(Primaries::SRGB.xyz_from_rgb(self.rgb));
+        let xyy = xyy.map(|xyy| [xyy.chromaticity.x(), xyy.chromaticity.y(), xyy.luminance]);
+        DECIMALS.into_iter().flat_map(move |scale| {
+            let hsv = hsv.map(|[h, s, v]| {
+                let [h, s, v] = [h, s, v].map(|number| rounded(number, scale));
+                format!("hsv:{},{s},{v}", wrapped_deg(h))
+            });
+            let xyy = xyy.map(|xyy| {
+                let [x, y, luminance] = xyy.map(|number| rounded(number, scale));
+                format!("xyY:{x},{y},{luminance}")
+            });
+            hsv.into_iter().chain(xyy)
+        })
+    }
+}
+
+/// 10 to the number of decimals with which a color is tried as `hsv:` or `xyY:`: more than people write.
+const DECIMALS: [f64; 7] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
+
+/// The multiple of 1/`scale` nearest to `number`.
+fn rounded(number: f64, scale: f64) -> f64 {
+    (number * scale).round() / scale + 0.0
 }
 
 impl fmt::Display for StimulusColor {
+    /// The shortest text that reads back as exactly this color: a name if it has one, else the shortest of `R,G,B`,
+    /// `hsv:H,S,V` and `xyY:x,y,Y`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some((name, _)) = NAMED.iter().find(|(_, rgb)| *rgb == self.rgb) {
             return f.write_str(name);
         }
         let [r, g, b] = self.rgb;
-        write!(f, "{r},{g},{b}")
+        let mut shortest = format!("{r},{g},{b}");
+        for text in self.candidates() {
+            if text.len() < shortest.len() && parsed(&text).as_ref() == Ok(self) {
+                shortest = text;
+            }
+        }
+        f.write_str(&shortest)
     }
 }
 
@@ -64,13 +195,7 @@ impl FromStr for StimulusColor {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
-        if let Some((_, rgb)) = NAMED.iter().find(|(name, _)| *name == text) {
-            return Ok(Self { rgb: *rgb });
-        }
-        let unknown = || ColorError(format!("{text:?}"));
-        let weights: Vec<f64> =
-            text.split(',').map(|weight| weight.trim().parse()).collect::<Result<_, _>>().map_err(|_| unknown())?;
-        Self::new(weights.try_into().map_err(|_| unknown())?)
+        parsed(text).map_err(|fault| ColorError { color: format!("{text:?}"), fault })
     }
 }
 

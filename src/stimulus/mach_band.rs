@@ -1,20 +1,28 @@
 //! The Mach-band stimulus of Bangay §3.1: two plateaus of luminance and the ramp between them, turned
 //! about the centre.
 
+mod passage;
+
 use serde::{Deserialize, Serialize};
 
-use super::color::StimulusColor;
+use super::color::{self, StimulusColor};
 use super::fast;
 use super::orientation::Grid;
 use super::parameter::{Parameter, ParameterError, ParameterValue};
 use crate::light::interpolation::TANH_K;
 use crate::light::{Bits, CodeImage, Depth, Interpolation, LinearImage, Quantizer, Samples};
+use passage::Passage;
+pub use passage::{RampSpace, RampSpaceError};
 
 /// A square window of side 1 with a ramp across its middle. Light, not codes: L = low + (high −
 /// low)·I_n(u), u = x/width + ½, x the distance from the centre line, positive on the brighter
 /// side.
 ///
-/// Fields left out of a file have their defaults, those of Bangay.
+/// The plateaus light low·`color` and high·`color_high`; the ramp is the straight line between them in `space`, I_n(u) of
+/// the way along.
+///
+/// Fields left out of a file have their defaults, those of Bangay. The last two are left out of a file where they say
+/// nothing, so that it is the same file as before there were two colors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MachBand {
@@ -29,11 +37,17 @@ pub struct MachBand {
     pub orientation_deg: f64,
     /// Relative luminance of the darker plateau, 0…1.
     pub low: f64,
-    /// Relative luminance of the brighter plateau, `low`…1. Equal to `low` it is a uniform field: a
-    /// catch trial.
+    /// Relative luminance of the brighter plateau, `low`…1. Equal to `low`, in one color, it is a
+    /// uniform field: a catch trial.
     pub high: f64,
     /// Weights of red, green and blue.
     pub color: StimulusColor,
+    /// Weights on the brighter plateau, if not those of `color`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color_high: Option<StimulusColor>,
+    /// The space in which the ramp goes straight from plateau to plateau.
+    #[serde(skip_serializing_if = "RampSpace::is_default")]
+    pub space: RampSpace,
 }
 
 impl Default for MachBand {
@@ -46,6 +60,8 @@ impl Default for MachBand {
             low: 0.25,
             high: 0.75,
             color: StimulusColor::YELLOW,
+            color_high: None,
+            space: RampSpace::Rgb,
         }
     }
 }
@@ -96,8 +112,24 @@ const COLOR: Parameter = Parameter {
     name: "color",
     unit: "",
     description: "How much of the luminance goes to red, green and blue, linear in light",
-    expected: "yellow, gray or three numbers R,G,B from 0 to 1, not all 0",
+    expected: color::EXPECTED,
     levels_hint: &["yellow", "gray"],
+};
+/// The value of `color_high` that stands for `color`'s.
+const SAME: &str = "same";
+const COLOR_HIGH: Parameter = Parameter {
+    name: "color_high",
+    unit: "",
+    description: "The color of the brighter plateau; same is the darker one's",
+    expected: "same, or a color as for color, such as red, 1,0.5,0 or hsv:30,1,1",
+    levels_hint: &["same", "gray"],
+};
+const SPACE: Parameter = Parameter {
+    name: "space",
+    unit: "",
+    description: "The space in which the ramp goes straight from plateau to plateau; rgb is linear light",
+    expected: "rgb, hsv or lab",
+    levels_hint: &["rgb", "hsv", "lab"],
 };
 
 /// Checks one number against its own range. `accept` is false for NaN.
@@ -133,6 +165,11 @@ fn depth(value: &ParameterValue) -> Result<Depth, ParameterError> {
     }
 }
 
+fn parsed_color(parameter: &Parameter, value: &ParameterValue) -> Result<StimulusColor, ParameterError> {
+    let text = value.to_string();
+    text.parse().map_err(|fault: color::ColorError| parameter.error(format!("{text:?}"), fault.problem()))
+}
+
 fn number(parameter: &Parameter, value: &ParameterValue) -> Result<f64, ParameterError> {
     match value {
         ParameterValue::Number(number) => Ok(*number),
@@ -145,7 +182,7 @@ impl MachBand {
     pub const KIND: &'static str = "mach-band";
 
     /// Every parameter, in the order of the fields.
-    pub const PARAMETERS: &'static [Parameter] = &[WIDTH, DEPTH, TANH, ORIENTATION, LOW, HIGH, COLOR];
+    pub const PARAMETERS: &'static [Parameter] = &[WIDTH, DEPTH, TANH, ORIENTATION, LOW, HIGH, COLOR, COLOR_HIGH, SPACE];
 
     /// Sets the parameter `name`, checking its own range only.
     ///
@@ -159,9 +196,14 @@ impl MachBand {
             "orientation_deg" => self.orientation_deg = orientation(number(&ORIENTATION, value)?)?,
             "low" => self.low = proportion(&LOW, number(&LOW, value)?)?,
             "high" => self.high = proportion(&HIGH, number(&HIGH, value)?)?,
-            "color" => {
-                let color = value.to_string();
-                self.color = color.parse().map_err(|_| COLOR.error(format!("{color:?}"), "is not a color"))?;
+            "color" => self.color = parsed_color(&COLOR, value)?,
+            "color_high" => {
+                let same = value.to_string().trim() == SAME;
+                self.color_high = if same { None } else { Some(parsed_color(&COLOR_HIGH, value)?) };
+            }
+            "space" => {
+                let space = value.to_string();
+                self.space = space.parse().map_err(|_| SPACE.error(format!("{space:?}"), "is not known"))?;
             }
             _ => return Err(ParameterError::unknown(name, value, Self::KIND, Self::PARAMETERS)),
         }
@@ -182,6 +224,8 @@ impl MachBand {
             "low" => self.low.into(),
             "high" => self.high.into(),
             "color" => self.color.to_string().as_str().into(),
+            "color_high" => self.color_high.map_or(SAME.into(), |color| color.to_string().as_str().into()),
+            "space" => self.space.to_string().as_str().into(),
             _ => return None,
         })
     }
@@ -204,7 +248,8 @@ impl MachBand {
         if faults.is_empty() { Ok(()) } else { Err(faults) }
     }
 
-    /// The profile across the ramp, ready to be evaluated many times.
+    /// The profile across the ramp, ready to be evaluated many times: how far it has come from low to high, whatever the
+    /// colors and the space.
     #[must_use]
     pub fn ramp(&self) -> Ramp {
         Ramp {
@@ -217,27 +262,33 @@ impl MachBand {
 
     /// Relative luminance at `x` window sides from the centre line, positive on the brighter side;
     /// −½…½ is the window at 0°.
+    ///
+    /// In one color, straight in RGB or HSV, it is low + (high − low)·I_n(u). Otherwise it is the luminance Y of
+    /// [`MachBand::light_at`], by the primaries of sRGB, over that of `color` at its full: still low on the darker plateau,
+    /// and on the brighter one high in units of another color, so possibly below low or above 1.
     #[must_use]
     pub fn luminance_at(&self, x: f64) -> f64 {
-        self.ramp().luminance_at(x)
+        Passage::new(self).luminance_at(&self.ramp(), x, self.color)
     }
 
-    /// The light asked at `x` window sides from the centre line, positive on the brighter side.
+    /// The light asked at `x` window sides from the centre line, positive on the brighter side: red,
+    /// green and blue, 0…1. What [`MachBand::linear`] puts into every pixel.
     #[must_use]
     pub fn light_at(&self, x: f64) -> [f32; 3] {
-        light(self.color.rgb(), self.luminance_at(x))
+        Passage::new(self).light_at(&self.ramp(), x)
     }
 
     /// The light of a window of `size` × `size` pixels, each taken at its centre. The reference:
     /// every pixel on its own, in f64, rounded once to f32.
     #[must_use]
     pub fn linear(&self, size: u32) -> LinearImage {
-        let (grid, ramp, weights) = (Grid::new(size, self.orientation_deg), self.ramp(), self.color.rgb());
-        LinearImage::from_fn(size, size, |ix, iy| light(weights, ramp.luminance_at(grid.across(ix, iy))))
+        let (grid, ramp, passage) = (Grid::new(size, self.orientation_deg), self.ramp(), Passage::new(self));
+        LinearImage::from_fn(size, size, |ix, iy| passage.light_at(&ramp, grid.across(ix, iy)))
     }
 
     /// The codes of a window of `size` × `size` pixels: exactly those of [`MachBand::linear`],
-    /// quantised. At 8 bits this is a fast path that costs little more than writing the memory.
+    /// quantised. At 8 bits and in one color, straight in RGB or HSV, this is a fast path that costs
+    /// little more than writing the memory.
     #[must_use]
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
         match quantizer.bits() {
@@ -258,7 +309,10 @@ impl MachBand {
     pub fn codes_into(&self, size: u32, quantizer: &Quantizer, codes: &mut [u8]) {
         assert_eq!(codes.len(), size as usize * size as usize * 3, "3 bytes a pixel, {size} × {size} pixels");
         assert_eq!(quantizer.bits(), Bits::Eight, "bytes hold 8-bit codes");
-        fast::render(self, size, quantizer, codes);
+        match Passage::new(self) {
+            Passage::OneColor { .. } => fast::render(self, size, quantizer, codes),
+            between @ Passage::Between { .. } => passage::render(self, &between, size, quantizer, codes),
+        }
     }
 }
 
@@ -285,9 +339,20 @@ impl Ramp {
     #[must_use]
     #[inline]
     pub fn luminance_at(&self, x: f64) -> f64 {
+        self.luminance_at_u(self.u(x))
+    }
+
+    /// I_n at `x` window sides from the centre line: how much of the way from plateau to plateau, 0…1.
+    #[must_use]
+    #[inline]
+    pub fn part_at(&self, x: f64) -> f64 {
+        self.interpolation.value(self.u(x))
+    }
+
+    #[inline]
+    fn u(&self, x: f64) -> f64 {
         // x/0 is ±∞ off the line, which the interpolation takes to 0 and 1; only 0/0 needs a word.
-        let u = if x == 0.0 { 0.5 } else { x / self.width + 0.5 };
-        self.luminance_at_u(u)
+        if x == 0.0 { 0.5 } else { x / self.width + 0.5 }
     }
 
     /// Relative luminance at the position u across the ramp, 0 where it begins and 1 where it ends.

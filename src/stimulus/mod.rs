@@ -14,6 +14,7 @@ mod kind;
 pub mod mach_band;
 mod orientation;
 pub mod parameter;
+pub mod recipe;
 mod staircase;
 mod vasarely;
 mod window;

@@ -97,6 +97,12 @@ impl ParameterError {
 }
 
 impl Parameter {
+    /// The command-line option that sets it, without the dashes: the unit is left to the help text.
+    #[must_use]
+    pub fn option(&self) -> String {
+        self.name.trim_end_matches("_deg").replace('_', "-")
+    }
+
     /// The error for this parameter set to `value`.
     pub(super) fn error(&self, value: impl fmt::Display, problem: impl Into<String>) -> ParameterError {
         ParameterError {

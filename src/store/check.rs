@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, path::Path};
 
-use super::{FileFault, FileFaults, definition, observer, profile, results, sidecar::Sidecar, text, toml_reader};
+use super::{FileFault, FileFaults, definition, image, observer, profile, results, sidecar::Sidecar, text, toml_reader};
 use crate::experiment::{
     Identity, Protocol, RowContext, Schedule, TrialRecord, columns, columns_by_header,
 };
@@ -19,13 +19,14 @@ pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
     let path = Path::new(name_or_path);
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("csv") => check_results(path),
+        Some("png") => image::prove(path),
         Some("toml") => check_toml(name_or_path, &text::read(path)?),
         _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path)
             .err()
             .unwrap_or_else(|| FileFaults::whole(name_or_path, "cannot be checked; expected a .toml or .csv file"))),
         _ => Err(FileFaults::whole(
             name_or_path,
-            "is of no known kind; expected a definition, display profile or observer (.toml), or a result file (.csv)",
+            "is of no known kind; expected a definition, display profile or observer (.toml), a result file (.csv), or an image (.png)",
         )),
     }
 }

@@ -3,32 +3,61 @@
 use std::path::Path;
 
 use super::{StoreError, fault::io};
-use crate::{light::Quantizer, stimulus::Stimulus};
+use crate::{
+    light::{Dither, LinearImage, Quantizer},
+    stimulus::recipe::Recipe,
+};
 
-/// Writes `x, linear, code_r, code_g, code_b, emitted` for `size` samples at pixel centres across the ramp, through
-/// the centre. `linear` is the light asked of the strongest channel and `emitted` the light of its code.
+/// One place of a profile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Window sides from the centre, along the orientation.
+    pub x: f64,
+    /// Light asked of the strongest channel.
+    pub linear: f64,
+    /// Codes of red, green and blue.
+    pub codes: [u16; 3],
+    /// Light of the strongest channel's code.
+    pub emitted: f64,
+}
+
+/// A profile at the pixel centres of the recipe's size, along the orientation through the centre; dithered as a row of
+/// pixels would be.
+pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
+    let (stimulus, size) = (&recipe.stimulus, recipe.size);
+    let strongest = stimulus.strongest_channel();
+    let place = |i: u32| (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size));
+    let row = LinearImage::from_fn(size, 1, |i, _| stimulus.light_at(place(i)));
+    let codes = match &recipe.dither {
+        Dither::None => quantizer.quantize(&row),
+        dither => quantizer.quantize_with(&row, &dither.clone().with_seed(recipe.seed)),
+    };
+    (0..size)
+        .map(|i| {
+            let pixel = codes.pixel(i, 0);
+            Sample {
+                x: place(i),
+                linear: f64::from(row.pixel(i, 0)[strongest]),
+                codes: pixel,
+                emitted: quantizer.linear(pixel[strongest]),
+            }
+        })
+        .collect()
+}
+
+/// Writes `x, linear, code_r, code_g, code_b, emitted`; see [`Sample`].
 ///
 /// # Errors
 /// The system's refusal.
-pub fn write_profile(path: &Path, stimulus: &Stimulus, size: u32, quantizer: &Quantizer) -> Result<(), StoreError> {
-    let strongest = stimulus.strongest_channel();
+pub fn write_profile(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
     let failed = |error: csv::Error| io(path, "write")(std::io::Error::other(error));
     let file = std::fs::File::create(path).map_err(io(path, "create"))?;
     let mut writer = csv::Writer::from_writer(std::io::BufWriter::new(file));
     writer.write_record(["x", "linear", "code_r", "code_g", "code_b", "emitted"]).map_err(failed)?;
-    for i in 0..size {
-        let x = (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size));
-        let light = stimulus.light_at(x);
-        let codes = light.map(|linear| quantizer.code(linear));
+    for sample in samples(recipe, quantizer) {
+        let [r, g, b] = sample.codes.map(|code| code.to_string());
         writer
-            .write_record([
-                x.to_string(),
-                light[strongest].to_string(),
-                codes[0].to_string(),
-                codes[1].to_string(),
-                codes[2].to_string(),
-                quantizer.linear(codes[strongest]).to_string(),
-            ])
+            .write_record([sample.x.to_string(), sample.linear.to_string(), r, g, b, sample.emitted.to_string()])
             .map_err(failed)?;
     }
     writer.flush().map_err(io(path, "write"))

@@ -95,33 +95,47 @@ fn variable(column: &Column) -> serde_json::Value {
     variable
 }
 
-/// Writes a JSON file so that a reader sees the old one or the new one and never half of either, and a power cut
-/// leaves one of them.
+/// Writes a JSON file, whole or not at all.
 pub(super) fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreError> {
-    let mut text = serde_json::to_vec_pretty(value)
-        .map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
+    let mut text =
+        serde_json::to_vec_pretty(value).map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
     text.push(b'\n');
-    // Named after the process: two programs that describe the same data set do not meet in one temporary file.
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.tmp", unique()));
-    let temporary = path.with_file_name(name);
-    let written = File::create_new(&temporary)
-        .and_then(|mut file| file.write_all(&text).and_then(|()| file.sync_all()))
+    write_whole(path, &text, true)
+}
+
+/// Writes a file so that a reader sees the old one or the new one and never half of either. `durable`: a power cut too
+/// leaves one of them; what can be made again need not wait for the disk.
+pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<(), StoreError> {
+    let (temporary, mut file) = create_temporary(path).map_err(io(path, "write"))?;
+    let written = file
+        .write_all(content)
+        .and_then(|()| if durable { file.sync_all() } else { Ok(()) })
         .and_then(|()| fs::rename(&temporary, path));
     if let Err(error) = written {
         // The temporary file is of no use; that it may stay behind on a broken disk changes nothing.
         let _ = fs::remove_file(&temporary);
         return Err(io(path, "write")(error));
     }
-    sync_folder(path);
+    if durable {
+        sync_folder(path);
+    }
     Ok(())
 }
 
-/// A name that no other thread or running program uses.
-fn unique() -> String {
+/// A new file beside `path`, named after the process: two programs that describe the same data set do not meet in one
+/// temporary file. A name that a killed program of the same number left behind is passed over.
+fn create_temporary(path: &Path) -> std::io::Result<(PathBuf, File)> {
     use std::sync::atomic::{AtomicU32, Ordering};
     static COUNT: AtomicU32 = AtomicU32::new(0);
-    format!("{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
+    loop {
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(format!(".{}-{}.tmp", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
+        let temporary = path.with_file_name(name);
+        match File::create_new(&temporary) {
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+            created => return created.map(|file| (temporary, file)),
+        }
+    }
 }
 
 /// Makes a new or renamed name in a folder survive a power cut, where the system knows the notion. Windows does not

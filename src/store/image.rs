@@ -1,37 +1,222 @@
-//! Images as PNG.
+//! Images as PNG: gray where the colour allows, with what the codes mean and how they were made.
 
-use std::{io::BufWriter, path::Path};
+use std::{
+    borrow::Cow,
+    fs::File,
+    io::BufReader,
+    path::Path,
+};
 
-use super::{StoreError, fault::io};
-use crate::light::{CodeImage, Samples, Transfer};
+use super::{FileFaults, StoreError, dataset::write_whole, fault::io};
+use crate::{
+    light::{Bits, CodeImage, Quantizer, Samples, Transfer},
+    stimulus::recipe::{Recipe, SIZE_MAX},
+};
 
-/// Writes an image; `transfer` is what its codes mean, and is written into the file where PNG has words for it.
+/// Keyword of the text chunk that holds the recipe as JSON.
+const KEYWORD: &str = "machband";
+/// Chromaticities of the sRGB primaries and of D65, IEC 61966-2-1.
+const SRGB_CHROMATICITIES: [[f32; 2]; 4] = [[0.3127, 0.3290], [0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
+/// Entries of the tone curves in an embedded profile.
+const CURVE_POINTS: u16 = 4096;
+
+/// Renders a recipe and writes it as PNG, whole or not at all. Gives the file's bytes.
 ///
 /// # Errors
 /// The system's refusal.
-pub fn write_png(path: &Path, image: &CodeImage, transfer: &Transfer) -> Result<(), StoreError> {
-    let file = std::fs::File::create(path).map_err(io(path, "create"))?;
-    let mut encoder = png::Encoder::new(BufWriter::new(file), image.width, image.height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(match image.samples {
+pub fn write_recipe(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<Vec<u8>, StoreError> {
+    let bytes = encode(&recipe.codes(quantizer), &recipe.transfer, &describe(recipe))
+        .map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
+    write_whole(path, &bytes, false)?;
+    Ok(bytes)
+}
+
+/// The recipe as it stands in an image.
+pub fn describe(recipe: &Recipe) -> String {
+    serde_json::to_string(recipe).unwrap_or_default()
+}
+
+/// An image file as bytes. Equal inputs give equal bytes.
+fn encode(image: &CodeImage, transfer: &Transfer, recipe: &str) -> Result<Vec<u8>, png::EncodingError> {
+    let gray = is_gray(&image.samples);
+    let mut info = png::Info::with_size(image.width, image.height);
+    info.color_type = if gray { png::ColorType::Grayscale } else { png::ColorType::Rgb };
+    info.bit_depth = match image.samples {
         Samples::Eight(_) => png::BitDepth::Eight,
         Samples::Sixteen(_) => png::BitDepth::Sixteen,
-    });
-    match transfer {
-        Transfer::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric),
-        Transfer::Linear => encoder.set_source_gamma(png::ScaledFloat::new(1.0)),
-        Transfer::Gamma(gamma) => encoder.set_source_gamma(png::ScaledFloat::new((1.0 / gamma) as f32)),
-        // A measured table has no gAMA; a viewer that assumes sRGB is then near enough to look at it.
-        Transfer::Table(_) => {}
-    }
-    let failed = |error: png::EncodingError| io(path, "write")(std::io::Error::other(error));
-    let mut writer = encoder.write_header().map_err(failed)?;
-    match &image.samples {
-        Samples::Eight(codes) => writer.write_image_data(codes).map_err(failed)?,
-        Samples::Sixteen(codes) => {
-            let bytes: Vec<u8> = codes.iter().flat_map(|code| code.to_be_bytes()).collect();
-            writer.write_image_data(&bytes).map_err(failed)?;
+    };
+    let curve = match transfer {
+        Transfer::Srgb => None,
+        Transfer::Linear => Some(1.0),
+        Transfer::Gamma(gamma) => Some(*gamma),
+        Transfer::Table(_) => {
+            info.icc_profile = profile(transfer, gray).map(Cow::Owned);
+            None
         }
+    };
+    if let Some(gamma) = curve {
+        let [white, red, green, blue] = SRGB_CHROMATICITIES.map(|[x, y]| (png::ScaledFloat::new(x), png::ScaledFloat::new(y)));
+        info.source_gamma = Some(png::ScaledFloat::new((1.0 / gamma) as f32));
+        info.source_chromaticities = Some(png::SourceChromaticities { white, red, green, blue });
     }
-    writer.finish().map_err(failed)
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::with_info(&mut bytes, info)?;
+    if *transfer == Transfer::Srgb {
+        encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    }
+    // Neighbouring rows of a stimulus are all but equal: their difference is zeros, and a fast coder is enough.
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Up);
+    encoder.add_text_chunk(KEYWORD.to_owned(), recipe.to_owned())?;
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&raw_samples(&image.samples, gray))?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+fn is_gray(samples: &Samples) -> bool {
+    fn equal<T: PartialEq>(codes: &[T]) -> bool {
+        codes.chunks_exact(3).all(|pixel| pixel[0] == pixel[1] && pixel[1] == pixel[2])
+    }
+    match samples {
+        Samples::Eight(codes) => equal(codes),
+        Samples::Sixteen(codes) => equal(codes),
+    }
+}
+
+/// The samples as PNG stores them: one a pixel for gray, 16 bits most significant byte first.
+fn raw_samples(samples: &Samples, gray: bool) -> Cow<'_, [u8]> {
+    let step = if gray { 3 } else { 1 };
+    match samples {
+        Samples::Eight(codes) if !gray => Cow::Borrowed(codes),
+        Samples::Eight(codes) => codes.iter().step_by(step).copied().collect(),
+        Samples::Sixteen(codes) => codes.iter().step_by(step).flat_map(|code| code.to_be_bytes()).collect(),
+    }
+}
+
+/// A measured transfer function as an ICC profile, with sRGB's primaries.
+fn profile(transfer: &Transfer, gray: bool) -> Option<Vec<u8>> {
+    let points = (0..CURVE_POINTS).map(|i| {
+        let linear = transfer.linear_from_encoded(f64::from(i) / f64::from(CURVE_POINTS - 1));
+        (linear * f64::from(u16::MAX)).round() as u16
+    });
+    let curve = moxcms::ToneReprCurve::Lut(points.collect());
+    let mut profile = if gray { moxcms::ColorProfile::new_gray_with_gamma(1.0) } else { moxcms::ColorProfile::new_srgb() };
+    // A fixed date: equal inputs give equal bytes.
+    profile.creation_date_time = moxcms::ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, hours: 0, minutes: 0, seconds: 0 };
+    profile.cicp = None;
+    if gray {
+        profile.gray_trc = Some(curve);
+    } else {
+        profile.red_trc = Some(curve.clone());
+        profile.green_trc = Some(curve.clone());
+        profile.blue_trc = Some(curve);
+    }
+    profile.encode().ok()
+}
+
+/// An image file of this program, read back.
+#[derive(Clone, Debug)]
+pub struct ReadBack {
+    /// How it says it was made.
+    pub recipe: Recipe,
+    /// What is in it.
+    pub image: CodeImage,
+}
+
+/// The recipe's text in an image file, without looking at the pixels; `None` where there is none.
+pub(super) fn recipe_text(path: &Path) -> Option<String> {
+    let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
+    let chunks = &reader.info().uncompressed_latin1_text;
+    chunks.iter().find(|chunk| chunk.keyword == KEYWORD).map(|chunk| chunk.text.clone())
+}
+
+/// Reads an image with its recipe.
+///
+/// # Errors
+/// Not readable, not a PNG of this program, or too large.
+pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
+    let name = path.display().to_string();
+    let fail = |message: String| FileFaults::whole(&name, message);
+    let file = File::open(path).map_err(|error| fail(format!("cannot be opened: {error}; expected a readable file")))?;
+    let broken = |error: png::DecodingError| fail(format!("is not a whole PNG: {error}; expected an image"));
+    let limits = png::Limits { bytes: 512 << 20 };
+    let mut decoder = png::Decoder::new_with_limits(BufReader::new(file), limits);
+    decoder.set_transformations(png::Transformations::IDENTITY);
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let info = reader.info();
+    let recipe = info
+        .uncompressed_latin1_text
+        .iter()
+        .find(|chunk| chunk.keyword == KEYWORD)
+        .map(|chunk| chunk.text.clone())
+        .ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
+    let recipe: Recipe = serde_json::from_str(&recipe)
+        .map_err(|error| fail(format!("its text chunk `machband` cannot be read: {error}; expected a recipe")))?;
+    if let Err(faults) = recipe.stimulus.validate() {
+        let faults: Vec<_> = faults.iter().map(ToString::to_string).collect();
+        return Err(fail(faults.join("; ")));
+    }
+    let (width, height, color, depth) = (info.width, info.height, info.color_type, info.bit_depth);
+    if width == 0 || width.max(height) > SIZE_MAX {
+        return Err(fail(format!("has {width} × {height} pixels; expected at most {SIZE_MAX} a side")));
+    }
+    let size = reader.output_buffer_size().ok_or_else(|| fail("is too large; expected an image that fits in memory".to_owned()))?;
+    let mut raw = vec![0; size];
+    reader.next_frame(&mut raw).map_err(broken)?;
+    let copies = match color {
+        png::ColorType::Grayscale => 3,
+        png::ColorType::Rgb => 1,
+        other => return Err(fail(format!("has the colour type {other:?}; expected gray or RGB"))),
+    };
+    let samples = match depth {
+        png::BitDepth::Eight => Samples::Eight(raw.iter().flat_map(|code| std::iter::repeat_n(*code, copies)).collect()),
+        png::BitDepth::Sixteen => Samples::Sixteen(
+            raw.chunks_exact(2)
+                .flat_map(|pair| std::iter::repeat_n(u16::from_be_bytes([pair[0], pair[1]]), copies))
+                .collect(),
+        ),
+        other => return Err(fail(format!("has {other:?} bits a sample; expected 8 or 16"))),
+    };
+    Ok(ReadBack { recipe, image: CodeImage { width, height, samples } })
+}
+
+/// Proves an image: renders its recipe again and compares every code. Says in one sentence what it is.
+///
+/// # Errors
+/// As [`read`]; or how many codes differ, and the first of them.
+pub fn prove(path: &Path) -> Result<String, FileFaults> {
+    let ReadBack { recipe, image } = read(path)?;
+    let fail = |message: String| FileFaults::whole(path.display().to_string(), message);
+    if recipe.size == 0 || recipe.size > SIZE_MAX {
+        return Err(fail(format!("its recipe asks for {} pixels a side; expected 1…{SIZE_MAX}", recipe.size)));
+    }
+    if (image.width, image.height) != (recipe.size, recipe.size) {
+        return Err(fail(format!("has {} × {} pixels; expected {} a side, as its recipe says", image.width, image.height, recipe.size)));
+    }
+    let expected = recipe.codes(&recipe.quantizer());
+    let differing = (0..image.height)
+        .flat_map(|y| (0..image.width).map(move |x| (x, y)))
+        .filter(|&(x, y)| image.pixel(x, y) != expected.pixel(x, y));
+    let same_depth = matches!(
+        (&image.samples, recipe.bits),
+        (Samples::Eight(_), Bits::Eight) | (Samples::Sixteen(_), Bits::Sixteen)
+    );
+    let mut differing = differing.peekable();
+    match differing.peek().copied() {
+        _ if !same_depth => Err(fail(format!("has another depth than its recipe; expected {} bits", recipe.bits))),
+        Some((x, y)) => {
+            let (found, wanted) = (image.pixel(x, y), expected.pixel(x, y));
+            let count = differing.count();
+            Err(fail(format!("{count} pixels differ from the recipe, the first at ({x}, {y}), which is {found:?}; expected {wanted:?}")))
+        }
+        None => Ok(format!(
+            "image of {}, {} pixels a side, {} bits, {}, dither {}: every code is as its recipe gives it",
+            recipe.stimulus.kind(),
+            recipe.size,
+            recipe.bits,
+            if let Transfer::Table(_) = recipe.transfer { "measured table".to_owned() } else { recipe.transfer.to_string() },
+            recipe.dither
+        )),
+    }
 }

@@ -1,7 +1,8 @@
 //! Floor 4: every file format, one file each. Errors carry file, line and column.
 //!
 //! Read: [`definition`], [`profile`], [`observer`] (TOML). Written while a session runs: [`results`] (CSV),
-//! [`sidecar`] and [`dataset`] (JSON), joined in [`session`]. Exported: [`image`] (PNG) and [`curve`] (CSV).
+//! [`sidecar`] and [`dataset`] (JSON), joined in [`session`]. Exported: [`image`] (PNG), [`curve`] (CSV) and
+//! [`manifest`] (many images).
 
 pub mod check;
 pub mod curve;
@@ -9,6 +10,7 @@ pub mod dataset;
 pub mod definition;
 mod fault;
 pub mod image;
+pub mod manifest;
 pub mod observer;
 pub mod profile;
 pub mod results;

@@ -27,7 +27,7 @@ pub struct ResultFile {
 pub struct Recovered {
     /// Its rows in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// A last line that was half written and is now cut off.
+    /// A last line that was half written.
     pub torn: Option<String>,
 }
 
@@ -58,26 +58,38 @@ impl ResultFile {
         Ok(created)
     }
 
-    /// Opens an interrupted session's file, reads its rows, and cuts off a last line that was half written.
+    /// Opens an interrupted session's file, and keeps every other program from it. Its rows are read by
+    /// [`ResultFile::recover`].
     ///
     /// # Errors
-    /// [`StoreError::InUse`], rows that do not parse (each with line and column), or the system's refusal. Nothing is
-    /// changed then.
-    pub fn resume(path: &Path, columns: &[Column]) -> Result<(Self, Recovered), StoreError> {
+    /// [`StoreError::InUse`], or the system's refusal.
+    pub fn open(path: &Path) -> Result<Self, StoreError> {
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
         lock(&file, path)?;
         let mut content = Vec::new();
         file.read_to_end(&mut content).map_err(io(path, "read"))?;
-        let whole = whole_lines(&content);
-        let torn = (whole < content.len()).then(|| String::from_utf8_lossy(&content[whole..]).into_owned());
-        content.truncate(whole);
-        if content.is_empty() {
-            content = line(columns.iter().map(|column| column.name.as_str()));
+        let on_disk = content.len();
+        Ok(Self { path: path.to_owned(), file, content, on_disk })
+    }
+
+    /// Reads the rows of a file that was opened. A last line that was half written is left out, and cut off by the
+    /// next [`ResultFile::flush`]; until then the file is as it was.
+    ///
+    /// # Errors
+    /// Rows that do not parse, each with line and column.
+    pub fn recover(&mut self, columns: &[Column]) -> Result<Recovered, FileFaults> {
+        let header = line(columns.iter().map(|column| column.name.as_str()));
+        let mut whole = whole_lines(&self.content);
+        let rest = without_zeros(&self.content[whole..]);
+        if whole == 0 && !header.starts_with(rest) {
+            // Not the beginning of a file of ours: to be named as what it is, and not to be cut.
+            whole = self.content.len();
         }
-        let rows = parse(&path.display().to_string(), &content, columns)?;
-        let mut resumed = Self { path: path.to_owned(), file, content, on_disk: whole };
-        resumed.flush()?;
-        Ok((resumed, Recovered { rows, torn }))
+        let torn = (whole < self.content.len()).then(|| String::from_utf8_lossy(rest).into_owned());
+        let content = if whole == 0 { header } else { self.content[..whole].to_vec() };
+        let rows = parse(&self.path.display().to_string(), &content, columns)?;
+        (self.content, self.on_disk) = (content, whole);
+        Ok(Recovered { rows, torn })
     }
 
     /// Where the file is.
@@ -147,8 +159,10 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
     let mut record = csv::StringRecord::new();
     let mut header = true;
     loop {
-        let line_number = reader.position().line() as usize;
-        match reader.read_record(&mut record) {
+        let read = reader.read_record(&mut record);
+        let position = |place: Option<&csv::Position>| place.map_or(1, |place| place.line() as usize);
+        let line_number = position(record.position());
+        match read {
             Ok(false) => break,
             Ok(true) if header => {
                 header = false;
@@ -156,7 +170,7 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
             }
             Ok(true) => {
                 let cells: Vec<&str> = record.iter().collect();
-                let column_at = |index: usize| cells.iter().take(index).map(|c| c.chars().count() + 1).sum::<usize>() + 1;
+                let column_at = |index: usize| cells.iter().take(index).map(|cell| written_width(cell) + 1).sum::<usize>() + 1;
                 if cells.len() != columns.len() {
                     fault((line_number, 1), format!("the row has {} cells; expected {}", cells.len(), columns.len()));
                     continue;
@@ -171,7 +185,7 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
                     csv::ErrorKind::Utf8 { .. } => "the row is not UTF-8 text; expected UTF-8".to_owned(),
                     _ => format!("the row cannot be read: {error}; expected CSV"),
                 };
-                fault((line_number, 1), message);
+                fault((position(error.position()), 1), message);
             }
         }
     }
@@ -186,7 +200,7 @@ fn header_faults(header: &csv::StringRecord, columns: &[Column], fault: &mut imp
     for i in 0..columns.len().max(header.len()) {
         let (found, expected) = (header.get(i), columns.get(i).map(|column| column.name.as_str()));
         if found != expected {
-            let found = found.map_or("missing".to_owned(), |name| format!("{name:?}"));
+            let found = found.map_or("missing".to_owned(), |name| format!("{:?}", clipped(name)));
             let expected = expected.map_or("no further column".to_owned(), |name| format!("{name:?}"));
             fault((1, at), format!("column {} is {found}; expected {expected}", i + 1));
             return;
@@ -195,11 +209,36 @@ fn header_faults(header: &csv::StringRecord, columns: &[Column], fault: &mut imp
     }
 }
 
-/// Length of the leading part that consists of whole lines. A power cut may also leave a tail of zero bytes where the
-/// system had enlarged the file and not yet filled it: such a tail is no line.
+/// Length of the leading part that consists of whole lines. A power cut may also leave zero bytes where the system had
+/// enlarged the file and not yet filled it: after the last line, or within it. Zeros before the last line are no
+/// interrupted writing, since each line was on disk before the next; they are left for the parser to name.
 fn whole_lines(content: &[u8]) -> usize {
-    let written = content.iter().position(|byte| *byte == 0).unwrap_or(content.len());
-    content[..written].iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1)
+    let end_of_line = |content: &[u8]| content.iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1);
+    let whole = end_of_line(content);
+    let last = end_of_line(&content[..whole.saturating_sub(1)]);
+    if content[last..whole].contains(&0) { last } else { whole }
+}
+
+fn without_zeros(content: &[u8]) -> &[u8] {
+    let end = content.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+    &content[..end]
+}
+
+/// Width of a cell in its line, with the quotes that it needs.
+fn written_width(cell: &str) -> usize {
+    let quotes = cell.matches('"').count();
+    let quoted = quotes > 0 || cell.contains([',', '\n', '\r']);
+    cell.chars().count() + quotes + if quoted { 2 } else { 0 }
+}
+
+/// The beginning of what may be anything, for a message.
+fn clipped(text: &str) -> String {
+    const SHOWN: usize = 60;
+    let mut shown: String = text.chars().take(SHOWN).collect();
+    if shown.len() < text.len() {
+        shown.push('…');
+    }
+    shown
 }
 
 /// One line of CSV. A cell never holds a line break, so that a line is a row.

@@ -53,8 +53,11 @@ impl SessionStore {
         sitting: Sitting,
     ) -> Result<Self, StoreError> {
         let paths = SessionPaths::new(results, protocol, identity);
-        if paths.csv.exists() {
-            return Err(StoreError::Exists(paths.csv));
+        // A sidecar without its rows is of a session too.
+        for taken in [&paths.csv, &paths.sidecar] {
+            if taken.exists() {
+                return Err(StoreError::Exists(taken.clone()));
+            }
         }
         paths.prepare(protocol)?;
         let rows = ResultFile::create(&paths.csv, &columns(protocol))?;
@@ -84,16 +87,18 @@ impl SessionStore {
         if !paths.csv.exists() {
             return Err(StoreError::NothingToResume(paths.csv));
         }
+        // Locked before anything is read: another program may be ending this very session.
+        let mut rows = ResultFile::open(&paths.csv)?;
         let found = Sidecar::read(&paths.sidecar)?;
         if let Some(sidecar) = &found {
             matches(sidecar, protocol, seed, &paths.sidecar)?;
         }
-        let (rows, recovered) = ResultFile::resume(&paths.csv, &columns(protocol))?;
+        let recovered = rows.recover(&columns(protocol))?;
         let seed = found
             .as_ref()
             .map(|sidecar| sidecar.seed)
-            .or(recovered.rows.first().map(|row| row.seed))
             .or(seed)
+            .or(recovered.rows.first().map(|row| row.seed))
             .unwrap_or_default();
         let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
         let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
@@ -101,28 +106,35 @@ impl SessionStore {
         let mut resumed = Resumed::default();
         for row in &recovered.rows {
             let trial = row.planned_trial(&context).ok_or_else(|| {
-                mismatch(format!("row {} is not planned by this definition and seed {seed}; expected the definition that recorded it", row.row_id))
+                mismatch(format!("row {} is not planned by this definition and seed {seed}; expected the definition and seed that recorded it", row.row_id))
             })?;
             resumed.done.insert(trial);
         }
-        let sitting_number = recovered.rows.last().map_or(0, |row| row.sitting).max(found.as_ref().map_or(0, |s| s.sittings.len() as u32)) + 1;
-        let mut sidecar = found.unwrap_or_else(|| {
+        let complete = resumed.done.len() == schedule.trials.len() && recovered.torn.is_none();
+        let sidecar = found.unwrap_or_else(|| {
             let mut lost = Sidecar::new(protocol, seed, Sitting::default());
             lost.sittings[0].incidents.push("the sidecar of the first sitting was missing on resume".to_owned());
             lost
         });
-        sidecar.sittings.push(sitting);
+        let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
+        let finished = complete && sidecar.complete;
         let mut store = Self { protocol: protocol.clone(), identity: identity.clone(), paths, rows, sidecar };
-        if let Some(torn) = &recovered.torn {
-            store.note(format!("a half-written last row was cut off and its trial asked again: {torn:?}"));
+        // From here on the files change; a session that has ended well stays as it is.
+        if !finished {
+            store.sidecar.complete = false;
+            store.sidecar.sittings.push(sitting);
+            if let Some(torn) = &recovered.torn {
+                store.note(format!("a half-written last row was cut off and its trial asked again: {torn:?}"));
+            }
+            store.sidecar.write(&store.paths.sidecar)?;
+            store.rows.flush()?;
         }
-        store.sidecar.write(&store.paths.sidecar)?;
         let last = recovered.rows.last();
         let interrupted = Interrupted {
             resumed,
             elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + row.response_time_s.0),
             rows: recovered.rows,
-            sitting: sitting_number,
+            sitting: sittings.saturating_add(1),
             torn: recovered.torn,
             schedule,
         };
@@ -164,12 +176,22 @@ impl SessionStore {
     /// The new folder refuses, or has this session already; the old one is then kept.
     pub fn move_to(&mut self, results: &Path) -> Result<(), StoreError> {
         let paths = SessionPaths::new(results, &self.protocol, &self.identity);
+        if paths == self.paths {
+            // The same folder once more, perhaps with room again.
+            self.retry()?;
+            return self.sidecar.write(&self.paths.sidecar);
+        }
         paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
         self.rows.move_to(&paths.csv)?;
         self.paths = paths;
         self.note(format!("the results folder failed; the session was moved from {from}"));
         self.sidecar.write(&self.paths.sidecar)
+    }
+
+    /// Whether the session has ended with every planned trial rated.
+    pub fn is_complete(&self) -> bool {
+        self.sidecar.complete
     }
 
     /// Whether a session is there, and complete: `None` where there is none.

@@ -65,16 +65,15 @@ impl<'t> Reader<'t> {
         }
         faults.sort();
         faults.dedup();
-        Err(FileFaults(
-            faults
-                .into_iter()
-                .map(|(at, message)| FileFault {
-                    file: self.file.to_owned(),
-                    position: Some(position(self.text, at)),
-                    message,
-                })
-                .collect(),
-        ))
+        // From one fault to the next, not each from the start: there may be a hundred thousand of them.
+        let (mut from, mut line, mut column) = (0, 1, 1);
+        let located = faults.into_iter().map(|(at, message)| {
+            let (lines, columns) = position(&self.text[from..], at - from);
+            (line, column) = if lines > 1 { (line + lines - 1, columns) } else { (line, column + columns - 1) };
+            from = at;
+            FileFault { file: self.file.to_owned(), position: Some((line, column)), message }
+        });
+        Err(FileFaults(located.collect()))
     }
 }
 
@@ -298,7 +297,11 @@ fn number(value: &DeValue<'_>) -> Option<f64> {
 fn parameter(value: &DeValue<'_>) -> Option<ParameterValue> {
     match value {
         DeValue::String(text) => Some(ParameterValue::Text(text.to_string())),
-        other => number(other).map(ParameterValue::Number),
+        // TOML's own inf can only mean what "inf" means.
+        other => number(other).map(|number| match number {
+            f64::INFINITY => ParameterValue::from("inf"),
+            number => ParameterValue::Number(number),
+        }),
     }
 }
 

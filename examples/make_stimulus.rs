@@ -1,0 +1,37 @@
+//! Makes one stimulus as a PNG: `cargo run --example make_stimulus`.
+
+use std::path::Path;
+
+use machband::{
+    light::{Bits, Depth, Dither, Transfer},
+    stimulus::{MachBand, Stimulus, StimulusColor, recipe::Recipe},
+    store::image,
+};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // Everything in linear light: a smooth gray ramp over half the window, turned by 30°.
+    let ramp = MachBand {
+        width: 0.5,
+        depth: Depth::finite(3)?,
+        orientation_deg: 30.0,
+        color: StimulusColor::GRAY,
+        ..MachBand::default()
+    };
+    if let Err(faults) = ramp.validate() {
+        return Err(faults[0].clone().into());
+    }
+
+    // What the display makes of it. The dither keeps the shallow ramp free of steps.
+    let recipe = Recipe {
+        stimulus: Stimulus::MachBand(ramp),
+        size: 512,
+        transfer: Transfer::Srgb,
+        bits: Bits::Eight,
+        dither: Dither::BlueNoise,
+        seed: 1,
+    };
+    let path = Path::new("stimulus.png");
+    image::write_recipe(path, &recipe, &recipe.quantizer())?;
+    println!("{} written; the same by command:\n{}", path.display(), recipe.command());
+    Ok(())
+}

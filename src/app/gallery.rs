@@ -1,0 +1,311 @@
+//! The gallery: every stimulus of the catalog with its parameters, its luminance profile, and the way to take it along.
+
+use eframe::egui::{self, Key, TextureHandle};
+use egui_plot::{Corner, Legend, Line, Plot};
+
+use super::{Go, pixels, theme};
+use crate::{
+    light::{Bits, Dither, Quantizer, Transfer},
+    stimulus::{Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
+    store,
+};
+
+/// Samples of the plotted profile.
+const SAMPLES: u32 = 1024;
+/// Sides to choose from, physical pixels.
+const SIZES: [u32; 4] = [256, 384, 512, 768];
+
+/// The page.
+pub struct Gallery {
+    entry: usize,
+    /// Each parameter as it stands in its control.
+    values: Vec<(&'static Parameter, String)>,
+    size: u32,
+    dither: Dither,
+    derivatives: bool,
+    shown: Option<Shown>,
+    out: String,
+    said: Option<Result<String, String>>,
+}
+
+/// What is on the page now, and what it was made from.
+struct Shown {
+    recipe: Recipe,
+    texture: TextureHandle,
+    curves: Curves,
+}
+
+/// Luminance along the orientation through the centre, of the strongest channel.
+struct Curves {
+    asked: Vec<[f64; 2]>,
+    emitted: Vec<[f64; 2]>,
+    slope: Vec<[f64; 2]>,
+    curvature: Vec<[f64; 2]>,
+}
+
+impl Default for Gallery {
+    fn default() -> Self {
+        let mut gallery = Self {
+            entry: 0,
+            values: Vec::new(),
+            size: 512,
+            dither: Dither::None,
+            derivatives: false,
+            shown: None,
+            out: "stimulus.png".to_owned(),
+            said: None,
+        };
+        gallery.choose(0);
+        gallery
+    }
+}
+
+impl Gallery {
+    fn choose(&mut self, entry: usize) {
+        self.entry = entry;
+        self.said = None;
+        let stimulus = catalog::all()[entry].default_stimulus();
+        self.values = stimulus
+            .parameters()
+            .iter()
+            .map(|parameter| (parameter, stimulus.get(parameter.name).map_or_else(String::new, |value| value.to_string())))
+            .collect();
+    }
+
+    /// The stimulus that the controls describe, or what is wrong: by parameter, and as a whole.
+    fn stimulus(&self) -> Result<Stimulus, Vec<(Option<&'static str>, String)>> {
+        let mut stimulus = catalog::all()[self.entry].default_stimulus();
+        let mut faults = Vec::new();
+        for (parameter, text) in &self.values {
+            let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
+            if let Err(error) = stimulus.set(parameter.name, &value) {
+                faults.push((Some(parameter.name), error.to_string()));
+            }
+        }
+        if faults.is_empty()
+            && let Err(errors) = stimulus.validate()
+        {
+            faults.extend(errors.iter().map(|error| (None, error.to_string())));
+        }
+        if faults.is_empty() { Ok(stimulus) } else { Err(faults) }
+    }
+
+    /// Draws the page.
+    pub(super) fn show(&mut self, ui: &mut egui::Ui) -> Go {
+        let stimulus = self.stimulus();
+        if let Ok(stimulus) = &stimulus {
+            self.refresh(ui.ctx(), stimulus);
+        }
+        let mut back = false;
+        egui::Panel::left("gallery").resizable(false).exact_size(370.0).frame(egui::Frame::NONE.inner_margin(16.0)).show(ui, |ui| {
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    ui.heading("Gallery");
+                    back = ui.button("Back").clicked();
+                    ui.label(theme::quiet("Esc"));
+                });
+                self.controls(ui, stimulus.as_ref().err());
+                self.take_along(ui);
+            });
+        });
+        egui::CentralPanel::default().frame(egui::Frame::NONE.inner_margin(16.0)).show(ui, |ui| {
+            egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| self.picture(ui));
+        });
+        if back || ui.input(|input| input.key_pressed(Key::Escape)) { Go::Back } else { Go::Stay }
+    }
+
+    /// Renders when something has changed.
+    fn refresh(&mut self, ctx: &egui::Context, stimulus: &Stimulus) {
+        let recipe = Recipe {
+            stimulus: stimulus.clone(),
+            size: self.size,
+            transfer: Transfer::Srgb,
+            bits: Bits::Eight,
+            dither: self.dither.clone(),
+            seed: 1,
+        };
+        if self.shown.as_ref().is_some_and(|shown| shown.recipe == recipe) {
+            return;
+        }
+        let quantizer = recipe.quantizer();
+        let texture = pixels::texture_of(ctx, "gallery", &recipe.codes(&quantizer));
+        let curves = Curves::new(&recipe, &quantizer);
+        self.said = None;
+        self.shown = Some(Shown { recipe, texture, curves });
+    }
+
+    fn controls(&mut self, ui: &mut egui::Ui, faults: Option<&Vec<(Option<&'static str>, String)>>) {
+        let entries = catalog::all();
+        let label = ui.label("Stimulus");
+        let mut chosen = self.entry;
+        egui::ComboBox::from_id_salt("kind")
+            .selected_text(entries[self.entry].title)
+            .width(300.0)
+            .show_ui(ui, |ui| {
+                for (i, entry) in entries.iter().enumerate() {
+                    ui.selectable_value(&mut chosen, i, entry.title);
+                }
+            })
+            .response
+            .labelled_by(label.id);
+        if chosen != self.entry {
+            self.choose(chosen);
+        }
+        ui.add(egui::Label::new(theme::quiet(entries[self.entry].about)).wrap());
+        ui.add_space(8.0);
+        for (parameter, text) in &mut self.values {
+            control(ui, parameter, text);
+            for (_, fault) in faults.into_iter().flatten().filter(|(name, _)| *name == Some(parameter.name)) {
+                theme::fault(ui, fault);
+            }
+        }
+        for (_, fault) in faults.into_iter().flatten().filter(|(name, _)| name.is_none()) {
+            theme::fault(ui, fault);
+        }
+        ui.add_space(8.0);
+        ui.horizontal_wrapped(|ui| {
+            let label = ui.label("Size, pixels");
+            egui::ComboBox::from_id_salt("size")
+                .selected_text(self.size.to_string())
+                .width(80.0)
+                .show_ui(ui, |ui| SIZES.iter().for_each(|size| _ = ui.selectable_value(&mut self.size, *size, size.to_string())))
+                .response
+                .labelled_by(label.id);
+            let label = ui.label("Dither");
+            egui::ComboBox::from_id_salt("dither")
+                .selected_text(self.dither.to_string())
+                .width(110.0)
+                .show_ui(ui, |ui| {
+                    for name in ["none", "ordered", "blue-noise", "random"] {
+                        if let Ok(dither) = name.parse::<Dither>() {
+                            ui.selectable_value(&mut self.dither, dither, name);
+                        }
+                    }
+                })
+                .response
+                .labelled_by(label.id);
+        });
+        ui.checkbox(&mut self.derivatives, "First and second derivative");
+    }
+
+    fn take_along(&mut self, ui: &mut egui::Ui) {
+        ui.add_space(8.0);
+        ui.separator();
+        let Some(shown) = &self.shown else { return };
+        let label = ui.label("Export to");
+        ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(300.0)).labelled_by(label.id);
+        ui.horizontal_wrapped(|ui| {
+            if ui.button("Export PNG").clicked() {
+                let path = std::path::PathBuf::from(self.out.trim());
+                let written = store::image::write_recipe(&path, &shown.recipe, &shown.recipe.quantizer());
+                self.said = Some(written.map(|_| format!("Written to {}", path.display())).map_err(|error| error.to_string()));
+            }
+            if ui.button("Copy as command").clicked() {
+                ui.ctx().copy_text(shown.recipe.command());
+                self.said = Some(Ok(shown.recipe.command()));
+            }
+        });
+        match &self.said {
+            Some(Ok(text)) => _ = ui.add(egui::Label::new(theme::quiet(text)).wrap()),
+            Some(Err(text)) => theme::fault(ui, text),
+            None => {}
+        }
+    }
+
+    fn picture(&self, ui: &mut egui::Ui) {
+        let Some(shown) = &self.shown else { return };
+        pixels::picture(ui, &shown.texture, shown.recipe.size, catalog::all()[self.entry].title);
+        ui.add_space(8.0);
+        let width = (shown.recipe.size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(ui.available_width().max(300.0));
+        let curves = &shown.curves;
+        plot(ui, "profile", "light", width, &[("asked", &curves.asked), ("after quantisation", &curves.emitted)]);
+        if self.derivatives {
+            plot(ui, "slope", "first derivative", width, &[("slope, light per window", &curves.slope)]);
+            plot(ui, "curvature", "second derivative", width, &[("curvature, light per window²", &curves.curvature)]);
+        }
+    }
+}
+
+/// The useful range of a parameter and the slider's step; `None` for one that is not a number, or not only.
+fn slider_range(parameter: &str) -> Option<(f64, f64, f64)> {
+    Some(match parameter {
+        "width" | "low" | "high" | "side" => (0.0, 1.0, 0.005),
+        "radius" => (0.01, 0.5, 0.005),
+        "orientation_deg" => (0.0, 360.0, 1.0),
+        "tanh_k" => (1.0, 20.0, 0.5),
+        "exponent" => (0.5, 6.0, 0.05),
+        "steps" | "squares" => (2.0, 32.0, 1.0),
+        "facets" => (1.0, 32.0, 1.0),
+        _ => return None,
+    })
+}
+
+/// A control for one parameter: a slider where it has a range, else a text with the usual values to choose from. A value
+/// out of range can be typed, and is then explained.
+fn control(ui: &mut egui::Ui, parameter: &'static Parameter, text: &mut String) {
+    let name = parameter.name.replace('_', " ").replace(" deg", ", °");
+    ui.horizontal(|ui| {
+        let label = ui.add_sized([108.0, 28.0], egui::Label::new(name).halign(egui::Align::Min)).on_hover_text(parameter.description);
+        match (slider_range(parameter.name), text.parse::<f64>()) {
+            (Some((least, most, step)), Ok(number)) => {
+                let mut value = number;
+                ui.spacing_mut().slider_width = 130.0;
+                let slider = egui::Slider::new(&mut value, least..=most)
+                    .clamping(egui::SliderClamping::Never)
+                    .step_by(step)
+                    .max_decimals(4);
+                if ui.add(slider).labelled_by(label.id).changed() {
+                    *text = ParameterValue::Number(value).to_string();
+                }
+            }
+            _ => {
+                ui.add(egui::TextEdit::singleline(text).desired_width(90.0)).labelled_by(label.id);
+                egui::ComboBox::from_id_salt(parameter.name).selected_text("…").width(40.0).show_ui(ui, |ui| {
+                    for hint in parameter.levels_hint {
+                        ui.selectable_value(text, (*hint).to_owned(), *hint);
+                    }
+                });
+            }
+        }
+    });
+}
+
+fn plot(ui: &mut egui::Ui, id: &str, axis: &str, width: f32, lines: &[(&str, &Vec<[f64; 2]>)]) {
+    let colors = [theme::NOTE, egui::Color32::from_rgb(0x56, 0xb4, 0xe9)];
+    Plot::new(id)
+        .width(width)
+        .height(200.0)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .x_axis_label("position, window sides")
+        .y_axis_label(axis)
+        .legend(Legend::default().position(Corner::LeftTop))
+        .show(ui, |plot| {
+            for ((name, points), color) in lines.iter().zip(colors) {
+                plot.line(Line::new(*name, (*points).clone()).color(color).width(1.5));
+            }
+        });
+}
+
+impl Curves {
+    fn new(recipe: &Recipe, quantizer: &Quantizer) -> Self {
+        let strongest = recipe.stimulus.strongest_channel();
+        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES) - 0.5;
+        let asked: Vec<[f64; 2]> =
+            (0..SAMPLES).map(|i| [place(i), f64::from(recipe.stimulus.light_at(place(i))[strongest])]).collect();
+        let emitted = store::curve::samples(recipe, quantizer)
+            .iter()
+            .map(|sample| [sample.x, sample.emitted])
+            .collect();
+        let slope = differences(&asked);
+        let curvature = differences(&slope);
+        Self { asked, emitted, slope, curvature }
+    }
+}
+
+/// Central differences, half a sample further in at each end.
+fn differences(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])]).collect()
+}

@@ -1,0 +1,139 @@
+//! Options that several commands share: what is drawn, and how it becomes codes.
+
+use std::path::PathBuf;
+
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, builder::PossibleValuesParser};
+
+use super::UsageError;
+use crate::{
+    light::{Bits, Dither, Transfer},
+    stimulus::{KINDS, Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
+    store,
+};
+
+/// How light becomes codes.
+#[derive(clap::Args)]
+pub(super) struct ImageOptions {
+    /// Side of the image in pixels.
+    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub(super) size: u32,
+    /// Transfer function of the display: srgb, linear or gamma:G.
+    #[arg(long, conflicts_with = "display")]
+    transfer: Option<String>,
+    /// Display profile.
+    #[arg(long, value_name = "FILE")]
+    display: Option<PathBuf>,
+    /// Bits a channel.
+    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
+    bits: String,
+    /// none, ordered, blue-noise or random; ordered:bayer2, 4, 8, 16 and ordered:clustered2, 3 name the matrix.
+    #[arg(long, default_value = "none")]
+    dither: String,
+    /// Seed of the random dither.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+impl ImageOptions {
+    /// The complete description of an image of this stimulus.
+    pub(super) fn recipe(&self, stimulus: Stimulus) -> anyhow::Result<Recipe> {
+        let usage = |message: String| UsageError(message);
+        let transfer: Transfer = match (&self.display, &self.transfer) {
+            (Some(path), _) => store::profile::open(path)?.transfer,
+            (None, Some(text)) => text.parse().map_err(|error| usage(format!("--transfer: {error}")))?,
+            (None, None) => Transfer::Srgb,
+        };
+        Ok(Recipe {
+            stimulus,
+            size: self.size,
+            transfer,
+            bits: self.bits.parse::<Bits>().map_err(|error| usage(format!("--bits: {error}")))?,
+            dither: self.dither.parse::<Dither>().map_err(|error| usage(format!("--dither: {error}")))?,
+            seed: self.seed,
+        })
+    }
+}
+
+/// What is drawn: `--kind`, and an option for every parameter that any kind in the catalog has.
+pub(super) struct StimulusOptions {
+    kind: String,
+    given: Vec<(&'static str, String)>,
+}
+
+impl StimulusOptions {
+    /// The stimulus.
+    ///
+    /// # Errors
+    /// Every parameter that the kind does not have or that cannot have its value.
+    pub(super) fn stimulus(&self) -> anyhow::Result<Stimulus> {
+        let fail = |faults: Vec<String>| UsageError(faults.join("\n"));
+        let mut stimulus = Stimulus::default_of(&self.kind)
+            .ok_or_else(|| fail(vec![format!("kind {} is not known; expected one of {}", self.kind, KINDS.join(", "))]))?;
+        let mut faults = Vec::new();
+        for (name, text) in &self.given {
+            let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
+            if let Err(error) = stimulus.set(name, &value) {
+                faults.push(error.to_string());
+            }
+        }
+        if faults.is_empty()
+            && let Err(errors) = stimulus.validate()
+        {
+            faults.extend(errors.iter().map(ToString::to_string));
+        }
+        if faults.is_empty() { Ok(stimulus) } else { Err(fail(faults).into()) }
+    }
+}
+
+/// Every parameter in the catalog once, with the kinds that have it.
+fn parameters() -> Vec<(&'static Parameter, Vec<&'static str>)> {
+    let mut found: Vec<(&Parameter, Vec<&str>)> = Vec::new();
+    for entry in catalog::all() {
+        for parameter in entry.default_stimulus().parameters() {
+            match found.iter_mut().find(|(known, _)| known.name == parameter.name) {
+                Some((_, kinds)) => kinds.push(entry.kind),
+                None => found.push((parameter, vec![entry.kind])),
+            }
+        }
+    }
+    found
+}
+
+impl Args for StimulusOptions {
+    fn augment_args(command: Command) -> Command {
+        let kind = Arg::new("kind")
+            .long("kind")
+            .default_value(KINDS[0])
+            .value_parser(PossibleValuesParser::new(KINDS))
+            .help("Kind of stimulus");
+        parameters().into_iter().fold(command.arg(kind), |command, (parameter, kinds)| {
+            let of = if kinds.len() == KINDS.len() { String::new() } else { format!(" [{}]", kinds.join(", ")) };
+            command.arg(
+                Arg::new(parameter.name)
+                    .long(parameter.option())
+                    .value_name(parameter.levels_hint.first().copied().unwrap_or("VALUE"))
+                    .allow_hyphen_values(true)
+                    .help(format!("{}{of}", parameter.description)),
+            )
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for StimulusOptions {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let text = |name: &str| matches.get_one::<String>(name).cloned();
+        Ok(Self {
+            kind: text("kind").unwrap_or_else(|| KINDS[0].to_owned()),
+            given: parameters().into_iter().filter_map(|(parameter, _)| Some((parameter.name, text(parameter.name)?))).collect(),
+        })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,80 @@
+//! `machband stimuli`
+
+use std::{path::PathBuf, str::FromStr, thread::available_parallelism, time::Instant};
+
+use indicatif::ProgressBar;
+
+use super::{options::ImageOptions, parallel, progress_style};
+use crate::store::{definition, manifest::Manifest};
+
+/// Write every distinct condition of a definition as an image, and a manifest.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples: machband stimuli bangay2003 --out stimuli --size 512 --bits 16\n          machband stimuli bangay2003 --out stimuli --shard $SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT"
+)]
+pub(super) struct Arguments {
+    /// Built-in definition or path of a .toml file.
+    experiment: String,
+    /// Folder for the images.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Only the I-th of N parts, I from 1: for several machines, or the tasks of a job array.
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    image: ImageOptions,
+}
+
+/// Which part of the work is done here.
+#[derive(Clone, Copy, Debug)]
+struct Shard {
+    index: usize,
+    of: usize,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (index, of) = text.split_once('/').ok_or_else(|| format!("shard {text:?} has no slash; expected I/N such as 1/3"))?;
+        match (index.parse(), of.parse()) {
+            (Ok(index), Ok(of)) if (1..=of).contains(&index) && of <= 1_000_000 => Ok(Self { index, of }),
+            _ => Err(format!("shard {text:?} is no part of a whole; expected I/N with 1 ≤ I ≤ N ≤ 1000000, such as 1/3")),
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let started = Instant::now();
+    let protocol = definition::open(&arguments.experiment)?;
+    let conditions = protocol.conditions()?;
+    let recipes = conditions
+        .iter()
+        .map(|condition| arguments.image.recipe(condition.stimulus.clone()))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let Shard { index, of } = arguments.shard;
+    let manifest = Manifest::open(&arguments.out, &protocol, &conditions, &recipes, (index, of))?;
+    let mine: Vec<usize> = (0..recipes.len()).filter(|i| i % of == index - 1).collect();
+    let missing: Vec<usize> = mine.iter().copied().filter(|i| !manifest.is_made(*i)).collect();
+    let bar = ProgressBar::new(missing.len() as u64).with_style(progress_style("images"));
+    if let Some(first) = missing.first() {
+        let quantizer = recipes[*first].quantizer();
+        let threads = available_parallelism().map_or(1, usize::from);
+        parallel::each(missing.len(), threads, |i| {
+            manifest.make(missing[i], &quantizer)?;
+            bar.inc(1);
+            anyhow::Ok(())
+        })?;
+    }
+    bar.finish_and_clear();
+    let whole = manifest.finish(&mine)?;
+    println!(
+        "{} images made, {} kept, in {}, {:.1} s{}",
+        missing.len(),
+        mine.len() - missing.len(),
+        arguments.out.display(),
+        started.elapsed().as_secs_f64(),
+        if whole { "" } else { "; manifest.csv follows when every shard is done" }
+    );
+    Ok(())
+}

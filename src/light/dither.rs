@@ -1,0 +1,309 @@
+//! Dither: which of the two codes that enclose a value a pixel gets, by its place, so that the light of
+//! many pixels is on average the light that was asked for.
+//!
+//! Every kind compares in linear light: between the codes c and c + 1, whose relative luminances L(c)
+//! and L(c + 1) enclose v, p = (v − L(c)) / (L(c + 1) − L(c)) is the share of pixels that should have
+//! the upper code, and the pixel at (x, y) has it iff p > t(x, y). The thresholds t are spread evenly
+//! over the open interval (0, 1); they are all that the kinds differ in.
+//!
+//! - A value that is a code's own luminance, to within one unit of f32's last place, gets that code
+//!   everywhere, without noise.
+//! - Red, green and blue of a pixel share its threshold: equal values give equal codes, a yellow stays
+//!   yellow and a gray gray.
+//! - Thresholds depend on the pixel's place and the seed only, and are the same on every machine.
+
+use std::fmt;
+use std::str::FromStr;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use super::blue_noise;
+use super::image::LinearImage;
+use super::matrix::{DitherMatrix, DitherMatrixError};
+
+/// How pixels between two codes are decided. Written `none`, `ordered`, `ordered:MATRIX` with the name
+/// of a [`DitherMatrix`], `blue-noise` or `random`; the seed of the last has no place in the text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Dither {
+    /// The nearest code, in encoded space: no dither.
+    #[default]
+    None,
+    /// A small matrix, repeated. Written without a matrix it is [`DitherMatrix::Bayer8`].
+    Ordered(DitherMatrix),
+    /// The 64 × 64 mask of [`blue_noise`], repeated.
+    BlueNoise,
+    /// Random thresholds, stratified: every tile of 4 × 4 pixels has one threshold in each sixteenth of
+    /// (0, 1), and each 2 × 2 quarter of it one in each quarter of (0, 1); which pixel has which, and
+    /// where in its share a threshold lies, is random. Plain white noise misses the mean of 16 × 16
+    /// pixels by up to an eighth of a code; this, by less than a tenth.
+    Random {
+        /// Which of the patterns.
+        seed: u64,
+    },
+}
+
+/// Why something is not a [`Dither`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DitherError {
+    /// A text that names no dither.
+    #[error("dither {0:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random")]
+    Unknown(String),
+    /// An ordered dither by a matrix that is not there.
+    #[error(transparent)]
+    Matrix(#[from] DitherMatrixError),
+}
+
+impl Dither {
+    /// The seed of `random` where none is given.
+    pub const DEFAULT_SEED: u64 = 1;
+
+    /// This dither with the seed `seed`; the same, if it is not random.
+    #[must_use]
+    pub const fn with_seed(self, seed: u64) -> Self {
+        match self {
+            Dither::Random { .. } => Dither::Random { seed },
+            other => other,
+        }
+    }
+
+    /// The share of the step to the next code that a value must exceed to get that code in column `x`
+    /// and row `y`, both from 0 at the top left; strictly between 0 and 1. `None` without dither.
+    ///
+    /// The definition. [`Quantizer::quantize_with`](super::Quantizer::quantize_with) uses the same
+    /// thresholds, a row at a time.
+    #[must_use]
+    pub fn threshold(&self, x: u32, y: u32) -> Option<f64> {
+        match *self {
+            Dither::None => None,
+            Dither::Ordered(matrix) => Some(from_rank(matrix.rank(x, y), matrix.size())),
+            Dither::BlueNoise => {
+                let size = blue_noise::MASK_SIZE;
+                let at = 2 * (y % size * size + x % size) as usize;
+                let rank = u16::from_le_bytes([blue_noise::MASK_BYTES[at], blue_noise::MASK_BYTES[at + 1]]);
+                Some(from_rank(rank, size))
+            }
+            Dither::Random { seed } => {
+                let mut tiles = Tiles::new(seed);
+                tiles.seek(x / TILE, y / TILE);
+                Some(tiles.next()[(y % TILE * TILE + x % TILE) as usize])
+            }
+        }
+    }
+}
+
+impl fmt::Display for Dither {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Dither::None => f.write_str("none"),
+            Dither::Ordered(matrix) if *matrix == DitherMatrix::default() => f.write_str("ordered"),
+            Dither::Ordered(matrix) => write!(f, "ordered:{matrix}"),
+            Dither::BlueNoise => f.write_str("blue-noise"),
+            Dither::Random { .. } => f.write_str("random"),
+        }
+    }
+}
+
+impl FromStr for Dither {
+    type Err = DitherError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let text = text.trim();
+        match text {
+            "none" => Ok(Dither::None),
+            "ordered" => Ok(Dither::Ordered(DitherMatrix::default())),
+            "blue-noise" => Ok(Dither::BlueNoise),
+            "random" => Ok(Dither::Random { seed: Dither::DEFAULT_SEED }),
+            _ => match text.strip_prefix("ordered:") {
+                Some(matrix) => Ok(Dither::Ordered(matrix.parse()?)),
+                None => Err(DitherError::Unknown(text.to_owned())),
+            },
+        }
+    }
+}
+
+/// The threshold of `rank` among `size`²: the middle of its share of (0, 1).
+pub(super) fn from_rank(rank: u16, size: u32) -> f64 {
+    (f64::from(rank) + 0.5) / f64::from(size * size)
+}
+
+/// Pixels a side of a tile of [`Dither::Random`].
+const TILE: u32 = 4;
+/// Pixels of a tile, and strata of (0, 1).
+const STRATA: usize = (TILE * TILE) as usize;
+/// Where the quarters of a tile begin, and the places of a quarter from there.
+const QUARTERS: [usize; 4] = [0, 2, 8, 10];
+const PLACES: [usize; 4] = [0, 1, 4, 5];
+/// Random words of a tile: 16 jitters, 12 for strata to quarters, 12 for places within quarters, 8
+/// not used.
+const WORDS: u32 = 48;
+/// First stream of the generator; the streams are one for each row of tiles. Any place that other
+/// users of the same seed keep out of will do.
+const FIRST_STREAM: u64 = u64::from_be_bytes(*b"dith\0\0\0\0");
+
+/// The tiles of [`Dither::Random`]: ChaCha8 with the seed, stream [`FIRST_STREAM`] + row of tiles, from
+/// word [`WORDS`] · column of tiles.
+struct Tiles(ChaCha8Rng);
+
+impl Tiles {
+    fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    fn seek(&mut self, column: u32, row: u32) {
+        self.0.set_stream(FIRST_STREAM + u64::from(row));
+        self.0.set_word_pos(u128::from(column) * u128::from(WORDS));
+    }
+
+    /// The thresholds of the tile here, row by row; then on to the one at its right.
+    fn next(&mut self) -> [f64; STRATA] {
+        // quarters[i][k]: what the i-th quarter of the tile has in the k-th quarter of (0, 1).
+        let mut quarters = [[0.0; 4]; 4];
+        for k in 0..4 {
+            let strata = [0, 1, 2, 3].map(|s| (f64::from(4 * k + s) + self.unit()) / STRATA as f64);
+            for (quarter, stratum) in quarters.iter_mut().zip(self.shuffled(strata)) {
+                quarter[k as usize] = stratum;
+            }
+        }
+        let mut tile = [0.0; STRATA];
+        for (first, quarter) in QUARTERS.into_iter().zip(quarters) {
+            for (place, threshold) in PLACES.into_iter().zip(self.shuffled(quarter)) {
+                tile[first + place] = threshold;
+            }
+        }
+        for _ in 40..WORDS {
+            self.0.next_u32();
+        }
+        tile
+    }
+
+    /// A number strictly between 0 and 1, of one word.
+    fn unit(&mut self) -> f64 {
+        (f64::from(self.0.next_u32()) + 0.5) / 2f64.powi(32)
+    }
+
+    /// Fisher and Yates, of three words. 32 bits are so many more than 4 places that no pick needs
+    /// repeating.
+    fn shuffled(&mut self, mut four: [f64; 4]) -> [f64; 4] {
+        for last in (1..4).rev() {
+            let pick = u64::from(self.0.next_u32()) * (last as u64 + 1) >> 32;
+            four.swap(last, pick as usize);
+        }
+        four
+    }
+}
+
+/// The thresholds of an image, row by row from the top.
+pub(super) struct Thresholds {
+    rows: Rows,
+    /// Pixels a row.
+    width: usize,
+}
+
+enum Rows {
+    /// A square of `size` pixels a side, repeated.
+    Periodic { size: usize, thresholds: Vec<f64> },
+    /// Tiles, and the thresholds of the row of tiles that was asked for last.
+    Tiled { tiles: Tiles, band: Vec<[f64; STRATA]> },
+}
+
+impl Thresholds {
+    /// For an image of `width` pixels a row. `None` without dither.
+    pub(super) fn new(dither: &Dither, width: u32) -> Option<Self> {
+        let width = width as usize;
+        let periodic = |size: u32, ranks: Vec<u16>| Rows::Periodic {
+            size: size as usize,
+            thresholds: ranks.into_iter().map(|rank| from_rank(rank, size)).collect(),
+        };
+        let rows = match *dither {
+            Dither::None => return None,
+            Dither::Ordered(matrix) => periodic(matrix.size(), matrix.ranks()),
+            Dither::BlueNoise => periodic(blue_noise::MASK_SIZE, blue_noise::mask()),
+            Dither::Random { seed } => Rows::Tiled {
+                tiles: Tiles::new(seed),
+                band: vec![[0.0; STRATA]; width.div_ceil(TILE as usize)],
+            },
+        };
+        Some(Self { rows, width })
+    }
+
+    /// `code(linear, threshold)` of every sample of `image`, in its order.
+    pub(super) fn map<T: Copy>(mut self, image: &LinearImage, code: impl Fn(f32, f64) -> T) -> Vec<T> {
+        let mut codes = Vec::with_capacity(image.data.len());
+        let mut thresholds = vec![0.0; self.width];
+        // An image without columns has no samples.
+        for (y, row) in (0..).zip(image.data.chunks_exact(3 * self.width.max(1))) {
+            self.rows.write(y, &mut thresholds);
+            for (rgb, &threshold) in row.chunks_exact(3).zip(&thresholds) {
+                let first = code(rgb[0], threshold);
+                // Grays and yellows are common.
+                let again = |linear: f32| if linear == rgb[0] { first } else { code(linear, threshold) };
+                codes.extend([first, again(rgb[1]), again(rgb[2])]);
+            }
+        }
+        codes
+    }
+}
+
+impl Rows {
+    /// Writes the thresholds of row `y`. Rows are asked for in order from 0.
+    fn write(&mut self, y: u32, row: &mut [f64]) {
+        match self {
+            Rows::Periodic { size, thresholds } => {
+                let period = &thresholds[y as usize % *size * *size..][..*size];
+                for piece in row.chunks_mut(*size) {
+                    piece.copy_from_slice(&period[..piece.len()]);
+                }
+            }
+            Rows::Tiled { tiles, band } => {
+                if y % TILE == 0 {
+                    tiles.seek(0, y / TILE);
+                    band.iter_mut().for_each(|tile| *tile = tiles.next());
+                }
+                let first = (y % TILE * TILE) as usize;
+                for (piece, tile) in row.chunks_mut(TILE as usize).zip(band) {
+                    piece.copy_from_slice(&tile[first..][..piece.len()]);
+                }
+            }
+        }
+    }
+}
+
+/// The relative luminance of every code of a device, ready for decisions between two of them.
+#[derive(Clone, Debug)]
+pub(super) struct Levels(Vec<f32>);
+
+impl Levels {
+    /// The device whose code c makes `levels[c]`, from 0 to 1, rising. They are rounded to f32, as images
+    /// are: what a machine's powers differ in goes.
+    pub(super) fn new(levels: impl Iterator<Item = f64>) -> Self {
+        Self(levels.map(|level| level as f32).collect())
+    }
+
+    /// The luminance of `code`.
+    pub(super) fn level(&self, code: u16) -> f64 {
+        f64::from(self.0[usize::from(code)])
+    }
+
+    /// The largest code that makes no more light than `linear`; 0 for light below 0 and NaN.
+    pub(super) fn at_most(&self, linear: f32) -> u16 {
+        // At most 2¹⁶ codes, the first of them dark.
+        self.0.partition_point(|&level| level <= linear).saturating_sub(1) as u16
+    }
+
+    /// The code of `linear` where the threshold is `threshold`, one of the two codes that enclose it.
+    /// `near` is one of these too. Light outside 0…1 gets the nearest code, NaN code 0.
+    #[inline]
+    pub(super) fn decide(&self, linear: f32, threshold: f64, near: u16) -> u16 {
+        let near = usize::from(near);
+        let lower = if linear < self.0[near] { near.saturating_sub(1) } else { near };
+        let (low, Some(&high)) = (self.0[lower], self.0.get(lower + 1)) else { return lower as u16 };
+        // Light a rounding away from a code's is that code's. NaN is above nothing.
+        let above = linear > low.next_up() && {
+            let (linear, low, high) = (f64::from(linear), f64::from(low), f64::from(high));
+            linear - low > threshold * (high - low)
+        };
+        // `lower` is at most `near`.
+        (if above || linear >= high.next_down() && linear > low { lower + 1 } else { lower }) as u16
+    }
+}

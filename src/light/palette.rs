@@ -1,0 +1,379 @@
+//! Fewer colors: an image of 8-bit codes reduced to a palette, and how far its light is then off. Shoaff §2.2.10.
+//!
+//! Where colors are counted and boxed, codes are compared; where colors are averaged, or one is near another, light is: a
+//! box's color is that of its mean light, and a pixel gets the palette's nearest in linear light. So of every palette the
+//! error that is reported is the least it allows.
+//!
+//! The same on every machine: no threads, no random numbers, ties decided by the codes, sums in one order.
+
+use std::fmt;
+use std::str::FromStr;
+
+use quantette::deps::palette::LinSrgb;
+use quantette::wu::{BinnerF32x3, WuF32x3};
+use quantette::{PaletteCounts, PaletteSize};
+
+use super::gamma::Transfer;
+use super::image::{CodeImage, Samples};
+use super::quantize::{Bits, Quantizer};
+
+/// Most colors that an 8-bit index tells apart.
+pub const MOST_COLORS: usize = 256;
+
+/// How the colors of a palette are chosen. Written `popularity`, `median-cut` or `k-means`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Reducer {
+    /// The most frequent colors, as they are. Shoaff §2.2.10, solution 2; Heckbert 1982 §3.2, without his reduction to 5 bits
+    /// beforehand.
+    Popularity,
+    /// The box around all colors is split at the median of its longest side, and again the fullest box that can be, until
+    /// there are enough; each box gives its mean. Shoaff §2.2.10, solution 3; Heckbert 1982, *Color image quantization for
+    /// frame buffer display*, Computer Graphics 16(3):297, doi:10.1145/965145.801294.
+    MedianCut,
+    /// Boxes of least variance (Wu 1992, doi:10.1145/146443.146475, by the crate quantette) as the beginning of k-means
+    /// (Celebi 2011, doi:10.1016/j.imavis.2010.10.002), both in linear light.
+    KMeans,
+}
+
+impl Reducer {
+    /// All of them.
+    pub const ALL: [Reducer; 3] = [Reducer::Popularity, Reducer::MedianCut, Reducer::KMeans];
+}
+
+/// A text that names no [`Reducer`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0:?} is no way to reduce colors; expected popularity, median-cut or k-means")]
+pub struct ReducerError(String);
+
+impl fmt::Display for Reducer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Reducer::Popularity => "popularity",
+            Reducer::MedianCut => "median-cut",
+            Reducer::KMeans => "k-means",
+        })
+    }
+}
+
+impl FromStr for Reducer {
+    type Err = ReducerError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let text = text.trim();
+        let known = Reducer::ALL.into_iter().find(|reducer| reducer.to_string() == text);
+        known.ok_or_else(|| ReducerError(text.to_owned()))
+    }
+}
+
+/// Why an image was not reduced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PaletteError {
+    /// No palette, or one that 8-bit indices cannot point into.
+    #[error("a palette of {0} colors cannot be made; expected 1 to 256")]
+    Colors(usize),
+    /// More bits than a palette has.
+    #[error("the image has 16-bit codes; expected one of 8 bits, which is what palettes hold")]
+    SixteenBits,
+    /// More pixels than can be counted.
+    #[error("the image has {0} pixels; expected at most 4294967295")]
+    Pixels(usize),
+}
+
+/// How far the light of a reduced image is from that of the original, over all pixels and the three channels. Relative
+/// luminances, 0…1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightError {
+    /// Root of the mean of the squares.
+    pub rms: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+/// An image as a palette and an index for every pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IndexedImage {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green and blue codes; at most as many as were asked for, in rising order, none twice.
+    pub palette: Vec<[u8; 3]>,
+    /// Index into the palette of every pixel, row by row from the top left.
+    pub indices: Vec<u8>,
+    /// What the reduction cost.
+    pub error: LightError,
+}
+
+impl IndexedImage {
+    /// The image with a pixel's codes in place of its index.
+    #[must_use]
+    pub fn codes(&self) -> CodeImage {
+        let codes = self.indices.iter().flat_map(|&index| self.palette[usize::from(index)]).collect();
+        CodeImage { width: self.width, height: self.height, samples: Samples::Eight(codes) }
+    }
+}
+
+/// A color of the image.
+#[derive(Clone, Copy, Debug)]
+struct Tally {
+    codes: [u8; 3],
+    /// Its relative luminances.
+    light: [f64; 3],
+    /// Pixels that have it.
+    count: u32,
+}
+
+/// The image `image`, of a display that `transfer` describes, in at most `colors` colors.
+///
+/// An image of no more colors than that keeps them all.
+///
+/// # Errors
+/// When `colors` is not within 1…256, or the image has 16 bits or 2³² pixels.
+pub fn reduce(
+    image: &CodeImage,
+    transfer: &Transfer,
+    colors: usize,
+    reducer: Reducer,
+) -> Result<IndexedImage, PaletteError> {
+    if !(1..=MOST_COLORS).contains(&colors) {
+        return Err(PaletteError::Colors(colors));
+    }
+    let pixels = image.bytes().ok_or(PaletteError::SixteenBits)?.as_chunks::<3>().0;
+    if u32::try_from(pixels.len()).is_err() {
+        return Err(PaletteError::Pixels(pixels.len()));
+    }
+    let quantizer = Quantizer::new(transfer, Bits::Eight);
+    let tallies = count(pixels, &quantizer);
+    let mut palette = if tallies.len() <= colors {
+        tallies.iter().map(|tally| tally.codes).collect()
+    } else {
+        match reducer {
+            Reducer::Popularity => most_frequent(&tallies, colors),
+            Reducer::MedianCut => median_cut(&tallies, colors, &quantizer),
+            Reducer::KMeans => k_means(&tallies, colors, &quantizer),
+        }
+    };
+    palette.sort_unstable();
+    palette.dedup();
+    Ok(index(image, pixels, palette, &tallies, &quantizer))
+}
+
+/// Every color, in rising order of its codes.
+fn count(pixels: &[[u8; 3]], quantizer: &Quantizer) -> Vec<Tally> {
+    let linear: Vec<f64> = (0..=255).map(|code| quantizer.linear(code)).collect();
+    let mut runs: Vec<([u8; 3], u32)> = Vec::new();
+    for &codes in pixels {
+        match runs.last_mut() {
+            Some((last, count)) if *last == codes => *count += 1,
+            _ => runs.push((codes, 1)),
+        }
+    }
+    runs.sort_unstable_by_key(|&(codes, _)| codes);
+    let mut tallies: Vec<Tally> = Vec::new();
+    for (codes, count) in runs {
+        match tallies.last_mut() {
+            Some(tally) if tally.codes == codes => tally.count += count,
+            _ => tallies.push(Tally { codes, light: codes.map(|code| linear[usize::from(code)]), count }),
+        }
+    }
+    tallies
+}
+
+fn most_frequent(tallies: &[Tally], colors: usize) -> Vec<[u8; 3]> {
+    let mut tallies = tallies.to_vec();
+    // Stable: of equally frequent colors the one of lower codes comes first.
+    tallies.sort_by_key(|tally| std::cmp::Reverse(tally.count));
+    tallies[..colors].iter().map(|tally| tally.codes).collect()
+}
+
+/// The codes of the mean light of `tallies`, which are not none.
+fn mean_codes(tallies: &[Tally], quantizer: &Quantizer) -> [u8; 3] {
+    let mut sum = Sum::default();
+    tallies.iter().for_each(|tally| sum.add(tally));
+    codes_of(sum.mean(), quantizer)
+}
+
+/// Codes of the light `light`.
+fn codes_of(light: [f64; 3], quantizer: &Quantizer) -> [u8; 3] {
+    // An 8-bit code fits.
+    light.map(|value| quantizer.code(value as f32) as u8)
+}
+
+/// Light added up.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    light: [f64; 3],
+    count: f64,
+}
+
+impl Sum {
+    fn add(&mut self, tally: &Tally) {
+        let count = f64::from(tally.count);
+        for (sum, value) in self.light.iter_mut().zip(tally.light) {
+            *sum += count * value;
+        }
+        self.count += count;
+    }
+
+    fn mean(&self) -> [f64; 3] {
+        self.light.map(|sum| sum / self.count)
+    }
+}
+
+/// The longest side of the box of codes around `tallies`: its length, and the channel; the first of equals.
+fn longest_side(tallies: &[Tally]) -> (u8, usize) {
+    let side = |channel: usize| {
+        let codes = || tallies.iter().map(|tally| tally.codes[channel]);
+        codes().max().unwrap_or(0) - codes().min().unwrap_or(0)
+    };
+    (1..3).fold((side(0), 0), |longest, channel| if side(channel) > longest.0 { (side(channel), channel) } else { longest })
+}
+
+fn median_cut(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 3]> {
+    let mut boxes = vec![tallies.to_vec()];
+    while boxes.len() < colors {
+        let pixels = |tallies: &[Tally]| tallies.iter().map(|tally| u64::from(tally.count)).sum::<u64>();
+        let splittable = boxes.iter().enumerate().filter(|(_, tallies)| tallies.len() > 1);
+        // The first of equally full boxes.
+        let Some((fullest, _)) = splittable.max_by_key(|(at, tallies)| (pixels(tallies), std::cmp::Reverse(*at))) else {
+            break;
+        };
+        let mut lower = std::mem::take(&mut boxes[fullest]);
+        let (_, channel) = longest_side(&lower);
+        lower.sort_by_key(|tally| tally.codes[channel]);
+        let upper = lower.split_off(median(&lower));
+        boxes[fullest] = lower;
+        boxes.push(upper);
+    }
+    boxes.iter().map(|tallies| mean_codes(tallies, quantizer)).collect()
+}
+
+/// How many of the sorted `tallies`, at least 2, hold half of the pixels, or as near to it as can be; neither none nor all.
+fn median(tallies: &[Tally]) -> usize {
+    let total: u64 = tallies.iter().map(|tally| u64::from(tally.count)).sum();
+    let mut below = 0;
+    for (at, tally) in tallies.iter().enumerate() {
+        let with = below + u64::from(tally.count);
+        if 2 * with >= total {
+            // The cut before this color or after it, whichever is nearer to the middle.
+            let at = if total - 2 * below < 2 * with - total { at } else { at + 1 };
+            return at.clamp(1, tallies.len() - 1);
+        }
+        below = with;
+    }
+    tallies.len() - 1
+}
+
+/// Bins a side of Wu's histogram, spread over the range of light that the image has.
+const BINS: usize = 64;
+/// Rounds of k-means after which it is left as it is. It gets better with every round; most images take fewer.
+const MOST_ROUNDS: usize = 64;
+
+fn k_means(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 3]> {
+    let mut centers = least_variance(tallies, colors);
+    // Wu cannot split a bin. The colors worst served join in.
+    let mut distances: Vec<f64> = tallies.iter().map(|tally| nearest(&centers, tally.light).1).collect();
+    while centers.len() < colors {
+        let cost = |at: usize| distances[at] * f64::from(tallies[at].count);
+        let worst = (0..tallies.len()).fold(0, |worst, at| if cost(at) > cost(worst) { at } else { worst });
+        if distances[worst] <= 0.0 {
+            break;
+        }
+        let center = tallies[worst].light;
+        for (distance, tally) in distances.iter_mut().zip(tallies) {
+            *distance = distance.min(squared_distance(center, tally.light));
+        }
+        centers.push(center);
+    }
+    let mut chosen: Vec<usize> = vec![usize::MAX; tallies.len()];
+    for _ in 0..MOST_ROUNDS {
+        let mut sums = vec![Sum::default(); centers.len()];
+        let mut changed = false;
+        for (tally, chosen) in tallies.iter().zip(&mut chosen) {
+            let (at, _) = nearest(&centers, tally.light);
+            changed |= std::mem::replace(chosen, at) != at;
+            sums[at].add(tally);
+        }
+        if !changed {
+            break;
+        }
+        for (center, sum) in centers.iter_mut().zip(&sums) {
+            if sum.count > 0.0 {
+                *center = sum.mean();
+            }
+        }
+    }
+    centers.into_iter().map(|center| codes_of(center, quantizer)).collect()
+}
+
+/// Centers of at most `colors` boxes of little variance in linear light.
+fn least_variance(tallies: &[Tally], colors: usize) -> Vec<[f64; 3]> {
+    let ranges = [0, 1, 2].map(|channel| {
+        let light = || tallies.iter().map(|tally| tally.light[channel] as f32);
+        let (least, most) = (light().fold(f32::INFINITY, f32::min), light().fold(f32::NEG_INFINITY, f32::max));
+        (least, if most > least { most } else { least + 1.0 })
+    });
+    let light = tallies.iter().map(|tally| LinSrgb::from(tally.light.map(|value| value as f32))).collect();
+    let counts = tallies.iter().map(|tally| tally.count).collect();
+    let size = PaletteSize::try_from(colors).unwrap_or(PaletteSize::MAX);
+    let binner = BinnerF32x3::<BINS, BINS, BINS>::new(ranges);
+    let boxes = PaletteCounts::new(light, counts).ok().and_then(|counts| WuF32x3::run_palette_counts(&counts, binner));
+    let centers = boxes.map(|boxes| boxes.palette(size));
+    centers.map_or_else(Vec::new, |centers| {
+        centers.iter().map(|center| [center.red, center.green, center.blue].map(f64::from)).collect()
+    })
+}
+
+#[inline]
+fn squared_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    x * x + y * y + z * z
+}
+
+/// The nearest of `centers` to `light`, the first of equals, and the square of its distance; ∞ if there are none.
+fn nearest(centers: &[[f64; 3]], light: [f64; 3]) -> (usize, f64) {
+    let mut best = (0, f64::INFINITY);
+    for (at, &center) in centers.iter().enumerate() {
+        let distance = squared_distance(center, light);
+        if distance < best.1 {
+            best = (at, distance);
+        }
+    }
+    best
+}
+
+/// Gives every pixel its nearest color in `palette`.
+fn index(
+    image: &CodeImage,
+    pixels: &[[u8; 3]],
+    palette: Vec<[u8; 3]>,
+    tallies: &[Tally],
+    quantizer: &Quantizer,
+) -> IndexedImage {
+    let centers: Vec<[f64; 3]> =
+        palette.iter().map(|codes| codes.map(|code| quantizer.linear(u16::from(code)))).collect();
+    let (mut squares, mut max) = (0.0, 0.0f64);
+    let chosen: Vec<u8> = tallies
+        .iter()
+        .map(|tally| {
+            let (at, distance) = nearest(&centers, tally.light);
+            squares += distance * f64::from(tally.count);
+            max = tally.light.iter().zip(centers[at]).fold(max, |max, (light, center)| max.max((light - center).abs()));
+            // At most 256 colors.
+            at as u8
+        })
+        .collect();
+    let mut last = None;
+    let indices = pixels.iter().map(|&codes| match last {
+        Some((same, index)) if same == codes => index,
+        _ => {
+            // Every color of the image has its tally.
+            let at = tallies.binary_search_by_key(&codes, |tally| tally.codes).unwrap_or(0);
+            last = Some((codes, chosen[at]));
+            chosen[at]
+        }
+    });
+    let indices = indices.collect();
+    let rms = if pixels.is_empty() { 0.0 } else { (squares / (3 * pixels.len()) as f64).sqrt() };
+    IndexedImage { width: image.width, height: image.height, palette, indices, error: LightError { rms, max } }
+}

@@ -1,0 +1,204 @@
+//! How a ramp passes from the light of one plateau to that of the other: Shoaff §2.2.9.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::{MachBand, Ramp, light};
+use crate::light::Quantizer;
+use crate::light::color::{Lab, Primaries, lab_from_xyz, xyz_from_lab};
+use crate::light::color_models::{Hsv, hsv_from_rgb, rgb_from_hsv, wrapped_deg};
+use crate::stimulus::color::StimulusColor;
+use crate::stimulus::orientation::Grid;
+
+/// The space in which a ramp is straight. Written `rgb`, `hsv` or `lab`.
+///
+/// Between two luminances of one color `rgb` and `hsv` are the same ramp. Between two colors they are not: half-way from
+/// (1,0,0) to (0,1,0) is (½,½,0) in RGB and (1,1,0) in HSV, Shoaff §2.2.9.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RampSpace {
+    /// Linear light, which is also XYZ's and CMY's straight line.
+    #[default]
+    Rgb,
+    /// Value, saturation and hue of the linear light, the hue along the shorter arc; of two equal arcs, along the one that
+    /// rises. A gray plateau has the other's hue, and black its color's hue and saturation.
+    Hsv,
+    /// CIELAB, white and primaries those of sRGB; what is then outside the gamut is clipped, channel by channel.
+    Lab,
+}
+
+impl RampSpace {
+    const ALL: [RampSpace; 3] = [RampSpace::Rgb, RampSpace::Hsv, RampSpace::Lab];
+
+    /// Whether this is what files leave out.
+    pub(super) fn is_default(&self) -> bool {
+        *self == RampSpace::default()
+    }
+}
+
+/// A text that names no [`RampSpace`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0:?} is not a space that a ramp can be straight in; expected rgb, hsv or lab")]
+pub struct RampSpaceError(String);
+
+impl fmt::Display for RampSpace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            RampSpace::Rgb => "rgb",
+            RampSpace::Hsv => "hsv",
+            RampSpace::Lab => "lab",
+        })
+    }
+}
+
+impl FromStr for RampSpace {
+    type Err = RampSpaceError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let text = text.trim();
+        let known = RampSpace::ALL.into_iter().find(|space| space.to_string() == text);
+        known.ok_or_else(|| RampSpaceError(text.to_owned()))
+    }
+}
+
+/// The light between two plateaus, ready to be evaluated many times.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Passage {
+    /// The luminance changes, the color does not: `weights` times Bangay's L.
+    OneColor { weights: [f64; 3] },
+    /// From one light to another.
+    Between { low: [f64; 3], high: [f64; 3], course: Course },
+}
+
+/// Which way from one light to another.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Course {
+    Rgb,
+    /// From `low` by `arc` degrees.
+    Hsv {
+        low: Hsv,
+        high: Hsv,
+        arc: f64,
+    },
+    Lab {
+        low: Lab,
+        high: Lab,
+    },
+}
+
+impl Passage {
+    pub fn new(band: &MachBand) -> Self {
+        let (color, color_high) = (band.color, band.color_high.unwrap_or(band.color));
+        // A catch trial is uniform to the last bit, in whichever space.
+        if color == color_high && (band.space != RampSpace::Lab || band.low == band.high) {
+            return Passage::OneColor { weights: color.rgb() };
+        }
+        let [low, high] = [(color, band.low), (color_high, band.high)]
+            .map(|(color, level)| color.rgb().map(|weight| weight * level));
+        let course = match band.space {
+            _ if low == high => Course::Rgb,
+            RampSpace::Rgb => Course::Rgb,
+            RampSpace::Hsv => hsv_course(color, band.low, color_high, band.high),
+            RampSpace::Lab => {
+                let [low, high] = [low, high].map(|rgb| {
+                    let srgb = Primaries::SRGB;
+                    lab_from_xyz(srgb.xyz_from_rgb(rgb), srgb.white_xyz())
+                });
+                Course::Lab { low, high }
+            }
+        };
+        Passage::Between { low, high, course }
+    }
+
+    /// The light asked at `x` window sides across `ramp`.
+    #[inline]
+    pub fn light_at(&self, ramp: &Ramp, x: f64) -> [f32; 3] {
+        match self {
+            Passage::OneColor { weights } => light(*weights, ramp.luminance_at(x)),
+            Passage::Between { low, high, course } => {
+                between(*low, *high, course, ramp.part_at(x)).map(|value| value as f32)
+            }
+        }
+    }
+
+    /// The relative luminance asked at `x`, in units of that of `color` at its full.
+    pub fn luminance_at(&self, ramp: &Ramp, x: f64, color: StimulusColor) -> f64 {
+        match self {
+            Passage::OneColor { .. } => ramp.luminance_at(x),
+            Passage::Between { low, high, course } => {
+                let luminance = |rgb| Primaries::SRGB.xyz_from_rgb(rgb)[1];
+                luminance(between(*low, *high, course, ramp.part_at(x))) / luminance(color.rgb())
+            }
+        }
+    }
+}
+
+/// HSV of the colors at their full, and from it that of the lights: black keeps hue and saturation.
+fn hsv_course(color: StimulusColor, low: f64, color_high: StimulusColor, high: f64) -> Course {
+    let [mut low, mut high] = [(color, low), (color_high, high)].map(|(color, level)| {
+        let hsv = hsv_from_rgb(color.rgb());
+        Hsv { value: hsv.value * level, ..hsv }
+    });
+    low.hue = low.hue.or(high.hue);
+    high.hue = high.hue.or(low.hue);
+    let turn = wrapped_deg(high.hue.unwrap_or(0.0) - low.hue.unwrap_or(0.0));
+    Course::Hsv { low, high, arc: if turn > 180.0 { turn - 360.0 } else { turn } }
+}
+
+fn mix(from: f64, to: f64, part: f64) -> f64 {
+    from + (to - from) * part
+}
+
+/// The light `part` of the way from `low`, at 0, to `high`, at 1; each channel 0…1.
+#[inline]
+fn between(low: [f64; 3], high: [f64; 3], course: &Course, part: f64) -> [f64; 3] {
+    if part <= 0.0 {
+        return low;
+    }
+    if part >= 1.0 {
+        return high;
+    }
+    let rgb = match course {
+        Course::Rgb => [0, 1, 2].map(|channel| mix(low[channel], high[channel], part)),
+        Course::Hsv { low, high, arc } => rgb_from_hsv(Hsv {
+            hue: low.hue.map(|hue| hue + arc * part),
+            saturation: mix(low.saturation, high.saturation, part),
+            value: mix(low.value, high.value, part),
+        }),
+        Course::Lab { low, high } => {
+            let lab = Lab {
+                lightness: mix(low.lightness, high.lightness, part),
+                a: mix(low.a, high.a, part),
+                b: mix(low.b, high.b, part),
+            };
+            const WHITE: [f64; 3] = Primaries::SRGB.white_xyz();
+            Primaries::SRGB.rgb_from_xyz(xyz_from_lab(lab, WHITE))
+        }
+    };
+    rgb.map(|value| value.clamp(0.0, 1.0))
+}
+
+/// Writes the 8-bit codes of `band`, `size` × `size` pixels, to `out`, which has 3·size² bytes: every pixel by itself,
+/// where rows or columns differ.
+pub(super) fn render(band: &MachBand, passage: &Passage, size: u32, quantizer: &Quantizer, out: &mut [u8]) {
+    if size == 0 {
+        return;
+    }
+    let (grid, ramp) = (Grid::new(size, band.orientation_deg), band.ramp());
+    // An 8-bit code fits.
+    let codes = |ix, iy| passage.light_at(&ramp, grid.across(ix, iy)).map(|linear| quantizer.code(linear) as u8);
+    let mut rows = (0..size).zip(out.chunks_exact_mut(3 * size as usize));
+    if grid.sin == 0.0 {
+        let Some((_, first)) = rows.next() else { return };
+        (0..size).zip(first.as_chunks_mut().0).for_each(|(ix, pixel)| *pixel = codes(ix, 0));
+        rows.for_each(|(_, row)| row.copy_from_slice(first));
+    } else if grid.cos == 0.0 {
+        rows.for_each(|(iy, row)| row.as_chunks_mut().0.fill(codes(0, iy)));
+    } else {
+        rows.for_each(|(iy, row)| {
+            (0..size).zip(row.as_chunks_mut().0).for_each(|(ix, pixel)| *pixel = codes(ix, iy));
+        });
+    }
+}

@@ -1,0 +1,130 @@
+//! Every stimulus of the catalog: its light against an independent script, its codes against their recorded hash, its
+//! edges sharp where they run along the pixels.
+
+use machband::{
+    light::{Bits, Quantizer, Transfer},
+    stimulus::{ParameterValue, Stimulus, catalog},
+};
+use sha2::{Digest as _, Sha256};
+
+/// Side of the golden images.
+const SIZE: u32 = 96;
+
+fn case(kind: &str, variant: usize) -> Stimulus {
+    catalog::entry(kind).unwrap().stimuli().swap_remove(variant)
+}
+
+#[test]
+fn light_is_that_of_the_independent_script() {
+    let golden = include_str!("golden/catalog.csv");
+    let mut seen = 0;
+    for line in golden.lines().filter(|line| !line.starts_with('#')).skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |i: usize| cells[i].parse::<u32>().unwrap();
+        let stimulus = case(cells[0], number(1) as usize);
+        let light = stimulus.linear(SIZE).pixel(number(2), number(3))[stimulus.strongest_channel()];
+        let expected: f64 = cells[5].parse().unwrap();
+        let tolerance = if cells[4] == "1" { 3e-3 } else { 1e-6 };
+        assert!((f64::from(light) - expected).abs() < tolerance, "{line}: {light}");
+        seen += 1;
+    }
+    assert_eq!(seen, 40 * 3 * catalog::all().len());
+}
+
+/// `UPDATE_HASHES=1` prints the file anew; a changed hash is a changed stimulus, for everyone who has used it.
+#[test]
+fn codes_are_the_recorded_ones() {
+    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+    let mut text = String::from("# SHA-256 of the 8-bit sRGB codes, 96 px a side, of every catalog entry and variant.\n");
+    for entry in catalog::all() {
+        for (variant, stimulus) in entry.stimuli().iter().enumerate() {
+            let image = stimulus.codes(SIZE, &quantizer);
+            let hash: String =
+                Sha256::digest(image.bytes().unwrap()).iter().map(|byte| format!("{byte:02x}")).collect();
+            text += &format!("{},{variant},{hash}\n", entry.kind);
+        }
+    }
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/catalog_hashes.csv");
+    if std::env::var_os("UPDATE_HASHES").is_some() {
+        std::fs::write(path, &text).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(path).unwrap(), text);
+}
+
+#[test]
+fn edges_along_the_pixels_are_sharp_and_oblique_ones_are_not() {
+    let levels = |stimulus: &Stimulus| {
+        let mut light: Vec<u32> = stimulus.linear(90).data.iter().map(|v| v.to_bits()).collect();
+        light.sort_unstable();
+        light.dedup();
+        light.len()
+    };
+    for (kind, parameter, count) in [("chevreul", "steps", 7), ("vasarely", "squares", 9)] {
+        let mut stimulus = Stimulus::default_of(kind).unwrap();
+        stimulus.set(parameter, &ParameterValue::Number(f64::from(count))).unwrap();
+        for degrees in [0.0, 90.0, 180.0, -90.0] {
+            stimulus.set("orientation_deg", &ParameterValue::Number(degrees)).unwrap();
+            assert_eq!(levels(&stimulus), count as usize, "{kind} at {degrees}°");
+        }
+        stimulus.set("orientation_deg", &ParameterValue::Number(20.0)).unwrap();
+        assert!(levels(&stimulus) > 4 * count as usize, "{kind}");
+    }
+}
+
+/// A half turn is the point mirror; light stays within the plateaus; the mean over a half-covered edge is the middle.
+#[test]
+fn every_kind_is_symmetric_and_bounded() {
+    for entry in catalog::all() {
+        for mut stimulus in entry.stimuli() {
+            let number = |stimulus: &Stimulus, name: &str| match stimulus.get(name) {
+                Some(ParameterValue::Number(value)) => value,
+                other => panic!("{other:?}"),
+            };
+            let (low, high) = (number(&stimulus, "low"), number(&stimulus, "high"));
+            let orientation = number(&stimulus, "orientation_deg");
+            let image = stimulus.linear(61);
+            let channel = stimulus.strongest_channel();
+            let light = |x, y| f64::from(image.pixel(x, y)[channel]);
+            stimulus.set("orientation_deg", &ParameterValue::Number(orientation + 180.0)).unwrap();
+            let turned = stimulus.linear(61);
+            for y in 0..61 {
+                for x in 0..61 {
+                    assert!((low - 1e-6..=high + 1e-6).contains(&light(x, y)), "{} ({x}, {y})", entry.kind);
+                    let mirrored = f64::from(turned.pixel(60 - x, 60 - y)[channel]);
+                    assert!((light(x, y) - mirrored).abs() < 1e-6, "{} ({x}, {y})", entry.kind);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn each_bad_parameter_has_its_own_message() {
+    let fault = |kind: &str, settings: &[(&str, &str)]| {
+        let mut stimulus = Stimulus::default_of(kind).unwrap();
+        for (name, text) in settings {
+            if let Err(error) = stimulus.set(name, &text.parse::<ParameterValue>().unwrap()) {
+                return error.to_string();
+            }
+        }
+        stimulus.validate().unwrap_err()[0].to_string()
+    };
+    let messages = [
+        fault("chevreul", &[("steps", "1")]),
+        fault("chevreul", &[("steps", "2.5")]),
+        fault("chevreul", &[("steps", "many")]),
+        fault("chevreul", &[("squares", "3")]),
+        fault("chevreul", &[("low", "0.8")]),
+        fault("cornsweet", &[("width", "0.6")]),
+        fault("cornsweet", &[("exponent", "0")]),
+        fault("vasarely", &[("squares", "1000")]),
+        fault("kanizsa", &[("radius", "0.4")]),
+        fault("kanizsa", &[("side", "-1")]),
+        fault("shaded-cylinder", &[("shading", "raytraced")]),
+        fault("shaded-cylinder", &[("color", "1,2,3")]),
+    ];
+    for (i, message) in messages.iter().enumerate() {
+        assert!(message.contains("; expected "), "{message}");
+        assert!(!messages[..i].contains(message), "{message}");
+    }
+}

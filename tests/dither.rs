@@ -1,0 +1,895 @@
+//! Dither and halftone: against the published matrices and algorithm, and against what must be true of
+//! them: the two enclosing codes only, the right mean of light, no noise where none is needed.
+//!
+//! `cargo test --test dither -- --nocapture` prints the figures.
+
+use std::f64::consts::TAU;
+use std::sync::LazyLock;
+
+use machband::light::blue_noise::{self, MASK_SEED, MASK_SIZE, void_and_cluster};
+use machband::light::{
+    Bits, CodeImage, Depth, Dither, DitherError, DitherMatrix, Halftone, HalftoneError, LinearImage, Quantizer,
+    Transfer, TransferTable,
+};
+use machband::stimulus::{MachBand, StimulusColor};
+use proptest::prelude::*;
+
+/// Every kind; the ones that `name()` alone gives first.
+fn dithers() -> Vec<Dither> {
+    let random = [1, 2, 99].map(|seed| Dither::Random { seed });
+    let ordered = DitherMatrix::ALL.map(Dither::Ordered);
+    [Dither::BlueNoise].into_iter().chain(random).chain(ordered).collect()
+}
+
+fn name(dither: Dither) -> String {
+    match dither {
+        Dither::Random { seed } => format!("random, seed {seed}"),
+        other => other.to_string(),
+    }
+}
+
+fn transfers() -> Vec<Transfer> {
+    let table = TransferTable::new(vec![0.0, 0.1, 0.35, 0.8, 1.0], vec![0.0, 0.004, 0.11, 0.55, 1.0]).unwrap();
+    vec![
+        Transfer::Linear,
+        Transfer::Srgb,
+        Transfer::gamma(2.2).unwrap(),
+        Transfer::gamma(0.45).unwrap(),
+        Transfer::Table(table),
+    ]
+}
+
+/// Quantizers that tests share: at 16 bits they take a while to make.
+static SRGB_8: LazyLock<Quantizer> = LazyLock::new(|| Quantizer::new(&Transfer::Srgb, Bits::Eight));
+static SRGB_16: LazyLock<Quantizer> = LazyLock::new(|| Quantizer::new(&Transfer::Srgb, Bits::Sixteen));
+
+fn gray(width: u32, height: u32, mut light: impl FnMut(u32, u32) -> f32) -> LinearImage {
+    LinearImage::from_fn(width, height, |x, y| [light(x, y); 3])
+}
+
+fn ramp(size: u32, orientation_deg: f64) -> LinearImage {
+    let band = MachBand {
+        width: 0.8,
+        depth: Depth::finite(1).unwrap(),
+        orientation_deg,
+        color: "gray".parse::<StimulusColor>().unwrap(),
+        ..MachBand::default()
+    };
+    band.linear(size)
+}
+
+/// Red codes in row `y`.
+fn reds(codes: &CodeImage, y: u32) -> Vec<u16> {
+    (0..codes.width).map(|x| codes.pixel(x, y)[0]).collect()
+}
+
+fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
+    bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+}
+
+// Names.
+
+#[test]
+fn names_are_read_back() {
+    for text in ["none", "ordered", "ordered:bayer2", "ordered:clustered3", "blue-noise", "random"] {
+        let dither: Dither = text.parse().unwrap();
+        assert_eq!(dither.to_string(), text);
+        assert_eq!(format!(" {text} ").parse(), Ok(dither));
+    }
+    for matrix in DitherMatrix::ALL {
+        assert_eq!(matrix.to_string().parse(), Ok(matrix));
+        assert_eq!(Dither::Ordered(matrix).to_string().parse(), Ok(Dither::Ordered(matrix)));
+    }
+    assert_eq!("ordered".parse(), Ok(Dither::Ordered(DitherMatrix::Bayer8)));
+    assert_eq!("ordered:bayer8".parse(), Ok(Dither::Ordered(DitherMatrix::Bayer8)));
+    assert_eq!("random".parse(), Ok(Dither::Random { seed: 1 }));
+    assert_eq!("random".parse::<Dither>().unwrap().with_seed(7), Dither::Random { seed: 7 });
+    assert_eq!(Dither::BlueNoise.with_seed(7), Dither::BlueNoise);
+    assert_eq!(Dither::default(), Dither::None);
+}
+
+#[test]
+fn other_texts_say_what_is_expected() {
+    for text in ["", "Ordered", "bayer8", "random:3", "blue noise"] {
+        let error = text.parse::<Dither>().unwrap_err();
+        assert_eq!(error, DitherError::Unknown(text.to_owned()));
+        assert_eq!(
+            error.to_string(),
+            format!("dither {text:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random")
+        );
+    }
+    let message = "ordered:bayer3".parse::<Dither>().unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "dither matrix \"bayer3\" is not known; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3"
+    );
+    assert!("ordered:".parse::<Dither>().unwrap_err().to_string().contains("expected bayer2"));
+}
+
+// Matrices.
+
+/// The 8 × 8 table as printed in Wikipedia, *Ordered dithering* (revision of 2024), after Bayer 1973.
+const BAYER_8: [[u16; 8]; 8] = [
+    [0, 32, 8, 40, 2, 34, 10, 42],
+    [48, 16, 56, 24, 50, 18, 58, 26],
+    [12, 44, 4, 36, 14, 46, 6, 38],
+    [60, 28, 52, 20, 62, 30, 54, 22],
+    [3, 35, 11, 43, 1, 33, 9, 41],
+    [51, 19, 59, 27, 49, 17, 57, 25],
+    [15, 47, 7, 39, 13, 45, 5, 37],
+    [63, 31, 55, 23, 61, 29, 53, 21],
+];
+
+#[test]
+fn matrices_are_the_published_ones() {
+    assert_eq!(DitherMatrix::Bayer8.ranks(), BAYER_8.concat());
+    assert_eq!(DitherMatrix::Bayer2.ranks(), [0, 2, 3, 1]);
+    assert_eq!(DitherMatrix::Bayer4.ranks(), [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5]);
+    // Shoaff §2.1.2 compares S(x, y) with D[x mod n][y mod n]: x picks the printed row.
+    let printed = [[6, 8, 4], [1, 0, 3], [5, 2, 7]];
+    for (x, row) in (0..).zip(printed) {
+        for (y, rank) in (0..).zip(row) {
+            assert_eq!(DitherMatrix::Clustered3.rank(x, y), rank);
+            assert_eq!(DitherMatrix::Clustered3.rank(x + 30, y + 3), rank);
+        }
+    }
+    for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        assert_eq!(DitherMatrix::Clustered2.rank(x, y), DitherMatrix::Bayer2.rank(y, x));
+    }
+}
+
+#[test]
+fn matrices_hold_every_rank_once() {
+    for matrix in DitherMatrix::ALL {
+        let mut ranks = matrix.ranks();
+        ranks.sort_unstable();
+        let dots = matrix.size() * matrix.size();
+        assert!(ranks.iter().map(|&rank| u32::from(rank)).eq(0..dots), "{matrix}");
+    }
+}
+
+// The blue-noise mask.
+
+#[test]
+fn the_mask_is_what_the_generator_makes() {
+    let made = void_and_cluster(MASK_SIZE, MASK_SEED);
+    assert!(blue_noise::to_bytes(&made) == *blue_noise::MASK_BYTES, "run `cargo run --example blue_noise_mask`");
+    assert_eq!(blue_noise::mask(), made);
+    assert!(void_and_cluster(MASK_SIZE, MASK_SEED + 1) != made);
+}
+
+#[test]
+fn masks_hold_every_rank_once() {
+    for size in [1, 2, 3, 5, 8, 16, 31, MASK_SIZE] {
+        let mut ranks = void_and_cluster(size, 3);
+        ranks.sort_unstable();
+        assert!(ranks.iter().map(|&rank| u32::from(rank)).eq(0..size * size), "size {size}");
+    }
+}
+
+/// Ulichney's three phases as he gives them, with a plain f64 filter made of `exp`: at every rank the
+/// mask's next pixel is the tightest cluster, or the largest void, or in phase III the tightest cluster
+/// of the dark.
+#[test]
+fn the_mask_obeys_void_and_cluster() {
+    let n = MASK_SIZE as usize;
+    let filter: Vec<f64> = (0..n * n)
+        .map(|i| {
+            let [dx, dy] = [i % n, i / n].map(|d| d.min(n - d) as f64);
+            (-(dx * dx + dy * dy) / (2.0 * 1.5 * 1.5)).exp()
+        })
+        .collect();
+    let add = |energy: &mut [f64], place: usize, sign: f64| {
+        for (i, energy) in energy.iter_mut().enumerate() {
+            *energy += sign * filter[(i % n).abs_diff(place % n) + (i / n).abs_diff(place / n) * n];
+        }
+    };
+    let ranks = blue_noise::mask();
+    let mut places = vec![0; n * n];
+    for (place, &rank) in ranks.iter().enumerate() {
+        places[usize::from(rank)] = place;
+    }
+    // No pixel of a rank in `among` may be more crowded than the pixel of rank `chosen` by more than
+    // rounding.
+    let most_crowded = |energy: &[f64], chosen: usize, among: std::ops::Range<usize>| {
+        let most = among.map(|rank| energy[places[rank]]).fold(f64::MIN, f64::max);
+        assert!(energy[places[chosen]] >= most - 1e-9, "rank {chosen}: {} and {most}", energy[places[chosen]]);
+    };
+    let ones = n * n / 10;
+    let mut lit = vec![0.0; n * n];
+    places[..ones].iter().for_each(|&place| add(&mut lit, place, 1.0));
+    let prototype = lit.clone();
+    for rank in (0..ones).rev() {
+        most_crowded(&lit, rank, 0..rank + 1);
+        add(&mut lit, places[rank], -1.0);
+    }
+    let mut lit = prototype;
+    for rank in ones..n * n / 2 {
+        let least: Vec<f64> = lit.iter().map(|energy| -energy).collect();
+        most_crowded(&least, rank, rank..n * n);
+        add(&mut lit, places[rank], 1.0);
+    }
+    let mut dark = vec![0.0; n * n];
+    places[n * n / 2..].iter().for_each(|&place| add(&mut dark, place, 1.0));
+    for rank in n * n / 2..n * n {
+        most_crowded(&dark, rank, rank..n * n);
+        add(&mut dark, places[rank], -1.0);
+    }
+}
+
+/// Mean power of `values`, a square of `n` a side, over the frequencies of `inner` < |k| ≤ `outer`
+/// cycles a side, relative to white noise of the same variance.
+fn relative_power(values: &[f64], n: usize, inner: f64, outer: f64) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
+    let reach = outer.ceil() as i32;
+    let (mut power, mut count) = (0.0, 0);
+    for ky in 0..=reach {
+        for kx in -reach..=reach {
+            let k = f64::from(kx).hypot(f64::from(ky));
+            if k <= inner || k > outer {
+                continue;
+            }
+            let (mut re, mut im) = (0.0, 0.0);
+            for (i, value) in values.iter().enumerate() {
+                let turns = f64::from(kx) * (i % n) as f64 + f64::from(ky) * (i / n) as f64;
+                let (sin, cos) = (TAU * turns / n as f64).sin_cos();
+                re += (value - mean) * cos;
+                im += (value - mean) * sin;
+            }
+            power += re * re + im * im;
+            count += 1;
+        }
+    }
+    power / f64::from(count) / (variance * values.len() as f64)
+}
+
+#[test]
+fn the_mask_is_blue() {
+    let n = MASK_SIZE as usize;
+    let ranks: Vec<f64> = blue_noise::mask().iter().map(|&rank| f64::from(rank)).collect();
+    let low = relative_power(&ranks, n, 0.0, 8.0);
+    let high = relative_power(&ranks, n, 24.0, 30.0);
+    println!("mask: power below 8 cycles a side {low:.4} of white noise's, at 24…30 {high:.2}");
+    assert!(low < 0.03 && high > 1.0, "{low} {high}");
+    // The patterns that it makes, below half their principal frequency √p·64.
+    for (p, bound) in [(1.0 / 16.0, 0.1), (0.125, 0.1), (0.25, 0.1), (0.5, 0.1), (0.875, 0.1)] {
+        let pattern: Vec<f64> = ranks.iter().map(|&rank| f64::from(u8::from(rank < p * 4096.0))).collect();
+        let principal = f64::min(p, 1.0 - p).sqrt() * 64.0;
+        let low = relative_power(&pattern, n, 0.0, principal / 2.0);
+        println!("pattern of {p}: power below {:.1} cycles a side {low:.4} of white noise's", principal / 2.0);
+        assert!(low < bound, "p {p}: {low}");
+    }
+    // The measure knows white noise.
+    let white = void_and_cluster(MASK_SIZE, 5);
+    let mut shuffled: Vec<(u64, u16)> =
+        white.into_iter().map(|rank| (fnv1a(blue_noise::to_bytes(&[rank, 77])).reverse_bits(), rank)).collect();
+    shuffled.sort_unstable();
+    let shuffled: Vec<f64> = shuffled.iter().map(|&(_, rank)| f64::from(rank)).collect();
+    let white = relative_power(&shuffled, n, 0.0, 8.0);
+    assert!((0.7..1.3).contains(&white), "{white}");
+}
+
+// Thresholds.
+
+#[test]
+fn thresholds_are_spread_over_the_open_interval() {
+    for dither in dithers() {
+        let period = match dither {
+            Dither::Ordered(matrix) => matrix.size(),
+            _ => 64,
+        };
+        let mut all: Vec<f64> =
+            (0..period * period).map(|i| dither.threshold(i % period, i / period).unwrap()).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        assert!(all[0] > 0.0 && all[all.len() - 1] < 1.0, "{dither}");
+        let strata = if matches!(dither, Dither::Random { .. }) { 16 } else { all.len() };
+        for stratum in 0..strata {
+            let within = all.iter().filter(|&&t| (t * strata as f64).floor() == stratum as f64).count();
+            assert_eq!(within, all.len() / strata, "{dither}, stratum {stratum}");
+        }
+        if !matches!(dither, Dither::Random { .. }) {
+            assert_eq!(dither.threshold(3, 5), dither.threshold(3 + 5 * period, 5 + 9 * period));
+        }
+    }
+    assert_eq!(Dither::None.threshold(0, 0), None);
+    // The corner of the largest image.
+    assert!(Dither::Random { seed: u64::MAX }.threshold(u32::MAX, u32::MAX).is_some());
+}
+
+/// ChaCha8 and its use are pinned: another order would make other stimuli of the same seed.
+#[test]
+fn random_thresholds_are_pinned_and_stratified() {
+    let dither = Dither::Random { seed: 1 };
+    let found = [(0, 0), (1, 0), (5, 2), (1023, 1023)].map(|(x, y)| dither.threshold(x, y).unwrap());
+    assert_eq!(found, [0.0, 0.0, 0.0, 0.0]);
+    let sixteenths = |seed: u64, tile: (u32, u32)| -> Vec<u32> {
+        let at = |i: u32| Dither::Random { seed }.threshold(4 * tile.0 + i % 4, 4 * tile.1 + i / 4).unwrap();
+        (0..16).map(|i| (at(i) * 16.0) as u32).collect()
+    };
+    let mut orders = Vec::new();
+    for seed in 0..4 {
+        for tile in [(0, 0), (1, 0), (0, 1), (2, 7), (63, 200)] {
+            let order = sixteenths(seed, tile);
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..16), "seed {seed}, tile {tile:?}");
+            for first in [0, 2, 8, 10] {
+                let mut quarters = [0, 1, 4, 5].map(|place| order[first + place] / 4);
+                quarters.sort_unstable();
+                assert_eq!(quarters, [0, 1, 2, 3], "seed {seed}, tile {tile:?}");
+            }
+            orders.push(order);
+        }
+    }
+    orders.sort_unstable();
+    orders.dedup();
+    assert_eq!(orders.len(), 20, "every seed and tile has its own order");
+}
+
+/// Every order of strata over pixels is as likely: no pixel of the tile prefers a stratum.
+#[test]
+fn random_thresholds_prefer_no_place() {
+    let mut counts = [[0u32; 16]; 16];
+    let tiles = 4096;
+    for tile in 0..tiles {
+        for (i, counts) in (0..).zip(&mut counts) {
+            let (x, y) = (tile % 64 * 4 + i % 4, tile / 64 * 4 + i / 4);
+            counts[(Dither::Random { seed: 5 }.threshold(x, y).unwrap() * 16.0) as usize] += 1;
+        }
+    }
+    // 256 expected, standard deviation 15.5.
+    let expected = f64::from(tiles) / 16.0;
+    let chi2: f64 = counts.concat().iter().map(|&count| (f64::from(count) - expected).powi(2) / expected).sum();
+    // 15 · 15 degrees of freedom: mean 225, standard deviation 21.
+    assert!((140.0..330.0).contains(&chi2), "{chi2}");
+}
+
+// Decisions.
+
+/// The definition, of the public parts only: the upper of the enclosing codes iff p > t.
+fn by_definition(quantizer: &Quantizer, linear: f32, threshold: f64) -> u16 {
+    let level = |code: u16| f64::from(quantizer.linear(code) as f32);
+    let linear = f64::from(linear);
+    let max = quantizer.bits().max_code();
+    let near = quantizer.code(linear as f32);
+    let lower = if level(near) > linear { near - 1 } else { near };
+    if lower == max {
+        return max;
+    }
+    let p = (linear - level(lower)) / (level(lower + 1) - level(lower));
+    lower + u16::from(p > threshold)
+}
+
+#[test]
+fn every_pixel_follows_the_definition() {
+    // Sides that no period divides.
+    let (width, height) = (131, 71);
+    for (transfer, bits) in
+        transfers().into_iter().map(|t| (t, Bits::Eight)).chain([(Transfer::gamma(2.2).unwrap(), Bits::Sixteen)])
+    {
+        let quantizer = Quantizer::new(&transfer, bits);
+        let image = gray(width, height, |x, y| (x as f32 + 0.37 * y as f32) / 160.0);
+        for dither in dithers() {
+            let codes = quantizer.quantize_with(&image, &dither);
+            assert_eq!((codes.width, codes.height), (width, height));
+            for (x, y) in (0..width * height).map(|i| (i % width, i / width)) {
+                let expected = by_definition(&quantizer, image.pixel(x, y)[0], dither.threshold(x, y).unwrap());
+                assert_eq!(codes.pixel(x, y), [expected; 3], "{transfer} {bits} {dither} ({x}, {y})");
+            }
+        }
+    }
+}
+
+#[test]
+fn without_dither_the_nearest_code() {
+    let image = ramp(200, 30.0);
+    for quantizer in [&*SRGB_8, &*SRGB_16] {
+        assert_eq!(quantizer.quantize_with(&image, &Dither::None), quantizer.quantize(&image));
+    }
+}
+
+#[test]
+fn a_codes_own_light_has_no_noise() {
+    for transfer in transfers() {
+        let quantizer = Quantizer::new(&transfer, Bits::Eight);
+        for dither in dithers() {
+            for code in 0..=255 {
+                let level = quantizer.linear(code) as f32;
+                for linear in [level, level.next_up(), level.next_down()] {
+                    let image = gray(16, 16, |_, _| linear);
+                    let codes = quantizer.quantize_with(&image, &dither);
+                    assert!(codes.bytes().unwrap().iter().all(|&c| u16::from(c) == code), "{transfer} {dither} {code}");
+                }
+            }
+        }
+        // Every code meets the smallest and the largest threshold of the mask.
+        let ends = [0, 4095].map(|rank| blue_noise::mask().iter().position(|&r| r == rank).unwrap() as u32);
+        for at in ends.map(|place| (place % 64, place / 64)) {
+            let image = gray(64 * 16, 64 * 16, |x, y| {
+                let code = if (x % 64, y % 64) == at { x / 64 + y / 64 * 16 } else { 0 };
+                quantizer.linear(code as u16) as f32
+            });
+            let codes = quantizer.quantize_with(&image, &Dither::BlueNoise);
+            for code in 0..256 {
+                assert_eq!(codes.pixel(code % 16 * 64 + at.0, code / 16 * 64 + at.1)[0], code as u16);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_codes_own_light_has_no_noise_in_16_bits() {
+    for dither in dithers() {
+        // Two arrangements, so that a code meets two thresholds.
+        for factor in [1, 40_503] {
+            let code = |x: u32, y: u32| ((x + 256 * y) * factor % 65_536) as u16;
+            for nudge in [f32::next_down, |linear: f32| linear, f32::next_up] {
+                let image = gray(256, 256, |x, y| nudge(SRGB_16.linear(code(x, y)) as f32));
+                let codes = SRGB_16.quantize_with(&image, &dither);
+                for y in 0..256 {
+                    assert!(reds(&codes, y).into_iter().eq((0..256).map(|x| code(x, y))), "{dither} row {y}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn light_outside_the_range_is_clamped() {
+    let lights = [f32::NAN, f32::NEG_INFINITY, -0.2, -0.0, 0.0, 1.0, 1.2, f32::INFINITY];
+    let image = LinearImage::from_fn(8, 8, |x, _| [lights[x as usize]; 3]);
+    for dither in dithers() {
+        for quantizer in [&*SRGB_8, &*SRGB_16] {
+            let codes = quantizer.quantize_with(&image, &dither);
+            let max = quantizer.bits().max_code();
+            for y in 0..8 {
+                assert_eq!(reds(&codes, y), [0, 0, 0, 0, 0, max, max, max]);
+            }
+        }
+    }
+}
+
+#[test]
+fn images_without_pixels_have_no_codes() {
+    for (width, height) in [(0, 0), (0, 5), (5, 0)] {
+        for dither in dithers() {
+            let codes = SRGB_8.quantize_with(&LinearImage::new(width, height), &dither);
+            assert_eq!((codes.width, codes.height, codes.bytes()), (width, height, Some(&[][..])));
+        }
+    }
+}
+
+#[test]
+fn channels_share_the_threshold() {
+    let image = LinearImage::from_fn(90, 90, |x, y| {
+        let level = (x + 90 * y) as f32 / 8100.0;
+        [level, level, 0.0]
+    });
+    for dither in dithers() {
+        let codes = SRGB_8.quantize_with(&image, &dither);
+        for pixel in codes.bytes().unwrap().chunks_exact(3) {
+            assert!(pixel[0] == pixel[1] && pixel[2] == 0);
+        }
+        // Each channel on its own is the gray of its values.
+        let colored = LinearImage::from_fn(90, 90, |x, y| {
+            let [level, ..] = image.pixel(x, y);
+            [level * 0.3, level, level * 0.9]
+        });
+        let whole = SRGB_8.quantize_with(&colored, &dither);
+        for channel in 0..3 {
+            let alone = SRGB_8.quantize_with(&gray(90, 90, |x, y| colored.pixel(x, y)[channel]), &dither);
+            for (x, y) in (0..8100).map(|i| (i % 90, i / 90)) {
+                assert_eq!(whole.pixel(x, y)[channel], alone.pixel(x, y)[0]);
+            }
+        }
+    }
+}
+
+proptest! {
+    /// One of the two codes that enclose a value, and more light never gives a lower code.
+    #[test]
+    fn codes_enclose_and_never_fall(
+        linear in 0.0f32..=1.0, more in 0.0f32..=0.01, x in 0u32..200, y in 0u32..40, kind in 0usize..10, wide: bool,
+    ) {
+        let dither = dithers()[kind];
+        let quantizer = if wide { &*SRGB_16 } else { &*SRGB_8 };
+        let code = |light: f32| quantizer.quantize_with(&gray(x + 1, y + 1, |_, _| light), &dither).pixel(x, y)[0];
+        let found = code(linear);
+        let level = |code: u16| quantizer.linear(code) as f32;
+        if level(found) > linear {
+            prop_assert!(level(found - 1) < linear);
+        } else if level(found) < linear {
+            prop_assert!(level(found + 1) > linear);
+        }
+        prop_assert!(code((linear + more).min(1.0)) >= found);
+    }
+}
+
+/// A table whose steps f32 can hardly tell apart, and an exponent whose lowest codes f32 cannot hold.
+#[test]
+fn extreme_transfers_stay_next_to_the_nearest_code() {
+    let flat = TransferTable::new(vec![0.0, 0.2, 0.8, 1.0], vec![0.0, 0.5, 0.500_000_1, 1.0]).unwrap();
+    for transfer in [Transfer::Table(flat), Transfer::gamma(10.0).unwrap(), Transfer::gamma(0.1).unwrap()] {
+        for bits in [Bits::Eight, Bits::Sixteen] {
+            let quantizer = Quantizer::new(&transfer, bits);
+            let mut light = 0.499_999_8f32;
+            let image = gray(64, 8, |x, y| {
+                light = light.next_up();
+                if y < 4 { light } else { ((x + 64 * (y - 4)) as f32 / 256.0).powi(9) }
+            });
+            let nearest = quantizer.quantize(&image);
+            for dither in dithers() {
+                let codes = quantizer.quantize_with(&image, &dither);
+                for (x, y) in (0..64 * 8).map(|i| (i % 64, i / 64)) {
+                    let (found, near) = (codes.pixel(x, y)[0], nearest.pixel(x, y)[0]);
+                    assert!(found.abs_diff(near) <= 1, "{transfer} {bits} {dither}: {found} near {near}");
+                }
+            }
+        }
+    }
+}
+
+/// The bytes of a picture, pinned: the same on every machine.
+#[test]
+fn bytes_are_pinned() {
+    let image = LinearImage::from_fn(150, 130, |x, y| {
+        let level = 0.25 + (x as f32 + y as f32 / 128.0) / 512.0;
+        [level, level, 1.0 - level]
+    });
+    let hash = |dither: Dither, quantizer: &Quantizer| {
+        let codes = quantizer.quantize_with(&image, &dither);
+        match codes.words() {
+            Some(words) => fnv1a(words.iter().flat_map(|word| word.to_le_bytes())),
+            None => fnv1a(codes.bytes().unwrap().iter().copied()),
+        }
+    };
+    let linear = Quantizer::new(&Transfer::Linear, Bits::Eight);
+    let found = [
+        hash("ordered".parse().unwrap(), &linear),
+        hash("ordered:clustered3".parse().unwrap(), &linear),
+        hash(Dither::BlueNoise, &linear),
+        hash(Dither::Random { seed: 1 }, &linear),
+        hash(Dither::BlueNoise, &SRGB_8),
+        hash(Dither::Random { seed: 2 }, &SRGB_16),
+    ];
+    assert_eq!(found.map(|hash| format!("{hash:016x}")), ["", "", "", "", "", ""]);
+}
+
+// Issue 3, "must show" 2: the ramp w = 0.8, n = 1, 1024², sRGB, 8 bits.
+
+/// Sums over rectangles that begin at the top left.
+struct Sums {
+    width: usize,
+    sums: Vec<f64>,
+}
+
+impl Sums {
+    fn new(size: u32, value: impl Fn(u32, u32) -> f64) -> Self {
+        let width = size as usize + 1;
+        let mut sums = vec![0.0; width * width];
+        for y in 0..size {
+            let mut row = 0.0;
+            for x in 0..size {
+                row += value(x, y);
+                let at = (y as usize + 1) * width + x as usize + 1;
+                sums[at] = sums[at - width] + row;
+            }
+        }
+        Self { width, sums }
+    }
+
+    fn mean(&self, x: u32, y: u32, side: u32) -> f64 {
+        let at = |x: u32, y: u32| self.sums[y as usize * self.width + x as usize];
+        let sum = at(x + side, y + side) - at(x, y + side) - at(x + side, y) + at(x, y);
+        sum / f64::from(side * side)
+    }
+}
+
+/// The largest difference between the means of asked and emitted light over 16 × 16 pixels, in units of
+/// the step between the two codes that enclose the asked mean. Every fifth window each way, but none
+/// that the ramp's corners, 0.1 and 0.9 of the way across, run through (with the ramp turned, all).
+fn local_error(asked: &LinearImage, codes: &CodeImage, quantizer: &Quantizer, corners: Option<(f64, f64)>) -> f64 {
+    let (size, side) = (asked.width, 16);
+    let light: Vec<f64> = (0..=255).map(|code| quantizer.linear(code)).collect();
+    let wanted = Sums::new(size, |x, y| f64::from(asked.pixel(x, y)[0]));
+    let emitted = Sums::new(size, |x, y| light[usize::from(codes.pixel(x, y)[0])]);
+    let mut largest = 0f64;
+    for y in (0..=size - side).step_by(5) {
+        for x in (0..=size - side).step_by(5) {
+            let within = |corner: f64| f64::from(x) < corner && corner < f64::from(x + side);
+            if corners.is_some_and(|(left, right)| within(left) || within(right)) {
+                continue;
+            }
+            let mean = wanted.mean(x, y, side);
+            let upper = light.partition_point(|&level| level <= mean);
+            let step = light[upper] - light[upper - 1];
+            largest = largest.max((emitted.mean(x, y, side) - mean).abs() / step);
+        }
+    }
+    largest
+}
+
+/// The dithers that have names of their own, and the largest error that each may make.
+///
+/// The matrices that only an option names have too few levels for 0.1 everywhere: n² + 1 levels are up
+/// to 1/2n² from what is asked, an eighth of a code with n = 2.
+const BOUNDS: &[(&str, f64)] = &[
+    ("none", 0.5),
+    ("ordered", 0.1),
+    ("blue-noise", 0.1),
+    ("random", 0.1),
+    ("ordered:bayer4", 0.1),
+    ("ordered:bayer16", 0.1),
+    ("ordered:clustered3", 0.125),
+    ("ordered:bayer2", 0.125),
+    ("ordered:clustered2", 0.125),
+];
+
+#[test]
+fn the_local_mean_of_light_is_right() {
+    for orientation in [0.0, 30.0, 90.0] {
+        let asked = ramp(1024, orientation);
+        let corners = (orientation == 0.0).then_some((0.1 * 1024.0, 0.9 * 1024.0));
+        for &(name, bound) in BOUNDS {
+            let codes = SRGB_8.quantize_with(&asked, &name.parse().unwrap());
+            let error = local_error(&asked, &codes, &SRGB_8, corners);
+            println!("{orientation:2}°: {name:18} largest error of a 16 × 16 mean {error:.3} code (bound {bound})");
+            assert!(error <= bound, "{name} at {orientation}°: {error}");
+        }
+    }
+    let asked = ramp(1024, 0.0);
+    let corners = Some((0.1 * 1024.0, 0.9 * 1024.0));
+    let errors = (2..10).map(|seed| {
+        let codes = SRGB_8.quantize_with(&asked, &Dither::Random { seed });
+        local_error(&asked, &codes, &SRGB_8, corners)
+    });
+    let largest = errors.fold(0.0, f64::max);
+    println!(" 0°: random, seeds 2…9, largest error {largest:.3} code");
+    assert!(largest <= 0.1, "{largest}");
+}
+
+/// Uniform fields, where no gradient helps: any share of the upper code, any window.
+#[test]
+fn the_local_mean_of_uniform_fields_is_right() {
+    for (dither, bound) in [
+        (Dither::Ordered(DitherMatrix::Bayer8), 1.0 / 128.0 + 1e-9),
+        (Dither::Ordered(DitherMatrix::Bayer16), 1.0 / 512.0 + 1e-9),
+        (Dither::BlueNoise, 0.06),
+        (Dither::Random { seed: 1 }, 0.09),
+        (Dither::Random { seed: 2 }, 0.09),
+    ] {
+        let size = 256;
+        let thresholds: Vec<f64> = (0..size * size).map(|i| dither.threshold(i % size, i / size).unwrap()).collect();
+        let mut largest = 0f64;
+        for share in (1..64).map(|i| (f64::from(i) - 0.37) / 64.0) {
+            let upper = Sums::new(size, |x, y| f64::from(u8::from(share > thresholds[(y * size + x) as usize])));
+            for (x, y) in (0..240 * 240).map(|i| (i % 240, i / 240)) {
+                largest = largest.max((upper.mean(x, y, 16) - share).abs());
+            }
+        }
+        println!("uniform fields, {}: largest error of a 16 × 16 mean {largest:.4} code", name(dither));
+        assert!(largest <= bound, "{dither}: {largest}");
+    }
+}
+
+/// How long codes stay the same along the ramp.
+#[derive(Debug)]
+struct Runs {
+    /// Longest run of one code, over all rows.
+    longest: usize,
+    /// Median over the rows of the longest run of a row.
+    median: usize,
+    /// Mean run.
+    mean: f64,
+    /// Most columns side by side with one code in all of their pixels: the widest band that is there to
+    /// be seen.
+    band: usize,
+    /// The same in any 64 rows.
+    band_64: usize,
+}
+
+/// Within the ramp, the columns that begin and end in it.
+fn runs(codes: &CodeImage) -> Runs {
+    let columns = (codes.width as usize).div_ceil(10)..codes.width as usize * 9 / 10;
+    let rows: Vec<Vec<u16>> = (0..codes.height).map(|y| reds(codes, y)[columns.clone()].to_vec()).collect();
+    let pieces = |row: &[u16]| -> Vec<usize> { row.chunk_by(|a, b| a == b).map(<[u16]>::len).collect() };
+    let mut longest: Vec<usize> = rows.iter().map(|row| pieces(row).into_iter().max().unwrap()).collect();
+    longest.sort_unstable();
+    let all: usize = rows.iter().map(|row| pieces(row).len()).sum();
+    let band = |rows: &[Vec<u16>]| -> usize {
+        let uniform = |x: usize| rows.iter().all(|row| row[x] == rows[0][x]).then(|| rows[0][x]);
+        let columns: Vec<Option<u16>> = (0..rows[0].len()).map(uniform).collect();
+        let same = columns.chunk_by(|a, b| a.is_some() && a == b);
+        same.filter(|piece| piece[0].is_some()).map(<[_]>::len).max().unwrap_or(0)
+    };
+    Runs {
+        longest: longest[longest.len() - 1],
+        median: longest[longest.len() / 2],
+        mean: (rows.len() * columns.len()) as f64 / all as f64,
+        band: band(&rows),
+        band_64: rows.windows(64).map(band).max().unwrap(),
+    }
+}
+
+/// The issue asks that the longest run of equal code falls by at least 8 × with blue noise. Of the bands
+/// that are to be seen, columns of one code, that is true. Of the runs within a row it cannot be, with
+/// any dither that decides between the two enclosing codes and is right in the mean: where the ramp
+/// crosses a code's own light, W pixels from the next, the share of pixels that may differ from it i
+/// columns away is i/W, in 2k + 1 columns together k(k + 1)/W. While that is below 1 some row has no
+/// other code: a run of 2k + 1. Here W = 12.2, k = 3: 13 pixels cannot become fewer than 7, and 8 ×
+/// needs a W above 256, a ramp of 21,000 pixels.
+#[test]
+fn bands_fall_apart() {
+    let asked = ramp(1024, 0.0);
+    let none = runs(&SRGB_8.quantize(&asked));
+    println!("none: {none:?}");
+    assert_eq!((none.longest, none.median, none.band, none.band_64), (13, 13, 13, 13));
+    for text in ["ordered", "random", "blue-noise"] {
+        let with = runs(&SRGB_8.quantize_with(&asked, &text.parse().unwrap()));
+        println!("{text}: {with:?}; mean run shorter by {:.1} ×", none.mean / with.mean);
+        assert!(none.mean / with.mean >= 3.0);
+        assert!(with.longest >= 7, "the bound above");
+        if text == "blue-noise" {
+            assert!(8 * with.band <= none.band && 8 * with.band_64 <= none.band_64);
+            assert!(with.median < none.median);
+        }
+    }
+}
+
+// Halftone.
+
+#[test]
+fn cells_have_the_levels_of_the_formula() {
+    for matrix in DitherMatrix::ALL {
+        for bits in 1..=8 {
+            let halftone = Halftone::new(matrix, bits, &Transfer::Srgb).unwrap();
+            let n = matrix.size();
+            assert_eq!(halftone.size(), n);
+            assert_eq!(halftone.level_count(), n * n * (2u32.pow(bits) - 1) + 1);
+            // As many different lights, and every step lights one dot by one code and dims none.
+            let count = halftone.level_count();
+            let mut before = halftone.cell(0);
+            assert!(before.iter().all(|&code| code == 0));
+            for level in 1..count {
+                let cell = halftone.cell(level);
+                let gains: Vec<u8> = before.iter().zip(&cell).map(|(&a, &b)| b.checked_sub(a).unwrap()).collect();
+                assert_eq!(gains.iter().map(|&gain| u32::from(gain)).sum::<u32>(), 1, "{matrix} {bits} {level}");
+                assert!(halftone.luminance(level) > halftone.luminance(level - 1));
+                before = cell;
+            }
+            assert!(before.iter().all(|&code| u32::from(code) == 2u32.pow(bits) - 1));
+            assert_eq!(halftone.cell(count + 7), before);
+            assert_eq!((halftone.luminance(0), halftone.luminance(count - 1)), (0.0, 1.0));
+        }
+    }
+    // Shoaff's figure: 5 levels of a 2 × 2 cell of one bit.
+    assert_eq!(Halftone::new(DitherMatrix::Clustered2, 1, &Transfer::Linear).unwrap().level_count(), 5);
+    for bits in [0, 9, u32::MAX] {
+        let error = Halftone::new(DitherMatrix::Bayer2, bits, &Transfer::Linear).unwrap_err();
+        assert_eq!(error, HalftoneError::Bits(bits));
+        assert_eq!(error.to_string(), format!("a halftone of {bits} bits cannot be made; expected 1 to 8"));
+    }
+}
+
+#[test]
+fn a_dot_grows_from_the_middle() {
+    let halftone = Halftone::new(DitherMatrix::Clustered3, 1, &Transfer::Linear).unwrap();
+    // Shoaff's D⁽³⁾, x across his rows: the middle first, then up, left of it …
+    assert_eq!(halftone.cell(1), [0, 0, 0, 0, 1, 0, 0, 0, 0]);
+    assert_eq!(halftone.cell(2), [0, 1, 0, 0, 1, 0, 0, 0, 0]);
+    assert_eq!(halftone.cell(3), [0, 1, 0, 0, 1, 1, 0, 0, 0]);
+    assert_eq!(halftone.cell(8), [1, 1, 1, 0, 1, 1, 1, 1, 1]);
+}
+
+#[test]
+fn a_values_level_is_the_nearest() {
+    for transfer in transfers() {
+        for (matrix, bits) in [(DitherMatrix::Clustered2, 1), (DitherMatrix::Clustered3, 2), (DitherMatrix::Bayer4, 4)] {
+            let halftone = Halftone::new(matrix, bits, &transfer).unwrap();
+            let lights: Vec<f64> = (0..halftone.level_count()).map(|level| halftone.luminance(level)).collect();
+            for i in 0..=1000 {
+                let linear = i as f32 / 1000.0;
+                let off = |light: f64| (light - f64::from(linear)).abs();
+                let found = off(lights[halftone.level(linear) as usize]);
+                let least = lights.iter().map(|&light| off(light)).fold(f64::MAX, f64::min);
+                assert!(found <= least + 1e-7, "{transfer} {matrix} {bits} {linear}");
+            }
+            for (level, &light) in (0..).zip(&lights) {
+                assert_eq!(halftone.level(light as f32), level, "{transfer} {matrix} {bits}");
+            }
+            let last = halftone.level_count() - 1;
+            assert_eq!([f32::NAN, -1.0, 2.0].map(|linear| halftone.level(linear)), [0, 0, last]);
+        }
+    }
+}
+
+fn colors(width: u32, height: u32) -> LinearImage {
+    LinearImage::from_fn(width, height, |x, y| {
+        let (u, v) = (x as f32 / (width - 1) as f32, y as f32 / (height - 1) as f32);
+        [u, v, 0.7 * (1.0 - u) + 0.1 * v]
+    })
+}
+
+#[test]
+fn enlarged_images_have_a_cell_for_every_pixel() {
+    let image = colors(23, 11);
+    for (matrix, bits) in [(DitherMatrix::Clustered3, 1), (DitherMatrix::Clustered2, 3), (DitherMatrix::Bayer8, 2)] {
+        let halftone = Halftone::new(matrix, bits, &Transfer::Srgb).unwrap();
+        let n = matrix.size();
+        let dots = halftone.enlarged(&image).unwrap();
+        assert_eq!((dots.width, dots.height, dots.bits), (23 * n, 11 * n, bits));
+        for (x, y) in (0..dots.width * dots.height).map(|i| (i % dots.width, i / dots.width)) {
+            let cells = image.pixel(x / n, y / n).map(|linear| halftone.cell(halftone.level(linear)));
+            assert_eq!(dots.pixel(x, y), cells.map(|cell| cell[(y % n * n + x % n) as usize]));
+        }
+        // The same as enlarging first and deciding dot for dot.
+        let large = LinearImage::from_fn(dots.width, dots.height, |x, y| image.pixel(x / n, y / n));
+        assert_eq!(halftone.same_size(&large), dots);
+    }
+    let wide = LinearImage { width: u32::MAX / 2 + 1, height: 0, data: Vec::new() };
+    let error = Halftone::new(DitherMatrix::Bayer2, 1, &Transfer::Linear).unwrap().enlarged(&wide).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "2147483648 × 0 pixels of 2 × 2 dots are too many; expected at most 4294967295 dots a side"
+    );
+    let none = Halftone::new(DitherMatrix::Bayer2, 1, &Transfer::Linear).unwrap();
+    assert!(none.enlarged(&LinearImage::new(0, 3)).unwrap().codes.is_empty());
+    assert!(none.same_size(&LinearImage::new(0, 3)).codes.is_empty());
+}
+
+/// Shoaff's rule word for word, of whole levels S: a dot is lit iff S(x, y) > D[x mod n][y mod n].
+#[test]
+fn same_size_images_follow_shoaffs_rule() {
+    let n = 8u32;
+    let level = |x: u32, y: u32| (x * 7 + y * 3) % (n * n + 1);
+    let image = gray(64, 40, |x, y| level(x, y) as f32 / (n * n) as f32);
+    let dots = Halftone::new(DitherMatrix::Bayer8, 1, &Transfer::Linear).unwrap().same_size(&image);
+    assert_eq!((dots.width, dots.height), (64, 40));
+    for (x, y) in (0..64 * 40).map(|i| (i % 64, i / 64)) {
+        let lit = level(x, y) > u32::from(BAYER_8[(y % n) as usize][(x % n) as usize]);
+        assert_eq!(dots.pixel(x, y), [u8::from(lit); 3]);
+    }
+    // With 8 bits it is dither.
+    let image = colors(70, 50);
+    for matrix in DitherMatrix::ALL {
+        let dots = Halftone::new(matrix, 8, &Transfer::Srgb).unwrap().same_size(&image);
+        let dithered = SRGB_8.quantize_with(&image, &Dither::Ordered(matrix));
+        assert_eq!(Some(&dots.codes[..]), dithered.bytes());
+        assert_eq!(dots.to_8_bits(), dithered);
+    }
+}
+
+/// The mean light of a cell is that of the value, to within half a level.
+#[test]
+fn halftone_keeps_the_light() {
+    for (matrix, bits) in [(DitherMatrix::Clustered3, 1), (DitherMatrix::Bayer16, 1), (DitherMatrix::Clustered2, 4)] {
+        let halftone = Halftone::new(matrix, bits, &Transfer::Srgb).unwrap();
+        let image = gray(41, 1, |x, _| x as f32 / 40.0);
+        let dots = halftone.enlarged(&image).unwrap();
+        let max = f64::from(2u32.pow(bits) - 1);
+        let n = matrix.size();
+        let light = |code: u8| Transfer::Srgb.linear_from_encoded(f64::from(code) / max);
+        for x in 0..41 {
+            let cell = (0..n * n).map(|i| light(dots.pixel(x * n + i % n, i / n)[0]));
+            let mean = cell.sum::<f64>() / f64::from(n * n);
+            let wanted = f64::from(image.pixel(x, 0)[0]);
+            // The step between the codes that enclose the value, shared by n² dots.
+            let code = (Transfer::Srgb.encoded_from_linear(wanted) * max).floor().min(max - 1.0) as u8;
+            let level = (light(code + 1) - light(code)) / f64::from(n * n);
+            assert!((mean - wanted).abs() <= level / 2.0 + 1e-7, "{matrix} {bits} {wanted}: {mean}");
+        }
+    }
+}
+
+#[test]
+fn halftone_codes_scale_to_8_bits() {
+    for (bits, expected) in
+        [(1, vec![0, 255]), (2, vec![0, 85, 170, 255]), (3, vec![0, 36, 73, 109, 146, 182, 219, 255])]
+    {
+        let halftone = Halftone::new(DitherMatrix::Bayer2, bits, &Transfer::Linear).unwrap();
+        let max = 2u32.pow(bits) - 1;
+        let dots = halftone.same_size(&gray(max + 1, 1, |x, _| x as f32 / max as f32));
+        assert_eq!(reds(&dots.to_8_bits(), 0), expected);
+    }
+}

@@ -1,0 +1,150 @@
+//! Palettes: what each reducer leaves, and that it is the same every time.
+
+use machband::light::palette::{IndexedImage, PaletteError, Reducer, reduce};
+use machband::light::{Bits, CodeImage, Depth, Quantizer, Samples, Transfer};
+use machband::stimulus::MachBand;
+use machband::stimulus::mach_band::RampSpace;
+use proptest::prelude::*;
+
+fn image(width: u32, pixels: &[[u8; 3]]) -> CodeImage {
+    let height = pixels.len() as u32 / width;
+    CodeImage { width, height, samples: Samples::Eight(pixels.as_flattened().to_vec()) }
+}
+
+/// A ramp over three colors' worth of codes.
+fn ramp(size: u32) -> CodeImage {
+    let band = MachBand {
+        width: 1.0,
+        depth: Depth::Finite(2),
+        orientation_deg: 30.0,
+        low: 0.02,
+        high: 0.9,
+        color: "red".parse().unwrap(),
+        color_high: Some("hsv:200,0.8,1".parse().unwrap()),
+        space: RampSpace::Lab,
+        ..MachBand::default()
+    };
+    band.codes(size, &Quantizer::new(&Transfer::Srgb, Bits::Eight))
+}
+
+/// The error by the definition: every pixel decoded, one by one.
+fn assert_error_is_right(image: &CodeImage, reduced: &IndexedImage, transfer: &Transfer) {
+    let quantizer = Quantizer::new(transfer, Bits::Eight);
+    let (mut squares, mut max) = (0.0, 0.0f64);
+    let (before, after) = (image.bytes().unwrap(), reduced.codes());
+    let after = after.bytes().unwrap();
+    assert_eq!(before.len(), after.len());
+    for (a, b) in before.iter().zip(after) {
+        let difference = quantizer.linear(u16::from(*a)) - quantizer.linear(u16::from(*b));
+        squares += difference * difference;
+        max = max.max(difference.abs());
+    }
+    let rms = (squares / before.len() as f64).sqrt();
+    assert!((reduced.error.rms - rms).abs() < 1e-12 && reduced.error.max == max, "{:?} {rms} {max}", reduced.error);
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let tiny = image(1, &[[1, 2, 3]]);
+    for colors in [0, 257, usize::MAX] {
+        let error = reduce(&tiny, &Transfer::Srgb, colors, Reducer::MedianCut).unwrap_err();
+        assert_eq!(error, PaletteError::Colors(colors));
+        assert!(error.to_string().ends_with("expected 1 to 256"));
+    }
+    let deep = CodeImage { width: 1, height: 1, samples: Samples::Sixteen(vec![0, 1, 2]) };
+    assert_eq!(reduce(&deep, &Transfer::Srgb, 2, Reducer::KMeans), Err(PaletteError::SixteenBits));
+    for reducer in Reducer::ALL {
+        assert_eq!(reducer.to_string().parse(), Ok(reducer));
+        let empty = reduce(&image(1, &[]), &Transfer::Srgb, 4, reducer).unwrap();
+        assert_eq!((empty.palette.len(), empty.indices.len(), empty.error.rms), (0, 0, 0.0));
+    }
+    assert!("octree".parse::<Reducer>().unwrap_err().to_string().contains("expected popularity, median-cut or k-means"));
+}
+
+#[test]
+fn few_colors_are_kept() {
+    let pixels = [[9, 9, 9], [0, 0, 255], [9, 9, 9], [255, 1, 0], [0, 0, 255], [9, 9, 9]];
+    let image = image(3, &pixels);
+    for reducer in Reducer::ALL {
+        for colors in [3, 4, 256] {
+            let reduced = reduce(&image, &Transfer::Srgb, colors, reducer).unwrap();
+            assert_eq!(reduced.palette, [[0, 0, 255], [9, 9, 9], [255, 1, 0]]);
+            assert_eq!(reduced.indices, [1, 0, 1, 2, 0, 1]);
+            assert_eq!((reduced.error.rms, reduced.error.max), (0.0, 0.0));
+            assert_eq!(reduced.codes(), image);
+        }
+    }
+}
+
+/// Small enough to do by hand.
+#[test]
+fn each_reducer_does_what_its_name_says() {
+    let repeat = |count: usize, codes: [u8; 3]| std::iter::repeat_n(codes, count);
+    let pixels: Vec<[u8; 3]> =
+        repeat(5, [10, 0, 0]).chain(repeat(4, [12, 0, 0])).chain(repeat(3, [100, 0, 0])).chain(repeat(1, [200, 0, 0])).collect();
+    let of = |colors, reducer| reduce(&image(1, &pixels), &Transfer::Linear, colors, reducer).unwrap();
+    assert_eq!(of(2, Reducer::Popularity).palette, [[10, 0, 0], [12, 0, 0]]);
+    // 13 pixels: the middle one is a 12, nearer to the cut before it (5 | 8) than to the one after it (9 | 4).
+    // The mean of 4·12, 3·100 and 200 is 68.5.
+    let cut = of(2, Reducer::MedianCut);
+    assert!(cut.palette == [[10, 0, 0], [69, 0, 0]] || cut.palette == [[10, 0, 0], [68, 0, 0]], "{:?}", cut.palette);
+    // Least squares: {10, 12} and {100, 200}: 10.9 and 125.
+    assert_eq!(of(2, Reducer::KMeans).palette, [[11, 0, 0], [125, 0, 0]]);
+    // Of equally frequent colors the lowest.
+    let even = image(1, &[[3, 0, 0], [1, 0, 0], [2, 0, 0]]);
+    assert_eq!(reduce(&even, &Transfer::Srgb, 2, Reducer::Popularity).unwrap().palette, [[1, 0, 0], [2, 0, 0]]);
+}
+
+#[test]
+fn a_ramp_in_fewer_colors() {
+    let image = ramp(256);
+    let transfer = Transfer::Srgb;
+    for colors in [1, 2, 8, 16, 64, 256] {
+        let mut rms = Vec::new();
+        for reducer in Reducer::ALL {
+            let reduced = reduce(&image, &transfer, colors, reducer).unwrap();
+            assert_eq!(reduced, reduce(&image, &transfer, colors, reducer).unwrap());
+            assert!(reduced.palette.len() <= colors && reduced.palette.is_sorted_by(|a, b| a < b));
+            assert_error_is_right(&image, &reduced, &transfer);
+            println!("{colors:3} {:10} rms {:.2e} max {:.2e}", reducer.to_string(), reduced.error.rms, reduced.error.max);
+            rms.push(reduced.error.rms);
+        }
+        assert!(rms[2] <= rms[0] && rms[2] <= rms[1], "{colors}: {rms:?}");
+    }
+}
+
+/// The palette of one machine, pinned: any other must make the same.
+#[test]
+fn palettes_are_the_same_everywhere() {
+    // Whole numbers only, so that the image itself cannot differ.
+    let pixels: Vec<[u8; 3]> = (0..64u32 * 64)
+        .map(|i| {
+            let (x, y) = (i % 64, i / 64);
+            [4 * x, 4 * y, (x * y) / 16].map(|code| code as u8)
+        })
+        .collect();
+    let palette = |reducer| {
+        let reduced = reduce(&image(64, &pixels), &Transfer::Linear, 6, reducer).unwrap();
+        reduced.palette.iter().map(|[r, g, b]| format!("{r:02x}{g:02x}{b:02x}")).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(palette(Reducer::Popularity), "POPULARITY");
+    assert_eq!(palette(Reducer::MedianCut), "MEDIAN");
+    assert_eq!(palette(Reducer::KMeans), "KMEANS");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn any_image_is_reduced(
+        pixels in prop::collection::vec(prop::array::uniform3(prop_oneof![any::<u8>(), Just(0), Just(255)]), 1..300),
+        colors in 1usize..=40, linear in any::<bool>(), which in 0usize..3,
+    ) {
+        let transfer = if linear { Transfer::Linear } else { Transfer::Srgb };
+        let image = image(1, &pixels);
+        let reduced = reduce(&image, &transfer, colors, Reducer::ALL[which]).unwrap();
+        prop_assert!(!reduced.palette.is_empty() && reduced.palette.len() <= colors);
+        prop_assert_eq!(reduced.indices.len(), pixels.len());
+        assert_error_is_right(&image, &reduced, &transfer);
+    }
+}
