@@ -293,8 +293,20 @@ fn colors_are_written_as_they_were_asked_where_that_is_short() {
 #[test]
 fn what_is_no_color_says_why() {
     let problem = |text: &str| text.parse::<StimulusColor>().unwrap_err().to_string();
-    for text in ["pink", "Yellow", "", "1", "1,1", "1,1,1,1", "hsv:1,1", "hsv:a,1,1", "lab:50,0,0", "hsv", "1;1;0", "xyy:0.3,0.3,1"]
-    {
+    for text in [
+        "pink",
+        "Yellow",
+        "",
+        "1",
+        "1,1",
+        "1,1,1,1",
+        "hsv:1,1",
+        "hsv:a,1,1",
+        "lab:50,0,0",
+        "hsv",
+        "1;1;0",
+        "xyy:0.3,0.3,1",
+    ] {
         assert!(problem(text).starts_with(&format!("color {text:?} is not known; expected yellow, gray")), "{text}");
     }
     for (text, expected) in [
@@ -310,16 +322,16 @@ fn what_is_no_color_says_why() {
         ("xyY:0.3,0,1", "has y = 0, outside 0…1−x, 0 excluded"),
         ("xyY:1.3,0.1,1", "has x = 1.3, outside 0…1"),
         ("xyY:0.3,0.3,1.2", "has Y = 1.2, outside 0…1"),
-        (
-            "xyY:0.64,0.33,0.5",
-            "is outside the gamut of sRGB: red would be 2.3514, 1.3514 above 1",
-        ),
+        ("xyY:0.64,0.33,0.5", "is outside the gamut of sRGB: red would be 2.3514, 1.3514 above 1"),
     ] {
         assert!(problem(text).contains(expected), "{text}: {}", problem(text));
     }
     // A saturated green that only a laser makes.
     let green = problem("xyY:0.17,0.797,0.5");
-    assert!(green.contains("red would be -0.") && green.contains("below 0") && green.contains("blue would be -"), "{green}");
+    assert!(
+        green.contains("red would be -0.") && green.contains("below 0") && green.contains("blue would be -"),
+        "{green}"
+    );
     assert_eq!(StimulusColor::new([0.0, 0.0, 1.5]).unwrap_err().problem(), "has B = 1.5, outside 0…1");
 }
 
@@ -339,7 +351,8 @@ proptest! {
         prop_assert_eq!(text.parse::<StimulusColor>().unwrap(), color);
         let [r, g, b] = rgb;
         let plain = format!("{r},{g},{b}");
-        prop_assert!(text.len() <= plain.len());
+        let named = text.bytes().all(|byte| byte.is_ascii_lowercase());
+        prop_assert!(named || text.len() <= plain.len(), "{}", text);
         let json = serde_json::to_string(&color).unwrap();
         prop_assert_eq!(serde_json::from_str::<StimulusColor>(&json).unwrap(), color);
     }
@@ -457,7 +470,7 @@ proptest! {
     }
 
     #[test]
-    fn codes_are_those_of_the_light(band in two_colors(), size in 1u32..80) {
+    fn codes_are_those_of_the_light(band in two_colors(), size in prop_oneof![8 => 1u32..80, 1 => 256..300u32]) {
         let linear = band.linear(size);
         for quantizer in quantizers() {
             let codes = band.codes(size, &quantizer);
@@ -471,7 +484,7 @@ proptest! {
         }
     }
 
-    /// One color in RGB or HSV is what it was before there were two.
+    /// One color, straight in RGB or HSV, is what it was before there were two.
     #[test]
     fn one_color_is_as_it_was(mut band in two_colors(), x in -0.5..=0.5f64, said in any::<bool>()) {
         band.color_high = said.then_some(band.color);
@@ -486,6 +499,39 @@ proptest! {
             let y = |rgb: [f64; 3]| Primaries::SRGB.xyz_from_rgb(rgb)[1];
             let asked = y(band.light_at(x).map(f64::from)) / y(band.color.rgb());
             prop_assert!((asked - luminance).abs() < 1e-6, "{} {}", asked, luminance);
+        }
+    }
+}
+
+/// Windows large enough for the table of codes.
+#[test]
+fn looked_up_codes_are_those_of_the_light() {
+    let transfers = [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(0.45), Transfer::Gamma(2.4)];
+    let quantizers = transfers.map(|transfer| Quantizer::new(&transfer, Bits::Eight));
+    let depths = [Depth::Finite(1), Depth::Finite(3), Depth::Finite(32), Depth::Infinite];
+    let colors =
+        [("red", "cyan", 0.0), ("hsv:20,0.5,0.8", "0.001,0.2,1", 0.3), ("yellow", "blue", 0.25), ("gray", "gray", 0.0)];
+    let mut which = 0;
+    for space in [RampSpace::Rgb, RampSpace::Hsv, RampSpace::Lab] {
+        for depth in depths {
+            for (from, to, low) in colors {
+                for (width, orientation_deg) in [(1.0, 45.0), (0.03, 33.0), (0.4, 200.1), (0.7, 89.999)] {
+                    let (color, color_high) = (color(from), Some(color(to)));
+                    let band = MachBand {
+                        width,
+                        depth,
+                        orientation_deg,
+                        low,
+                        color,
+                        color_high,
+                        space,
+                        ..MachBand::default()
+                    };
+                    which += 1;
+                    let quantizer = &quantizers[which % quantizers.len()];
+                    assert!(band.codes(300, quantizer) == quantizer.quantize(&band.linear(300)), "{band:?}");
+                }
+            }
         }
     }
 }
@@ -508,7 +554,10 @@ fn colors_and_space_are_parameters() {
     set(&mut band, "color", "hsv:0,1,1").unwrap();
     set(&mut band, "color_high", "hsv:120,1,1").unwrap();
     set(&mut band, "space", "hsv").unwrap();
-    assert_eq!((get(&band, "color"), get(&band, "color_high"), get(&band, "space")), ("red".into(), "green".into(), "hsv".into()));
+    assert_eq!(
+        (get(&band, "color"), get(&band, "color_high"), get(&band, "space")),
+        ("red".into(), "green".into(), "hsv".into())
+    );
     let json = serde_json::to_string(&band).unwrap();
     assert!(json.ends_with(r#""color":"red","color_high":"green","space":"hsv"}"#), "{json}");
     assert_eq!(serde_json::from_str::<MachBand>(&json).unwrap(), band);
@@ -528,7 +577,8 @@ fn colors_and_space_are_parameters() {
 #[test]
 fn defaults_are_written_as_before() {
     let json = serde_json::to_string(&MachBand::default()).unwrap();
-    let before = r#"{"width":0.4,"depth":1,"tanh_k":5.0,"orientation_deg":0.0,"low":0.25,"high":0.75,"color":"yellow"}"#;
+    let before =
+        r#"{"width":0.4,"depth":1,"tanh_k":5.0,"orientation_deg":0.0,"low":0.25,"high":0.75,"color":"yellow"}"#;
     assert_eq!(json, before);
     assert_eq!(serde_json::from_str::<MachBand>(before).unwrap(), MachBand::default());
     assert!(serde_json::from_str::<MachBand>(r#"{"space":"hls"}"#).is_err());

@@ -212,7 +212,7 @@ prop_compose! {
         width in width(), depth in depth(), tanh_k in steepness(), orientation_deg in orientation(),
         (low, high) in luminances(), color in color(),
     ) -> MachBand {
-        MachBand { width, depth, tanh_k, orientation_deg, low, high, color }
+        MachBand { width, depth, tanh_k, orientation_deg, low, high, color, ..MachBand::default() }
     }
 }
 

@@ -124,7 +124,7 @@ impl Finish {
             .allow_scroll(false)
             .allow_boxed_zoom(false)
             .include_x(-0.3)
-            .include_x(last + 0.3)
+            .include_x(last + 1.0)
             .include_y(-0.1)
             .include_y(f64::from(RATING_MAX) + 0.1)
             .x_axis_label(self.axis.clone())

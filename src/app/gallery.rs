@@ -121,7 +121,7 @@ impl Gallery {
             size: self.size,
             transfer: Transfer::Srgb,
             bits: Bits::Eight,
-            dither: self.dither.clone(),
+            dither: self.dither,
             seed: 1,
         };
         if self.shown.as_ref().is_some_and(|shown| shown.recipe == recipe) {
@@ -163,14 +163,15 @@ impl Gallery {
             theme::fault(ui, fault);
         }
         ui.add_space(8.0);
-        ui.horizontal_wrapped(|ui| {
-            let label = ui.label("Size, pixels");
+        ui.horizontal(|ui| {
+            let label = ui.label("Size, px");
             egui::ComboBox::from_id_salt("size")
                 .selected_text(self.size.to_string())
                 .width(80.0)
                 .show_ui(ui, |ui| SIZES.iter().for_each(|size| _ = ui.selectable_value(&mut self.size, *size, size.to_string())))
                 .response
                 .labelled_by(label.id);
+            ui.add_space(6.0);
             let label = ui.label("Dither");
             egui::ComboBox::from_id_salt("dither")
                 .selected_text(self.dither.to_string())
@@ -218,7 +219,7 @@ impl Gallery {
         ui.add_space(8.0);
         let width = (shown.recipe.size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(ui.available_width().max(300.0));
         let curves = &shown.curves;
-        plot(ui, "profile", "light", width, &[("asked", &curves.asked), ("after quantisation", &curves.emitted)]);
+        plot(ui, "profile", "light", width, &[("after quantisation", &curves.emitted), ("asked", &curves.asked)]);
         if self.derivatives {
             plot(ui, "slope", "first derivative", width, &[("slope, light per window", &curves.slope)]);
             plot(ui, "curvature", "second derivative", width, &[("curvature, light per window²", &curves.curvature)]);
@@ -245,7 +246,13 @@ fn slider_range(parameter: &str) -> Option<(f64, f64, f64)> {
 fn control(ui: &mut egui::Ui, parameter: &'static Parameter, text: &mut String) {
     let name = parameter.name.replace('_', " ").replace(" deg", ", °");
     ui.horizontal(|ui| {
-        let label = ui.add_sized([108.0, 28.0], egui::Label::new(name).halign(egui::Align::Min)).on_hover_text(parameter.description);
+        let label = ui
+            .allocate_ui_with_layout(egui::vec2(108.0, 28.0), egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.set_min_width(108.0);
+                ui.label(name)
+            })
+            .inner
+            .on_hover_text(parameter.description);
         match (slider_range(parameter.name), text.parse::<f64>()) {
             (Some((least, most, step)), Ok(number)) => {
                 let mut value = number;
@@ -271,7 +278,7 @@ fn control(ui: &mut egui::Ui, parameter: &'static Parameter, text: &mut String) 
 }
 
 fn plot(ui: &mut egui::Ui, id: &str, axis: &str, width: f32, lines: &[(&str, &Vec<[f64; 2]>)]) {
-    let colors = [theme::NOTE, egui::Color32::from_rgb(0x56, 0xb4, 0xe9)];
+    let colors = [egui::Color32::from_rgb(0x56, 0xb4, 0xe9), theme::NOTE];
     Plot::new(id)
         .width(width)
         .height(200.0)

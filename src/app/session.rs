@@ -1,6 +1,9 @@
 //! The session on the screen: turns input into events, effects into rows, and states into pictures.
 
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::{
+    collections::BTreeSet,
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
 
 use eframe::egui::{self, CursorIcon, Key, TextureHandle, ViewportCommand};
 use jiff::Timestamp;
@@ -73,6 +76,9 @@ pub struct SessionPage {
     resumed: bool,
     closed: bool,
     mouse_moved_s: f64,
+    /// Keys that are down, by their place: a key that is held repeats, and counts once. Its meaning can change while it
+    /// is down (Shift, Num Lock), so the window system's own word for a repetition is not enough.
+    held: BTreeSet<Key>,
 }
 
 impl SessionPage {
@@ -131,6 +137,7 @@ impl SessionPage {
             trouble: None,
             closed: false,
             mouse_moved_s: f64::NEG_INFINITY,
+            held: BTreeSet::new(),
         })
     }
 
@@ -180,9 +187,20 @@ impl SessionPage {
             self.mouse_moved_s = time;
         }
         for event in events {
-            let egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers, .. } = event else {
+            let egui::Event::Key { key, physical_key, pressed, modifiers, .. } = event else {
+                if event == egui::Event::WindowFocused(false) {
+                    self.held.clear();
+                }
                 continue;
             };
+            let place = physical_key.unwrap_or(key);
+            if !pressed {
+                self.held.remove(&place);
+                continue;
+            }
+            if !self.held.insert(place) {
+                continue;
+            }
             if modifiers.ctrl || modifiers.alt || modifiers.command {
                 continue;
             }
@@ -191,10 +209,11 @@ impl SessionPage {
                 Key::Backspace => self.step(Event::TakeBack, now),
                 Key::S if self.is_trial() => self.scale_shown = !self.scale_shown,
                 // Some keyboards give the digits of the top row only with Shift; the key itself is then what counts.
-                _ => match self.rating(key).or_else(|| physical_key.and_then(|key| self.rating(key))) {
-                    Some(rating) => self.step(Event::Rate(rating), now),
-                    None => {}
-                },
+                _ => {
+                    if let Some(rating) = self.rating(key).or_else(|| self.rating(place)) {
+                        self.step(Event::Rate(rating), now);
+                    }
+                }
             }
         }
     }
@@ -243,6 +262,9 @@ impl SessionPage {
             Ok(()) => {
                 self.trouble = None;
                 self.session.step(Event::Stored, now);
+                // The eye has looked at this page and not at the field: the field starts anew.
+                self.session.step(Event::Pause, now);
+                self.session.step(Event::Resume, now);
             }
             Err(error) => trouble.again(error.to_string()),
         }

@@ -108,12 +108,20 @@ impl Args for StimulusOptions {
             .help("Kind of stimulus");
         parameters().into_iter().fold(command.arg(kind), |command, (parameter, kinds)| {
             let of = if kinds.len() == KINDS.len() { String::new() } else { format!(" [{}]", kinds.join(", ")) };
+            let mut defaults: Vec<String> =
+                kinds.iter().filter_map(|kind| Some(Stimulus::default_of(kind)?.get(parameter.name)?.to_string())).collect();
+            defaults.dedup();
+            let default = match defaults.as_slice() {
+                [one] => format!(" [default: {one}]"),
+                [first, ..] => format!(" [default: {first} for {}, else the kind's own]", kinds[0]),
+                [] => String::new(),
+            };
             command.arg(
                 Arg::new(parameter.name)
                     .long(parameter.option())
-                    .value_name(parameter.levels_hint.first().copied().unwrap_or("VALUE"))
+                    .value_name("VALUE")
                     .allow_hyphen_values(true)
-                    .help(format!("{}{of}", parameter.description)),
+                    .help(format!("{}{default}{of}", parameter.description)),
             )
         })
     }

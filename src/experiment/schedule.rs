@@ -158,7 +158,7 @@ fn block_order(order: &Order, levels: usize, identity: &Identity, rng: &mut ChaC
 /// level equally often. An odd number of levels needs twice as many rows, the second half mirrored.
 /// Williams 1949, Aust. J. Sci. Res. A 2:149.
 fn williams_row(levels: usize, row: u64) -> Vec<usize> {
-    let rows = if levels % 2 == 0 { levels } else { 2 * levels };
+    let rows = if levels.is_multiple_of(2) { levels } else { 2 * levels };
     let row = (row % rows as u64) as usize;
     let mut sequence: Vec<usize> = (0..levels)
         .map(|i| if i % 2 == 1 { i.div_ceil(2) } else { (levels - i / 2) % levels })

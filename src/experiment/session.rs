@@ -360,7 +360,7 @@ impl Session {
             self.recover(now);
         } else if self.schedule.trials[next].phase != rated.phase {
             self.state = State::PhaseStart(self.phase());
-        } else if rated.phase == Phase::Main && every > 0 && rated.number % every == 0 {
+        } else if rated.phase == Phase::Main && every > 0 && rated.number.is_multiple_of(every) {
             self.state = State::Break;
         } else {
             self.recover(now);

@@ -79,7 +79,7 @@ fn settled_pattern(size: usize, seed: u64) -> Pattern {
     for i in 0..(size * size / INITIAL_SHARE).max(1) {
         let left = (places.len() - i) as u64;
         // The top of a 64-bit product, less than `left`: uniform to 2⁻¹⁶, which is enough here.
-        let pick = i + (u64::from(rng.next_u32()) * left >> 32) as usize;
+        let pick = i + ((u64::from(rng.next_u32()) * left) >> 32) as usize;
         places.swap(i, pick);
         pattern.set(places[i], true);
     }

@@ -363,15 +363,11 @@ pub struct Luv {
 }
 
 /// δ of CIE 15:2004: the cube root becomes a straight line below δ³ = (6/29)³.
-const LAB_DELTA: f64 = 6.0 / 29.0;
+pub const LAB_DELTA: f64 = 6.0 / 29.0;
 
-/// f of CIE 15:2004, eq. 8.3–8.8: t^⅓ above (6/29)³, t/(3·(6/29)²) + 4/29 below.
+/// f of CIE 15:2004 §8.2.1.1: t^⅓ above (6/29)³, t/(3·(6/29)²) + 4/29 below.
 fn lab_root(t: f64) -> f64 {
-    if t > LAB_DELTA * LAB_DELTA * LAB_DELTA {
-        t.cbrt()
-    } else {
-        t / (3.0 * LAB_DELTA * LAB_DELTA) + 4.0 / 29.0
-    }
+    if t > LAB_DELTA * LAB_DELTA * LAB_DELTA { t.cbrt() } else { t / (3.0 * LAB_DELTA * LAB_DELTA) + 4.0 / 29.0 }
 }
 
 /// The inverse of [`lab_root`].
@@ -388,12 +384,19 @@ pub fn lab_from_xyz(xyz: [f64; 3], white: [f64; 3]) -> Lab {
     Lab { lightness: 116.0 * y - 16.0, a: 500.0 * (x - y), b: 200.0 * (y - z) }
 }
 
-/// The X, Y and Z that [`lab_from_xyz`] makes `lab` of. CIE 15:2004 annex D.
+/// f(X/Xn), f(Y/Yn) and f(Z/Zn) of [`lab_from_xyz`]: the cube roots that Lab is made of, straight lines in it.
+#[must_use]
+#[inline]
+pub fn cube_roots(lab: Lab) -> [f64; 3] {
+    let y = (lab.lightness + 16.0) / 116.0;
+    [y + lab.a / 500.0, y, y - lab.b / 200.0]
+}
+
+/// The X, Y and Z that [`lab_from_xyz`] makes `lab` of. CIE 15:2004 appendix D.
 #[must_use]
 #[inline]
 pub fn xyz_from_lab(lab: Lab, white: [f64; 3]) -> [f64; 3] {
-    let y = (lab.lightness + 16.0) / 116.0;
-    let roots = [y + lab.a / 500.0, y, y - lab.b / 200.0];
+    let roots = cube_roots(lab);
     [0, 1, 2].map(|i| lab_cube(roots[i]) * white[i])
 }
 

@@ -41,6 +41,8 @@ pub enum HalftoneError {
 pub struct Halftone {
     matrix: DitherMatrix,
     ranks: Vec<u16>,
+    /// The threshold of every rank, rising.
+    thresholds: Vec<f64>,
     bits: u32,
     levels: Levels,
 }
@@ -70,7 +72,9 @@ impl Halftone {
         }
         let max = max_code(bits);
         let light = |code| transfer.linear_from_encoded(f64::from(code) / f64::from(max));
-        Ok(Self { matrix, ranks: matrix.ranks(), bits, levels: Levels::new((0..=max).map(light)) })
+        let ranks = matrix.ranks();
+        let thresholds = (0..).take(ranks.len()).map(|rank| from_rank(rank, matrix.size())).collect();
+        Ok(Self { matrix, ranks, thresholds, bits, levels: Levels::new((0..=max).map(light)) })
     }
 
     /// Dots n a side of a cell.
@@ -90,11 +94,9 @@ impl Halftone {
     #[must_use]
     pub fn level(&self, linear: f32) -> u32 {
         let code = self.levels.at_most(linear);
-        let lit = (0..self.dots()).filter(|&rank| {
-            // Ranks are below n² ≤ 2⁸.
-            self.levels.decide(linear, from_rank(rank as u16, self.size()), code) > code
-        });
-        u32::from(code) * self.dots() + lit.count() as u32
+        let lit = self.thresholds.partition_point(|&threshold| self.levels.decide(linear, threshold, code) > code);
+        // At most n² ≤ 2⁸.
+        u32::from(code) * self.dots() + lit as u32
     }
 
     /// The codes of the cell of `level`, row by row. Levels above the last are the last.

@@ -32,9 +32,7 @@ pub enum DitherMatrix {
 
 /// A text that names no matrix.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "dither matrix {0:?} is not known; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3"
-)]
+#[error("dither matrix {0:?} is not known; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3")]
 pub struct DitherMatrixError(String);
 
 impl DitherMatrix {

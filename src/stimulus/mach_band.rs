@@ -1,6 +1,7 @@
 //! The Mach-band stimulus of Bangay §3.1: two plateaus of luminance and the ramp between them, turned
 //! about the centre.
 
+mod lookup;
 mod passage;
 
 use serde::{Deserialize, Serialize};
@@ -182,7 +183,8 @@ impl MachBand {
     pub const KIND: &'static str = "mach-band";
 
     /// Every parameter, in the order of the fields.
-    pub const PARAMETERS: &'static [Parameter] = &[WIDTH, DEPTH, TANH, ORIENTATION, LOW, HIGH, COLOR, COLOR_HIGH, SPACE];
+    pub const PARAMETERS: &'static [Parameter] =
+        &[WIDTH, DEPTH, TANH, ORIENTATION, LOW, HIGH, COLOR, COLOR_HIGH, SPACE];
 
     /// Sets the parameter `name`, checking its own range only.
     ///
@@ -311,7 +313,7 @@ impl MachBand {
         assert_eq!(quantizer.bits(), Bits::Eight, "bytes hold 8-bit codes");
         match Passage::new(self) {
             Passage::OneColor { .. } => fast::render(self, size, quantizer, codes),
-            between @ Passage::Between { .. } => passage::render(self, &between, size, quantizer, codes),
+            Passage::Between(between) => lookup::render(self, &between, size, quantizer, codes),
         }
     }
 }

@@ -48,7 +48,7 @@ impl Recipe {
     pub fn codes(&self, quantizer: &Quantizer) -> CodeImage {
         match &self.dither {
             Dither::None => self.stimulus.codes(self.size, quantizer),
-            dither => quantizer.quantize_with(&self.linear(), &dither.clone().with_seed(self.seed)),
+            dither => quantizer.quantize_with(&self.linear(), &dither.with_seed(self.seed)),
         }
     }
 

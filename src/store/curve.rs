@@ -30,7 +30,7 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
     let row = LinearImage::from_fn(size, 1, |i, _| stimulus.light_at(place(i)));
     let codes = match &recipe.dither {
         Dither::None => quantizer.quantize(&row),
-        dither => quantizer.quantize_with(&row, &dither.clone().with_seed(recipe.seed)),
+        dither => quantizer.quantize_with(&row, &dither.with_seed(recipe.seed)),
     };
     (0..size)
         .map(|i| {

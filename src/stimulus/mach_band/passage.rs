@@ -6,11 +6,9 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::{MachBand, Ramp, light};
-use crate::light::Quantizer;
-use crate::light::color::{Lab, Primaries, lab_from_xyz, xyz_from_lab};
+use crate::light::color::{LAB_DELTA, Lab, Primaries, cube_roots, lab_from_xyz, xyz_from_lab};
 use crate::light::color_models::{Hsv, hsv_from_rgb, rgb_from_hsv, wrapped_deg};
 use crate::stimulus::color::StimulusColor;
-use crate::stimulus::orientation::Grid;
 
 /// The space in which a ramp is straight. Written `rgb`, `hsv` or `lab`.
 ///
@@ -67,14 +65,23 @@ impl FromStr for RampSpace {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Passage {
     /// The luminance changes, the color does not: `weights` times Bangay's L.
-    OneColor { weights: [f64; 3] },
-    /// From one light to another.
-    Between { low: [f64; 3], high: [f64; 3], course: Course },
+    OneColor {
+        weights: [f64; 3],
+    },
+    Between(Between),
+}
+
+/// From one light to another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Between {
+    low: [f64; 3],
+    high: [f64; 3],
+    course: Course,
 }
 
 /// Which way from one light to another.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Course {
+enum Course {
     Rgb,
     /// From `low` by `arc` degrees.
     Hsv {
@@ -95,8 +102,8 @@ impl Passage {
         if color == color_high && (band.space != RampSpace::Lab || band.low == band.high) {
             return Passage::OneColor { weights: color.rgb() };
         }
-        let [low, high] = [(color, band.low), (color_high, band.high)]
-            .map(|(color, level)| color.rgb().map(|weight| weight * level));
+        let [low, high] =
+            [(color, band.low), (color_high, band.high)].map(|(color, level)| color.rgb().map(|weight| weight * level));
         let course = match band.space {
             _ if low == high => Course::Rgb,
             RampSpace::Rgb => Course::Rgb,
@@ -109,7 +116,7 @@ impl Passage {
                 Course::Lab { low, high }
             }
         };
-        Passage::Between { low, high, course }
+        Passage::Between(Between { low, high, course })
     }
 
     /// The light asked at `x` window sides across `ramp`.
@@ -117,9 +124,7 @@ impl Passage {
     pub fn light_at(&self, ramp: &Ramp, x: f64) -> [f32; 3] {
         match self {
             Passage::OneColor { weights } => light(*weights, ramp.luminance_at(x)),
-            Passage::Between { low, high, course } => {
-                between(*low, *high, course, ramp.part_at(x)).map(|value| value as f32)
-            }
+            Passage::Between(between) => between.light_at_part(ramp.part_at(x)).map(|value| value as f32),
         }
     }
 
@@ -127,9 +132,9 @@ impl Passage {
     pub fn luminance_at(&self, ramp: &Ramp, x: f64, color: StimulusColor) -> f64 {
         match self {
             Passage::OneColor { .. } => ramp.luminance_at(x),
-            Passage::Between { low, high, course } => {
+            Passage::Between(between) => {
                 let luminance = |rgb| Primaries::SRGB.xyz_from_rgb(rgb)[1];
-                luminance(between(*low, *high, course, ramp.part_at(x))) / luminance(color.rgb())
+                luminance(between.light_at_part(ramp.part_at(x))) / luminance(color.rgb())
             }
         }
     }
@@ -151,54 +156,61 @@ fn mix(from: f64, to: f64, part: f64) -> f64 {
     from + (to - from) * part
 }
 
-/// The light `part` of the way from `low`, at 0, to `high`, at 1; each channel 0…1.
-#[inline]
-fn between(low: [f64; 3], high: [f64; 3], course: &Course, part: f64) -> [f64; 3] {
-    if part <= 0.0 {
-        return low;
-    }
-    if part >= 1.0 {
-        return high;
-    }
-    let rgb = match course {
-        Course::Rgb => [0, 1, 2].map(|channel| mix(low[channel], high[channel], part)),
-        Course::Hsv { low, high, arc } => rgb_from_hsv(Hsv {
-            hue: low.hue.map(|hue| hue + arc * part),
-            saturation: mix(low.saturation, high.saturation, part),
-            value: mix(low.value, high.value, part),
-        }),
-        Course::Lab { low, high } => {
-            let lab = Lab {
-                lightness: mix(low.lightness, high.lightness, part),
-                a: mix(low.a, high.a, part),
-                b: mix(low.b, high.b, part),
-            };
-            const WHITE: [f64; 3] = Primaries::SRGB.white_xyz();
-            Primaries::SRGB.rgb_from_xyz(xyz_from_lab(lab, WHITE))
-        }
-    };
-    rgb.map(|value| value.clamp(0.0, 1.0))
-}
+const WHITE: [f64; 3] = Primaries::SRGB.white_xyz();
 
-/// Writes the 8-bit codes of `band`, `size` × `size` pixels, to `out`, which has 3·size² bytes: every pixel by itself,
-/// where rows or columns differ.
-pub(super) fn render(band: &MachBand, passage: &Passage, size: u32, quantizer: &Quantizer, out: &mut [u8]) {
-    if size == 0 {
-        return;
+impl Between {
+    /// The light `part` of the way from low, at 0, to high, at 1; each channel 0…1.
+    #[inline]
+    pub fn light_at_part(&self, part: f64) -> [f64; 3] {
+        if part <= 0.0 {
+            return self.low;
+        }
+        if part >= 1.0 {
+            return self.high;
+        }
+        let rgb = match self.course {
+            Course::Rgb => [0, 1, 2].map(|channel| mix(self.low[channel], self.high[channel], part)),
+            Course::Hsv { low, high, arc } => rgb_from_hsv(Hsv {
+                hue: low.hue.map(|hue| hue + arc * part),
+                saturation: mix(low.saturation, high.saturation, part),
+                value: mix(low.value, high.value, part),
+            }),
+            Course::Lab { low, high } => {
+                let lab = Lab {
+                    lightness: mix(low.lightness, high.lightness, part),
+                    a: mix(low.a, high.a, part),
+                    b: mix(low.b, high.b, part),
+                };
+                Primaries::SRGB.rgb_from_xyz(xyz_from_lab(lab, WHITE))
+            }
+        };
+        rgb.map(|value| value.clamp(0.0, 1.0))
     }
-    let (grid, ramp) = (Grid::new(size, band.orientation_deg), band.ramp());
-    // An 8-bit code fits.
-    let codes = |ix, iy| passage.light_at(&ramp, grid.across(ix, iy)).map(|linear| quantizer.code(linear) as u8);
-    let mut rows = (0..size).zip(out.chunks_exact_mut(3 * size as usize));
-    if grid.sin == 0.0 {
-        let Some((_, first)) = rows.next() else { return };
-        (0..size).zip(first.as_chunks_mut().0).for_each(|(ix, pixel)| *pixel = codes(ix, 0));
-        rows.for_each(|(_, row)| row.copy_from_slice(first));
-    } else if grid.cos == 0.0 {
-        rows.for_each(|(iy, row)| row.as_chunks_mut().0.fill(codes(0, iy)));
-    } else {
-        rows.for_each(|(iy, row)| {
-            (0..size).zip(row.as_chunks_mut().0).for_each(|(ix, pixel)| *pixel = codes(ix, iy));
-        });
+
+    /// The most that each channel can change, per part of the way.
+    pub fn steepness(&self) -> [f64; 3] {
+        match self.course {
+            Course::Rgb => [0, 1, 2].map(|channel| (self.high[channel] - self.low[channel]).abs()),
+            Course::Hsv { low, high, arc } => {
+                // Every channel is V, V(1−S), or V(1−S·t) with t the sixth of a turn, or 1 − t.
+                let (value, saturation) = (low.value.max(high.value), low.saturation.max(high.saturation));
+                let most = (high.value - low.value).abs()
+                    + value * (high.saturation - low.saturation).abs()
+                    + value * saturation * arc.abs() / 60.0;
+                [most; 3]
+            }
+            Course::Lab { low, high } => {
+                // Every channel is a sum of cubes, or of straight lines no steeper than these where the cubes begin, of the
+                // cube roots of X, Y and Z; they are straight in Lab.
+                let [from, to] = [low, high].map(cube_roots);
+                let steepest = [0, 1, 2].map(|i| {
+                    let root = from[i].abs().max(to[i].abs()).max(LAB_DELTA);
+                    WHITE[i] * 3.0 * root * root * (to[i] - from[i]).abs()
+                });
+                let channels = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+                let by_xyz = channels.map(|xyz| Primaries::SRGB.rgb_from_xyz(xyz));
+                [0, 1, 2].map(|channel| (0..3).map(|i| by_xyz[i][channel].abs() * steepest[i]).sum())
+            }
+        }
     }
 }
