@@ -18,7 +18,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             return Err(UsageError("a file name is empty; expected a path".to_owned()).into());
         }
         match crate::store::check::check(file) {
-            Ok(sentence) => println!("{file}: {sentence}"),
+            Ok(sentence) => super::say(&format!("{file}: {sentence}"))?,
             Err(error) => faults.push(error.to_string()),
         }
     }

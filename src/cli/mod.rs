@@ -11,7 +11,11 @@ mod simulate;
 mod stimuli;
 mod stimulus;
 
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    io::{ErrorKind, Write as _},
+    path::PathBuf,
+    process::ExitCode,
+};
 
 use clap::{Parser, Subcommand};
 
@@ -54,12 +58,23 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // One line a fault, so that each can be found by its `error:`.
-            for line in format!("{error:#}").lines() {
-                eprintln!("error: {line}");
+            // One line a fault, so that each can be found by its `error:`. Each tells its cause itself.
+            for line in error.to_string().lines() {
+                // Where nobody listens any more, the exit status still tells.
+                let _ = writeln!(std::io::stderr(), "error: {line}");
             }
             ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
         }
+    }
+}
+
+/// Writes one line of data to stdout. Who has stopped listening, as `head -1` does, wants no more of it: no fault.
+fn say(line: &str) -> anyhow::Result<()> {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(anyhow::anyhow!("standard output: cannot write: {error}; expected a place that takes it"))
+        }
+        _ => Ok(()),
     }
 }
 

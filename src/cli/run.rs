@@ -52,8 +52,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (Some(_), false) => return Err(StoreError::Exists(csv).into()),
         (None, true) => return Err(StoreError::NothingToResume(csv).into()),
         (Some(true), true) => {
-            println!("{}: the session is complete; nothing is left to do", csv.display());
-            return Ok(());
+            return super::say(&format!("{}: the session is complete; nothing is left to do", csv.display()));
         }
         _ => {}
     }

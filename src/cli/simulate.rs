@@ -67,15 +67,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let done = parallel::each(total, AT_A_TIME, |i| one(arguments, &protocol, &rater, i + 1, &bar));
     bar.finish_and_clear();
     done?;
-    println!(
+    super::say(&format!(
         "{} sessions of {} in {}, {} rows, {:.1} s",
         total,
         protocol.name,
         arguments.results.join(&protocol.name).display(),
         total * trials,
         started.elapsed().as_secs_f64()
-    );
-    Ok(())
+    ))
 }
 
 fn rater(arguments: &Arguments) -> anyhow::Result<Rater> {

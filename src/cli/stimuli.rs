@@ -68,13 +68,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     bar.finish_and_clear();
     let whole = manifest.finish(&mine)?;
-    println!(
+    super::say(&format!(
         "{} images made, {} kept, in {}, {:.1} s{}",
         missing.len(),
         mine.len() - missing.len(),
         arguments.out.display(),
         started.elapsed().as_secs_f64(),
         if whole { "" } else { "; manifest.csv follows when every shard is done" }
-    );
-    Ok(())
+    ))
 }

@@ -6,7 +6,10 @@ use super::{
     UsageError,
     options::{ImageOptions, StimulusOptions},
 };
-use crate::store;
+use crate::{
+    light::{Bits, palette::Reduction},
+    store,
+};
 
 /// Write one stimulus as an image, and its luminance profile.
 #[derive(clap::Args)]
@@ -18,6 +21,9 @@ pub(super) struct Arguments {
     stimulus: StimulusOptions,
     #[command(flatten)]
     image: ImageOptions,
+    /// Reduce the image to a palette: popularity, median-cut or k-means, and at most how many colors.
+    #[arg(long, value_name = "METHOD:N", requires = "out")]
+    palette: Option<String>,
     /// Image to write.
     #[arg(long, value_name = "FILE.png")]
     out: Option<PathBuf>,
@@ -32,8 +38,23 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let recipe = arguments.image.recipe(arguments.stimulus.stimulus()?)?;
     let quantizer = recipe.quantizer();
-    if let Some(out) = &arguments.out {
-        store::image::write_recipe(out, &recipe, &quantizer)?;
+    let reduction = arguments.palette.as_deref().map(str::parse::<Reduction>).transpose();
+    let reduction = reduction.map_err(|error| UsageError(format!("--palette: {error}")))?;
+    match (&arguments.out, reduction) {
+        (Some(_), Some(_)) if recipe.bits == Bits::Sixteen => {
+            return Err(UsageError("--palette: a palette has 8 bits a channel; expected --bits 8".to_owned()).into());
+        }
+        (Some(out), Some(reduction)) => {
+            let image = store::image::write_reduced(out, &recipe, &quantizer, reduction)?;
+            println!(
+                "{reduction}: {} colors, error in linear light rms {:.5}, largest {:.5}",
+                image.palette.len(),
+                image.error.rms,
+                image.error.max
+            );
+        }
+        (Some(out), None) => _ = store::image::write_recipe(out, &recipe, &quantizer)?,
+        (None, _) => {}
     }
     if let Some(profile) = &arguments.profile {
         store::curve::write_profile(profile, &recipe, &quantizer)?;

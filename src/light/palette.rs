@@ -125,6 +125,38 @@ struct Tally {
     count: u32,
 }
 
+/// A way to reduce colors, and to how many. Written `median-cut:16`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Reduction {
+    /// How the palette is chosen.
+    pub reducer: Reducer,
+    /// Most colors, 1…256.
+    pub colors: usize,
+}
+
+/// A text that is no [`Reduction`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0:?} is no palette; expected popularity, median-cut or k-means, a colon and 1…256 colors, such as median-cut:16")]
+pub struct ReductionError(String);
+
+impl fmt::Display for Reduction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.reducer, self.colors)
+    }
+}
+
+impl FromStr for Reduction {
+    type Err = ReductionError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parsed = text.split_once(':').and_then(|(reducer, colors)| {
+            let colors = colors.parse().ok().filter(|colors| (1..=MOST_COLORS).contains(colors))?;
+            Some(Self { reducer: reducer.parse().ok()?, colors })
+        });
+        parsed.ok_or_else(|| ReductionError(text.to_owned()))
+    }
+}
+
 /// The image `image`, of a display that `transfer` describes, in at most `colors` colors.
 ///
 /// An image of no more colors than that keeps them all.

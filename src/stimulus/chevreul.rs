@@ -18,7 +18,7 @@ kind! {
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction in which the bands brighten, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darkest band", "the relative luminance of the darkest band", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brightest band", "the relative luminance of the brightest band, at least low's", ["0.75"];
-        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a colour such as gray, yellow or R,G,B", ["gray", "yellow"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a color such as gray, R,G,B, hsv:H,S,V or xyY:x,y,Y", ["gray", "yellow"];
     }
 }
 

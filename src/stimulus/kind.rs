@@ -1,7 +1,10 @@
 //! What every kind of stimulus has in common: fields that are parameters, each with its range, readable and settable by
 //! name.
 
-use super::parameter::{Parameter, ParameterError, ParameterValue};
+use super::{
+    color::{ColorError, StimulusColor},
+    parameter::{Parameter, ParameterError, ParameterValue},
+};
 
 /// The values that a parameter can have.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +78,16 @@ macro_rules! text_field {
     };
 }
 pub(super) use text_field;
-text_field!(super::color::StimulusColor);
+
+impl Field for StimulusColor {
+    fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        let text = value.to_string();
+        text.parse().map_err(|fault: ColorError| parameter.error(format!("{text:?}"), fault.problem()))
+    }
+    fn write(&self) -> ParameterValue {
+        self.to_string().as_str().into()
+    }
+}
 
 /// Declares a kind of stimulus: a struct whose fields are its parameters, with defaults, ranges, units, meanings and
 /// levels worth comparing; `set`, `get` and `validate` follow from the declaration.

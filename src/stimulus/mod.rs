@@ -28,7 +28,7 @@ pub use color::{ColorError, StimulusColor};
 pub use cornsweet::Cornsweet;
 pub use cylinder::{Cylinder, Shading};
 pub use kanizsa::Kanizsa;
-pub use mach_band::{MachBand, Ramp};
+pub use mach_band::{MachBand, Ramp, RampSpace};
 pub use parameter::{Parameter, ParameterError, ParameterValue};
 pub use vasarely::Vasarely;
 
@@ -172,7 +172,11 @@ impl Stimulus {
     /// The channel that gets the most light: 0 red, 1 green, 2 blue; the first of equals.
     #[must_use]
     pub fn strongest_channel(&self) -> usize {
-        let weights = self.field_light(1.0);
+        let mut weights = self.field_light(1.0);
+        if let Self::MachBand(MachBand { color_high: Some(color), .. }) = self {
+            // The brighter plateau decides where it has a colour of its own.
+            weights = window::light(color.rgb(), 1.0);
+        }
         (1..3).fold(0, |best, channel| if weights[channel] > weights[best] { channel } else { best })
     }
 }

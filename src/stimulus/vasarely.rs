@@ -21,7 +21,7 @@ kind! {
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the squares, counter-clockwise", "an angle in degrees, such as 45", ["0", "45"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the outermost square", "the relative luminance of the outermost square", ["0.1"];
         high: f64 = 0.9, Range::Within(0.0, 1.0), "1", "Relative luminance of the innermost square", "the relative luminance of the innermost square, at least low's", ["0.9"];
-        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a colour such as gray, yellow or R,G,B", ["gray", "yellow"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a color such as gray, R,G,B, hsv:H,S,V or xyY:x,y,Y", ["gray", "yellow"];
     }
 }
 

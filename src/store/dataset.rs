@@ -138,6 +138,18 @@ fn create_temporary(path: &Path) -> std::io::Result<(PathBuf, File)> {
     }
 }
 
+/// Removes what a killed program left of its tries to write the JSON file `path`. Only for who holds the session's lock.
+pub(super) fn remove_leftovers(path: &Path) {
+    let Some((folder, name)) = path.parent().zip(path.file_name().and_then(|name| name.to_str())) else { return };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let left = entry.file_name().to_str().and_then(|found| found.strip_prefix(name)).is_some_and(|rest| rest.ends_with(".tmp"));
+        if left {
+            // It is in nobody's way if it stays.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// Makes a new or renamed name in a folder survive a power cut, where the system knows the notion. Windows does not
 /// open folders as files and needs no such call, so a failure is no fault.
 pub(super) fn sync_folder(file: &Path) {

@@ -82,8 +82,13 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
         instructions: instructions(&root),
     };
     root.finish();
+    // A value that could not be read is a fault already; what follows from it is none of its own.
+    let unread = reader.places();
     for fault in protocol.faults() {
-        reader.fault(locate(&table, &fault.path), fault.message);
+        let at = locate(&table, &fault.path);
+        if !unread.contains(&at) {
+            reader.fault(at, fault.message);
+        }
     }
     reader.finish()?;
     Ok(protocol)

@@ -9,12 +9,17 @@ use std::{
 
 use super::{FileFaults, StoreError, dataset::write_whole, fault::io};
 use crate::{
-    light::{Bits, CodeImage, Quantizer, Samples, Transfer},
+    light::{
+        Bits, CodeImage, Quantizer, Samples, Transfer,
+        palette::{IndexedImage, Reduction, reduce},
+    },
     stimulus::recipe::{Recipe, SIZE_MAX},
 };
 
 /// Keyword of the text chunk that holds the recipe as JSON.
 const KEYWORD: &str = "machband";
+/// Keyword of the text chunk that names the palette's making, where there is one.
+const PALETTE_KEYWORD: &str = "machband-palette";
 /// Chromaticities of the sRGB primaries and of D65, IEC 61966-2-1.
 const SRGB_CHROMATICITIES: [[f32; 2]; 4] = [[0.3127, 0.3290], [0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
 /// Entries of the tone curves in an embedded profile.
@@ -31,6 +36,28 @@ pub fn write_recipe(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Resu
     Ok(bytes)
 }
 
+/// Renders a recipe, reduces it to a palette and writes an indexed PNG. Gives the error in linear light.
+///
+/// # Errors
+/// 16 bits, which have no palette, or the system's refusal.
+pub fn write_reduced(
+    path: &Path,
+    recipe: &Recipe,
+    quantizer: &Quantizer,
+    reduction: Reduction,
+) -> Result<IndexedImage, StoreError> {
+    let failed = |error: Box<dyn std::error::Error + Send + Sync>| io(path, "encode")(std::io::Error::other(error));
+    let image = reduce(&recipe.codes(quantizer), &recipe.transfer, reduction.colors, reduction.reducer)
+        .map_err(|error| failed(error.into()))?;
+    let mut info = png::Info::with_size(image.width, image.height);
+    info.color_type = png::ColorType::Indexed;
+    info.palette = Some(Cow::Owned(image.palette.concat()));
+    let texts = [(KEYWORD, describe(recipe)), (PALETTE_KEYWORD, reduction.to_string())];
+    let bytes = finish(info, &recipe.transfer, false, &texts, &image.indices).map_err(|error| failed(error.into()))?;
+    write_whole(path, &bytes, false)?;
+    Ok(image)
+}
+
 /// The recipe as it stands in an image.
 pub fn describe(recipe: &Recipe) -> String {
     serde_json::to_string(recipe).unwrap_or_default()
@@ -45,6 +72,17 @@ fn encode(image: &CodeImage, transfer: &Transfer, recipe: &str) -> Result<Vec<u8
         Samples::Eight(_) => png::BitDepth::Eight,
         Samples::Sixteen(_) => png::BitDepth::Sixteen,
     };
+    finish(info, transfer, gray, &[(KEYWORD, recipe.to_owned())], &raw_samples(&image.samples, gray))
+}
+
+/// Adds what the codes mean and how they were made, and encodes.
+fn finish(
+    mut info: png::Info<'_>,
+    transfer: &Transfer,
+    gray: bool,
+    texts: &[(&str, String)],
+    samples: &[u8],
+) -> Result<Vec<u8>, png::EncodingError> {
     let curve = match transfer {
         Transfer::Srgb => None,
         Transfer::Linear => Some(1.0),
@@ -67,9 +105,11 @@ fn encode(image: &CodeImage, transfer: &Transfer, recipe: &str) -> Result<Vec<u8
     // Neighbouring rows of a stimulus are all but equal: their difference is zeros, and a fast coder is enough.
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Up);
-    encoder.add_text_chunk(KEYWORD.to_owned(), recipe.to_owned())?;
+    for (keyword, text) in texts {
+        encoder.add_text_chunk((*keyword).to_owned(), text.clone())?;
+    }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&raw_samples(&image.samples, gray))?;
+    writer.write_image_data(samples)?;
     writer.finish()?;
     Ok(bytes)
 }
@@ -120,6 +160,8 @@ fn profile(transfer: &Transfer, gray: bool) -> Option<Vec<u8>> {
 pub struct ReadBack {
     /// How it says it was made.
     pub recipe: Recipe,
+    /// The palette it was reduced to, if it was.
+    pub reduction: Option<Reduction>,
     /// What is in it.
     pub image: CodeImage,
 }
@@ -145,12 +187,15 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
     decoder.set_transformations(png::Transformations::IDENTITY);
     let mut reader = decoder.read_info().map_err(broken)?;
     let info = reader.info();
-    let recipe = info
-        .uncompressed_latin1_text
-        .iter()
-        .find(|chunk| chunk.keyword == KEYWORD)
-        .map(|chunk| chunk.text.clone())
-        .ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
+    let text = |keyword: &str| {
+        let chunks = &info.uncompressed_latin1_text;
+        chunks.iter().find(|chunk| chunk.keyword == keyword).map(|chunk| chunk.text.clone())
+    };
+    let reduction = text(PALETTE_KEYWORD)
+        .map(|text| text.parse::<Reduction>().map_err(|error| fail(format!("its text chunk `{PALETTE_KEYWORD}`: {error}"))))
+        .transpose()?;
+    let palette = info.palette.as_deref().unwrap_or_default().to_vec();
+    let recipe = text(KEYWORD).ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
     let recipe: Recipe = serde_json::from_str(&recipe)
         .map_err(|error| fail(format!("its text chunk `machband` cannot be read: {error}; expected a recipe")))?;
     if let Err(faults) = recipe.stimulus.validate() {
@@ -164,6 +209,13 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
     let size = reader.output_buffer_size().ok_or_else(|| fail("is too large; expected an image that fits in memory".to_owned()))?;
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(broken)?;
+    if color == png::ColorType::Indexed {
+        let colors = palette.as_chunks::<3>().0;
+        let codes: Option<Vec<[u8; 3]>> = raw.iter().map(|index| colors.get(usize::from(*index)).copied()).collect();
+        let samples = codes.filter(|_| depth == png::BitDepth::Eight).map(|codes| Samples::Eight(codes.concat()));
+        let samples = samples.ok_or_else(|| fail("has indices without a color; expected a palette of 8-bit indices".to_owned()))?;
+        return Ok(ReadBack { recipe, reduction, image: CodeImage { width, height, samples } });
+    }
     let copies = match color {
         png::ColorType::Grayscale => 3,
         png::ColorType::Rgb => 1,
@@ -178,7 +230,7 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
         ),
         other => return Err(fail(format!("has {other:?} bits a sample; expected 8 or 16"))),
     };
-    Ok(ReadBack { recipe, image: CodeImage { width, height, samples } })
+    Ok(ReadBack { recipe, reduction, image: CodeImage { width, height, samples } })
 }
 
 /// Proves an image: renders its recipe again and compares every code. Says in one sentence what it is.
@@ -186,7 +238,7 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
 /// # Errors
 /// As [`read`]; or how many codes differ, and the first of them.
 pub fn prove(path: &Path) -> Result<String, FileFaults> {
-    let ReadBack { recipe, image } = read(path)?;
+    let ReadBack { recipe, reduction, image } = read(path)?;
     let fail = |message: String| FileFaults::whole(path.display().to_string(), message);
     if recipe.size == 0 || recipe.size > SIZE_MAX {
         return Err(fail(format!("its recipe asks for {} pixels a side; expected 1…{SIZE_MAX}", recipe.size)));
@@ -194,7 +246,13 @@ pub fn prove(path: &Path) -> Result<String, FileFaults> {
     if (image.width, image.height) != (recipe.size, recipe.size) {
         return Err(fail(format!("has {} × {} pixels; expected {} a side, as its recipe says", image.width, image.height, recipe.size)));
     }
-    let expected = recipe.codes(&recipe.quantizer());
+    let full = recipe.codes(&recipe.quantizer());
+    let expected = match reduction {
+        None => full,
+        Some(reduction) => reduce(&full, &recipe.transfer, reduction.colors, reduction.reducer)
+            .map_err(|error| fail(error.to_string()))?
+            .codes(),
+    };
     let differing = (0..image.height)
         .flat_map(|y| (0..image.width).map(move |x| (x, y)))
         .filter(|&(x, y)| image.pixel(x, y) != expected.pixel(x, y));
@@ -211,12 +269,13 @@ pub fn prove(path: &Path) -> Result<String, FileFaults> {
             Err(fail(format!("{count} pixels differ from the recipe, the first at ({x}, {y}), which is {found:?}; expected {wanted:?}")))
         }
         None => Ok(format!(
-            "image of {}, {} pixels a side, {} bits, {}, dither {}: every code is as its recipe gives it",
+            "image of {}, {} pixels a side, {} bits, {}, dither {}{}: every code is as its recipe gives it",
             recipe.stimulus.kind(),
             recipe.size,
             recipe.bits,
             if let Transfer::Table(_) = recipe.transfer { "measured table".to_owned() } else { recipe.transfer.to_string() },
-            recipe.dither
+            recipe.dither,
+            reduction.map_or_else(String::new, |reduction| format!(", palette {reduction}"))
         )),
     }
 }

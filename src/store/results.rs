@@ -79,11 +79,14 @@ impl ResultFile {
     /// Rows that do not parse, each with line and column.
     pub fn recover(&mut self, columns: &[Column]) -> Result<Recovered, FileFaults> {
         let header = line(columns.iter().map(|column| column.name.as_str()));
-        let mut whole = whole_lines(&self.content);
+        let whole = whole_lines(&self.content);
         let rest = without_zeros(&self.content[whole..]);
         if whole == 0 && !header.starts_with(rest) {
-            // Not the beginning of a file of ours: to be named as what it is, and not to be cut.
-            whole = self.content.len();
+            // Not the beginning of a file of ours: not to be cut away.
+            let [found, expected] = [rest, &header].map(|line| clipped(&String::from_utf8_lossy(line)));
+            let message = format!("the file begins with {found:?}; expected the header {expected:?}");
+            let file = self.path.display().to_string();
+            return Err(FileFaults(vec![FileFault { file, position: Some((1, 1)), message }]));
         }
         let torn = (whole < self.content.len()).then(|| String::from_utf8_lossy(rest).into_owned());
         let content = if whole == 0 { header } else { self.content[..whole].to_vec() };
@@ -142,6 +145,14 @@ impl ResultFile {
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
         *self = Self::create_with(path, self.content.clone())?;
         Ok(())
+    }
+}
+
+/// Unlocks at once: a program started a moment ago may still hold its copy of the file open, and the lock with it.
+impl Drop for ResultFile {
+    fn drop(&mut self) {
+        // Closing unlocks too, so a refusal changes nothing.
+        let _ = self.file.unlock();
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{
     StoreError,
-    dataset::SessionPaths,
+    dataset::{SessionPaths, remove_leftovers},
     definition,
     results::ResultFile,
     sidecar::{Sidecar, Sitting},
@@ -121,6 +121,7 @@ impl SessionStore {
         let mut store = Self { protocol: protocol.clone(), identity: identity.clone(), paths, rows, sidecar };
         // From here on the files change; a session that has ended well stays as it is.
         if !finished {
+            remove_leftovers(&store.paths.sidecar);
             store.sidecar.complete = false;
             store.sidecar.sittings.push(sitting);
             if let Some(torn) = &recovered.torn {

@@ -1,6 +1,6 @@
 //! TOML with the place of everything, so that a fault can name line and column, and all faults are found in one go.
 
-use std::{cell::RefCell, ops::Range};
+use std::{cell::RefCell, collections::HashSet, ops::Range};
 
 use toml::{
     Spanned,
@@ -55,6 +55,11 @@ impl<'t> Reader<'t> {
 
     pub(super) fn fault(&self, at: usize, message: impl Into<String>) {
         self.faults.borrow_mut().push((at, message.into()));
+    }
+
+    /// Where faults have been found so far.
+    pub(super) fn places(&self) -> HashSet<usize> {
+        self.faults.borrow().iter().map(|(at, _)| *at).collect()
     }
 
     /// All faults in the order of the text, if there are any.
@@ -188,13 +193,13 @@ impl<'r, 't> Section<'r, 't> {
         self.reader.fault(self.span.start, format!("{} is missing; expected {key} = …", self.label(key)));
     }
 
-    /// A list of values that `read` understands, each with its place; `None` where the key is absent.
+    /// A list of values that `read` understands, `None` for each that it does not; `None` where the key is absent.
     fn list<T>(
         &self,
         key: &'static str,
         what: &str,
         read: impl Fn(&DeValue<'t>) -> Option<T>,
-    ) -> Option<Vec<T>> {
+    ) -> Option<Vec<Option<T>>> {
         let (value, at) = self.get(key)?;
         let DeValue::Array(items) = value.get_ref() else {
             self.expected(key, at, value.get_ref(), &format!("a list of {what}s in brackets"));
@@ -202,25 +207,28 @@ impl<'r, 't> Section<'r, 't> {
         };
         let mut list = Vec::with_capacity(items.len());
         for item in items.iter() {
-            match read(item.get_ref()) {
-                Some(item) => list.push(item),
-                None => self.expected(key, item.span().start, item.get_ref(), &format!("a {what}")),
+            let read = read(item.get_ref());
+            if read.is_none() {
+                self.expected(key, item.span().start, item.get_ref(), &format!("a {what}"));
             }
+            list.push(read);
         }
         Some(list)
     }
 
-    /// A list of texts.
+    /// A list of texts; `None` also where one is none: the others would not stand in their places.
     pub(super) fn texts(&self, key: &'static str) -> Option<Vec<String>> {
         self.list(key, "text", |value| match value {
             DeValue::String(text) => Some(text.to_string()),
             _ => None,
-        })
+        })?
+        .into_iter()
+        .collect()
     }
 
-    /// A list of numbers.
+    /// A list of numbers; `None` also where one is none.
     pub(super) fn numbers(&self, key: &'static str) -> Option<Vec<f64>> {
-        self.list(key, "number", number)
+        self.list(key, "number", number)?.into_iter().collect()
     }
 
     /// A parameter's value, number or text; `None` where the key is absent.
@@ -233,9 +241,9 @@ impl<'r, 't> Section<'r, 't> {
         parameter.map(|parameter| (parameter, at))
     }
 
-    /// A list of parameter values.
+    /// A list of parameter values. In the place of one that is none stands an empty text, which no parameter takes.
     pub(super) fn parameters(&self, key: &'static str) -> Option<Vec<ParameterValue>> {
-        self.list(key, "number or text", parameter)
+        Some(self.list(key, "number or text", parameter)?.into_iter().map(|value| value.unwrap_or_else(|| "".into())).collect())
     }
 
     /// The keys in the order of the text.

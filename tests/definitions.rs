@@ -1,0 +1,436 @@
+//! Definitions, display profiles and observers: what loads, and what every kind of mistake is told.
+
+use std::{
+    collections::HashSet,
+    fs,
+    path::Path,
+    time::{Duration, Instant},
+};
+
+use machband::{
+    experiment::{Identity, Order, Phase, Protocol, RATING_MAX, Schedule, columns},
+    light::Transfer,
+    stimulus::KINDS,
+    store::{FileFaults, check::check, definition, observer, profile},
+};
+
+/// A definition with every table, one key a line.
+const BASE: &str = r#"schema = 1
+name = "mine"
+title = "My study"
+
+[stimulus]
+kind = "mach-band"
+low = 0.25
+high = 0.75
+color = "yellow"
+
+[factors]
+width = [0.1, 0.4]
+depth = [1, 2, "inf"]
+
+[design]
+repetitions = 2
+practice = 4
+break_every = 10
+order = "random"
+max_run = 3
+
+[recovery]
+duration_s = 2.0
+level = 0.5
+
+[response]
+question = "How?"
+labels = ["a", "b", "c", "d"]
+keys = ["0", "1", "2", "3"]
+
+[viewing]
+distance_cm = 50.0
+window_deg = 10.0
+
+[instructions]
+welcome = "Hello"
+"#;
+
+fn messages(error: &FileFaults) -> Vec<String> {
+    error.to_string().lines().map(str::to_owned).collect()
+}
+
+/// `BASE` with a line replaced; the text must stand in it once.
+fn edited(line: &str, replacement: &str) -> String {
+    assert_eq!(BASE.matches(line).count(), 1, "{line:?}");
+    BASE.replace(line, replacement)
+}
+
+#[test]
+fn every_file_in_experiments_loads_and_is_the_built_in_of_its_name() {
+    let mut found = HashSet::new();
+    for entry in fs::read_dir("experiments").unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let (file, stem) = (path.to_str().unwrap(), path.file_stem().unwrap().to_str().unwrap());
+        let protocol = definition::open(file).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(protocol.name, stem);
+        assert_eq!(protocol, definition::open(stem).unwrap(), "the built-in {stem} is another");
+        Schedule::new(&protocol, &Identity::new("S001", "1").unwrap(), 1).unwrap();
+        check(file).unwrap();
+        found.insert(stem.to_owned());
+    }
+    let built_in: HashSet<String> = definition::BUILT_IN.iter().map(|built_in| built_in.name.to_owned()).collect();
+    assert_eq!(found, built_in);
+    assert_eq!(definition::BUILT_IN[0].name, "quick", "the default");
+    for (name, practice, main) in [("bangay2003", 12, 6 * 5 * 4 * 2), ("quick", 4, 24), ("orientation", 12, 16 * 2 * 2 * 3)] {
+        let protocol = definition::open(name).unwrap();
+        let schedule = Schedule::new(&protocol, &Identity::new("S001", "1").unwrap(), 1).unwrap();
+        assert_eq!(schedule.phase(Phase::Practice).count(), practice, "{name}");
+        assert_eq!(schedule.phase(Phase::Main).count(), main, "{name}");
+    }
+    for entry in fs::read_dir("experiments/observers").unwrap() {
+        check(entry.unwrap().path().to_str().unwrap()).unwrap();
+    }
+}
+
+/// Each is one fault, at its place, with a message that no other mistake has.
+#[test]
+fn every_mistake_has_a_message_of_its_own() {
+    let cases: &[(&str, &str, &str, &[&str])] = &[
+        // Unknown keys, with the nearest known one.
+        ("title = \"My study\"", "titel = \"My study\"", "3:1", &["unknown key \"titel\"", "did you mean title?"]),
+        ("low = 0.25", "lwo = 0.25", "7:1", &["\"lwo\"", "[stimulus]", "did you mean low?"]),
+        ("width = [0.1, 0.4]", "widht = [0.1, 0.4]", "12:1", &["\"widht\"", "[factors]", "did you mean width?"]),
+        ("break_every = 10", "breaks_every = 10", "18:1", &["[design]", "did you mean break_every?"]),
+        ("level = 0.5", "levle = 0.5", "24:1", &["[recovery]", "did you mean level?"]),
+        ("question = \"How?\"", "qestion = \"How?\"", "27:1", &["[response]", "did you mean question?"]),
+        ("window_deg = 10.0", "window_dge = 10.0", "33:1", &["[viewing]", "did you mean window_deg?"]),
+        ("welcome = \"Hello\"", "wellcome = \"Hello\"", "36:1", &["[instructions]", "did you mean welcome?"]),
+        ("[recovery]", "[recover]", "22:2", &["unknown key \"recover\"", "did you mean recovery?"]),
+        ("depth = [1, 2, \"inf\"]", "loudness = [1, 2]", "13:1", &["\"loudness\"", "expected one of", "orientation_deg"]),
+        // Values out of range.
+        ("width = [0.1, 0.4]", "width = [0.1, 1.5]", "12:15", &["width 1.5", "0…1"]),
+        ("depth = [1, 2, \"inf\"]", "depth = [0]", "13:10", &["depth 0", "1 to 32"]),
+        ("depth = [1, 2, \"inf\"]", "depth = [1, 33]", "13:13", &["depth 33", "1 to 32"]),
+        ("depth = [1, 2, \"inf\"]", "depth = [1.5]", "13:10", &["depth 1.5 is not a whole number"]),
+        ("depth = [1, 2, \"inf\"]", "depth = [\"infinite\"]", "13:10", &["depth \"infinite\"", "or inf"]),
+        ("depth = [1, 2, \"inf\"]", "depth = [-inf]", "13:10", &["depth -inf"]),
+        ("depth = [1, 2, \"inf\"]", "depth = []", "13:1", &["factor depth is empty", "at least one level"]),
+        ("depth = [1, 2, \"inf\"]", "orientation_deg = [0, nan]", "13:23", &["orientation_deg NaN is not a finite number"]),
+        ("depth = [1, 2, \"inf\"]", "orientation_deg = [inf]", "13:20", &["orientation_deg", "inf", "an angle"]),
+        ("depth = [1, 2, \"inf\"]", "orientation_deg = [-inf]", "13:20", &["orientation_deg -inf is not a finite number"]),
+        ("width = [0.1, 0.4]", "width = [1, 1.0]", "12:13", &["level 1 of width stands twice"]),
+        ("depth = [1, 2, \"inf\"]", "color = [\"gray\", \"grey\"]", "13:18", &["level gray of color stands twice"]),
+        ("duration_s = 2.0", "duration_s = -2.0", "23:1", &["duration_s -2", "0…600", "seconds"]),
+        ("duration_s = 2.0", "duration_s = nan", "23:1", &["duration_s NaN", "0…600"]),
+        ("level = 0.5", "level = 1.01", "24:1", &["level 1.01", "luminance"]),
+        ("repetitions = 2", "repetitions = 0", "16:1", &["repetitions is 0", "at least 1"]),
+        ("repetitions = 2", "repetitions = -1", "16:15", &["repetitions is -1", "whole number"]),
+        ("repetitions = 2", "repetitions = 1e12", "16:15", &["repetitions is 1e12", "whole number"]),
+        ("max_run = 3", "max_run = 0", "20:1", &["max_run is 0"]),
+        ("low = 0.25", "low = 0.9", "5:2", &["high 0.75", "below low", "0.9"]),
+        ("distance_cm = 50.0", "distance_cm = 0", "32:1", &["distance_cm 0", "cm"]),
+        ("window_deg = 10.0", "window_deg = 180", "33:1", &["window_deg 180", "degrees"]),
+        ("color = \"yellow\"", "color = \"purpel\"", "9:9", &["color \"purpel\"", "yellow, gray"]),
+        ("color = \"yellow\"", "color = \"0,0,0\"", "9:9", &["color \"0,0,0\"", "not all 0"]),
+        // Types.
+        ("name = \"mine\"", "name = 7", "2:8", &["name is 7", "a text in quotes"]),
+        ("width = [0.1, 0.4]", "width = 0.1", "12:9", &["factors.width is 0.1", "a list of"]),
+        ("width = [0.1, 0.4]", "width = [0.1, true]", "12:15", &["factors.width is true"]),
+        ("practice = 4", "practice = \"4\"", "17:12", &["design.practice is the text \"4\""]),
+        ("duration_s = 2.0", "duration_s = [2.0]", "23:14", &["recovery.duration_s is a list", "a number"]),
+        ("labels = [\"a\", \"b\", \"c\", \"d\"]", "labels = [\"a\", \"b\", \"c\", 4]", "28:26", &["response.labels is 4"]),
+        ("low = 0.25", "low = 2026-01-31", "7:7", &["stimulus.low is the time 2026-01-31"]),
+        // The head.
+        ("schema = 1\n", "schema = 2\n", "1:10", &["schema 2 is not known", "expected 1"]),
+        ("schema = 1\n", "\n", "1:1", &["schema is missing", "schema = "]),
+        ("name = \"mine\"", "", "1:1", &["name is missing"]),
+        ("kind = \"mach-band\"", "", "5:1", &["stimulus.kind is missing"]),
+        ("kind = \"mach-band\"", "kind = \"mach-bend\"", "6:8", &["kind \"mach-bend\"", "did you mean mach-band?"]),
+        ("name = \"mine\"", "name = \"my/study\"", "2:1", &["name \"my/study\"", "lower-case"]),
+        ("name = \"mine\"", "name = \"Mine\"", "2:1", &["name \"Mine\""]),
+        ("name = \"mine\"", "name = \"con\"", "2:1", &["\"con\" is reserved by Windows"]),
+        ("name = \"mine\"", "name = \"\"", "2:1", &["name \"\" is not allowed"]),
+        // Order and scale.
+        ("order = \"random\"", "order = \"shuffled\"", "19:9", &["order \"shuffled\"", "blocked:FACTOR"]),
+        ("order = \"random\"", "order = \"latin:color\"", "19:1", &["latin:color names no factor", "width, depth"]),
+        ("labels = [\"a\", \"b\", \"c\", \"d\"]\nkeys = [\"0\", \"1\", \"2\", \"3\"]", "labels = [\"a\", \"b\", \"c\"]", "28:1", &["3 categories", "expected 4"]),
+        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"0\", \"1\", \"2\"]", "29:8", &["3 keys; expected 4"]),
+        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"0\", \"1\", \"2\", \"1\"]", "29:24", &["key '1' stands twice"]),
+        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"a\", \"A\", \"2\", \"3\"]", "29:14", &["key 'A' stands twice"]),
+        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"a\", \"s\", \"d\", \"f\"]", "29:14", &["key 's' cannot be an answer"]),
+        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"a\", \"ß\", \"d\", \"f\"]", "29:14", &["key 'ß' cannot be an answer"]),
+        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"0\", \"1\", \"2\", \"33\"]", "29:8", &["\"33\" is not one character"]),
+        ("labels = [\"a\", \"b\", \"c\", \"d\"]", "labels = [\"a\", \" \", \"c\", \"d\"]", "28:16", &["label is empty"]),
+        // Too much.
+        ("practice = 4", "practice = 4000000000", "11:2", &["4000000012 trials", "at most"]),
+        ("repetitions = 2", "repetitions = 4000000000", "11:2", &["24000000004 trials", "at most"]),
+        // No TOML.
+        ("practice = 4", "repetitions = 3", "17:1", &["not valid TOML", "duplicate key"]),
+        ("low = 0.25", "low = ", "7:7", &["not valid TOML"]),
+        ("[viewing]", "[viewing", "31:9", &["not valid TOML"]),
+    ];
+    let mut seen = HashSet::new();
+    for (line, replacement, position, parts) in cases {
+        let error = definition::parse("mine.toml", &edited(line, replacement)).expect_err(replacement);
+        let found = messages(&error);
+        assert_eq!(found.len(), 1, "{replacement}: {found:#?}");
+        assert!(found[0].starts_with(&format!("mine.toml:{position}: ")), "{replacement}: {}, not {position}", found[0]);
+        for part in *parts {
+            assert!(found[0].contains(part), "{replacement}: {} lacks {part:?}", found[0]);
+        }
+        assert!(found[0].contains("expected") || found[0].contains("not valid TOML") || found[0].contains("twice"), "{}", found[0]);
+        let message = found[0].split_once(": ").unwrap().1.to_owned();
+        assert!(seen.insert(message), "{replacement}: {} is said of another mistake too", found[0]);
+    }
+    definition::parse("mine.toml", BASE).unwrap();
+}
+
+#[test]
+fn all_faults_are_told_in_the_order_of_the_file() {
+    let text = edited("name = \"mine\"", "name = \"My Study\"")
+        .replace("width = [0.1, 0.4]", "width = [2, true, -1]")
+        .replace("repetitions = 2", "repetitions = 0")
+        .replace("level = 0.5", "lievel = 0.5\nlevel = 7");
+    let error = definition::parse("mine.toml", &text).unwrap_err();
+    let found = messages(&error);
+    let places: Vec<_> = error.0.iter().filter_map(|fault| fault.position).collect();
+    assert_eq!(places, [(2, 1), (12, 10), (12, 13), (12, 19), (16, 1), (24, 1), (25, 1)], "{found:#?}");
+}
+
+fn soon<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let started = Instant::now();
+    let result = work();
+    assert!(started.elapsed() < Duration::from_secs(5), "{what} took {:?}", started.elapsed());
+    result
+}
+
+/// Refused, or taken, in no time and without memory for what is refused.
+#[test]
+fn size_is_no_way_to_stop_the_program() {
+    let list = |count: u32, scale: f64| (0..count).map(|i| (f64::from(i) * scale).to_string()).collect::<Vec<_>>().join(",");
+    let head = "schema = 1\nname = \"huge\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n";
+    let numbers = list(1000, 1e-3);
+    let angles = list(1000, 0.3);
+    let colors: Vec<String> = (1..1001).map(|i| format!("\"0.5,0.5,{}\"", f64::from(i) * 1e-3)).collect();
+    let seven = format!(
+        "{head}width = [{numbers}]\ndepth = [{}]\ntanh_k = [{}]\norientation_deg = [{angles}]\nlow = [{numbers}]\nhigh = [{numbers}]\ncolor = [{}]\n",
+        (1..33).map(|i| i.to_string()).collect::<Vec<_>>().join(","),
+        list(1001, 1e-2).replacen("0,", "", 1),
+        colors.join(","),
+    );
+    for (design, fault) in [("", "trials; expected at most"), ("repetitions = 0", "repetitions is 0")] {
+        let text = format!("{seven}[design]\n{design}\n");
+        let error = soon("seven factors", || definition::parse("huge.toml", &text)).unwrap_err();
+        assert!(error.to_string().contains(fault), "{error}");
+    }
+    let one = format!("{head}orientation_deg = [{}]\n", list(90_000, 1e-3));
+    assert_eq!(soon("one long factor", || definition::parse("huge.toml", &one)).unwrap().main_trials(), 90_000);
+    let wrong = format!("{head}depth = [{}]\n", vec!["99"; 300_000].join(","));
+    let error = soon("many faults", || definition::parse("huge.toml", &wrong)).unwrap_err();
+    assert_eq!(error.0.len(), 300_000);
+    assert_eq!(error.0[299_999].position, Some((6, 10 + 3 * 299_999)));
+}
+
+#[test]
+fn deep_nesting_is_refused() {
+    let texts = [
+        "a = ".to_owned() + &"[".repeat(100_000),
+        "a = ".to_owned() + &"[".repeat(100_000) + &"]".repeat(100_000),
+        "a = ".to_owned() + &"{a=".repeat(100_000),
+        "a.".repeat(100_000) + "a = 1",
+        format!("[{}a]", "a.".repeat(100_000)),
+        format!("[[{}a]]", "a.".repeat(100_000)),
+        format!("a = {{ {}a = 1 }}", "a.".repeat(100_000)),
+    ];
+    for text in texts {
+        let error = soon("nesting", || definition::parse("deep.toml", &text)).unwrap_err();
+        assert!(error.to_string().starts_with("deep.toml:1:"), "{:.100}", error.to_string());
+    }
+}
+
+#[test]
+fn files_that_are_none_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let write = |name: &str, content: &[u8]| {
+        fs::write(at(name), content).unwrap();
+        at(name)
+    };
+    fs::create_dir(at("folder.toml")).unwrap();
+    fs::File::create(at("large.toml")).unwrap().set_len(100 << 20).unwrap();
+    let mut cut = BASE.as_bytes().to_vec();
+    let at_study = BASE.find("study").unwrap();
+    cut[at_study] = 0xff;
+    let cases = [
+        (at("folder.toml"), "", "is a folder; expected a file"),
+        (at("missing.toml"), "", "cannot be opened"),
+        (at("large.toml"), "", "has 104857600 bytes; expected at most"),
+        (write("latin1.toml", &cut), ":3:13", "is not UTF-8 text"),
+        (write("empty.toml", b""), ":1:1", "name is missing"),
+        (write("words.toml", b"Not TOML, but words.\n"), ":1:5", "is not valid TOML"),
+        (write("binary.toml", b"\x00\x01\x02\x00"), ":1:5", "is not valid TOML"),
+        ("/dev/zero".to_owned(), "", "bytes; expected at most"),
+        ("quik".to_owned(), "", "did you mean quick?"),
+    ];
+    for (file, position, part) in cases {
+        if file.starts_with("/dev") && !Path::new(&file).exists() {
+            continue;
+        }
+        let error = soon(&file, || definition::open(&file)).unwrap_err();
+        let found = messages(&error);
+        let start = format!("{file}{position}: ");
+        assert!(found.iter().any(|message| message.starts_with(&start) && message.contains(part)), "{file}: {found:#?}");
+        assert!(profile::open(Path::new(&file)).is_err() && observer::open(Path::new(&file)).is_err(), "{file}");
+        assert!(soon(&file, || check(&file)).is_err(), "{file}");
+    }
+    // Line ends and a byte order mark of other systems.
+    let plain = definition::parse("mine.toml", BASE).unwrap();
+    let windows = format!("\u{feff}{}", BASE.replace('\n', "\r\n"));
+    assert_eq!(definition::open(&write("windows.toml", windows.as_bytes())).unwrap(), plain);
+    let error = definition::parse("w.toml", &windows.replace("low = 0.25", "low = 7")).unwrap_err();
+    assert_eq!(error.0[0].position, Some((7, 7)));
+}
+
+#[test]
+fn what_a_sidecar_keeps_is_the_definition_and_its_hash_is_its_meaning() {
+    let other = "\u{22}\u{5c}\t\u{7f}é\u{1F600} '''\"\"\" \u{0}";
+    let mut odd = definition::parse("mine.toml", BASE).unwrap();
+    odd.title = other.to_owned();
+    odd.instructions.welcome = format!("{other}\n\n{other}");
+    odd.recovery.duration_s = 1.0 / 3.0;
+    odd.design.order = Order::Latin("depth".to_owned());
+    odd.design.max_run = None;
+    let built_in = definition::BUILT_IN.iter().map(|built_in| definition::open(built_in.name).unwrap());
+    for protocol in built_in.chain([definition::parse("mine.toml", BASE).unwrap(), odd]) {
+        // Through text, as the sidecar is.
+        let json: serde_json::Value =
+            serde_json::from_str(&serde_json::to_string(&serde_json::to_value(&protocol).unwrap()).unwrap()).unwrap();
+        let back: Protocol = definition::from_json("sidecar.json", &json).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(back, protocol);
+        assert_eq!(definition::hash(&back), definition::hash(&protocol));
+    }
+    for (broken, part) in [("{}", "name is missing"), ("3", "expected a table"), ("{\"a\": null}", "a")] {
+        let error = definition::from_json("sidecar.json", &serde_json::from_str(broken).unwrap()).unwrap_err();
+        assert!(error.to_string().starts_with("sidecar.json") && error.to_string().contains(part), "{error}");
+    }
+    let hash = |text: &str| definition::hash(&definition::parse("mine.toml", text).unwrap());
+    let same = [
+        BASE.replace("width = [0.1, 0.4]", "# comment\nwidth   = [ 1e-1,\n  4e-1, ] # and another"),
+        BASE.replace("depth = [1, 2, \"inf\"]", "depth = [1.0, 2.0, inf]"),
+        BASE.replace("distance_cm = 50.0", "distance_cm = 5_0"),
+        BASE.replace("repetitions = 2", "repetitions = 0b10"),
+        BASE.replace("[recovery]\nduration_s = 2.0\nlevel = 0.5\n", ""),
+        BASE.replace("\n", "\r\n"),
+    ];
+    for text in same {
+        assert_eq!(hash(&text), hash(BASE), "{text}");
+    }
+    let others = [
+        BASE.replace("width = [0.1, 0.4]", "width = [0.4, 0.1]"),
+        BASE.replace("max_run = 3\n", ""),
+        BASE.replace("level = 0.5", "level = 0.51"),
+        BASE.replace("\"Hello\"", "\"Hallo\""),
+    ];
+    let hashes: HashSet<String> = others.iter().map(|text| hash(text)).chain([hash(BASE)]).collect();
+    assert_eq!(hashes.len(), others.len() + 1);
+}
+
+#[test]
+fn a_session_can_run_in_the_participants_language() {
+    let text = r#"
+        schema = 1
+        name = "machbaender"
+        title = "Sichtbarkeit Machscher Bänder"
+        stimulus = { kind = "mach-band" }
+        factors = { width = [0.1, 0.4], orientation_deg = [0, 90] }
+        [response]
+        question = "Wie deutlich ist der hellere Streifen?"
+        labels = ["Kein Streifen", "Breiter Streifen", "Schmal, unscharfe Ränder", "Schmal, scharfe Ränder"]
+        keys = ["a", "d", "f", "G"]
+        [instructions]
+        welcome = "Willkommen"
+        task = """
+        Sie sehen eine helle und eine dunkle Fläche."""
+        next_key = "Leertaste"
+    "#;
+    let protocol = definition::parse("de.toml", text).unwrap();
+    assert_eq!(protocol.response.categories.len(), usize::from(RATING_MAX) + 1);
+    assert_eq!((protocol.response.categories[3].label.as_str(), protocol.response.categories[3].key), ("Schmal, scharfe Ränder", 'G'));
+    assert_eq!(protocol.instructions.welcome, "Willkommen");
+    assert!(protocol.instructions.task.starts_with("        Sie sehen"));
+    // What it does not replace stays.
+    assert_eq!(protocol.instructions.thanks, "Thank you!");
+    let rating = columns(&protocol).into_iter().find(|column| column.name == "rating").unwrap();
+    assert_eq!(rating.levels["1"], "Breiter Streifen");
+}
+
+/// Every parameter of every kind can be a factor, has a column, and keeps its levels.
+#[test]
+fn any_parameter_of_any_kind_can_be_a_factor() {
+    for kind in KINDS {
+        let stimulus = machband::stimulus::Stimulus::default_of(kind).unwrap();
+        for parameter in stimulus.parameters() {
+            let value = serde_json::to_string(&stimulus.get(parameter.name).unwrap()).unwrap();
+            let text = format!("schema = 1\nname = \"a\"\nstimulus.kind = \"{kind}\"\nfactors.{} = [{value}]\n", parameter.name);
+            let protocol = definition::parse("a.toml", &text).unwrap_or_else(|error| panic!("{text}: {error}"));
+            let names: Vec<String> = columns(&protocol).into_iter().map(|column| column.name).collect();
+            assert_eq!(names.iter().filter(|name| *name == parameter.name).count(), 1, "{kind} {}", parameter.name);
+            assert_eq!(names.iter().collect::<HashSet<_>>().len(), names.len(), "{kind}: {names:?}");
+            let json = serde_json::to_value(&protocol).unwrap();
+            assert_eq!(definition::from_json("a.json", &json).unwrap(), protocol, "{text}");
+        }
+    }
+}
+
+#[test]
+fn display_profiles_and_observers_are_checked_alike() {
+    let good = "schema = 1\nname = \"Left\"\ntransfer = \"gamma:2.2\"\nmeasured = \"2026-01-31\"\nscreen_width_cm = 53.1\n";
+    let profile = profile::parse("p.toml", good).unwrap();
+    assert_eq!((profile.transfer, profile.screen_width_cm), (Transfer::Gamma(2.2), Some(53.1)));
+    let table = "schema = 1\nname = \"T\"\ntransfer = \"table\"\nencoded = [0, 0.5, 1]\nlinear = [0, 0.2, 1]\n";
+    profile::parse("p.toml", table).unwrap();
+    let cases = [
+        (good, "schema = 1\n", "", "1:1", "schema is missing"),
+        (good, "schema = 1", "schema = 3", "1:10", "schema 3"),
+        (good, "name = ", "nmae = ", "2:1", "did you mean name?"),
+        (good, "\"gamma:2.2\"", "\"gama:2.2\"", "3:12", "gama:2.2"),
+        (good, "\"gamma:2.2\"", "\"gamma:0\"", "3:12", "expected"),
+        (good, "\"gamma:2.2\"", "2.2", "3:12", "transfer is 2.2"),
+        (good, "\"gamma:2.2\"", "\"table\"", "3:12", "expected"),
+        (good, "53.1", "-1", "5:19", "screen_width_cm -1"),
+        (good, "53.1", "\"wide\"", "5:19", "screen_width_cm is the text"),
+        (table, "0.2, 1]", "0.2, 0.1]", "3:12", "expected"),
+        (table, "[0, 0.2, 1]", "[0, 1]", "3:12", "expected"),
+        (table, "[0, 0.2, 1]", "[0, nan, 1]", "3:12", "expected"),
+        (table, "\"table\"", "\"srgb\"", "3:12", "belong to transfer = \"table\""),
+    ];
+    for (text, from, to, position, part) in cases {
+        let found = messages(&profile::parse("p.toml", &text.replacen(from, to, 1)).expect_err(to));
+        let start = format!("p.toml:{position}: ");
+        assert!(found.iter().any(|m| m.starts_with(&start) && m.contains(part) && m.contains("expected")), "{to}: {found:#?}");
+    }
+    assert_eq!(observer::parse("o.toml", observer::PAPER).unwrap(), Default::default());
+    assert_eq!(observer::parse("o.toml", "schema = 1\n").unwrap(), Default::default());
+    let cases = [
+        ("schema = 1", "schema = 9", "schema 9"),
+        ("[0.0, 1.5, 3.5]", "[0.0, 3.5, 1.5]", "three numbers that rise"),
+        ("[0.0, 1.5, 3.5]", "[0.0, 1.5]", "three numbers that rise"),
+        ("[0.0, 1.5, 3.5]", "[0.0, nan, 1.5]", "three numbers that rise"),
+        ("[0.0, 1.5, 3.5]", "[0.0, 1.5, inf]", "three numbers that rise"),
+        ("[0.0, 1.5, 3.5]", "\"low\"", "a list of numbers"),
+        ("lapse = 0.01", "lapse = 1.01", "lapse 1.01 is outside 0…1"),
+        ("lapse = 0.01", "lapes = 0.01", "did you mean lapse?"),
+        ("fall = 0.7", "fall = nan", "fall NaN"),
+        ("subject_sd = 0.6", "subject_sd = -1", "subject_sd -1"),
+        ("strongest_width = 0.05", "strongest_width = 0", "strongest_width 0"),
+    ];
+    for (from, to, part) in cases {
+        assert_eq!(observer::PAPER.matches(from).count(), 1, "{from}");
+        let text = observer::PAPER.replace(from, to);
+        let line = text.lines().position(|line| line.contains(to)).unwrap() + 1;
+        let found = messages(&observer::parse("o.toml", &text).expect_err(to));
+        let start = format!("o.toml:{line}:");
+        assert!(found.iter().any(|m| m.starts_with(&start) && m.contains(part) && m.contains("expected")), "{to}: {found:#?}");
+    }
+}

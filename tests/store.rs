@@ -1,0 +1,622 @@
+//! The results on disk: nothing overwritten, nothing lost, nothing told twice.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+    time::Duration,
+};
+
+use jiff::Timestamp;
+use machband::{
+    experiment::{
+        FrameCount, Identity, OrderedLogit, Phase, Protocol, Rating, RowContext, Seconds, Session, SessionOptions,
+        TrialRecord, columns, simulate,
+    },
+    light::Depth,
+    store::{
+        StoreError, check,
+        dataset::{SessionPaths, free_participant},
+        definition,
+        results::{self, ResultFile},
+        session::{Interrupted, SessionStore},
+        sidecar::{Sidecar, Sitting},
+    },
+};
+use proptest::prelude::*;
+
+/// Two practice and four main trials; the colour with commas needs quotes, `tanh_k` a column of its own.
+const TEXT: &str = "schema = 1\nname = \"small-one\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4]\ntanh_k = [5, 7.5]\n[design]\npractice = 2\n";
+const TRIALS: usize = 6;
+
+fn small() -> Protocol {
+    definition::parse("small.toml", TEXT).unwrap()
+}
+
+fn someone() -> Identity {
+    Identity::new("S001", "1").unwrap()
+}
+
+fn paths(results: &Path) -> SessionPaths {
+    SessionPaths::new(results, &small(), &someone())
+}
+
+fn sitting() -> Sitting {
+    Sitting { started_at: Timestamp::now().to_string(), ..Sitting::default() }
+}
+
+fn create(results: &Path) -> Result<SessionStore, StoreError> {
+    SessionStore::create(results, &small(), &someone(), 7, sitting())
+}
+
+fn resume(results: &Path) -> Result<(SessionStore, Interrupted), StoreError> {
+    SessionStore::resume(results, &small(), &someone(), Some(7), sitting())
+}
+
+/// Rates up to `limit` of the trials that are left; ends the session if none is.
+fn rate(store: &mut SessionStore, found: Option<&Interrupted>, limit: usize) -> Result<(), StoreError> {
+    let (protocol, identity) = (small(), someone());
+    let schedule = machband::experiment::Schedule::new(&protocol, &identity, 7).unwrap();
+    let resumed = found.map(|found| found.resumed.clone()).unwrap_or_default();
+    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+    let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
+    let sitting = found.map_or(1, |found| found.sitting);
+    let start = Duration::from_secs_f64(found.map_or(0.0, |found| found.elapsed_s));
+    let mut left = limit;
+    let observer = OrderedLogit::default();
+    let rated = simulate(&mut session, &observer, &identity, start, |response| {
+        if left == 0 {
+            return Err(None);
+        }
+        left -= 1;
+        let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting };
+        store.append(&TrialRecord::new(&context, response, Timestamp::UNIX_EPOCH + response.onset)).map_err(Some)
+    });
+    match rated {
+        Ok(()) => store.finish(true, Timestamp::now().to_string(), None),
+        Err(None) => Ok(()),
+        Err(Some(error)) => Err(error),
+    }
+}
+
+/// A session of so many rows, closed.
+fn session_of(rows: usize) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    rate(&mut create(folder.path()).unwrap(), None, rows).unwrap();
+    folder
+}
+
+fn rows(csv: &Path) -> Vec<TrialRecord> {
+    results::parse(csv.to_str().unwrap(), &fs::read(csv).unwrap(), &columns(&small())).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn assert_whole(results: &Path) {
+    let csv = paths(results).csv;
+    let ids: Vec<String> = rows(&csv).into_iter().map(|row| row.row_id).collect();
+    assert_eq!(ids.len(), TRIALS, "{ids:?}");
+    assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), TRIALS, "{ids:?}");
+    let said = check::check(csv.to_str().unwrap()).unwrap();
+    assert!(said.contains(&format!("{TRIALS} of {TRIALS} planned")), "{said}");
+    assert_eq!(SessionStore::exists(results, &small(), &someone()), Some(true));
+}
+
+/// Every file below a folder and what is in it.
+fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { found.extend(everything(&path)) } else { found.push((path.clone(), fs::read(path).unwrap())) }
+    }
+    found.sort();
+    found
+}
+
+mod layout {
+    use super::*;
+
+    #[test]
+    fn the_data_set_is_as_the_contract_has_it() {
+        let folder = session_of(usize::MAX);
+        let files: Vec<String> = everything(folder.path())
+            .into_iter()
+            .map(|(path, _)| path.strip_prefix(folder.path()).unwrap().to_str().unwrap().replace('\\', "/"))
+            .collect();
+        let expected = [
+            "small-one/data/subject-S001_session-1_task-smallone_data.csv",
+            "small-one/data/subject-S001_session-1_task-smallone_data.json",
+            "small-one/dataset_description.json",
+        ];
+        assert_eq!(files, expected);
+        let paths = paths(folder.path());
+        let csv = fs::read_to_string(&paths.csv).unwrap();
+        let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+        let contract = "row_id,experiment,subject_id,session_id,phase,block,trial,attempt,repetition,stimulus,width,depth,orientation_deg,low,high,color,rating,response_time_s,onset_s,recovery_s,frames,dropped_frames,started_at";
+        assert!(csv.starts_with(contract), "{csv:.300}");
+        let read = |path: &Path| -> serde_json::Value { serde_json::from_slice(&fs::read(path).unwrap()).unwrap() };
+        let description = read(&paths.dataset.join("dataset_description.json"));
+        for (key, value) in [("@context", "https://schema.org/"), ("@type", "Dataset"), ("name", "small-one"), ("description", "Small")] {
+            let given = description[key].as_str().unwrap();
+            assert_eq!(given.trim_end_matches('/'), value.trim_end_matches('/'), "{key}");
+        }
+        let names: Vec<&str> =
+            description["variableMeasured"].as_array().unwrap().iter().map(|v| v["name"].as_str().unwrap()).collect();
+        assert_eq!(names, header);
+        assert_eq!(header.last(), Some(&"tanh_k"));
+        let sidecar = read(&paths.sidecar);
+        let described: Vec<&String> = sidecar["columns"].as_object().unwrap().keys().collect();
+        assert_eq!(described, header);
+        assert!(sidecar["columns"].as_object().unwrap().values().all(|c| !c["description"].as_str().unwrap().is_empty()));
+        assert_eq!((sidecar["seed"].as_u64(), sidecar["complete"].as_bool()), (Some(7), Some(true)));
+        assert_eq!(sidecar["definition_sha256"], definition::hash(&small()));
+        let kept = definition::from_json("sidecar", &sidecar["definition"]).unwrap();
+        assert_eq!(kept, small());
+    }
+
+    #[test]
+    fn the_next_free_participant_has_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let free = || free_participant(folder.path(), &small());
+        assert_eq!(free(), "P001");
+        let data = folder.path().join("small-one/data");
+        fs::create_dir_all(&data).unwrap();
+        for (file, next) in [
+            ("subject-P001_session-1_task-smallone_data.csv", "P002"),
+            ("subject-P003_session-1_task-smallone_data.csv", "P002"),
+            // Another session, only a sidecar, and lower case, which some file systems do not tell apart.
+            ("subject-P002_session-9_task-smallone_data.json", "P004"),
+            ("subject-p004_session-1_task-smallone_data.csv", "P005"),
+            ("subject-P1000_session-1_task-smallone_data.csv", "P005"),
+            ("notes.txt", "P005"),
+        ] {
+            fs::write(data.join(file), "").unwrap();
+            assert_eq!(free(), next, "{file}");
+        }
+    }
+}
+
+mod rows_on_disk {
+    use super::*;
+
+    fn number() -> impl Strategy<Value = Option<f64>> {
+        prop::option::of(prop_oneof![any::<f64>().prop_filter("finite", |x| x.is_finite()), 0.0..1.0])
+    }
+
+    fn seconds() -> impl Strategy<Value = Seconds> {
+        // To the written tenth of a millisecond, up to thirty years.
+        (0..10_000_000_000_000_u64).prop_map(|ticks| Seconds(ticks as f64 / 1e4))
+    }
+
+    prop_compose! {
+        fn any_row()(
+            texts in prop::array::uniform5("[^\r\n\0]{1,12}"), phase in prop::sample::select(vec![Phase::Practice, Phase::Main]),
+            counts in prop::array::uniform5(any::<u32>()), seed: u64,
+            numbers in prop::array::uniform4(number()), times in prop::array::uniform3(seconds()),
+            depth in prop::option::of(prop_oneof![Just(Depth::Infinite), (1..33_u32).prop_map(|n| Depth::finite(n).unwrap())]),
+            color in prop::option::of("[^\r\n\0]{1,9}"), rating in 0..4_u8, frames in prop::option::of(any::<(u32, u32)>()),
+            millisecond in -62_000_000_000_000_i64..250_000_000_000_000, further in "[^\r\n\0]{0,9}",
+        ) -> TrialRecord {
+            let [row_id, experiment, subject_id, session_id, stimulus] = texts;
+            let [block, trial, attempt, repetition, sitting] = counts;
+            let [width, orientation_deg, low, high] = numbers;
+            let [response_time_s, onset_s, recovery_s] = times;
+            TrialRecord {
+                row_id, experiment, subject_id, session_id, phase, block, trial, attempt, repetition, stimulus, width,
+                depth, orientation_deg, low, high, color, rating: Rating(rating), response_time_s, onset_s, recovery_s,
+                frames: frames.map(|f| f.0), dropped_frames: frames.map(|f| f.1),
+                started_at: Timestamp::from_millisecond(millisecond).unwrap(), sitting, seed, further: vec![further],
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(100))]
+        #[test]
+        fn what_is_appended_is_what_is_read(records in prop::collection::vec(any_row(), 1..4)) {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("rows.csv");
+            let mut file = ResultFile::create(&path, &columns(&small())).unwrap();
+            for record in &records {
+                file.append(record).unwrap();
+            }
+            prop_assert_eq!(rows(&path), records);
+        }
+    }
+
+    #[test]
+    fn an_existing_file_stays_as_it_is() {
+        let folder = session_of(3);
+        let before = everything(folder.path());
+        let error = create(folder.path()).unwrap_err();
+        assert!(matches!(&error, StoreError::Exists(path) if *path == paths(folder.path()).csv), "{error}");
+        assert!(ResultFile::create(&paths(folder.path()).csv, &columns(&small())).is_err());
+        assert_eq!(everything(folder.path()), before);
+        // A sidecar whose rows were taken elsewhere is data as well.
+        fs::remove_file(paths(folder.path()).csv).unwrap();
+        let before = everything(folder.path());
+        let error = create(folder.path()).unwrap_err();
+        assert!(matches!(&error, StoreError::Exists(path) if *path == paths(folder.path()).sidecar), "{error}");
+        assert_eq!(everything(folder.path()), before);
+    }
+
+    #[test]
+    fn a_second_program_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = create(folder.path()).unwrap();
+        rate(&mut store, None, 2).unwrap();
+        let before = everything(folder.path());
+        let error = resume(folder.path()).unwrap_err();
+        assert!(matches!(error, StoreError::InUse(_)), "{error}");
+        assert!(matches!(create(folder.path()).unwrap_err(), StoreError::Exists(_)));
+        assert_eq!(everything(folder.path()), before);
+        drop(store);
+        let (mut store, found) = resume(folder.path()).unwrap();
+        rate(&mut store, Some(&found), usize::MAX).unwrap();
+        assert_whole(folder.path());
+    }
+
+    /// A killed program of the same number may have left its temporary file; in a container every program has number 1.
+    #[test]
+    fn leftovers_of_a_killed_program_are_not_in_the_way() {
+        let folder = session_of(2);
+        let sidecar = paths(folder.path()).sidecar;
+        for count in 0..2000 {
+            let name = format!("{}.{}-{count}.tmp", sidecar.file_name().unwrap().to_str().unwrap(), std::process::id());
+            fs::write(sidecar.with_file_name(name), "{").unwrap();
+        }
+        let (mut store, found) = resume(folder.path()).unwrap();
+        rate(&mut store, Some(&found), usize::MAX).unwrap();
+        assert_whole(folder.path());
+        assert_eq!(everything(folder.path()).len(), 3, "rows, sidecar, data set");
+        // Nor in the way of a session that begins.
+        let other = tempfile::tempdir().unwrap();
+        let sidecar = paths(other.path()).sidecar;
+        fs::create_dir_all(sidecar.parent().unwrap()).unwrap();
+        for count in 0..2000 {
+            let name = format!("{}.{}-{count}.tmp", sidecar.file_name().unwrap().to_str().unwrap(), std::process::id());
+            fs::write(sidecar.with_file_name(name), "{").unwrap();
+        }
+        create(other.path()).unwrap();
+    }
+}
+
+mod interrupted {
+    use super::*;
+
+    /// Cuts the file after `length` bytes, adds `tail`, resumes and goes on to the end.
+    fn cut_and_resume(folder: &Path, whole: &[u8], length: usize, tail: &[u8]) {
+        let csv = paths(folder).csv;
+        let cut = [&whole[..length], tail].concat();
+        fs::write(&csv, &cut).unwrap();
+        let lines = whole[..length].iter().filter(|byte| **byte == b'\n').count();
+        let (mut store, found) = resume(folder).unwrap_or_else(|error| panic!("{length}: {error}"));
+        assert_eq!(found.rows.len(), lines.saturating_sub(1), "{length}");
+        let torn = !cut.ends_with(b"\n") && !cut.is_empty();
+        assert_eq!(found.torn.is_some(), torn, "{length} {:?}", found.torn);
+        rate(&mut store, Some(&found), usize::MAX).unwrap();
+        drop(store);
+        assert_whole(folder);
+        // What was whole stays, byte for byte.
+        let kept = whole[..length].iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1);
+        assert!(fs::read(&csv).unwrap().starts_with(&whole[..kept]), "{length}");
+        let sidecar = Sidecar::read(&paths(folder).sidecar).unwrap().unwrap();
+        let told = sidecar.sittings.last().unwrap().incidents.iter().any(|incident| incident.contains("half-written"));
+        assert_eq!(told, torn && sidecar.complete, "{length}");
+    }
+
+    #[test]
+    fn a_cut_at_any_byte_loses_the_torn_row_alone() {
+        let folder = session_of(4);
+        let whole = fs::read(paths(folder.path()).csv).unwrap();
+        let saved = fs::read(paths(folder.path()).sidecar).unwrap();
+        let header = whole.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+        let ends: Vec<usize> = (0..whole.len()).filter(|i| whole[*i] == b'\n').collect();
+        let two_rows = ends[ends.len() - 3] + 1;
+        for length in (0..=header).step_by(7).chain(two_rows..=whole.len()) {
+            fs::write(paths(folder.path()).sidecar, &saved).unwrap();
+            cut_and_resume(folder.path(), &whole, length, b"");
+        }
+        // Zero bytes where the system had made room and not yet written.
+        for length in [0, 5, header, two_rows, two_rows + 30, whole.len()] {
+            for zeros in [1, 4096] {
+                fs::write(paths(folder.path()).sidecar, &saved).unwrap();
+                cut_and_resume(folder.path(), &whole, length, &vec![0; zeros]);
+            }
+        }
+        // The first half of the last row not written, the second written.
+        let mut holed = whole.clone();
+        holed[ends[ends.len() - 2] + 1..whole.len() - 30].fill(0);
+        fs::write(paths(folder.path()).csv, &holed).unwrap();
+        fs::write(paths(folder.path()).sidecar, &saved).unwrap();
+        let (mut store, found) = resume(folder.path()).unwrap();
+        assert_eq!((found.rows.len(), found.torn.is_some()), (3, true));
+        rate(&mut store, Some(&found), usize::MAX).unwrap();
+        assert_whole(folder.path());
+    }
+
+    #[test]
+    fn a_fault_before_the_last_row_is_named_and_nothing_touched() {
+        let folder = session_of(4);
+        let csv = paths(folder.path()).csv;
+        let whole = fs::read_to_string(&csv).unwrap();
+        let lines: Vec<&str> = whole.lines().collect();
+        let column = |line: &str, cell: &str| line.find(cell).map(|at| line[..at].chars().count() + 1).unwrap();
+        let with = |at: usize, line: &str| {
+            let mut lines = lines.clone();
+            lines[at] = line;
+            lines.join("\n") + "\n"
+        };
+        let stamp = lines[2].rfind("1970").unwrap();
+        let mut zeros = whole.clone().into_bytes();
+        let second = whole.find(lines[2]).unwrap();
+        zeros[second + 3..second + 40].fill(0);
+        let mut latin = whole.clone().into_bytes();
+        latin[second + 3] = 0xff;
+        let cases: Vec<(Vec<u8>, String, &str)> = vec![
+            (with(2, "garbage").into(), "3:1".into(), "1 cells; expected 26"),
+            (with(2, &lines[2].replacen(",mach-band,", ",mach-band,wide", 1)).into(), format!("3:{}", column(lines[2], ",mach-band,") + 11), "width is \"wide"),
+            (with(2, &lines[2].replace("1970-", "Monday 1970-")).into(), format!("3:{}", stamp + 1), "started_at is"),
+            (format!("{}\n\n\n{}\n", lines[0], with(2, "garbage").split_once('\n').unwrap().1).into(), "5:1".into(), "1 cells"),
+            (with(0, &lines[0].replace("rating", "ratings")).into(), format!("1:{}", column(lines[0], "rating")), "column 17 is \"ratings\"; expected \"rating\""),
+            (with(0, "x").into(), "1:1".into(), "column 1 is \"x\""),
+            (with(2, &lines[2].replacen("S001", "\"S001", 1)).into(), "3:1".into(), "cells"),
+            (zeros, "3:".into(), ""),
+            (latin, "3:1".into(), "not UTF-8"),
+            // No line of ours at all: not half a header, and not to be cut away.
+            (b"My notes on this participant".to_vec(), "1:1".into(), "begins with \"My notes"),
+            // Line ends of an old system: one line, to which no row could be added.
+            (whole.replace('\n', "\r").into(), "1:1".into(), "expected the header"),
+        ];
+        for (content, position, part) in cases {
+            fs::write(&csv, &content).unwrap();
+            let before = everything(folder.path());
+            let error = resume(folder.path()).map(|_| ()).expect_err(&position).to_string();
+            let start = format!("{}:{position}", csv.display());
+            assert!(error.starts_with(&start) && error.contains(part) && error.contains("expected"), "{start} {part}: {error}");
+            assert!(everything(folder.path()) == before, "touched: {error}");
+        }
+    }
+
+    #[test]
+    fn another_definition_seed_or_participant_is_refused_and_nothing_touched() {
+        let folder = session_of(4);
+        let csv = paths(folder.path()).csv;
+        let refused = |protocol: &Protocol, seed: Option<u64>, part: &str| {
+            // A torn row at the end must survive a refusal too.
+            let whole = fs::read(&csv).unwrap();
+            fs::write(&csv, [&whole[..], b"S001_1_ma"].concat()).unwrap();
+            let before = everything(folder.path());
+            let error = SessionStore::resume(folder.path(), protocol, &someone(), seed, sitting()).unwrap_err();
+            assert!(matches!(error, StoreError::Mismatch { .. }), "{error}");
+            assert!(error.to_string().contains(part) && error.to_string().contains("expected"), "{error}");
+            assert!(everything(folder.path()) == before, "touched: {error}");
+            fs::write(&csv, whole).unwrap();
+        };
+        let other = |from: &str, to: &str| definition::parse("small.toml", &TEXT.replace(from, to)).unwrap();
+        refused(&other("0.4", "0.5"), Some(7), "another definition");
+        refused(&other("tanh_k = [5, 7.5]", "depth = [1, 2]"), Some(7), "another definition");
+        refused(&small(), Some(8), "has seed 7; expected that or none, not 8");
+        // The same without a sidecar to say so.
+        let saved = fs::read(paths(folder.path()).sidecar).unwrap();
+        fs::remove_file(paths(folder.path()).sidecar).unwrap();
+        refused(&other("0.4", "0.5"), Some(7), "not planned");
+        refused(&small(), Some(8), "not planned");
+        fs::write(paths(folder.path()).sidecar, saved).unwrap();
+        let rows = fs::read_to_string(&csv).unwrap();
+        fs::write(&csv, rows.replace("S001", "S002")).unwrap();
+        refused(&small(), Some(7), "row S002_1_practice_0001_1 is not planned");
+        fs::write(&csv, rows).unwrap();
+        // No seed given: the session's own.
+        let (mut store, found) = SessionStore::resume(folder.path(), &small(), &someone(), None, sitting()).unwrap();
+        assert_eq!((found.schedule.seed, found.sitting), (7, 2));
+        rate(&mut store, Some(&found), usize::MAX).unwrap();
+        assert_whole(folder.path());
+        let nobody = Identity::new("S009", "1").unwrap();
+        let error = SessionStore::resume(folder.path(), &small(), &nobody, None, sitting()).unwrap_err();
+        assert!(matches!(error, StoreError::NothingToResume(_)), "{error}");
+    }
+
+    #[test]
+    fn a_lost_sidecar_is_made_anew_and_a_broken_one_named() {
+        for lost_after in [0, 3] {
+            let folder = session_of(lost_after);
+            fs::remove_file(paths(folder.path()).sidecar).unwrap();
+            let (mut store, found) = resume(folder.path()).unwrap();
+            assert_eq!(found.sitting, 2, "each sitting has its place in the sidecar");
+            rate(&mut store, Some(&found), usize::MAX).unwrap();
+            drop(store);
+            assert_whole(folder.path());
+            let sidecar = Sidecar::read(&paths(folder.path()).sidecar).unwrap().unwrap();
+            assert_eq!((sidecar.seed, sidecar.sittings.len()), (7, 2));
+            assert!(sidecar.sittings[0].incidents[0].contains("missing"), "{:?}", sidecar.sittings[0].incidents);
+        }
+        let folder = session_of(3);
+        let sidecar = paths(folder.path()).sidecar;
+        let whole = fs::read(&sidecar).unwrap();
+        for length in [0, 1, whole.len() / 2, whole.len() - 3] {
+            fs::write(&sidecar, &whole[..length]).unwrap();
+            let before = everything(folder.path());
+            let error = resume(folder.path()).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("{}:", sidecar.display())) && error.contains("is no sidecar"), "{error}");
+            assert!(everything(folder.path()) == before);
+        }
+    }
+
+    #[test]
+    fn a_session_that_ended_stays_as_it_is() {
+        let folder = session_of(usize::MAX);
+        let before = everything(folder.path());
+        let (store, found) = resume(folder.path()).unwrap();
+        assert!(store.is_complete() && found.resumed.done.len() == TRIALS);
+        drop(store);
+        assert!(everything(folder.path()) == before);
+        // Called complete, but it is not: goes on.
+        let csv = paths(folder.path()).csv;
+        let text = fs::read_to_string(&csv).unwrap();
+        let cut = text.trim_end().rfind('\n').unwrap() + 1;
+        fs::write(&csv, &text[..cut]).unwrap();
+        let (mut store, found) = resume(folder.path()).unwrap();
+        assert!(!store.is_complete() && found.resumed.done.len() == TRIALS - 1);
+        rate(&mut store, Some(&found), usize::MAX).unwrap();
+        assert_whole(folder.path());
+    }
+
+    /// The wall clock of the sitting that comes is behind; a session's own time goes on all the same.
+    #[test]
+    fn a_clock_turned_back_and_absurd_numbers_do_no_harm() {
+        let folder = session_of(3);
+        let csv = paths(folder.path()).csv;
+        let text = fs::read_to_string(&csv).unwrap();
+        fs::write(&csv, text.replace("1970-", "2970-")).unwrap();
+        let (store, found) = resume(folder.path()).unwrap();
+        assert!(found.elapsed_s > 6.0 && found.rows.len() == 3);
+        drop(store);
+        for absurd in ["1e300", "1e19", "-1", "inf", "NaN"] {
+            let (head, last) = text.trim_end().rsplit_once('\n').unwrap();
+            let mut cells: Vec<&str> = last.rsplitn(10, ',').collect();
+            // From the end: tanh_k, seed, sitting, started_at, dropped_frames, frames, recovery_s, onset_s.
+            cells[7] = absurd;
+            cells.reverse();
+            fs::write(&csv, format!("{head}\n{}\n", cells.join(","))).unwrap();
+            let error = resume(folder.path()).expect_err(absurd).to_string();
+            assert!(error.contains("onset_s is") && error.contains("expected seconds"), "{error}");
+        }
+        let largest = text.replace(",1,7,", ",4294967295,7,");
+        assert_ne!(largest, text);
+        fs::write(&csv, largest).unwrap();
+        assert!(resume(folder.path()).is_ok(), "no overflow");
+    }
+}
+
+mod trouble {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_vanishes_takes_nothing_with_it() {
+        let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let results = first.path().join("results");
+        // Made anew in its place.
+        let mut store = create(&results).unwrap();
+        rate(&mut store, None, 2).unwrap();
+        fs::remove_dir_all(&results).unwrap();
+        let error = rate(&mut store, None, 1).unwrap_err();
+        assert!(error.to_string().starts_with(&paths(&results).csv.display().to_string()), "{error}");
+        store.retry().unwrap();
+        assert_eq!(rows(&paths(&results).csv).len(), 3, "with the row that failed");
+        // The place is taken by a file: it cannot be made there, but elsewhere.
+        fs::remove_dir_all(&results).unwrap();
+        fs::write(&results, "in the way").unwrap();
+        assert!(rate(&mut store, None, 1).is_err());
+        assert!(store.retry().is_err() && store.retry().is_err());
+        assert!(store.move_to(&results).is_err() && store.move_to(&results.join("below")).is_err());
+        // A folder that has this session is refused, and stays as it is.
+        let taken = session_of(5);
+        let before = everything(taken.path());
+        let error = store.move_to(taken.path()).unwrap_err();
+        assert!(matches!(error, StoreError::Exists(_)), "{error}");
+        assert_eq!(everything(taken.path()), before);
+        store.move_to(second.path()).unwrap();
+        assert_eq!(store.csv(), paths(second.path()).csv);
+        assert_eq!(rows(store.csv()).len(), 4);
+        assert_eq!(fs::read_to_string(&results).unwrap(), "in the way");
+        // The same folder once more is no other session.
+        store.move_to(second.path()).unwrap();
+        drop(store);
+        let sidecar = Sidecar::read(&paths(second.path()).sidecar).unwrap().unwrap();
+        assert!(sidecar.sittings[0].incidents.iter().any(|incident| incident.contains("moved from")), "{sidecar:?}");
+    }
+
+    #[test]
+    fn a_file_changed_by_another_hand_is_not_written_over() {
+        let folder = session_of(0);
+        let (mut store, found) = resume(folder.path()).unwrap();
+        let csv = paths(folder.path()).csv;
+        fs::remove_file(&csv).unwrap();
+        fs::write(&csv, "somebody else's").unwrap();
+        let error = rate(&mut store, Some(&found), 1).unwrap_err();
+        assert!(matches!(error, StoreError::Changed { .. }), "{error}");
+        assert!(store.retry().is_err());
+        assert_eq!(fs::read_to_string(&csv).unwrap(), "somebody else's");
+        let elsewhere = tempfile::tempdir().unwrap();
+        store.move_to(elsewhere.path()).unwrap();
+        assert_eq!(rows(store.csv()).len(), 1);
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_written_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, "").unwrap();
+        let mut places = vec![file.clone(), file.join("below")];
+        places.extend(["/proc/results", "/dev/null/results"].map(PathBuf::from).into_iter().filter(|_| cfg!(target_os = "linux")));
+        for place in places {
+            let error = create(&place).unwrap_err();
+            assert!(matches!(error, StoreError::Io { .. }), "{error}");
+            let said = error.to_string();
+            assert!(said.starts_with(&format!("{}", place.display())) && said.contains("cannot make the folder"), "{said}");
+            assert!(matches!(resume(&place).unwrap_err(), StoreError::NothingToResume(_)));
+        }
+        assert_eq!(fs::read(&file).unwrap(), b"");
+    }
+
+    /// A very small file system, where this system lets a test make one.
+    struct Small(PathBuf);
+
+    impl Small {
+        fn new(at: &Path) -> Option<Self> {
+            let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"]).arg(at).output();
+            mounted.is_ok_and(|output| output.status.success()).then(|| Self(at.to_owned()))
+        }
+    }
+
+    impl Drop for Small {
+        fn drop(&mut self) {
+            let _ = Command::new("umount").arg(&self.0).output();
+        }
+    }
+
+    #[test]
+    fn a_full_disk_loses_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let Some(small_disk) = Small::new(folder.path()) else {
+            eprintln!("SKIPPED: a full disk; a small tmpfs cannot be mounted here");
+            return;
+        };
+        let mut store = create(folder.path()).unwrap();
+        let ballast = folder.path().join("ballast");
+        let mut failed = 0;
+        let mut found = None;
+        // Fill what is left before each row, and make room after each failure.
+        for row in 0..TRIALS {
+            for size in [4096, 1] {
+                let mut content = fs::read(&ballast).unwrap_or_default();
+                while fs::write(folder.path().join("probe"), vec![1; size]).is_ok() && content.len() < 1 << 20 {
+                    content.extend(vec![1; size]);
+                    if fs::write(&ballast, &content).is_err() {
+                        break;
+                    }
+                }
+                let _ = fs::remove_file(folder.path().join("probe"));
+            }
+            let outcome = rate(&mut store, found.as_ref(), 1);
+            if let Err(error) = outcome {
+                failed += 1;
+                assert!(error.to_string().contains("cannot write"), "{error}");
+                assert!(store.retry().is_err() || row > 0, "still full");
+                let _ = fs::remove_file(&ballast);
+                store.retry().unwrap();
+            }
+            let _ = fs::remove_file(&ballast);
+            assert_eq!(rows(store.csv()).len(), row + 1);
+            drop(store);
+            let (next, resumed) = resume(folder.path()).unwrap();
+            assert_eq!((resumed.rows.len(), &resumed.torn), (row + 1, &None));
+            (store, found) = (next, Some(resumed));
+        }
+        assert!(failed > 0, "the disk was never full");
+        store.finish(true, Timestamp::now().to_string(), None).unwrap();
+        drop(store);
+        assert_whole(folder.path());
+        drop(small_disk);
+    }
+}
