@@ -370,7 +370,7 @@ mod stimulus {
             assert_eq!(succeeds(folder.path(), &arguments), "");
             let (info, data) = pixels(&folder.path().join("a.png"));
             assert_eq!((info.width, info.height, info.color_type), (100, 100, png::ColorType::Rgb));
-            assert_eq!(info.srgb.is_some(), true, "the file says what its codes mean");
+            assert!(info.srgb.is_some(), "the file says what its codes mean");
             let sample = |x: usize, y: usize, channel: usize| {
                 let at = (y * 100 + x) * 3 + channel;
                 if bits == "8" { u16::from(data[at]) } else { u16::from_be_bytes([data[2 * at], data[2 * at + 1]]) }

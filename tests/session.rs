@@ -348,7 +348,8 @@ mod machine {
 
     #[test]
     fn the_last_rating_can_be_taken_back_once_wherever_it_can_be_seen() {
-        let places: [(&str, fn(&State) -> bool); 4] = [
+        type There = fn(&State) -> bool;
+        let places: [(&str, There); 4] = [
             ("recovery", is_recovery),
             ("the next phase's page", |state| *state == State::PhaseStart(Phase::Main)),
             ("break", |state| *state == State::Break),
@@ -579,7 +580,9 @@ mod observer {
     #[test]
     fn ratings_have_the_documented_probabilities() {
         let observer = OrderedLogit { oblique: 0.8, contrast: 0.5, lapse: 0.1, ..OrderedLogit::default() };
-        let cases: [(&[(&str, f64)], f64, f64); 7] = [
+        // Parameters, the participant's deviate, η.
+        type Case<'a> = (&'a [(&'a str, f64)], f64, f64);
+        let cases: [Case; 7] = [
             (&[("width", 0.05), ("depth", 1.0)], 0.0, 6.0),
             (&[("width", 0.2), ("depth", 2.0)], 0.0, 3.0 - 2.0 * 0.7),
             (&[("width", 0.0125), ("depth", 3.0)], 0.0, 2.0 - 2.0 * 0.9),

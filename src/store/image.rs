@@ -20,8 +20,8 @@ use crate::{
 const KEYWORD: &str = "machband";
 /// Keyword of the text chunk that names the palette's making, where there is one.
 const PALETTE_KEYWORD: &str = "machband-palette";
-/// Chromaticities of the sRGB primaries and of D65, IEC 61966-2-1.
-const SRGB_CHROMATICITIES: [[f32; 2]; 4] = [[0.3127, 0.3290], [0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
+/// Chromaticities of D65 and of the sRGB primaries, in the hundred-thousandths of PNG. IEC 61966-2-1.
+const SRGB_CHROMATICITIES: [[u32; 2]; 4] = [[31_270, 32_900], [64_000, 33_000], [30_000, 60_000], [15_000, 6_000]];
 /// Entries of the tone curves in an embedded profile.
 const CURVE_POINTS: u16 = 4096;
 
@@ -93,8 +93,8 @@ fn finish(
         }
     };
     if let Some(gamma) = curve {
-        let [white, red, green, blue] = SRGB_CHROMATICITIES.map(|[x, y]| (png::ScaledFloat::new(x), png::ScaledFloat::new(y)));
-        info.source_gamma = Some(png::ScaledFloat::new((1.0 / gamma) as f32));
+        let [white, red, green, blue] = SRGB_CHROMATICITIES.map(|pair| pair.map(png::ScaledFloat::from_scaled).into());
+        info.source_gamma = Some(png::ScaledFloat::from_scaled((100_000.0 / gamma).round() as u32));
         info.source_chromaticities = Some(png::SourceChromaticities { white, red, green, blue });
     }
     let mut bytes = Vec::new();

@@ -1,0 +1,248 @@
+//! Image files: what is in them, that they prove themselves, and that many of them can be made in parts.
+
+use std::{
+    path::{Path, PathBuf},
+    process::{Command, Output},
+    time::Duration,
+};
+
+use machband::{
+    light::{Bits, Dither, Quantizer, Transfer, TransferTable},
+    stimulus::{Stimulus, catalog, recipe::Recipe},
+    store::{curve, image},
+};
+
+fn recipe(kind: &str) -> Recipe {
+    Recipe {
+        stimulus: Stimulus::default_of(kind).unwrap(),
+        size: 40,
+        transfer: Transfer::Srgb,
+        bits: Bits::Eight,
+        dither: Dither::None,
+        seed: 1,
+    }
+}
+
+fn machband(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_machband")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn table() -> Transfer {
+    let encoded: Vec<f64> = (0..=10).map(|i| f64::from(i) / 10.0).collect();
+    let linear = encoded.iter().map(|v| v.powf(1.9)).collect();
+    Transfer::Table(TransferTable::new(encoded, linear).unwrap())
+}
+
+/// Every kind, transfer, depth and dither: what is written reads back as the codes that were rendered, and proves itself.
+#[test]
+fn what_is_written_reads_back_and_proves_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("image.png");
+    for entry in catalog::all() {
+        for stimulus in entry.stimuli() {
+            for transfer in [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(2.2), table()] {
+                for (bits, dither) in [
+                    (Bits::Eight, Dither::None),
+                    (Bits::Sixteen, Dither::None),
+                    (Bits::Eight, Dither::BlueNoise),
+                    (Bits::Eight, Dither::Random { seed: 1 }),
+                ] {
+                    let recipe = Recipe { stimulus: stimulus.clone(), transfer: transfer.clone(), bits, dither, seed: 7, ..recipe("mach-band") };
+                    let quantizer = recipe.quantizer();
+                    image::write_recipe(&path, &recipe, &quantizer).unwrap();
+                    let read = image::read(&path).unwrap();
+                    assert_eq!(read.image, recipe.codes(&quantizer), "{recipe:?}");
+                    let Dither::Random { .. } = recipe.dither else {
+                        assert_eq!(read.recipe, recipe);
+                        image::prove(&path).unwrap();
+                        continue;
+                    };
+                    image::prove(&path).unwrap();
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_image_says_what_its_codes_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("image.png");
+    let info = |recipe: &Recipe| {
+        image::write_recipe(&path, recipe, &recipe.quantizer()).unwrap();
+        let reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap())).read_info().unwrap();
+        reader.info().clone()
+    };
+    let yellow = info(&recipe("mach-band"));
+    assert_eq!((yellow.color_type, yellow.srgb.is_some()), (png::ColorType::Rgb, true));
+    let gray = info(&Recipe { bits: Bits::Sixteen, transfer: Transfer::Gamma(2.2), ..recipe("chevreul") });
+    assert_eq!((gray.color_type, gray.bit_depth), (png::ColorType::Grayscale, png::BitDepth::Sixteen));
+    assert_eq!(gray.gamma().unwrap().into_scaled(), 45455);
+    assert!(gray.chromaticities().is_some() && gray.srgb.is_none());
+    for kind in ["mach-band", "chevreul"] {
+        let measured = info(&Recipe { transfer: table(), ..recipe(kind) });
+        let profile = moxcms::ColorProfile::new_from_slice(&measured.icc_profile.unwrap()).unwrap();
+        let curve = profile.red_trc.or(profile.gray_trc).unwrap();
+        let moxcms::ToneReprCurve::Lut(points) = curve else { panic!("{curve:?}") };
+        let middle = f64::from(points[points.len() / 2]) / 65535.0;
+        let expected = table().linear_from_encoded((points.len() / 2) as f64 / (points.len() - 1) as f64);
+        assert!((middle - expected).abs() < 1e-4, "{middle} {expected}");
+    }
+}
+
+#[test]
+fn a_touched_image_is_found_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("image.png");
+    let recipe = recipe("kanizsa");
+    image::write_recipe(&path, &recipe, &recipe.quantizer()).unwrap();
+    // The same codes but one, under the same recipe.
+    let mut codes: Vec<u8> = recipe.codes(&recipe.quantizer()).bytes().unwrap().iter().step_by(3).copied().collect();
+    codes[123] ^= 1;
+    let mut encoder = png::Encoder::new(std::fs::File::create(&path).unwrap(), 40, 40);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.add_text_chunk("machband".to_owned(), image::describe(&recipe)).unwrap();
+    encoder.write_header().unwrap().write_image_data(&codes).unwrap();
+    let message = image::prove(&path).unwrap_err().to_string();
+    assert!(message.contains("1 pixels differ") && message.contains("(3, 3)"), "{message}");
+
+    for (content, expected) in [
+        (&b"no image at all"[..], "not a whole PNG"),
+        (&std::fs::read(&path).unwrap()[..200], "whole PNG"),
+    ] {
+        std::fs::write(&path, content).unwrap();
+        let message = image::prove(&path).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+    let mut encoder = png::Encoder::new(std::fs::File::create(&path).unwrap(), 1, 1);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().unwrap().write_image_data(&[0]).unwrap();
+    assert!(image::prove(&path).unwrap_err().to_string().contains("no text chunk"));
+}
+
+#[test]
+fn a_palette_image_proves_itself_too() {
+    let folder = tempfile::tempdir().unwrap();
+    for method in ["popularity:8", "median-cut:16", "k-means:4"] {
+        let output = machband(folder.path(), &["stimulus", "--size", "64", "--palette", method, "--out", "p.png"]);
+        assert!(output.status.success(), "{output:?}");
+        assert!(String::from_utf8_lossy(&output.stdout).contains("error in linear light"), "{output:?}");
+        let checked = machband(folder.path(), &["check", "p.png"]);
+        assert!(String::from_utf8_lossy(&checked.stdout).contains(method), "{checked:?}");
+    }
+    let refused = machband(folder.path(), &["stimulus", "--palette", "median-cut:0", "--out", "q.png"]);
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+/// `emitted` is the light of the code, everywhere, and the codes are those of the image where the profile runs along a row.
+#[test]
+fn the_profile_is_that_of_the_image() {
+    for dither in [Dither::None, Dither::BlueNoise] {
+        for entry in catalog::all() {
+            let recipe = Recipe { dither, size: 65, ..recipe(entry.kind) };
+            let quantizer = recipe.quantizer();
+            let strongest = recipe.stimulus.strongest_channel();
+            let image = recipe.codes(&quantizer);
+            for (i, sample) in curve::samples(&recipe, &quantizer).iter().enumerate() {
+                assert_eq!(sample.emitted, quantizer.linear(sample.codes[strongest]));
+                // The discs of a Kanizsa triangle are averaged over the pixel; its middle row meets none of their edges.
+                if dither == Dither::None && entry.kind != "kanizsa" {
+                    assert_eq!(sample.codes, image.pixel(i as u32, 32), "{} {i}", entry.kind);
+                }
+            }
+        }
+    }
+}
+
+/// The command that the gallery copies makes the very same file.
+#[test]
+fn the_copied_command_makes_the_same_image() {
+    let folder = tempfile::tempdir().unwrap();
+    for entry in catalog::all() {
+        for (n, stimulus) in entry.stimuli().into_iter().enumerate() {
+            let recipe = Recipe {
+                stimulus,
+                bits: if n == 1 { Bits::Sixteen } else { Bits::Eight },
+                dither: if n == 2 { Dither::Random { seed: 1 } } else { Dither::None },
+                transfer: if n == 1 { Transfer::Gamma(1.8) } else { Transfer::Srgb },
+                seed: if n == 2 { 9 } else { 1 },
+                ..recipe(entry.kind)
+            };
+            let expected = image::write_recipe(&folder.path().join("expected.png"), &recipe, &recipe.quantizer()).unwrap();
+            let command = recipe.command();
+            let arguments: Vec<&str> = command.split(' ').skip(1).collect();
+            let output = machband(folder.path(), &arguments);
+            assert!(output.status.success(), "{command}: {output:?}");
+            assert!(std::fs::read(folder.path().join("stimulus.png")).unwrap() == expected, "{command}");
+        }
+    }
+}
+
+/// File names and contents of a folder.
+fn content(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .map(|path: PathBuf| (path.file_name().unwrap().to_string_lossy().into_owned(), std::fs::read(&path).unwrap()))
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn shards_together_are_the_whole_and_a_killed_run_is_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let stimuli = |out: &str, more: &[&str]| {
+        let arguments = [&["stimuli", "bangay2003", "--size", "96", "--dither", "ordered", "--out", out], more].concat();
+        let output = machband(folder.path(), &arguments);
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    stimuli("whole", &[]);
+    let whole = content(&folder.path().join("whole"));
+    assert_eq!(whole.len(), 121);
+    assert_eq!(whole[120].0, "manifest.csv");
+    for shard in ["2/3", "1/3", "3/3"] {
+        stimuli("parts", &["--shard", shard]);
+    }
+    assert!(content(&folder.path().join("parts")) == whole);
+
+    // Killed at several moments; each time what is whole is kept.
+    let arguments = ["stimuli", "bangay2003", "--size", "96", "--dither", "ordered", "--out", "killed"];
+    for delay in [3, 6, 9, 12, 20] {
+        let mut child =
+            Command::new(env!("CARGO_BIN_EXE_machband")).current_dir(folder.path()).args(arguments).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(delay));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    stimuli("killed", &[]);
+    let left: Vec<_> = content(&folder.path().join("killed")).into_iter().filter(|(name, _)| !name.ends_with(".tmp")).collect();
+    assert!(left == whole);
+
+    // Whole: nothing is made again. One file touched, one gone: just those.
+    assert!(stimuli("whole", &[]).starts_with("0 images made, 120 kept"));
+    std::fs::remove_file(folder.path().join("whole").join(&whole[5].0)).unwrap();
+    std::fs::write(folder.path().join("whole").join(&whole[7].0), "touched").unwrap();
+    assert!(stimuli("whole", &[]).starts_with("2 images made, 118 kept"));
+    assert!(content(&folder.path().join("whole")) == whole);
+    // Other options: everything is made anew.
+    assert!(stimuli("whole", &["--bits", "16"]).starts_with("120 images made"));
+    let refused = machband(folder.path(), &["stimuli", "quick", "--out", "x", "--shard", "4/3"]);
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+/// A quantizer made once serves every image of its kind.
+#[test]
+fn equal_recipes_give_equal_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let shared = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+    for entry in catalog::all() {
+        let recipe = Recipe { dither: Dither::Random { seed: 1 }, seed: 3, ..recipe(entry.kind) };
+        let first = image::write_recipe(&folder.path().join("a.png"), &recipe, &shared).unwrap();
+        let second = image::write_recipe(&folder.path().join("b.png"), &recipe, &recipe.quantizer()).unwrap();
+        assert!(first == second);
+        let other = image::write_recipe(&folder.path().join("c.png"), &Recipe { seed: 4, ..recipe }, &shared).unwrap();
+        assert!(first != other, "{}", entry.kind);
+    }
+}
