@@ -35,7 +35,8 @@ fn light_is_that_of_the_independent_script() {
 #[test]
 fn codes_are_the_recorded_ones() {
     let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-    let mut text = String::from("# SHA-256 of the 8-bit sRGB codes, 96 px a side, of every catalog entry and variant.\n");
+    let mut text =
+        String::from("# SHA-256 of the 8-bit sRGB codes, 96 px a side, of every catalog entry and variant.\n");
     for entry in catalog::all() {
         for (variant, stimulus) in entry.stimuli().iter().enumerate() {
             let image = stimulus.codes(SIZE, &quantizer);

@@ -16,7 +16,12 @@ use machband::{
 
 fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_machband"));
-    command.args(arguments).current_dir(folder).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").stdin(Stdio::null());
+    command
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .stdin(Stdio::null());
     command
 }
 
@@ -50,7 +55,11 @@ fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        if path.is_dir() { found.extend(everything(&path)) } else { found.push((path.clone(), fs::read(path).unwrap())) }
+        if path.is_dir() {
+            found.extend(everything(&path))
+        } else {
+            found.push((path.clone(), fs::read(path).unwrap()))
+        }
     }
     found.sort();
     found
@@ -61,13 +70,15 @@ fn csv(folder: &Path, protocol: &Protocol, number: usize) -> PathBuf {
 }
 
 fn rows(path: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
-    results::parse(path.to_str().unwrap(), &fs::read(path).unwrap(), &columns(protocol)).unwrap_or_else(|e| panic!("{e}"))
+    results::parse(path.to_str().unwrap(), &fs::read(path).unwrap(), &columns(protocol))
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// What must be the same however often a simulation was interrupted.
 fn ratings(folder: &Path, protocol: &Protocol, participants: usize) -> Vec<(String, u8, String)> {
     let all = (1..=participants).flat_map(|number| rows(&csv(folder, protocol, number), protocol));
-    all.map(|row| (row.row_id, row.rating.0, format!("{:?} {:?} {:?}", row.width, row.depth, row.response_time_s))).collect()
+    all.map(|row| (row.row_id, row.rating.0, format!("{:?} {:?} {:?}", row.width, row.depth, row.response_time_s)))
+        .collect()
 }
 
 mod simulate {
@@ -78,7 +89,10 @@ mod simulate {
         let folder = tempfile::tempdir().unwrap();
         let protocol = definition::open("bangay2003").unwrap();
         for results in ["a", "b"] {
-            let said = succeeds(folder.path(), &["simulate", "bangay2003", "--participants", "8", "--seed", "1", "--results", results]);
+            let said = succeeds(
+                folder.path(),
+                &["simulate", "bangay2003", "--participants", "8", "--seed", "1", "--results", results],
+            );
             assert!(said.contains("8 sessions") && said.contains("2016 rows"), "{said}");
         }
         let names = |results: &str| -> Vec<PathBuf> {
@@ -89,16 +103,27 @@ mod simulate {
         assert_eq!(names("a"), names("b"));
         let mut orders = HashSet::new();
         for number in 1..=8 {
-            let [a, b] = ["a", "b"].map(|results| fs::read_to_string(csv(&folder.path().join(results), &protocol, number)).unwrap());
+            let [a, b] = ["a", "b"]
+                .map(|results| fs::read_to_string(csv(&folder.path().join(results), &protocol, number)).unwrap());
             assert_eq!(a.lines().count(), 1 + 6 * 5 * 4 * 2 + 12);
             let started = a.lines().next().unwrap().split(',').position(|name| name == "started_at").unwrap();
             for (a, b) in a.lines().zip(b.lines()) {
-                let without = |line: &str| line.split(',').enumerate().filter(|(i, _)| *i != started).map(|(_, cell)| cell.to_owned()).collect::<Vec<_>>();
+                let without = |line: &str| {
+                    line.split(',')
+                        .enumerate()
+                        .filter(|(i, _)| *i != started)
+                        .map(|(_, cell)| cell.to_owned())
+                        .collect::<Vec<_>>()
+                };
                 assert_eq!(without(a), without(b));
             }
             assert_eq!(a.lines().count(), b.lines().count());
             let rows = rows(&csv(&folder.path().join("a"), &protocol, number), &protocol);
-            orders.insert(rows.iter().map(|row| format!("{:?}{:?}{:?}", row.width, row.depth, row.orientation_deg)).collect::<String>());
+            orders.insert(
+                rows.iter()
+                    .map(|row| format!("{:?}{:?}{:?}", row.width, row.depth, row.orientation_deg))
+                    .collect::<String>(),
+            );
             let said = succeeds(folder.path(), &["check", csv(Path::new("a"), &protocol, number).to_str().unwrap()]);
             assert!(said.contains("252 rows; 252 of 252 planned trials"), "{said}");
         }
@@ -119,7 +144,8 @@ mod simulate {
         let said = refused(folder.path(), &[&command[..], &["--resume", "--seed", "2"]].concat(), 1);
         assert!(said.contains("has seed 1; expected that or none, not 2"), "{said}");
         fs::write(folder.path().join("quick.toml"), definition::BUILT_IN[0].text.replace("0.02", "0.03")).unwrap();
-        let said = refused(folder.path(), &["simulate", "quick.toml", "--participants", "3", "--results", "r", "--resume"], 1);
+        let said =
+            refused(folder.path(), &["simulate", "quick.toml", "--participants", "3", "--results", "r", "--resume"], 1);
         assert!(said.contains("another definition"), "{said}");
         fs::remove_file(folder.path().join("quick.toml")).unwrap();
         assert!(everything(folder.path()) == before);
@@ -133,11 +159,14 @@ mod simulate {
         for round in 0..3 {
             let resume = [&command[..], &["--resume"]].concat();
             let runs = [if round == 0 { &command[..] } else { &resume[..] }, &resume[..]];
-            let children = runs.map(|run| program(folder.path(), run).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
+            let children = runs
+                .map(|run| program(folder.path(), run).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
             for child in children {
                 let output = child.wait_with_output().unwrap();
                 let said = text(&output.stderr);
-                let known = said.is_empty() || said.contains("another machband is writing") || said.contains("already have a file");
+                let known = said.is_empty()
+                    || said.contains("another machband is writing")
+                    || said.contains("already have a file");
                 assert!(matches!(output.status.code(), Some(0 | 1)) && known, "{said}");
             }
         }
@@ -146,7 +175,10 @@ mod simulate {
             assert_eq!(rows(&csv(&folder.path().join("r"), &protocol, number), &protocol).len(), 28, "S{number:03}");
         }
         succeeds(folder.path(), &["simulate", "quick", "--participants", "40", "--results", "alone"]);
-        assert_eq!(ratings(&folder.path().join("r"), &protocol, 40), ratings(&folder.path().join("alone"), &protocol, 40));
+        assert_eq!(
+            ratings(&folder.path().join("r"), &protocol, 40),
+            ratings(&folder.path().join("alone"), &protocol, 40)
+        );
         for (path, _) in everything(folder.path()) {
             assert!(matches!(path.extension().and_then(|e| e.to_str()), Some("csv" | "json")), "{path:?} was left");
         }
@@ -158,7 +190,9 @@ mod simulate {
         const PARTICIPANTS: usize = 20;
         let folder = tempfile::tempdir().unwrap();
         let protocol = definition::open("bangay2003").unwrap();
-        let run = |results: &str| ["simulate", "bangay2003", "--participants", "20", "--results", results, "--resume"].map(str::to_owned);
+        let run = |results: &str| {
+            ["simulate", "bangay2003", "--participants", "20", "--results", results, "--resume"].map(str::to_owned)
+        };
         let spawn = |results: &str| {
             let arguments = run(results);
             let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -174,14 +208,19 @@ mod simulate {
             rounds += 1;
             let results = format!("killed{rounds}");
             let rated = || -> usize {
-                let files = fs::read_dir(folder.path().join(&results).join("bangay2003/data")).into_iter().flatten().flatten();
+                let files =
+                    fs::read_dir(folder.path().join(&results).join("bangay2003/data")).into_iter().flatten().flatten();
                 let csv = files.filter(|file| file.path().extension().is_some_and(|e| e == "csv"));
-                csv.map(|file| fs::read(file.path()).unwrap().iter().filter(|byte| **byte == b'\n').count().saturating_sub(1)).sum()
+                csv.map(|file| {
+                    fs::read(file.path()).unwrap().iter().filter(|byte| **byte == b'\n').count().saturating_sub(1)
+                })
+                .sum()
             };
             loop {
                 // From the first instructions of the program to a third of a whole run.
                 let share = session_seed(kills * 1000 + rounds) as f64 / 2_f64.powi(32);
-                let delay = if kills % 5 == 0 { Duration::from_secs_f64(share * 0.02) } else { whole.mul_f64(share / 3.0) };
+                let delay =
+                    if kills % 5 == 0 { Duration::from_secs_f64(share * 0.02) } else { whole.mul_f64(share / 3.0) };
                 let before = rated();
                 let mut child = spawn(&results);
                 std::thread::sleep(delay);
@@ -195,7 +234,15 @@ mod simulate {
                 } else if child.wait().unwrap().success() {
                     break;
                 } else {
-                    panic!("{results} cannot be resumed: {}", text(&program(folder.path(), &run(&results).iter().map(String::as_str).collect::<Vec<_>>()).output().unwrap().stderr));
+                    panic!(
+                        "{results} cannot be resumed: {}",
+                        text(
+                            &program(folder.path(), &run(&results).iter().map(String::as_str).collect::<Vec<_>>())
+                                .output()
+                                .unwrap()
+                                .stderr
+                        )
+                    );
                 }
             }
             let found = ratings(&folder.path().join(&results), &protocol, PARTICIPANTS);
@@ -263,7 +310,11 @@ mod usage {
     fn what_cannot_be_done_is_told_with_its_place() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("file"), "").unwrap();
-        fs::write(folder.path().join("bad.toml"), "schema = 1\nname = \"a\"\nstimulus.kind = \"mach-band\"\nfactors.width = [1.5]\n").unwrap();
+        fs::write(
+            folder.path().join("bad.toml"),
+            "schema = 1\nname = \"a\"\nstimulus.kind = \"mach-band\"\nfactors.width = [1.5]\n",
+        )
+        .unwrap();
         let cases: &[(&[&str], &str)] = &[
             (&["simulate", "quick", "--results", "file"], "error: file/quick/data: cannot make the folder"),
             (&["simulate", "quik"], "error: quik: is neither a built-in definition nor a file"),
@@ -272,7 +323,10 @@ mod usage {
             (&["simulate", "quick", "--observer-file", "bad.toml"], "error: bad.toml:2:1: unknown key"),
             (&["stimulus", "--size", "8", "--out", "none/x.png"], "error: none/x.png: cannot "),
             (&["stimulus", "--size", "8", "--profile", "file/x.csv"], "error: file/x.csv: cannot "),
-            (&["stimulus", "--size", "8", "--out", "x.png", "--display", "none.toml"], "error: none.toml: cannot be opened"),
+            (
+                &["stimulus", "--size", "8", "--out", "x.png", "--display", "none.toml"],
+                "error: none.toml: cannot be opened",
+            ),
             (&["run", "quick", "--participant", "S001", "--resume"], "no such session"),
             (&["run", "bad.toml"], "error: bad.toml:4:18: width 1.5"),
         ];
@@ -288,7 +342,10 @@ mod usage {
     fn check_says_every_fault_of_every_file() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, content: &str| fs::write(folder.path().join(name), content).unwrap();
-        write("bad.toml", "schema = 1\nname = \"Bad\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [1.5, 2]\n[desing]\n");
+        write(
+            "bad.toml",
+            "schema = 1\nname = \"Bad\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [1.5, 2]\n[desing]\n",
+        );
         write("good.toml", definition::BUILT_IN[0].text);
         write("screen.toml", "schema = 1\nname = \"TV\"\ntransfer = \"gama:2\"\n");
         write("rows.csv", "row_id,experiment\nx\n");
@@ -301,11 +358,29 @@ mod usage {
         write("twice.csv", &(lines.join("\n") + "\n"));
         fs::copy(path.with_extension("json"), folder.path().join("twice.json")).unwrap();
         let good = path.to_str().unwrap();
-        let output = run(folder.path(), &["check", "bad.toml", "good.toml", "quick", "screen.toml", "rows.csv", "twice.csv", good, "none.csv", "r"]);
+        let output = run(
+            folder.path(),
+            &["check", "bad.toml", "good.toml", "quick", "screen.toml", "rows.csv", "twice.csv", good, "none.csv", "r"],
+        );
         assert_eq!(output.status.code(), Some(1));
         let (said, good_ones) = (text(&output.stderr), text(&output.stdout));
-        for start in ["bad.toml:2:1: ", "bad.toml:6:10: ", "bad.toml:6:15: ", "bad.toml:7:2: ", "screen.toml:3:12: ", "rows.csv:1:", "rows.csv:2:1: ", "twice.csv:6:", "none.csv: ", "r: "] {
-            assert_eq!(said.lines().filter(|line| line.starts_with(&format!("error: {start}"))).count(), 1, "{start}: {said}");
+        for start in [
+            "bad.toml:2:1: ",
+            "bad.toml:6:10: ",
+            "bad.toml:6:15: ",
+            "bad.toml:7:2: ",
+            "screen.toml:3:12: ",
+            "rows.csv:1:",
+            "rows.csv:2:1: ",
+            "twice.csv:6:",
+            "none.csv: ",
+            "r: ",
+        ] {
+            assert_eq!(
+                said.lines().filter(|line| line.starts_with(&format!("error: {start}"))).count(),
+                1,
+                "{start}: {said}"
+            );
         }
         assert!(said.lines().all(|line| line.starts_with("error: ")), "{said}");
         assert_eq!(good_ones.lines().count(), 3, "{good_ones}");
@@ -323,9 +398,22 @@ mod usage {
     #[test]
     fn every_command_has_help_with_an_example() {
         let folder = tempfile::tempdir().unwrap();
-        for command in [&["--help"][..], &["run", "--help"], &["simulate", "--help"], &["check", "--help"], &["stimulus", "--help"], &["stimuli", "--help"]] {
+        for command in [
+            &["--help"][..],
+            &["run", "--help"],
+            &["simulate", "--help"],
+            &["check", "--help"],
+            &["stimulus", "--help"],
+            &["stimuli", "--help"],
+        ] {
             let said = succeeds(folder.path(), command);
-            let example = said.lines().rev().find_map(|line| line.strip_prefix("Example").and_then(|rest| rest.split_once("machband ")).map(|found| found.1)).unwrap_or_else(|| panic!("{said}"));
+            let example = said
+                .lines()
+                .rev()
+                .find_map(|line| {
+                    line.strip_prefix("Example").and_then(|rest| rest.split_once("machband ")).map(|found| found.1)
+                })
+                .unwrap_or_else(|| panic!("{said}"));
             assert!(command.len() == 1 || example.starts_with(command[0]), "{example}");
         }
         assert!(succeeds(folder.path(), &["--version"]).starts_with("machband "));
@@ -346,7 +434,11 @@ mod usage {
             };
             let output = program(folder.path(), command).stdout(full).output().unwrap();
             assert_eq!(output.status.code(), Some(1));
-            assert!(text(&output.stderr).starts_with("error: standard output: cannot write"), "{}", text(&output.stderr));
+            assert!(
+                text(&output.stderr).starts_with("error: standard output: cannot write"),
+                "{}",
+                text(&output.stderr)
+            );
         }
     }
 }
@@ -376,8 +468,12 @@ mod stimulus {
                 if bits == "8" { u16::from(data[at]) } else { u16::from_be_bytes([data[2 * at], data[2 * at + 1]]) }
             };
             let mut reader = csv::Reader::from_path(folder.path().join("a.csv")).unwrap();
-            assert_eq!(reader.headers().unwrap().iter().collect::<Vec<_>>(), ["x", "linear", "code_r", "code_g", "code_b", "emitted"]);
-            let rows: Vec<Vec<f64>> = reader.records().map(|row| row.unwrap().iter().map(|cell| cell.parse().unwrap()).collect()).collect();
+            assert_eq!(
+                reader.headers().unwrap().iter().collect::<Vec<_>>(),
+                ["x", "linear", "code_r", "code_g", "code_b", "emitted"]
+            );
+            let rows: Vec<Vec<f64>> =
+                reader.records().map(|row| row.unwrap().iter().map(|cell| cell.parse().unwrap()).collect()).collect();
             assert_eq!(rows.len(), 100);
             let scale = if bits == "8" { 255.0 } else { 65535.0 };
             for (x, row) in rows.iter().enumerate() {
@@ -398,16 +494,61 @@ mod stimulus {
             assert_eq!(ends, [(dark, 0), (bright, 0)]);
         }
         // Upwards, and light that goes to all channels; a display whose codes are light itself.
-        succeeds(folder.path(), &["stimulus", "--size", "9", "--orientation", "90", "--color", "gray", "--transfer", "linear", "--out", "b.png"]);
+        succeeds(
+            folder.path(),
+            &[
+                "stimulus",
+                "--size",
+                "9",
+                "--orientation",
+                "90",
+                "--color",
+                "gray",
+                "--transfer",
+                "linear",
+                "--out",
+                "b.png",
+            ],
+        );
         let (_, data) = pixels(&folder.path().join("b.png"));
         let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
         assert_eq!(data[..3], [191; 3], "bright at the top");
         assert_eq!(data[data.len() - 3..], [64; 3]);
         assert_eq!(u16::from(data[0]), quantizer.code(0.75));
         let again = fs::read(folder.path().join("b.png")).unwrap();
-        succeeds(folder.path(), &["stimulus", "--size", "9", "--orientation", "450", "--color", "1,1,1", "--transfer", "gamma:1", "--out", "c.png"]);
+        succeeds(
+            folder.path(),
+            &[
+                "stimulus",
+                "--size",
+                "9",
+                "--orientation",
+                "450",
+                "--color",
+                "1,1,1",
+                "--transfer",
+                "gamma:1",
+                "--out",
+                "c.png",
+            ],
+        );
         assert_eq!(pixels(&folder.path().join("c.png")).1, data);
-        succeeds(folder.path(), &["stimulus", "--size", "9", "--orientation", "90", "--color", "gray", "--transfer", "linear", "--out", "b.png"]);
+        succeeds(
+            folder.path(),
+            &[
+                "stimulus",
+                "--size",
+                "9",
+                "--orientation",
+                "90",
+                "--color",
+                "gray",
+                "--transfer",
+                "linear",
+                "--out",
+                "b.png",
+            ],
+        );
         assert_eq!(fs::read(folder.path().join("b.png")).unwrap(), again, "equal inputs, equal bytes");
     }
 }

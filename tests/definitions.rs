@@ -82,7 +82,9 @@ fn every_file_in_experiments_loads_and_is_the_built_in_of_its_name() {
     let built_in: HashSet<String> = definition::BUILT_IN.iter().map(|built_in| built_in.name.to_owned()).collect();
     assert_eq!(found, built_in);
     assert_eq!(definition::BUILT_IN[0].name, "quick", "the default");
-    for (name, practice, main) in [("bangay2003", 12, 6 * 5 * 4 * 2), ("quick", 4, 24), ("orientation", 12, 16 * 2 * 2 * 3)] {
+    for (name, practice, main) in
+        [("bangay2003", 12, 6 * 5 * 4 * 2), ("quick", 4, 24), ("orientation", 12, 16 * 2 * 2 * 3)]
+    {
         let protocol = definition::open(name).unwrap();
         let schedule = Schedule::new(&protocol, &Identity::new("S001", "1").unwrap(), 1).unwrap();
         assert_eq!(schedule.phase(Phase::Practice).count(), practice, "{name}");
@@ -107,7 +109,12 @@ fn every_mistake_has_a_message_of_its_own() {
         ("window_deg = 10.0", "window_dge = 10.0", "33:1", &["[viewing]", "did you mean window_deg?"]),
         ("welcome = \"Hello\"", "wellcome = \"Hello\"", "36:1", &["[instructions]", "did you mean welcome?"]),
         ("[recovery]", "[recover]", "22:2", &["unknown key \"recover\"", "did you mean recovery?"]),
-        ("depth = [1, 2, \"inf\"]", "loudness = [1, 2]", "13:1", &["\"loudness\"", "expected one of", "orientation_deg"]),
+        (
+            "depth = [1, 2, \"inf\"]",
+            "loudness = [1, 2]",
+            "13:1",
+            &["\"loudness\"", "expected one of", "orientation_deg"],
+        ),
         // Values out of range.
         ("width = [0.1, 0.4]", "width = [0.1, 1.5]", "12:15", &["width 1.5", "0…1"]),
         ("depth = [1, 2, \"inf\"]", "depth = [0]", "13:10", &["depth 0", "1 to 32"]),
@@ -116,9 +123,19 @@ fn every_mistake_has_a_message_of_its_own() {
         ("depth = [1, 2, \"inf\"]", "depth = [\"infinite\"]", "13:10", &["depth \"infinite\"", "or inf"]),
         ("depth = [1, 2, \"inf\"]", "depth = [-inf]", "13:10", &["depth -inf"]),
         ("depth = [1, 2, \"inf\"]", "depth = []", "13:1", &["factor depth is empty", "at least one level"]),
-        ("depth = [1, 2, \"inf\"]", "orientation_deg = [0, nan]", "13:23", &["orientation_deg NaN is not a finite number"]),
+        (
+            "depth = [1, 2, \"inf\"]",
+            "orientation_deg = [0, nan]",
+            "13:23",
+            &["orientation_deg NaN is not a finite number"],
+        ),
         ("depth = [1, 2, \"inf\"]", "orientation_deg = [inf]", "13:20", &["orientation_deg", "inf", "an angle"]),
-        ("depth = [1, 2, \"inf\"]", "orientation_deg = [-inf]", "13:20", &["orientation_deg -inf is not a finite number"]),
+        (
+            "depth = [1, 2, \"inf\"]",
+            "orientation_deg = [-inf]",
+            "13:20",
+            &["orientation_deg -inf is not a finite number"],
+        ),
         ("width = [0.1, 0.4]", "width = [1, 1.0]", "12:13", &["level 1 of width stands twice"]),
         ("depth = [1, 2, \"inf\"]", "color = [\"gray\", \"grey\"]", "13:18", &["level gray of color stands twice"]),
         ("duration_s = 2.0", "duration_s = -2.0", "23:1", &["duration_s -2", "0…600", "seconds"]),
@@ -139,7 +156,12 @@ fn every_mistake_has_a_message_of_its_own() {
         ("width = [0.1, 0.4]", "width = [0.1, true]", "12:15", &["factors.width is true"]),
         ("practice = 4", "practice = \"4\"", "17:12", &["design.practice is the text \"4\""]),
         ("duration_s = 2.0", "duration_s = [2.0]", "23:14", &["recovery.duration_s is a list", "a number"]),
-        ("labels = [\"a\", \"b\", \"c\", \"d\"]", "labels = [\"a\", \"b\", \"c\", 4]", "28:26", &["response.labels is 4"]),
+        (
+            "labels = [\"a\", \"b\", \"c\", \"d\"]",
+            "labels = [\"a\", \"b\", \"c\", 4]",
+            "28:26",
+            &["response.labels is 4"],
+        ),
         ("low = 0.25", "low = 2026-01-31", "7:7", &["stimulus.low is the time 2026-01-31"]),
         // The head.
         ("schema = 1\n", "schema = 2\n", "1:10", &["schema 2 is not known", "expected 1"]),
@@ -154,14 +176,49 @@ fn every_mistake_has_a_message_of_its_own() {
         // Order and scale.
         ("order = \"random\"", "order = \"shuffled\"", "19:9", &["order \"shuffled\"", "blocked:FACTOR"]),
         ("order = \"random\"", "order = \"latin:color\"", "19:1", &["latin:color names no factor", "width, depth"]),
-        ("labels = [\"a\", \"b\", \"c\", \"d\"]\nkeys = [\"0\", \"1\", \"2\", \"3\"]", "labels = [\"a\", \"b\", \"c\"]", "28:1", &["3 categories", "expected 4"]),
+        (
+            "labels = [\"a\", \"b\", \"c\", \"d\"]\nkeys = [\"0\", \"1\", \"2\", \"3\"]",
+            "labels = [\"a\", \"b\", \"c\"]",
+            "28:1",
+            &["3 categories", "expected 4"],
+        ),
         ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"0\", \"1\", \"2\"]", "29:8", &["3 keys; expected 4"]),
-        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"0\", \"1\", \"2\", \"1\"]", "29:24", &["key '1' stands twice"]),
-        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"a\", \"A\", \"2\", \"3\"]", "29:14", &["key 'A' stands twice"]),
-        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"a\", \"s\", \"d\", \"f\"]", "29:14", &["key 's' cannot be an answer"]),
-        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"a\", \"ß\", \"d\", \"f\"]", "29:14", &["key 'ß' cannot be an answer"]),
-        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"0\", \"1\", \"2\", \"33\"]", "29:8", &["\"33\" is not one character"]),
-        ("labels = [\"a\", \"b\", \"c\", \"d\"]", "labels = [\"a\", \" \", \"c\", \"d\"]", "28:16", &["label is empty"]),
+        (
+            "keys = [\"0\", \"1\", \"2\", \"3\"]",
+            "keys = [\"0\", \"1\", \"2\", \"1\"]",
+            "29:24",
+            &["key '1' stands twice"],
+        ),
+        (
+            "keys = [\"0\", \"1\", \"2\", \"3\"]",
+            "keys = [\"a\", \"A\", \"2\", \"3\"]",
+            "29:14",
+            &["key 'A' stands twice"],
+        ),
+        (
+            "keys = [\"0\", \"1\", \"2\", \"3\"]",
+            "keys = [\"a\", \"s\", \"d\", \"f\"]",
+            "29:14",
+            &["key 's' cannot be an answer"],
+        ),
+        (
+            "keys = [\"0\", \"1\", \"2\", \"3\"]",
+            "keys = [\"a\", \"ß\", \"d\", \"f\"]",
+            "29:14",
+            &["key 'ß' cannot be an answer"],
+        ),
+        (
+            "keys = [\"0\", \"1\", \"2\", \"3\"]",
+            "keys = [\"0\", \"1\", \"2\", \"33\"]",
+            "29:8",
+            &["\"33\" is not one character"],
+        ),
+        (
+            "labels = [\"a\", \"b\", \"c\", \"d\"]",
+            "labels = [\"a\", \" \", \"c\", \"d\"]",
+            "28:16",
+            &["label is empty"],
+        ),
         // Too much.
         ("practice = 4", "practice = 4000000000", "11:2", &["4000000012 trials", "at most"]),
         ("repetitions = 2", "repetitions = 4000000000", "11:2", &["24000000004 trials", "at most"]),
@@ -175,11 +232,19 @@ fn every_mistake_has_a_message_of_its_own() {
         let error = definition::parse("mine.toml", &edited(line, replacement)).expect_err(replacement);
         let found = messages(&error);
         assert_eq!(found.len(), 1, "{replacement}: {found:#?}");
-        assert!(found[0].starts_with(&format!("mine.toml:{position}: ")), "{replacement}: {}, not {position}", found[0]);
+        assert!(
+            found[0].starts_with(&format!("mine.toml:{position}: ")),
+            "{replacement}: {}, not {position}",
+            found[0]
+        );
         for part in *parts {
             assert!(found[0].contains(part), "{replacement}: {} lacks {part:?}", found[0]);
         }
-        assert!(found[0].contains("expected") || found[0].contains("not valid TOML") || found[0].contains("twice"), "{}", found[0]);
+        assert!(
+            found[0].contains("expected") || found[0].contains("not valid TOML") || found[0].contains("twice"),
+            "{}",
+            found[0]
+        );
         let message = found[0].split_once(": ").unwrap().1.to_owned();
         assert!(seen.insert(message), "{replacement}: {} is said of another mistake too", found[0]);
     }
@@ -208,7 +273,8 @@ fn soon<T>(what: &str, work: impl FnOnce() -> T) -> T {
 /// Refused, or taken, in no time and without memory for what is refused.
 #[test]
 fn size_is_no_way_to_stop_the_program() {
-    let list = |count: u32, scale: f64| (0..count).map(|i| (f64::from(i) * scale).to_string()).collect::<Vec<_>>().join(",");
+    let list =
+        |count: u32, scale: f64| (0..count).map(|i| (f64::from(i) * scale).to_string()).collect::<Vec<_>>().join(",");
     let head = "schema = 1\nname = \"huge\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n";
     let numbers = list(1000, 1e-3);
     let angles = list(1000, 0.3);
@@ -280,7 +346,10 @@ fn files_that_are_none_are_named() {
         let error = soon(&file, || definition::open(&file)).unwrap_err();
         let found = messages(&error);
         let start = format!("{file}{position}: ");
-        assert!(found.iter().any(|message| message.starts_with(&start) && message.contains(part)), "{file}: {found:#?}");
+        assert!(
+            found.iter().any(|message| message.starts_with(&start) && message.contains(part)),
+            "{file}: {found:#?}"
+        );
         assert!(profile::open(Path::new(&file)).is_err() && observer::open(Path::new(&file)).is_err(), "{file}");
         assert!(soon(&file, || check(&file)).is_err(), "{file}");
     }
@@ -356,7 +425,10 @@ fn a_session_can_run_in_the_participants_language() {
     "#;
     let protocol = definition::parse("de.toml", text).unwrap();
     assert_eq!(protocol.response.categories.len(), usize::from(RATING_MAX) + 1);
-    assert_eq!((protocol.response.categories[3].label.as_str(), protocol.response.categories[3].key), ("Schmal, scharfe Ränder", 'G'));
+    assert_eq!(
+        (protocol.response.categories[3].label.as_str(), protocol.response.categories[3].key),
+        ("Schmal, scharfe Ränder", 'G')
+    );
     assert_eq!(protocol.instructions.welcome, "Willkommen");
     assert!(protocol.instructions.task.starts_with("        Sie sehen"));
     // What it does not replace stays.
@@ -372,7 +444,10 @@ fn any_parameter_of_any_kind_can_be_a_factor() {
         let stimulus = machband::stimulus::Stimulus::default_of(kind).unwrap();
         for parameter in stimulus.parameters() {
             let value = serde_json::to_string(&stimulus.get(parameter.name).unwrap()).unwrap();
-            let text = format!("schema = 1\nname = \"a\"\nstimulus.kind = \"{kind}\"\nfactors.{} = [{value}]\n", parameter.name);
+            let text = format!(
+                "schema = 1\nname = \"a\"\nstimulus.kind = \"{kind}\"\nfactors.{} = [{value}]\n",
+                parameter.name
+            );
             let protocol = definition::parse("a.toml", &text).unwrap_or_else(|error| panic!("{text}: {error}"));
             let names: Vec<String> = columns(&protocol).into_iter().map(|column| column.name).collect();
             assert_eq!(names.iter().filter(|name| *name == parameter.name).count(), 1, "{kind} {}", parameter.name);
@@ -385,7 +460,8 @@ fn any_parameter_of_any_kind_can_be_a_factor() {
 
 #[test]
 fn display_profiles_and_observers_are_checked_alike() {
-    let good = "schema = 1\nname = \"Left\"\ntransfer = \"gamma:2.2\"\nmeasured = \"2026-01-31\"\nscreen_width_cm = 53.1\n";
+    let good =
+        "schema = 1\nname = \"Left\"\ntransfer = \"gamma:2.2\"\nmeasured = \"2026-01-31\"\nscreen_width_cm = 53.1\n";
     let profile = profile::parse("p.toml", good).unwrap();
     assert_eq!((profile.transfer, profile.screen_width_cm), (Transfer::Gamma(2.2), Some(53.1)));
     let table = "schema = 1\nname = \"T\"\ntransfer = \"table\"\nencoded = [0, 0.5, 1]\nlinear = [0, 0.2, 1]\n";
@@ -408,7 +484,10 @@ fn display_profiles_and_observers_are_checked_alike() {
     for (text, from, to, position, part) in cases {
         let found = messages(&profile::parse("p.toml", &text.replacen(from, to, 1)).expect_err(to));
         let start = format!("p.toml:{position}: ");
-        assert!(found.iter().any(|m| m.starts_with(&start) && m.contains(part) && m.contains("expected")), "{to}: {found:#?}");
+        assert!(
+            found.iter().any(|m| m.starts_with(&start) && m.contains(part) && m.contains("expected")),
+            "{to}: {found:#?}"
+        );
     }
     assert_eq!(observer::parse("o.toml", observer::PAPER).unwrap(), Default::default());
     assert_eq!(observer::parse("o.toml", "schema = 1\n").unwrap(), Default::default());
@@ -431,6 +510,9 @@ fn display_profiles_and_observers_are_checked_alike() {
         let line = text.lines().position(|line| line.contains(to)).unwrap() + 1;
         let found = messages(&observer::parse("o.toml", &text).expect_err(to));
         let start = format!("o.toml:{line}:");
-        assert!(found.iter().any(|m| m.starts_with(&start) && m.contains(part) && m.contains("expected")), "{to}: {found:#?}");
+        assert!(
+            found.iter().any(|m| m.starts_with(&start) && m.contains(part) && m.contains("expected")),
+            "{to}: {found:#?}"
+        );
     }
 }

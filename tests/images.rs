@@ -47,7 +47,14 @@ fn what_is_written_reads_back_and_proves_itself() {
                     (Bits::Eight, Dither::BlueNoise),
                     (Bits::Eight, Dither::Random { seed: 1 }),
                 ] {
-                    let recipe = Recipe { stimulus: stimulus.clone(), transfer: transfer.clone(), bits, dither, seed: 7, ..recipe("mach-band") };
+                    let recipe = Recipe {
+                        stimulus: stimulus.clone(),
+                        transfer: transfer.clone(),
+                        bits,
+                        dither,
+                        seed: 7,
+                        ..recipe("mach-band")
+                    };
                     let quantizer = recipe.quantizer();
                     image::write_recipe(&path, &recipe, &quantizer).unwrap();
                     let read = image::read(&path).unwrap();
@@ -70,7 +77,8 @@ fn an_image_says_what_its_codes_mean() {
     let path = folder.path().join("image.png");
     let info = |recipe: &Recipe| {
         image::write_recipe(&path, recipe, &recipe.quantizer()).unwrap();
-        let reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap())).read_info().unwrap();
+        let reader =
+            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap())).read_info().unwrap();
         reader.info().clone()
     };
     let yellow = info(&recipe("mach-band"));
@@ -106,10 +114,9 @@ fn a_touched_image_is_found_out() {
     let message = image::prove(&path).unwrap_err().to_string();
     assert!(message.contains("1 pixels differ") && message.contains("(3, 3)"), "{message}");
 
-    for (content, expected) in [
-        (&b"no image at all"[..], "not a whole PNG"),
-        (&std::fs::read(&path).unwrap()[..200], "whole PNG"),
-    ] {
+    for (content, expected) in
+        [(&b"no image at all"[..], "not a whole PNG"), (&std::fs::read(&path).unwrap()[..200], "whole PNG")]
+    {
         std::fs::write(&path, content).unwrap();
         let message = image::prove(&path).unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");
@@ -168,7 +175,8 @@ fn the_copied_command_makes_the_same_image() {
                 seed: if n == 2 { 9 } else { 1 },
                 ..recipe(entry.kind)
             };
-            let expected = image::write_recipe(&folder.path().join("expected.png"), &recipe, &recipe.quantizer()).unwrap();
+            let expected =
+                image::write_recipe(&folder.path().join("expected.png"), &recipe, &recipe.quantizer()).unwrap();
             let command = recipe.command();
             let arguments: Vec<&str> = command.split(' ').skip(1).collect();
             let output = machband(folder.path(), &arguments);
@@ -193,7 +201,8 @@ fn content(folder: &Path) -> Vec<(String, Vec<u8>)> {
 fn shards_together_are_the_whole_and_a_killed_run_is_gone_on_with() {
     let folder = tempfile::tempdir().unwrap();
     let stimuli = |out: &str, more: &[&str]| {
-        let arguments = [&["stimuli", "bangay2003", "--size", "96", "--dither", "ordered", "--out", out], more].concat();
+        let arguments =
+            [&["stimuli", "bangay2003", "--size", "96", "--dither", "ordered", "--out", out], more].concat();
         let output = machband(folder.path(), &arguments);
         assert!(output.status.success(), "{output:?}");
         String::from_utf8(output.stdout).unwrap()
@@ -217,7 +226,8 @@ fn shards_together_are_the_whole_and_a_killed_run_is_gone_on_with() {
         child.wait().unwrap();
     }
     stimuli("killed", &[]);
-    let left: Vec<_> = content(&folder.path().join("killed")).into_iter().filter(|(name, _)| !name.ends_with(".tmp")).collect();
+    let left: Vec<_> =
+        content(&folder.path().join("killed")).into_iter().filter(|(name, _)| !name.ends_with(".tmp")).collect();
     assert!(left == whole);
 
     // Whole: nothing is made again. One file touched, one gone: just those.

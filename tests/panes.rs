@@ -292,3 +292,60 @@ fn pollster<T>(future: impl Future<Output = T>) -> T {
         }
     }
 }
+
+#[test]
+fn the_gallery_shows_every_kind_and_explains_what_cannot_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = harness(Launch::default());
+    harness.run_steps(3);
+    harness.get_by_label("Gallery of stimuli…").click();
+    harness.run_steps(3);
+    for entry in machband::stimulus::catalog::all() {
+        harness.get_by_label_contains(&entry.about[..20]);
+        for parameter in entry.default_stimulus().parameters() {
+            let label = parameter.name.replace('_', " ").replace(" deg", ", °");
+            assert!(harness.query_all_by_label(&label).count() > 0, "{}: {label}", entry.kind);
+        }
+        // On to the next kind by its entry in the list.
+        let next = machband::stimulus::catalog::all().iter().skip_while(|other| other.kind != entry.kind).nth(1);
+        let Some(next) = next else { break };
+        harness.get_by_value(entry.title).click();
+        harness.run_steps(3);
+        harness.get_by_label(next.title).click();
+        harness.run_steps(3);
+    }
+    // The last kind, a shaded cylinder: a word that is no shading, then one that is.
+    let shading = |harness: &mut Harness<'static, App>, text: &str| {
+        let find = |harness: &Harness<'static, App>| {
+            harness.query_all_by_label("shading").find(|node| node.value().is_some()).map(|node| node.focus())
+        };
+        find(harness).unwrap();
+        harness.step();
+        harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+        harness.step();
+        harness.query_all_by_label("shading").find(|node| node.value().is_some()).unwrap().type_text(text);
+        harness.run_steps(2);
+    };
+    shading(&mut harness, "raytraced");
+    harness.get_by_label_contains("expected flat, gouraud or phong");
+    shading(&mut harness, "phong");
+    assert!(harness.query_by_label_contains("expected flat").is_none());
+
+    // Exported: the file proves itself.
+    let path = folder.path().join("cylinder.png");
+    harness.get_by_label("Export to").focus();
+    harness.step();
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    harness.step();
+    harness.get_by_label("Export to").type_text(&path.display().to_string());
+    harness.run_steps(2);
+    harness.get_by_label("Export PNG").click();
+    harness.run_steps(3);
+    let said = machband::store::image::prove(&path).unwrap();
+    assert!(said.contains("shaded-cylinder"), "{said}");
+    harness.get_by_label("Copy as command").click();
+    harness.run_steps(2);
+    harness.get_by_label_contains("--shading=phong");
+    press(&mut harness, Key::Escape);
+    wait_for(&mut harness, "How visible are Mach bands?");
+}

@@ -101,8 +101,10 @@ mod order {
     fn latin_blocks_are_balanced_over_participants() {
         let widths = ["0.1", "0.2", "0.3", "0.4", "0.5"];
         for count in 2..=5 {
-            let protocol =
-                protocol(&format!("depth = [1, 2]\nwidth = [{}]", widths[..count].join(", ")), "order = \"latin:width\"");
+            let protocol = protocol(
+                &format!("depth = [1, 2]\nwidth = [{}]", widths[..count].join(", ")),
+                "order = \"latin:width\"",
+            );
             // An odd number of levels needs two squares.
             let participants = if count % 2 == 0 { count } else { 2 * count };
             let mut place = vec![vec![0; count]; count];
@@ -283,7 +285,8 @@ mod machine {
             assert_eq!((record.frames, record.dropped_frames), (None, None));
         }
         // A break that would come after the last trial does not.
-        let mut driver = Driver::new(&protocol("width = [0.1, 0.2]", "repetitions = 2\nbreak_every = 2"), FrameCount::Off, &[]);
+        let mut driver =
+            Driver::new(&protocol("width = [0.1, 0.2]", "repetitions = 2\nbreak_every = 2"), FrameCount::Off, &[]);
         driver.until(|state| *state == State::Break);
         driver.until(|state| matches!(state, State::Closing { .. }));
         assert_eq!(driver.records.len(), 4);
@@ -630,7 +633,9 @@ mod observer {
     fn no_band_is_rated_0() {
         for narrow in [0.9, 0.0, -1.0] {
             let observer = OrderedLogit { lapse: 0.0, narrow, ..OrderedLogit::default() };
-            for nothing in [band(&[("low", 0.5), ("high", 0.5)]), band(&[("low", 0.0), ("high", 0.0)]), band(&[("width", 0.0)])] {
+            for nothing in
+                [band(&[("low", 0.5), ("high", 0.5)]), band(&[("low", 0.0), ("high", 0.0)]), band(&[("width", 0.0)])]
+            {
                 assert_eq!(observer.predictor(&nothing, 3.0), f64::NEG_INFINITY, "{nothing:?}, narrow = {narrow}");
                 assert_eq!(frequencies(&observer, &nothing, 3.0, 1000)[0], 1.0);
             }

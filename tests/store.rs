@@ -106,7 +106,11 @@ fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten() {
         let path = entry.unwrap().path();
-        if path.is_dir() { found.extend(everything(&path)) } else { found.push((path.clone(), fs::read(path).unwrap())) }
+        if path.is_dir() {
+            found.extend(everything(&path))
+        } else {
+            found.push((path.clone(), fs::read(path).unwrap()))
+        }
     }
     found.sort();
     found
@@ -135,7 +139,9 @@ mod layout {
         assert!(csv.starts_with(contract), "{csv:.300}");
         let read = |path: &Path| -> serde_json::Value { serde_json::from_slice(&fs::read(path).unwrap()).unwrap() };
         let description = read(&paths.dataset.join("dataset_description.json"));
-        for (key, value) in [("@context", "https://schema.org/"), ("@type", "Dataset"), ("name", "small-one"), ("description", "Small")] {
+        for (key, value) in
+            [("@context", "https://schema.org/"), ("@type", "Dataset"), ("name", "small-one"), ("description", "Small")]
+        {
             let given = description[key].as_str().unwrap();
             assert_eq!(given.trim_end_matches('/'), value.trim_end_matches('/'), "{key}");
         }
@@ -146,7 +152,9 @@ mod layout {
         let sidecar = read(&paths.sidecar);
         let described: Vec<&String> = sidecar["columns"].as_object().unwrap().keys().collect();
         assert_eq!(described, header);
-        assert!(sidecar["columns"].as_object().unwrap().values().all(|c| !c["description"].as_str().unwrap().is_empty()));
+        assert!(
+            sidecar["columns"].as_object().unwrap().values().all(|c| !c["description"].as_str().unwrap().is_empty())
+        );
         assert_eq!((sidecar["seed"].as_u64(), sidecar["complete"].as_bool()), (Some(7), Some(true)));
         assert_eq!(sidecar["definition_sha256"], definition::hash(&small()));
         let kept = definition::from_json("sidecar", &sidecar["definition"]).unwrap();
@@ -354,10 +362,22 @@ mod interrupted {
         latin[second + 3] = 0xff;
         let cases: Vec<(Vec<u8>, String, &str)> = vec![
             (with(2, "garbage").into(), "3:1".into(), "1 cells; expected 26"),
-            (with(2, &lines[2].replacen(",mach-band,", ",mach-band,wide", 1)).into(), format!("3:{}", column(lines[2], ",mach-band,") + 11), "width is \"wide"),
+            (
+                with(2, &lines[2].replacen(",mach-band,", ",mach-band,wide", 1)).into(),
+                format!("3:{}", column(lines[2], ",mach-band,") + 11),
+                "width is \"wide",
+            ),
             (with(2, &lines[2].replace("1970-", "Monday 1970-")).into(), format!("3:{}", stamp + 1), "started_at is"),
-            (format!("{}\n\n\n{}\n", lines[0], with(2, "garbage").split_once('\n').unwrap().1).into(), "5:1".into(), "1 cells"),
-            (with(0, &lines[0].replace("rating", "ratings")).into(), format!("1:{}", column(lines[0], "rating")), "column 17 is \"ratings\"; expected \"rating\""),
+            (
+                format!("{}\n\n\n{}\n", lines[0], with(2, "garbage").split_once('\n').unwrap().1).into(),
+                "5:1".into(),
+                "1 cells",
+            ),
+            (
+                with(0, &lines[0].replace("rating", "ratings")).into(),
+                format!("1:{}", column(lines[0], "rating")),
+                "column 17 is \"ratings\"; expected \"rating\"",
+            ),
             (with(0, "x").into(), "1:1".into(), "column 1 is \"x\""),
             (with(2, &lines[2].replacen("S001", "\"S001", 1)).into(), "3:1".into(), "cells"),
             (zeros, "3:".into(), ""),
@@ -372,7 +392,10 @@ mod interrupted {
             let before = everything(folder.path());
             let error = resume(folder.path()).map(|_| ()).expect_err(&position).to_string();
             let start = format!("{}:{position}", csv.display());
-            assert!(error.starts_with(&start) && error.contains(part) && error.contains("expected"), "{start} {part}: {error}");
+            assert!(
+                error.starts_with(&start) && error.contains(part) && error.contains("expected"),
+                "{start} {part}: {error}"
+            );
             assert!(everything(folder.path()) == before, "touched: {error}");
         }
     }
@@ -437,7 +460,10 @@ mod interrupted {
             fs::write(&sidecar, &whole[..length]).unwrap();
             let before = everything(folder.path());
             let error = resume(folder.path()).unwrap_err().to_string();
-            assert!(error.starts_with(&format!("{}:", sidecar.display())) && error.contains("is no sidecar"), "{error}");
+            assert!(
+                error.starts_with(&format!("{}:", sidecar.display())) && error.contains("is no sidecar"),
+                "{error}"
+            );
             assert!(everything(folder.path()) == before);
         }
     }
@@ -548,12 +574,17 @@ mod trouble {
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();
         let mut places = vec![file.clone(), file.join("below")];
-        places.extend(["/proc/results", "/dev/null/results"].map(PathBuf::from).into_iter().filter(|_| cfg!(target_os = "linux")));
+        places.extend(
+            ["/proc/results", "/dev/null/results"].map(PathBuf::from).into_iter().filter(|_| cfg!(target_os = "linux")),
+        );
         for place in places {
             let error = create(&place).unwrap_err();
             assert!(matches!(error, StoreError::Io { .. }), "{error}");
             let said = error.to_string();
-            assert!(said.starts_with(&format!("{}", place.display())) && said.contains("cannot make the folder"), "{said}");
+            assert!(
+                said.starts_with(&format!("{}", place.display())) && said.contains("cannot make the folder"),
+                "{said}"
+            );
             assert!(matches!(resume(&place).unwrap_err(), StoreError::NothingToResume(_)));
         }
         assert_eq!(fs::read(&file).unwrap(), b"");

@@ -68,7 +68,9 @@ impl Gallery {
         self.values = stimulus
             .parameters()
             .iter()
-            .map(|parameter| (parameter, stimulus.get(parameter.name).map_or_else(String::new, |value| value.to_string())))
+            .map(|parameter| {
+                (parameter, stimulus.get(parameter.name).map_or_else(String::new, |value| value.to_string()))
+            })
             .collect();
     }
 
@@ -97,17 +99,21 @@ impl Gallery {
             self.refresh(ui.ctx(), stimulus);
         }
         let mut back = false;
-        egui::Panel::left("gallery").resizable(false).exact_size(370.0).frame(egui::Frame::NONE.inner_margin(16.0)).show(ui, |ui| {
-            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    ui.heading("Gallery");
-                    back = ui.button("Back").clicked();
-                    ui.label(theme::quiet("Esc"));
+        egui::Panel::left("gallery")
+            .resizable(false)
+            .exact_size(370.0)
+            .frame(egui::Frame::NONE.inner_margin(16.0))
+            .show(ui, |ui| {
+                egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    ui.horizontal(|ui| {
+                        ui.heading("Gallery");
+                        back = ui.button("Back").clicked();
+                        ui.label(theme::quiet("Esc"));
+                    });
+                    self.controls(ui, stimulus.as_ref().err());
+                    self.take_along(ui);
                 });
-                self.controls(ui, stimulus.as_ref().err());
-                self.take_along(ui);
             });
-        });
         egui::CentralPanel::default().frame(egui::Frame::NONE.inner_margin(16.0)).show(ui, |ui| {
             egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| self.picture(ui));
         });
@@ -141,6 +147,7 @@ impl Gallery {
         egui::ComboBox::from_id_salt("kind")
             .selected_text(entries[self.entry].title)
             .width(300.0)
+            .height(400.0)
             .show_ui(ui, |ui| {
                 for (i, entry) in entries.iter().enumerate() {
                     ui.selectable_value(&mut chosen, i, entry.title);
@@ -168,7 +175,9 @@ impl Gallery {
             egui::ComboBox::from_id_salt("size")
                 .selected_text(self.size.to_string())
                 .width(80.0)
-                .show_ui(ui, |ui| SIZES.iter().for_each(|size| _ = ui.selectable_value(&mut self.size, *size, size.to_string())))
+                .show_ui(ui, |ui| {
+                    SIZES.iter().for_each(|size| _ = ui.selectable_value(&mut self.size, *size, size.to_string()))
+                })
                 .response
                 .labelled_by(label.id);
             ui.add_space(6.0);
@@ -199,7 +208,8 @@ impl Gallery {
             if ui.button("Export PNG").clicked() {
                 let path = std::path::PathBuf::from(self.out.trim());
                 let written = store::image::write_recipe(&path, &shown.recipe, &shown.recipe.quantizer());
-                self.said = Some(written.map(|_| format!("Written to {}", path.display())).map_err(|error| error.to_string()));
+                self.said =
+                    Some(written.map(|_| format!("Written to {}", path.display())).map_err(|error| error.to_string()));
             }
             if ui.button("Copy as command").clicked() {
                 ui.ctx().copy_text(shown.recipe.command());
@@ -217,7 +227,8 @@ impl Gallery {
         let Some(shown) = &self.shown else { return };
         pixels::picture(ui, &shown.texture, shown.recipe.size, catalog::all()[self.entry].title);
         ui.add_space(8.0);
-        let width = (shown.recipe.size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(ui.available_width().max(300.0));
+        let width =
+            (shown.recipe.size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(ui.available_width().max(300.0));
         let curves = &shown.curves;
         plot(ui, "profile", "light", width, &[("after quantisation", &curves.emitted), ("asked", &curves.asked)]);
         if self.derivatives {
@@ -302,10 +313,8 @@ impl Curves {
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES) - 0.5;
         let asked: Vec<[f64; 2]> =
             (0..SAMPLES).map(|i| [place(i), f64::from(recipe.stimulus.light_at(place(i))[strongest])]).collect();
-        let emitted = store::curve::samples(recipe, quantizer)
-            .iter()
-            .map(|sample| [sample.x, sample.emitted])
-            .collect();
+        let emitted =
+            store::curve::samples(recipe, quantizer).iter().map(|sample| [sample.x, sample.emitted]).collect();
         let slope = differences(&asked);
         let curvature = differences(&slope);
         Self { asked, emitted, slope, curvature }
@@ -314,5 +323,8 @@ impl Curves {
 
 /// Central differences, half a sample further in at each end.
 fn differences(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])]).collect()
+    points
+        .windows(2)
+        .map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])])
+        .collect()
 }

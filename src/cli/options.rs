@@ -67,8 +67,9 @@ impl StimulusOptions {
     /// Every parameter that the kind does not have or that cannot have its value.
     pub(super) fn stimulus(&self) -> anyhow::Result<Stimulus> {
         let fail = |faults: Vec<String>| UsageError(faults.join("\n"));
-        let mut stimulus = Stimulus::default_of(&self.kind)
-            .ok_or_else(|| fail(vec![format!("kind {} is not known; expected one of {}", self.kind, KINDS.join(", "))]))?;
+        let mut stimulus = Stimulus::default_of(&self.kind).ok_or_else(|| {
+            fail(vec![format!("kind {} is not known; expected one of {}", self.kind, KINDS.join(", "))])
+        })?;
         let mut faults = Vec::new();
         for (name, text) in &self.given {
             let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
@@ -108,8 +109,10 @@ impl Args for StimulusOptions {
             .help("Kind of stimulus");
         parameters().into_iter().fold(command.arg(kind), |command, (parameter, kinds)| {
             let of = if kinds.len() == KINDS.len() { String::new() } else { format!(" [{}]", kinds.join(", ")) };
-            let mut defaults: Vec<String> =
-                kinds.iter().filter_map(|kind| Some(Stimulus::default_of(kind)?.get(parameter.name)?.to_string())).collect();
+            let mut defaults: Vec<String> = kinds
+                .iter()
+                .filter_map(|kind| Some(Stimulus::default_of(kind)?.get(parameter.name)?.to_string()))
+                .collect();
             defaults.dedup();
             let default = match defaults.as_slice() {
                 [one] => format!(" [default: {one}]"),
@@ -136,7 +139,10 @@ impl FromArgMatches for StimulusOptions {
         let text = |name: &str| matches.get_one::<String>(name).cloned();
         Ok(Self {
             kind: text("kind").unwrap_or_else(|| KINDS[0].to_owned()),
-            given: parameters().into_iter().filter_map(|(parameter, _)| Some((parameter.name, text(parameter.name)?))).collect(),
+            given: parameters()
+                .into_iter()
+                .filter_map(|(parameter, _)| Some((parameter.name, text(parameter.name)?)))
+                .collect(),
         })
     }
 

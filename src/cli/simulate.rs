@@ -12,8 +12,8 @@ use serde_json::json;
 use super::{UsageError, parallel, progress_style};
 use crate::{
     experiment::{
-        FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session,
-        SessionOptions, TrialRecord, UniformObserver, simulate,
+        FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions, TrialRecord,
+        UniformObserver, simulate,
     },
     store::{
         StoreError, definition, observer,
@@ -79,7 +79,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 fn rater(arguments: &Arguments) -> anyhow::Result<Rater> {
     match (arguments.observer.as_str(), &arguments.observer_file) {
-        ("random", None) => Ok(Rater { observer: Box::new(UniformObserver), description: json!({ "observer": "random" }) }),
+        ("random", None) => {
+            Ok(Rater { observer: Box::new(UniformObserver), description: json!({ "observer": "random" }) })
+        }
         ("random", Some(_)) => {
             Err(UsageError("--observer-file belongs to --observer paper; expected one of them alone".to_owned()).into())
         }
@@ -96,7 +98,13 @@ fn rater(arguments: &Arguments) -> anyhow::Result<Rater> {
     }
 }
 
-fn one(arguments: &Arguments, protocol: &Protocol, rater: &Rater, number: usize, bar: &ProgressBar) -> anyhow::Result<()> {
+fn one(
+    arguments: &Arguments,
+    protocol: &Protocol,
+    rater: &Rater,
+    number: usize,
+    bar: &ProgressBar,
+) -> anyhow::Result<()> {
     let identity = Identity::new(&format!("S{number:03}"), "1")?;
     let sitting = Sitting {
         started_at: Timestamp::now().to_string(),
@@ -112,7 +120,12 @@ fn one(arguments: &Arguments, protocol: &Protocol, rater: &Rater, number: usize,
         match SessionStore::resume(&arguments.results, protocol, &identity, Some(arguments.seed), sitting.clone()) {
             Ok((store, Interrupted { schedule, resumed, elapsed_s, sitting, torn, .. })) => {
                 if torn.is_some() {
-                    bar.suspend(|| eprintln!("{}: a half-written last row was cut off and its trial asked again", store.csv().display()));
+                    bar.suspend(|| {
+                        eprintln!(
+                            "{}: a half-written last row was cut off and its trial asked again",
+                            store.csv().display()
+                        )
+                    });
                 }
                 (store, schedule, resumed, elapsed_s, sitting)
             }

@@ -26,14 +26,8 @@ pub struct Condition {
 ///
 /// # Errors
 /// Each parameter that a cell would set to an impossible value.
-pub(super) fn cross(
-    base: &Stimulus,
-    factors: &[Factor],
-) -> Result<Vec<Condition>, ParameterError> {
-    let mut cells = vec![Condition {
-        levels: Vec::new(),
-        stimulus: base.clone(),
-    }];
+pub(super) fn cross(base: &Stimulus, factors: &[Factor]) -> Result<Vec<Condition>, ParameterError> {
+    let mut cells = vec![Condition { levels: Vec::new(), stimulus: base.clone() }];
     for factor in factors {
         let mut next = Vec::with_capacity(cells.len() * factor.levels.len());
         for cell in &cells {
@@ -50,14 +44,10 @@ pub(super) fn cross(
 }
 
 /// Factors as a JSON object, `{"width": [0.02, …], …}`, as they stand in a definition.
-pub(super) fn serialize_factors<S: Serializer>(
-    factors: &[Factor],
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
+pub(super) fn serialize_factors<S: Serializer>(factors: &[Factor], serializer: S) -> Result<S::Ok, S::Error> {
     let mut map = serializer.serialize_map(Some(factors.len()))?;
     for factor in factors {
         map.serialize_entry(&factor.name, &factor.levels)?;
     }
     map.end()
 }
-

@@ -24,10 +24,7 @@ pub struct IdentityError {
 impl Identity {
     /// Checks both identifiers; the error names the first faulty one.
     pub fn new(subject: &str, session: &str) -> Result<Self, IdentityError> {
-        Ok(Self {
-            subject: Self::check_subject(subject)?,
-            session: Self::check_session(session)?,
-        })
+        Ok(Self { subject: Self::check_subject(subject)?, session: Self::check_session(session)? })
     }
 
     /// Checks a participant identifier alone.
@@ -53,11 +50,7 @@ impl Identity {
     /// The participant's place in a counterbalancing square: the number that ends the identifier, counted from 0
     /// (`S001` → 0, `P12` → 11); without one, a hash that is the same on every machine.
     pub fn counterbalance_row(&self) -> u64 {
-        let digits = self.subject.len()
-            - self
-                .subject
-                .trim_end_matches(|c: char| c.is_ascii_digit())
-                .len();
+        let digits = self.subject.len() - self.subject.trim_end_matches(|c: char| c.is_ascii_digit()).len();
         match self.subject[self.subject.len() - digits..].parse::<u64>() {
             Ok(number) => number.saturating_sub(1),
             Err(_) => fnv1a(self.subject.as_bytes()),
@@ -67,9 +60,7 @@ impl Identity {
 
 /// 64-bit FNV-1a: a fixed, public hash, since the standard library's may change between versions.
 pub(super) fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-    })
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 fn check(what: &'static str, id: &str, example: &'static str) -> Result<String, IdentityError> {
@@ -83,10 +74,5 @@ fn check(what: &'static str, id: &str, example: &'static str) -> Result<String, 
         return Ok(id.to_owned());
     };
     let shown: String = id.chars().take(LONGEST + 8).collect();
-    Err(IdentityError {
-        what,
-        given: shown,
-        fault,
-        example,
-    })
+    Err(IdentityError { what, given: shown, fault, example })
 }

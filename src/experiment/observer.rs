@@ -169,9 +169,7 @@ pub fn simulate<E>(
                 session.step(Event::Rate(rating), now)
             }
             State::Paused(_) => session.step(Event::Resume, now),
-            State::Instructions(_) | State::PhaseStart(_) | State::Break => {
-                session.step(Event::Continue, now)
-            }
+            State::Instructions(_) | State::PhaseStart(_) | State::Break => session.step(Event::Continue, now),
         };
         if let Effect::Record(response) = effect {
             record(&response)?;

@@ -26,10 +26,7 @@ pub struct Fault {
 
 impl Fault {
     fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
-        Self {
-            path: path.into(),
-            message: message.into(),
-        }
+        Self { path: path.into(), message: message.into() }
     }
 }
 
@@ -116,9 +113,7 @@ impl std::str::FromStr for Order {
             None if text == "random" => Ok(Self::Random),
             Some(("blocked", factor)) => Ok(Self::Blocked(factor.to_owned())),
             Some(("latin", factor)) => Ok(Self::Latin(factor.to_owned())),
-            _ => Err(format!(
-                "order {text:?} is unknown; expected random, blocked:FACTOR or latin:FACTOR"
-            )),
+            _ => Err(format!("order {text:?} is unknown; expected random, blocked:FACTOR or latin:FACTOR")),
         }
     }
 }
@@ -185,53 +180,33 @@ pub struct ViewingPlan {
 
 impl Default for Design {
     fn default() -> Self {
-        Self {
-            repetitions: 1,
-            practice: 0,
-            break_every: 0,
-            order: Order::Random,
-            max_run: None,
-        }
+        Self { repetitions: 1, practice: 0, break_every: 0, order: Order::Random, max_run: None }
     }
 }
 
 impl Default for Recovery {
     fn default() -> Self {
-        Self {
-            duration_s: 2.0,
-            level: 0.5,
-        }
+        Self { duration_s: 2.0, level: 0.5 }
     }
 }
 
 impl Default for ViewingPlan {
     /// About 10° at 50 cm. [B] §3.1
     fn default() -> Self {
-        Self {
-            distance_cm: 50.0,
-            window_deg: 10.0,
-        }
+        Self { distance_cm: 50.0, window_deg: 10.0 }
     }
 }
 
 impl Default for ResponseScale {
     /// The paper's four categories. [B] §3.1
     fn default() -> Self {
-        let labels = [
-            "No band",
-            "Broad band",
-            "Narrow band, indistinct boundaries",
-            "Narrow band, clearly defined",
-        ];
+        let labels = ["No band", "Broad band", "Narrow band, indistinct boundaries", "Narrow band, clearly defined"];
         Self {
             question: "How visible is the brighter band?".to_owned(),
             categories: labels
                 .iter()
                 .zip('0'..)
-                .map(|(label, key)| Category {
-                    label: (*label).to_owned(),
-                    key,
-                })
+                .map(|(label, key)| Category { label: (*label).to_owned(), key })
                 .collect(),
         }
     }
@@ -293,7 +268,13 @@ impl Protocol {
                 if let Err(error) = self.stimulus.clone().set(&factor.name, level) {
                     faults.push(Fault::new(path, error.to_string()));
                 } else if !seen.insert(level.to_string()) {
-                    faults.push(Fault::new(path, format!("level {level} of {} stands twice; expected each level once (repetitions repeat it)", factor.name)));
+                    faults.push(Fault::new(
+                        path,
+                        format!(
+                            "level {level} of {} stands twice; expected each level once (repetitions repeat it)",
+                            factor.name
+                        ),
+                    ));
                 }
             }
         }
@@ -305,13 +286,15 @@ impl Protocol {
         let main = self.cells().saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
         if trials > TRIALS_MAX {
-            faults.push(Fault::new("factors", format!("the design has {trials} trials; expected at most {TRIALS_MAX}")));
+            faults
+                .push(Fault::new("factors", format!("the design has {trials} trials; expected at most {TRIALS_MAX}")));
             return;
         }
         // Each level is possible by itself; now the cells, where a level of one factor may contradict another's.
         let Ok(cells) = self.conditions() else { return };
         if let Some(error) = cells.iter().find_map(|cell| cell.stimulus.validate().err()?.into_iter().next()) {
-            let place = if self.factors.iter().any(|f| f.name == "low" || f.name == "high") { "factors" } else { "stimulus" };
+            let place =
+                if self.factors.iter().any(|f| f.name == "low" || f.name == "high") { "factors" } else { "stimulus" };
             faults.push(Fault::new(place, error.to_string()));
         }
     }
@@ -328,7 +311,10 @@ impl Protocol {
             && !self.factors.iter().any(|factor| factor.name == name)
         {
             let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
-            faults.push(Fault::new("design.order", format!("order {} names no factor; expected one of {}", design.order, known.join(", "))));
+            faults.push(Fault::new(
+                "design.order",
+                format!("order {} names no factor; expected one of {}", design.order, known.join(", ")),
+            ));
         }
     }
 
@@ -336,18 +322,33 @@ impl Protocol {
         let categories = &self.response.categories;
         let expected = usize::from(RATING_MAX) + 1;
         if categories.len() != expected {
-            faults.push(Fault::new("response.labels", format!("the scale has {} categories; expected {expected}, one for each rating 0…{RATING_MAX}", categories.len())));
+            faults.push(Fault::new(
+                "response.labels",
+                format!(
+                    "the scale has {} categories; expected {expected}, one for each rating 0…{RATING_MAX}",
+                    categories.len()
+                ),
+            ));
         }
         for (i, category) in categories.iter().enumerate() {
             let path = format!("response.keys.{i}");
             let key = category.key;
             if !key.is_ascii_alphanumeric() || RESERVED_KEYS.contains(&key.to_ascii_lowercase()) {
-                faults.push(Fault::new(path, format!("key {key:?} cannot be an answer; expected a digit or a letter A–Z other than S")));
+                faults.push(Fault::new(
+                    path,
+                    format!("key {key:?} cannot be an answer; expected a digit or a letter A–Z other than S"),
+                ));
             } else if categories[..i].iter().any(|other| other.key.eq_ignore_ascii_case(&key)) {
-                faults.push(Fault::new(path, format!("key {key:?} stands twice; expected a key of its own for each answer")));
+                faults.push(Fault::new(
+                    path,
+                    format!("key {key:?} stands twice; expected a key of its own for each answer"),
+                ));
             }
             if category.label.trim().is_empty() {
-                faults.push(Fault::new(format!("response.labels.{i}"), "the label is empty; expected what the answer means"));
+                faults.push(Fault::new(
+                    format!("response.labels.{i}"),
+                    "the label is empty; expected what the answer means",
+                ));
             }
         }
     }
@@ -365,7 +366,9 @@ pub fn name_fault(name: &str) -> Option<String> {
         && name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
         && name.bytes().any(|b| b != b'-');
     if !well_formed {
-        Some(format!("name {name:?} is not allowed; expected lower-case letters, digits and hyphens, at most 64, such as \"bangay2003\""))
+        Some(format!(
+            "name {name:?} is not allowed; expected lower-case letters, digits and hyphens, at most 64, such as \"bangay2003\""
+        ))
     } else if reserved {
         Some(format!("name {name:?} is reserved by Windows; expected another"))
     } else {
@@ -380,4 +383,3 @@ fn range(faults: &mut Vec<Fault>, path: &str, value: f64, low: f64, high: f64, m
         faults.push(Fault::new(path, format!("{key} {value} is outside {low}…{high}; expected {meaning}")));
     }
 }
-

@@ -350,11 +350,11 @@ impl TrialRecord {
 
     /// Index of the trial that this row records, if the schedule plans just such a trial with just this condition.
     pub fn planned_trial(&self, context: &RowContext<'_>) -> Option<usize> {
-        let index = context
-            .schedule
-            .trials
-            .iter()
-            .position(|trial| trial.phase == self.phase && trial.number == self.trial)?;
+        // Practice comes first, and each phase is numbered from 1.
+        let practice = context.schedule.phase(Phase::Practice).count();
+        let before = if self.phase == Phase::Main { practice } else { 0 };
+        let index = before + (self.trial as usize).checked_sub(1)?;
+        context.schedule.trials.get(index).filter(|trial| trial.phase == self.phase)?;
         let measured = TrialResponse {
             trial: index,
             attempt: self.attempt,
@@ -377,11 +377,5 @@ impl TrialRecord {
 }
 
 fn row_id(identity: &Identity, trial: &Trial, attempt: u32) -> String {
-    format!(
-        "{}_{}_{}_{:04}_{attempt}",
-        identity.subject(),
-        identity.session(),
-        trial.phase,
-        trial.number
-    )
+    format!("{}_{}_{}_{:04}_{attempt}", identity.subject(), identity.session(), trial.phase, trial.number)
 }

@@ -83,11 +83,7 @@ impl Schedule {
         let mut rng = generator(seed, identity);
         let mut trials = practice(protocol, conditions.len(), &mut rng);
         trials.extend(main(protocol, &conditions, identity, &mut rng)?);
-        Ok(Self {
-            conditions,
-            trials,
-            seed,
-        })
+        Ok(Self { conditions, trials, seed })
     }
 
     /// The planned trials of one phase.
@@ -116,10 +112,7 @@ fn main(
     rng: &mut ChaCha8Rng,
 ) -> Result<Vec<Trial>, ScheduleError> {
     let design = &protocol.design;
-    let blocking = design
-        .order
-        .factor()
-        .and_then(|name| protocol.factors.iter().position(|f| f.name == name));
+    let blocking = design.order.factor().and_then(|name| protocol.factors.iter().position(|f| f.name == name));
     let all = 0..conditions.len();
     let (blocks, block_trials): (Vec<Vec<usize>>, _) = match blocking {
         None if design.break_every == 0 => (vec![all.collect()], protocol.main_trials()),
@@ -176,13 +169,7 @@ fn number(phase: Phase, conditions: usize, cells: impl Iterator<Item = (u32, usi
         .zip(1..)
         .map(|((block, condition), number)| {
             seen[condition] += 1;
-            Trial {
-                phase,
-                block,
-                number,
-                repetition: seen[condition],
-                condition,
-            }
+            Trial { phase, block, number, repetition: seen[condition], condition }
         })
         .collect()
 }
@@ -217,9 +204,8 @@ fn limit_runs(
     max_run: u32,
     rng: &mut ChaCha8Rng,
 ) -> Result<(), ScheduleError> {
-    let held: Vec<usize> = (0..factors.len())
-        .filter(|f| Some(*f) != blocking && factors[*f].levels.len() > 1)
-        .collect();
+    let held: Vec<usize> =
+        (0..factors.len()).filter(|f| Some(*f) != blocking && factors[*f].levels.len() > 1).collect();
     let max = max_run as usize;
     // Longest run through `at`, within what is settled (`..end`).
     let fits = |cells: &[usize], at: usize, end: usize| {

@@ -158,9 +158,7 @@ pub struct Session {
 impl Session {
     /// A session at its first page, with all trials but those already done ahead of it.
     pub fn new(protocol: Protocol, schedule: Schedule, resumed: &Resumed, options: SessionOptions) -> Self {
-        let missing = (0..schedule.trials.len())
-            .filter(|trial| !resumed.done.contains(trial))
-            .collect();
+        let missing = (0..schedule.trials.len()).filter(|trial| !resumed.done.contains(trial)).collect();
         let mut session = Self {
             protocol,
             schedule,
@@ -203,9 +201,7 @@ impl Session {
 
     /// Index into [`Schedule::trials`] of the trial at hand or next; `None` when none is left.
     pub fn current(&self) -> Option<usize> {
-        self.again
-            .map(|(trial, _)| trial)
-            .or_else(|| self.missing.get(self.position).copied())
+        self.again.map(|(trial, _)| trial).or_else(|| self.missing.get(self.position).copied())
     }
 
     /// Whether a rating waits to be stored.
@@ -215,10 +211,8 @@ impl Session {
 
     /// Whether [`Event::TakeBack`] would do something now.
     pub fn can_take_back(&self) -> bool {
-        let between = matches!(
-            self.state,
-            State::Recovery { .. } | State::Closing { .. } | State::Break | State::PhaseStart(_)
-        );
+        let between =
+            matches!(self.state, State::Recovery { .. } | State::Closing { .. } | State::Break | State::PhaseStart(_));
         between && self.last.is_some() && self.again.is_none() && !self.pending
     }
 
@@ -227,11 +221,7 @@ impl Session {
         let total = self.schedule.trials.len();
         let left = self.missing.len() - self.position;
         let (time, rated) = self.pace;
-        Progress {
-            done: total - left,
-            total,
-            remaining: (rated > 0).then(|| time / rated * left as u32),
-        }
+        Progress { done: total - left, total, remaining: (rated > 0).then(|| time / rated * left as u32) }
     }
 
     /// Takes one event at a time since the session's start; `now` never decreases.
@@ -242,11 +232,8 @@ impl Session {
             (Event::Frame, _) => self.frame(now),
             (Event::Continue, State::Instructions(page)) => {
                 let next = page + 1;
-                self.state = if next < self.options.pages {
-                    State::Instructions(next)
-                } else {
-                    State::PhaseStart(self.phase())
-                };
+                self.state =
+                    if next < self.options.pages { State::Instructions(next) } else { State::PhaseStart(self.phase()) };
             }
             (Event::Continue, State::PhaseStart(_) | State::Break) => self.recover(now),
             (Event::Rate(rating), State::Stimulus { onset, recovery }) => {
@@ -260,7 +247,11 @@ impl Session {
             }
             (
                 Event::Pause,
-                State::Recovery { .. } | State::Stimulus { .. } | State::Closing { .. } | State::Break | State::PhaseStart(_)
+                State::Recovery { .. }
+                | State::Stimulus { .. }
+                | State::Closing { .. }
+                | State::Break
+                | State::PhaseStart(_)
                 | State::Instructions(_),
             ) => {
                 let held = std::mem::replace(&mut self.state, State::Done);
@@ -291,8 +282,7 @@ impl Session {
 
     fn frame(&mut self, now: Duration) {
         self.count_interval(now);
-        let over =
-            |since: Duration| now.saturating_sub(since) >= self.protocol.recovery.duration() && !self.pending;
+        let over = |since: Duration| now.saturating_sub(since) >= self.protocol.recovery.duration() && !self.pending;
         match self.state {
             State::Recovery { since } if over(since) => {
                 self.frames = 1;

@@ -136,7 +136,9 @@ pub struct Reduction {
 
 /// A text that is no [`Reduction`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is no palette; expected popularity, median-cut or k-means, a colon and 1…256 colors, such as median-cut:16")]
+#[error(
+    "{0:?} is no palette; expected popularity, median-cut or k-means, a colon and 1…256 colors, such as median-cut:16"
+)]
 pub struct ReductionError(String);
 
 impl fmt::Display for Reduction {

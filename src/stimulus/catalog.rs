@@ -64,25 +64,37 @@ static ENTRIES: [Entry; KINDS.len()] = [
         kind: "chevreul",
         title: "Chevreul staircase",
         about: "Uniform bands that look scalloped: brighter at the edge towards the darker neighbour, darker at the other. Chevreul 1839.",
-        variants: &[&[("steps", "9"), ("orientation_deg", "30")], &[("steps", "3"), ("color", "yellow"), ("orientation_deg", "90")]],
+        variants: &[
+            &[("steps", "9"), ("orientation_deg", "30")],
+            &[("steps", "3"), ("color", "yellow"), ("orientation_deg", "90")],
+        ],
     },
     Entry {
         kind: "cornsweet",
         title: "Craik–O'Brien–Cornsweet edge",
         about: "Two areas of the same luminance; the edge between them makes one look brighter. Cover the edge with a finger. Cornsweet 1970.",
-        variants: &[&[("exponent", "2.75"), ("orientation_deg", "45")], &[("width", "0.4"), ("low", "0.3"), ("high", "0.7")]],
+        variants: &[
+            &[("exponent", "2.75"), ("orientation_deg", "45")],
+            &[("width", "0.4"), ("low", "0.3"), ("high", "0.7")],
+        ],
     },
     Entry {
         kind: "vasarely",
         title: "Vasarely's nested squares",
         about: "Squares of graded luminance whose corners make bright diagonals that are not there. Vasarely; Bangay fig. 1 j.",
-        variants: &[&[("squares", "24"), ("orientation_deg", "20")], &[("squares", "6"), ("low", "0.9"), ("high", "0.9")]],
+        variants: &[
+            &[("squares", "24"), ("orientation_deg", "20")],
+            &[("squares", "6"), ("low", "0.9"), ("high", "0.9")],
+        ],
     },
     Entry {
         kind: "kanizsa",
         title: "Kanizsa triangle",
         about: "Three notched discs: a triangle seems to lie on them, brighter than the ground. Kanizsa 1955.",
-        variants: &[&[("side", "0.4"), ("radius", "0.1"), ("orientation_deg", "30")], &[("radius", "0.25"), ("color", "yellow")]],
+        variants: &[
+            &[("side", "0.4"), ("radius", "0.1"), ("orientation_deg", "30")],
+            &[("radius", "0.25"), ("color", "yellow")],
+        ],
     },
     Entry {
         kind: "shaded-cylinder",

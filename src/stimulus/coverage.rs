@@ -92,14 +92,21 @@ mod tests {
     fn areas_are_those_of_the_points_within() {
         let fine = 600;
         let disc = [0.0, 0.0];
-        for (centre, radius) in [([0.3, 0.2], 0.5), ([1.0, 0.0], 1.2), ([0.0, 0.0], 0.3), ([2.0, 2.0], 1.0), ([0.1, -0.4], 9.0)] {
+        for (centre, radius) in
+            [([0.3, 0.2], 0.5), ([1.0, 0.0], 1.2), ([0.0, 0.0], 0.3), ([2.0, 2.0], 1.0), ([0.1, -0.4], 9.0)]
+        {
             let square = pixel(centre);
             let triangle = [[-0.2, -0.5], [1.1, 0.1], [0.0, 0.9]];
             let at = |i: i32| (f64::from(i) + 0.5) / f64::from(fine) - 0.5;
             let points = (0..fine * fine).map(|i| [centre[0] + at(i % fine), centre[1] + at(i / fine)]);
             let in_disc = |p: &Point| (p[0] - disc[0]).hypot(p[1] - disc[1]) < radius;
             let in_triangle = |p: &Point| {
-                (0..3).all(|i| cross([triangle[(i + 1) % 3][0] - triangle[i][0], triangle[(i + 1) % 3][1] - triangle[i][1]], [p[0] - triangle[i][0], p[1] - triangle[i][1]]) >= 0.0)
+                (0..3).all(|i| {
+                    cross(
+                        [triangle[(i + 1) % 3][0] - triangle[i][0], triangle[(i + 1) % 3][1] - triangle[i][1]],
+                        [p[0] - triangle[i][0], p[1] - triangle[i][1]],
+                    ) >= 0.0
+                })
             };
             let share = |n: usize| n as f64 / f64::from(fine * fine);
             let (mut discs, mut triangles, mut both) = (0, 0, 0);

@@ -30,7 +30,11 @@ impl Kanizsa {
     fn contradictions(&self) -> Vec<ParameterError> {
         let parameter = |name: &str| Self::PARAMETERS.iter().find(|parameter| parameter.name == name);
         let overlap = (self.radius > self.side / 2.0)
-            .then(|| parameter("radius").map(|radius| radius.error(self.radius, format!("lets the discs overlap at a side of {}", self.side))))
+            .then(|| {
+                parameter("radius").map(|radius| {
+                    radius.error(self.radius, format!("lets the discs overlap at a side of {}", self.side))
+                })
+            })
             .flatten();
         low_above_high(Self::PARAMETERS, self.low, self.high).into_iter().chain(overlap).collect()
     }
@@ -54,7 +58,8 @@ impl Kanizsa {
         let radius = self.radius * side;
         LinearImage::from_fn(size, size, |ix, iy| {
             let centre = [f64::from(ix) + 0.5 - side / 2.0, side / 2.0 - f64::from(iy) - 0.5];
-            let disc = corners.iter().find(|corner| (centre[0] - corner[0]).hypot(centre[1] - corner[1]) < radius + 1.0);
+            let disc =
+                corners.iter().find(|corner| (centre[0] - corner[0]).hypot(centre[1] - corner[1]) < radius + 1.0);
             let share = disc.map_or(0.0, |disc| notched(centre, *disc, &corners, radius));
             light(weights, self.high - (self.high - self.low) * share)
         })
@@ -78,4 +83,3 @@ fn notched(centre: Point, disc: Point, triangle: &[Point; 3], radius: f64) -> f6
     let share = area_in_disc(&cell, radius) - area_in_disc(&within(&cell, &triangle), radius);
     share.clamp(0.0, 1.0)
 }
-

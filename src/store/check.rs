@@ -2,10 +2,10 @@
 
 use std::{collections::HashMap, path::Path};
 
-use super::{FileFault, FileFaults, definition, image, observer, profile, results, sidecar::Sidecar, text, toml_reader};
-use crate::experiment::{
-    Identity, Protocol, RowContext, Schedule, TrialRecord, columns, columns_by_header,
+use super::{
+    FileFault, FileFaults, definition, image, observer, profile, results, sidecar::Sidecar, text, toml_reader,
 };
+use crate::experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns, columns_by_header};
 
 /// Checks a definition, a display profile, an observer (`.toml`) or a result file (`.csv`), or a built-in definition by
 /// its name, and says in one sentence what it is.
@@ -61,8 +61,8 @@ fn check_definition(protocol: Protocol) -> Result<String, FileFaults> {
 fn check_results(path: &Path) -> Result<String, FileFaults> {
     let file = path.display().to_string();
     let whole = |message: String| FileFaults::whole(&file, message);
-    let content = std::fs::read(path)
-        .map_err(|error| whole(format!("cannot be read: {error}; expected a readable file")))?;
+    let content =
+        std::fs::read(path).map_err(|error| whole(format!("cannot be read: {error}; expected a readable file")))?;
     let sidecar = Sidecar::read(&path.with_extension("json")).map_err(|error| whole(error.to_string()))?;
     let protocol = sidecar
         .as_ref()

@@ -26,18 +26,10 @@ impl SessionPaths {
     /// The contract's names below a results folder.
     pub fn new(results: &Path, protocol: &Protocol, identity: &Identity) -> Self {
         let dataset = results.join(&protocol.name);
-        let stem = format!(
-            "subject-{}_session-{}_task-{}_data",
-            identity.subject(),
-            identity.session(),
-            protocol.task()
-        );
+        let stem =
+            format!("subject-{}_session-{}_task-{}_data", identity.subject(), identity.session(), protocol.task());
         let data = dataset.join("data");
-        Self {
-            csv: data.join(format!("{stem}.csv")),
-            sidecar: data.join(format!("{stem}.json")),
-            dataset,
-        }
+        Self { csv: data.join(format!("{stem}.csv")), sidecar: data.join(format!("{stem}.json")), dataset }
     }
 
     /// Makes the folders and describes the data set, if nobody has yet.
@@ -66,10 +58,7 @@ pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
             Some(name.strip_prefix("subject-")?.split('_').next()?.to_ascii_uppercase())
         })
         .collect();
-    (1..)
-        .map(|number| format!("P{number:03}"))
-        .find(|id| !taken.contains(id))
-        .unwrap_or_default()
+    (1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default()
 }
 
 fn describe(protocol: &Protocol) -> serde_json::Value {
@@ -142,7 +131,11 @@ fn create_temporary(path: &Path) -> std::io::Result<(PathBuf, File)> {
 pub(super) fn remove_leftovers(path: &Path) {
     let Some((folder, name)) = path.parent().zip(path.file_name().and_then(|name| name.to_str())) else { return };
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let left = entry.file_name().to_str().and_then(|found| found.strip_prefix(name)).is_some_and(|rest| rest.ends_with(".tmp"));
+        let left = entry
+            .file_name()
+            .to_str()
+            .and_then(|found| found.strip_prefix(name))
+            .is_some_and(|rest| rest.ends_with(".tmp"));
         if left {
             // It is in nobody's way if it stays.
             let _ = fs::remove_file(entry.path());

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use sha2::{Digest as _, Sha256};
 
-use super::{FileFaults, text, toml_reader};
 use super::toml_reader::{Reader, Section, locate, nearest};
+use super::{FileFaults, text, toml_reader};
 use crate::{
     experiment::{Category, Design, Factor, Order, Protocol, Recovery, ResponseScale, Texts, ViewingPlan},
     stimulus::{KINDS, MachBand, Stimulus},
@@ -44,7 +44,10 @@ pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
         let names: Vec<_> = BUILT_IN.iter().map(|built_in| built_in.name).collect();
         return Err(FileFaults::whole(
             name_or_path,
-            format!("is neither a built-in definition nor a file; {}, or the path of a .toml file", nearest(name_or_path, &names)),
+            format!(
+                "is neither a built-in definition nor a file; {}, or the path of a .toml file",
+                nearest(name_or_path, &names)
+            ),
         ));
     }
     parse(name_or_path, &text::read(path)?)
@@ -99,8 +102,9 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
 /// # Errors
 /// Every fault; positions are those of the definition written out as TOML.
 pub fn from_json(file: &str, definition: &serde_json::Value) -> Result<Protocol, FileFaults> {
-    let text = toml::to_string(definition)
-        .map_err(|error| FileFaults::whole(file, format!("the definition cannot be read: {error}; expected a table")))?;
+    let text = toml::to_string(definition).map_err(|error| {
+        FileFaults::whole(file, format!("the definition cannot be read: {error}; expected a table"))
+    })?;
     parse(file, &text)
 }
 
@@ -206,7 +210,8 @@ fn response(root: &Section<'_, '_>) -> ResponseScale {
     let labels = labels.unwrap_or_else(|| default.categories.iter().map(|c| c.label.clone()).collect());
     let keys = keys.unwrap_or_else(|| (0..count).map(|i| i.to_string()).collect());
     if keys.len() != count {
-        section.fault_at("keys", format!("response.keys has {} keys; expected {count}, one for each label", keys.len()));
+        section
+            .fault_at("keys", format!("response.keys has {} keys; expected {count}, one for each label", keys.len()));
     }
     let mut categories = Vec::with_capacity(count);
     for (i, label) in labels.into_iter().enumerate() {
@@ -214,7 +219,8 @@ fn response(root: &Section<'_, '_>) -> ResponseScale {
         let mut characters = key.chars();
         let (first, rest) = (characters.next(), characters.next());
         if i < keys.len() && (first.is_none() || rest.is_some()) {
-            section.fault_at("keys", format!("response key {key:?} is not one character; expected a digit or a letter"));
+            section
+                .fault_at("keys", format!("response key {key:?} is not one character; expected a digit or a letter"));
         }
         categories.push(Category { label, key: first.unwrap_or(char::from_digit(i as u32 % 10, 10).unwrap_or('0')) });
     }

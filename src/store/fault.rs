@@ -50,7 +50,7 @@ impl std::fmt::Display for FileFaults {
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// The system refused.
-    #[error("{}: cannot {action}: {source}", path.display())]
+    #[error("{}: cannot {action}: {source}; expected a place that can be read and written", path.display())]
     Io {
         /// What was touched.
         path: PathBuf,
@@ -90,9 +90,6 @@ pub enum StoreError {
 }
 
 /// Attaches the path and the action to an I/O error.
-pub(super) fn io<'a>(
-    path: &'a Path,
-    action: &'static str,
-) -> impl FnOnce(std::io::Error) -> StoreError + 'a {
+pub(super) fn io<'a>(path: &'a Path, action: &'static str) -> impl FnOnce(std::io::Error) -> StoreError + 'a {
     move |source| StoreError::Io { path: path.to_owned(), action, source }
 }

@@ -1,11 +1,6 @@
 //! Images as PNG: gray where the colour allows, with what the codes mean and how they were made.
 
-use std::{
-    borrow::Cow,
-    fs::File,
-    io::BufReader,
-    path::Path,
-};
+use std::{borrow::Cow, fs::File, io::BufReader, path::Path};
 
 use super::{FileFaults, StoreError, dataset::write_whole, fault::io};
 use crate::{
@@ -141,9 +136,11 @@ fn profile(transfer: &Transfer, gray: bool) -> Option<Vec<u8>> {
         (linear * f64::from(u16::MAX)).round() as u16
     });
     let curve = moxcms::ToneReprCurve::Lut(points.collect());
-    let mut profile = if gray { moxcms::ColorProfile::new_gray_with_gamma(1.0) } else { moxcms::ColorProfile::new_srgb() };
+    let mut profile =
+        if gray { moxcms::ColorProfile::new_gray_with_gamma(1.0) } else { moxcms::ColorProfile::new_srgb() };
     // A fixed date: equal inputs give equal bytes.
-    profile.creation_date_time = moxcms::ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, hours: 0, minutes: 0, seconds: 0 };
+    profile.creation_date_time =
+        moxcms::ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, hours: 0, minutes: 0, seconds: 0 };
     profile.cicp = None;
     if gray {
         profile.gray_trc = Some(curve);
@@ -180,7 +177,8 @@ pub(super) fn recipe_text(path: &Path) -> Option<String> {
 pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
     let name = path.display().to_string();
     let fail = |message: String| FileFaults::whole(&name, message);
-    let file = File::open(path).map_err(|error| fail(format!("cannot be opened: {error}; expected a readable file")))?;
+    let file =
+        File::open(path).map_err(|error| fail(format!("cannot be opened: {error}; expected a readable file")))?;
     let broken = |error: png::DecodingError| fail(format!("is not a whole PNG: {error}; expected an image"));
     let limits = png::Limits { bytes: 512 << 20 };
     let mut decoder = png::Decoder::new_with_limits(BufReader::new(file), limits);
@@ -192,10 +190,13 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
         chunks.iter().find(|chunk| chunk.keyword == keyword).map(|chunk| chunk.text.clone())
     };
     let reduction = text(PALETTE_KEYWORD)
-        .map(|text| text.parse::<Reduction>().map_err(|error| fail(format!("its text chunk `{PALETTE_KEYWORD}`: {error}"))))
+        .map(|text| {
+            text.parse::<Reduction>().map_err(|error| fail(format!("its text chunk `{PALETTE_KEYWORD}`: {error}")))
+        })
         .transpose()?;
     let palette = info.palette.as_deref().unwrap_or_default().to_vec();
-    let recipe = text(KEYWORD).ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
+    let recipe = text(KEYWORD)
+        .ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
     let recipe: Recipe = serde_json::from_str(&recipe)
         .map_err(|error| fail(format!("its text chunk `machband` cannot be read: {error}; expected a recipe")))?;
     if let Err(faults) = recipe.stimulus.validate() {
@@ -206,14 +207,17 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
     if width == 0 || width.max(height) > SIZE_MAX {
         return Err(fail(format!("has {width} × {height} pixels; expected at most {SIZE_MAX} a side")));
     }
-    let size = reader.output_buffer_size().ok_or_else(|| fail("is too large; expected an image that fits in memory".to_owned()))?;
+    let size = reader
+        .output_buffer_size()
+        .ok_or_else(|| fail("is too large; expected an image that fits in memory".to_owned()))?;
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(broken)?;
     if color == png::ColorType::Indexed {
         let colors = palette.as_chunks::<3>().0;
         let codes: Option<Vec<[u8; 3]>> = raw.iter().map(|index| colors.get(usize::from(*index)).copied()).collect();
         let samples = codes.filter(|_| depth == png::BitDepth::Eight).map(|codes| Samples::Eight(codes.concat()));
-        let samples = samples.ok_or_else(|| fail("has indices without a color; expected a palette of 8-bit indices".to_owned()))?;
+        let samples = samples
+            .ok_or_else(|| fail("has indices without a color; expected a palette of 8-bit indices".to_owned()))?;
         return Ok(ReadBack { recipe, reduction, image: CodeImage { width, height, samples } });
     }
     let copies = match color {
@@ -222,7 +226,9 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
         other => return Err(fail(format!("has the colour type {other:?}; expected gray or RGB"))),
     };
     let samples = match depth {
-        png::BitDepth::Eight => Samples::Eight(raw.iter().flat_map(|code| std::iter::repeat_n(*code, copies)).collect()),
+        png::BitDepth::Eight => {
+            Samples::Eight(raw.iter().flat_map(|code| std::iter::repeat_n(*code, copies)).collect())
+        }
         png::BitDepth::Sixteen => Samples::Sixteen(
             raw.chunks_exact(2)
                 .flat_map(|pair| std::iter::repeat_n(u16::from_be_bytes([pair[0], pair[1]]), copies))
@@ -244,7 +250,10 @@ pub fn prove(path: &Path) -> Result<String, FileFaults> {
         return Err(fail(format!("its recipe asks for {} pixels a side; expected 1…{SIZE_MAX}", recipe.size)));
     }
     if (image.width, image.height) != (recipe.size, recipe.size) {
-        return Err(fail(format!("has {} × {} pixels; expected {} a side, as its recipe says", image.width, image.height, recipe.size)));
+        return Err(fail(format!(
+            "has {} × {} pixels; expected {} a side, as its recipe says",
+            image.width, image.height, recipe.size
+        )));
     }
     let full = recipe.codes(&recipe.quantizer());
     let expected = match reduction {
@@ -266,14 +275,20 @@ pub fn prove(path: &Path) -> Result<String, FileFaults> {
         Some((x, y)) => {
             let (found, wanted) = (image.pixel(x, y), expected.pixel(x, y));
             let count = differing.count();
-            Err(fail(format!("{count} pixels differ from the recipe, the first at ({x}, {y}), which is {found:?}; expected {wanted:?}")))
+            Err(fail(format!(
+                "{count} pixels differ from the recipe, the first at ({x}, {y}), which is {found:?}; expected {wanted:?}"
+            )))
         }
         None => Ok(format!(
             "image of {}, {} pixels a side, {} bits, {}, dither {}{}: every code is as its recipe gives it",
             recipe.stimulus.kind(),
             recipe.size,
             recipe.bits,
-            if let Transfer::Table(_) = recipe.transfer { "measured table".to_owned() } else { recipe.transfer.to_string() },
+            if let Transfer::Table(_) = recipe.transfer {
+                "measured table".to_owned()
+            } else {
+                recipe.transfer.to_string()
+            },
             recipe.dither,
             reduction.map_or_else(String::new, |reduction| format!(", palette {reduction}"))
         )),

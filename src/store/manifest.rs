@@ -137,7 +137,8 @@ impl<'a> Manifest<'a> {
             };
             let mut joined: Vec<(usize, String)> = Vec::with_capacity(self.rows.len());
             for (first, part) in parts.iter().enumerate() {
-                joined.extend(part.split_inclusive('\n').enumerate().map(|(n, line)| (first + n * of, line.to_owned())));
+                joined
+                    .extend(part.split_inclusive('\n').enumerate().map(|(n, line)| (first + n * of, line.to_owned())));
             }
             joined.sort_by_key(|(i, _)| *i);
             self.write_whole_list(&joined)?;

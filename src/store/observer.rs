@@ -35,7 +35,10 @@ pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileFaults> {
     let thresholds = match thresholds {
         Ok(t) if t.iter().all(|x| x.is_finite()) && t[0] < t[1] && t[1] < t[2] => t,
         _ => {
-            root.fault_at("thresholds", "thresholds must be three numbers that rise; expected for example [0.0, 1.5, 3.5]");
+            root.fault_at(
+                "thresholds",
+                "thresholds must be three numbers that rise; expected for example [0.0, 1.5, 3.5]",
+            );
             default.thresholds
         }
     };

@@ -181,7 +181,8 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
             }
             Ok(true) => {
                 let cells: Vec<&str> = record.iter().collect();
-                let column_at = |index: usize| cells.iter().take(index).map(|cell| written_width(cell) + 1).sum::<usize>() + 1;
+                let column_at =
+                    |index: usize| cells.iter().take(index).map(|cell| written_width(cell) + 1).sum::<usize>() + 1;
                 if cells.len() != columns.len() {
                     fault((line_number, 1), format!("the row has {} cells; expected {}", cells.len(), columns.len()));
                     continue;

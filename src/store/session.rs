@@ -9,9 +9,7 @@ use super::{
     results::ResultFile,
     sidecar::{Sidecar, Sitting},
 };
-use crate::experiment::{
-    Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns,
-};
+use crate::experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns};
 
 /// Where a session's rows go.
 #[derive(Debug)]
@@ -212,7 +210,12 @@ impl SessionStore {
     ///
     /// # Errors
     /// The system's refusal; the rows are safe all the same.
-    pub fn finish(&mut self, complete: bool, ended_at: String, frames: Option<serde_json::Value>) -> Result<(), StoreError> {
+    pub fn finish(
+        &mut self,
+        complete: bool,
+        ended_at: String,
+        frames: Option<serde_json::Value>,
+    ) -> Result<(), StoreError> {
         self.sidecar.complete = complete;
         if let Some(sitting) = self.sidecar.sittings.last_mut() {
             sitting.ended_at = Some(ended_at);

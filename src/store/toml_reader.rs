@@ -243,7 +243,12 @@ impl<'r, 't> Section<'r, 't> {
 
     /// A list of parameter values. In the place of one that is none stands an empty text, which no parameter takes.
     pub(super) fn parameters(&self, key: &'static str) -> Option<Vec<ParameterValue>> {
-        Some(self.list(key, "number or text", parameter)?.into_iter().map(|value| value.unwrap_or_else(|| "".into())).collect())
+        Some(
+            self.list(key, "number or text", parameter)?
+                .into_iter()
+                .map(|value| value.unwrap_or_else(|| "".into()))
+                .collect(),
+        )
     }
 
     /// The keys in the order of the text.
@@ -273,10 +278,7 @@ impl<'r, 't> Section<'r, 't> {
                 continue;
             }
             let place = if self.name.is_empty() { String::new() } else { format!(" in [{}]", self.name) };
-            self.reader.fault(
-                key.span().start,
-                format!("unknown key {name:?}{place}; {}", nearest(name, &asked)),
-            );
+            self.reader.fault(key.span().start, format!("unknown key {name:?}{place}; {}", nearest(name, &asked)));
         }
     }
 }
