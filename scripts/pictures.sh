@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's pictures anew, from the program itself: docs/pictures/{home,categories,trial,finish}.png.
+# Makes the README's pictures anew, from the program itself: docs/pictures/{home,categories,trial,finish,dither}.png.
 #
 #   scripts/pictures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/pictures.sh
@@ -147,4 +147,13 @@ done
 until_so is_page
 rest
 picture "$(window)" finish.png
-echo "$pictures: home.png, categories.png, trial.png, finish.png"
+
+# A shallow ramp of ten codes, without and with dither, its contrast stretched so that the codes can be told apart.
+for dither in none blue-noise; do
+    "$machband" stimulus --width 0.8 --low 0.25 --high 0.29 --color gray --size 400 --dither "$dither" \
+        --out "$work/$dither.png"
+done
+convert "$work/none.png" "$work/blue-noise.png" -normalize -crop 400x160+0+0 +repage -bordercolor white -border 4 \
+    +append -strip "$pictures/dither.png"
+
+echo "$pictures: home.png, categories.png, trial.png, finish.png, dither.png"

@@ -128,7 +128,7 @@ fn a_touched_image_is_found_out() {
 }
 
 #[test]
-fn a_palette_image_proves_itself_too() {
+fn a_palette_and_a_halftone_prove_themselves_too() {
     let folder = tempfile::tempdir().unwrap();
     for method in ["popularity:8", "median-cut:16", "k-means:4"] {
         let output = machband(folder.path(), &["stimulus", "--size", "64", "--palette", method, "--out", "p.png"]);
@@ -136,6 +136,12 @@ fn a_palette_image_proves_itself_too() {
         assert!(String::from_utf8_lossy(&output.stdout).contains("error in linear light"), "{output:?}");
         let checked = machband(folder.path(), &["check", "p.png"]);
         assert!(String::from_utf8_lossy(&checked.stdout).contains(method), "{checked:?}");
+    }
+    for screen in ["clustered3:1", "bayer4:2"] {
+        let output = machband(folder.path(), &["stimulus", "--size", "32", "--halftone", screen, "--out", "h.png"]);
+        assert!(output.status.success(), "{output:?}");
+        let checked = machband(folder.path(), &["check", "h.png"]);
+        assert!(String::from_utf8_lossy(&checked.stdout).contains(screen), "{checked:?}");
     }
     let refused = machband(folder.path(), &["stimulus", "--palette", "median-cut:0", "--out", "q.png"]);
     assert_eq!(refused.status.code(), Some(2));

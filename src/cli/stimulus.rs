@@ -7,7 +7,8 @@ use super::{
     options::{ImageOptions, StimulusOptions},
 };
 use crate::{
-    light::{Bits, palette::Reduction},
+    light::{Bits, Quantizer, halftone::Screen, palette::Reduction},
+    stimulus::recipe::Recipe,
     store,
 };
 
@@ -24,6 +25,10 @@ pub(super) struct Arguments {
     /// Reduce the image to a palette: popularity, median-cut or k-means, and at most how many colors.
     #[arg(long, value_name = "METHOD:N", requires = "out")]
     palette: Option<String>,
+    /// Draw each pixel as a cell of dots for a device with few codes, such as a printer: the matrix and the bits a
+    /// channel, for example clustered3:1.
+    #[arg(long, value_name = "MATRIX:BITS", requires = "out", conflicts_with = "palette")]
+    halftone: Option<String>,
     /// Image to write.
     #[arg(long, value_name = "FILE.png")]
     out: Option<PathBuf>,
@@ -40,6 +45,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let quantizer = recipe.quantizer();
     let reduction = arguments.palette.as_deref().map(str::parse::<Reduction>).transpose();
     let reduction = reduction.map_err(|error| UsageError(format!("--palette: {error}")))?;
+    let screen = arguments.halftone.as_deref().map(str::parse::<Screen>).transpose();
+    let screen = screen.map_err(|error| UsageError(format!("--halftone: {error}")))?;
+    if let (Some(out), Some(screen)) = (&arguments.out, screen) {
+        store::image::write_halftone(out, &recipe, screen)?;
+        return profile(arguments, &recipe, &quantizer);
+    }
     match (&arguments.out, reduction) {
         (Some(_), Some(_)) if recipe.bits == Bits::Sixteen => {
             return Err(UsageError("--palette: a palette has 8 bits a channel; expected --bits 8".to_owned()).into());
@@ -56,8 +67,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (Some(out), None) => _ = store::image::write_recipe(out, &recipe, &quantizer)?,
         (None, _) => {}
     }
+    profile(arguments, &recipe, &quantizer)
+}
+
+fn profile(arguments: &Arguments, recipe: &Recipe, quantizer: &Quantizer) -> anyhow::Result<()> {
     if let Some(profile) = &arguments.profile {
-        store::curve::write_profile(profile, &recipe, &quantizer)?;
+        store::curve::write_profile(profile, recipe, quantizer)?;
     }
     Ok(())
 }

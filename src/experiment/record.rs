@@ -351,7 +351,7 @@ impl TrialRecord {
     /// Index of the trial that this row records, if the schedule plans just such a trial with just this condition.
     pub fn planned_trial(&self, context: &RowContext<'_>) -> Option<usize> {
         // Practice comes first, and each phase is numbered from 1.
-        let practice = context.schedule.phase(Phase::Practice).count();
+        let practice = context.protocol.design.practice as usize;
         let before = if self.phase == Phase::Main { practice } else { 0 };
         let index = before + (self.trial as usize).checked_sub(1)?;
         context.schedule.trials.get(index).filter(|trial| trial.phase == self.phase)?;

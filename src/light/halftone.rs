@@ -8,6 +8,9 @@
 //! Shoaff counts levels as if the codes were evenly spaced in light. Here a device has a [`Transfer`],
 //! and a value's level is the one whose cell's mean light is nearest, as in [`dither`](super::dither).
 
+use std::fmt;
+use std::str::FromStr;
+
 use super::dither::{Levels, from_rank};
 use super::gamma::Transfer;
 use super::image::{CodeImage, LinearImage, Samples};
@@ -34,6 +37,40 @@ pub enum HalftoneError {
         /// Dots a side of a pixel's cell.
         size: u32,
     },
+}
+
+/// A device with few codes and the cells drawn on it. Written `clustered3:1`: the matrix and the bits a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Screen {
+    /// Order of the dots in a cell.
+    pub matrix: DitherMatrix,
+    /// Bits m of a code, 1…8.
+    pub bits: u32,
+}
+
+/// A text that is no [`Screen`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{0:?} is no halftone; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3, a colon and 1…8 bits, such as clustered3:1"
+)]
+pub struct ScreenError(String);
+
+impl fmt::Display for Screen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.matrix, self.bits)
+    }
+}
+
+impl FromStr for Screen {
+    type Err = ScreenError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parsed = text.split_once(':').and_then(|(matrix, bits)| {
+            let bits = bits.parse().ok().filter(|bits| (1..=MAX_BITS).contains(bits))?;
+            Some(Self { matrix: matrix.parse().ok()?, bits })
+        });
+        parsed.ok_or_else(|| ScreenError(text.to_owned()))
+    }
 }
 
 /// A way from light to the codes of a device that has few.

@@ -5,7 +5,8 @@ use std::{borrow::Cow, fs::File, io::BufReader, path::Path};
 use super::{FileFaults, StoreError, dataset::write_whole, fault::io};
 use crate::{
     light::{
-        Bits, CodeImage, Quantizer, Samples, Transfer,
+        CodeImage, Quantizer, Samples, Transfer,
+        halftone::{Halftone, HalftoneError, Screen},
         palette::{IndexedImage, Reduction, reduce},
     },
     stimulus::recipe::{Recipe, SIZE_MAX},
@@ -15,6 +16,8 @@ use crate::{
 const KEYWORD: &str = "machband";
 /// Keyword of the text chunk that names the palette's making, where there is one.
 const PALETTE_KEYWORD: &str = "machband-palette";
+/// Keyword of the text chunk that names the halftone, where it is one.
+const HALFTONE_KEYWORD: &str = "machband-halftone";
 /// Chromaticities of D65 and of the sRGB primaries, in the hundred-thousandths of PNG. IEC 61966-2-1.
 const SRGB_CHROMATICITIES: [[u32; 2]; 4] = [[31_270, 32_900], [64_000, 33_000], [30_000, 60_000], [15_000, 6_000]];
 /// Entries of the tone curves in an embedded profile.
@@ -25,7 +28,7 @@ const CURVE_POINTS: u16 = 4096;
 /// # Errors
 /// The system's refusal.
 pub fn write_recipe(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<Vec<u8>, StoreError> {
-    let bytes = encode(&recipe.codes(quantizer), &recipe.transfer, &describe(recipe))
+    let bytes = encode(&recipe.codes(quantizer), &recipe.transfer, &[(KEYWORD, describe(recipe))])
         .map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
     write_whole(path, &bytes, false)?;
     Ok(bytes)
@@ -53,13 +56,30 @@ pub fn write_reduced(
     Ok(image)
 }
 
+/// Renders a recipe as dots of a device with few codes, each pixel a cell, and writes it.
+///
+/// # Errors
+/// Too many dots, or the system's refusal.
+pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
+    let failed = |error: Box<dyn std::error::Error + Send + Sync>| io(path, "encode")(std::io::Error::other(error));
+    let image = dots(recipe, screen).map_err(|error| failed(error.into()))?;
+    let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
+    let bytes = encode(&image, &recipe.transfer, &texts).map_err(|error| failed(error.into()))?;
+    write_whole(path, &bytes, false)
+}
+
+fn dots(recipe: &Recipe, screen: Screen) -> Result<CodeImage, HalftoneError> {
+    let halftone = Halftone::new(screen.matrix, screen.bits, &recipe.transfer)?;
+    Ok(halftone.enlarged(&recipe.linear())?.to_8_bits())
+}
+
 /// The recipe as it stands in an image.
 pub fn describe(recipe: &Recipe) -> String {
     serde_json::to_string(recipe).unwrap_or_default()
 }
 
 /// An image file as bytes. Equal inputs give equal bytes.
-fn encode(image: &CodeImage, transfer: &Transfer, recipe: &str) -> Result<Vec<u8>, png::EncodingError> {
+fn encode(image: &CodeImage, transfer: &Transfer, texts: &[(&str, String)]) -> Result<Vec<u8>, png::EncodingError> {
     let gray = is_gray(&image.samples);
     let mut info = png::Info::with_size(image.width, image.height);
     info.color_type = if gray { png::ColorType::Grayscale } else { png::ColorType::Rgb };
@@ -67,7 +87,7 @@ fn encode(image: &CodeImage, transfer: &Transfer, recipe: &str) -> Result<Vec<u8
         Samples::Eight(_) => png::BitDepth::Eight,
         Samples::Sixteen(_) => png::BitDepth::Sixteen,
     };
-    finish(info, transfer, gray, &[(KEYWORD, recipe.to_owned())], &raw_samples(&image.samples, gray))
+    finish(info, transfer, gray, texts, &raw_samples(&image.samples, gray))
 }
 
 /// Adds what the codes mean and how they were made, and encodes.
@@ -159,6 +179,8 @@ pub struct ReadBack {
     pub recipe: Recipe,
     /// The palette it was reduced to, if it was.
     pub reduction: Option<Reduction>,
+    /// The halftone it was made into, if it was.
+    pub halftone: Option<Screen>,
     /// What is in it.
     pub image: CodeImage,
 }
@@ -194,6 +216,11 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
             text.parse::<Reduction>().map_err(|error| fail(format!("its text chunk `{PALETTE_KEYWORD}`: {error}")))
         })
         .transpose()?;
+    let halftone = text(HALFTONE_KEYWORD)
+        .map(|text| {
+            text.parse::<Screen>().map_err(|error| fail(format!("its text chunk `{HALFTONE_KEYWORD}`: {error}")))
+        })
+        .transpose()?;
     let palette = info.palette.as_deref().unwrap_or_default().to_vec();
     let recipe = text(KEYWORD)
         .ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
@@ -204,8 +231,9 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
         return Err(fail(faults.join("; ")));
     }
     let (width, height, color, depth) = (info.width, info.height, info.color_type, info.bit_depth);
-    if width == 0 || width.max(height) > SIZE_MAX {
-        return Err(fail(format!("has {width} × {height} pixels; expected at most {SIZE_MAX} a side")));
+    let side_max = if halftone.is_some() { 16 * SIZE_MAX } else { SIZE_MAX };
+    if width == 0 || width.max(height) > side_max {
+        return Err(fail(format!("has {width} × {height} pixels; expected at most {side_max} a side")));
     }
     let size = reader
         .output_buffer_size()
@@ -218,7 +246,7 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
         let samples = codes.filter(|_| depth == png::BitDepth::Eight).map(|codes| Samples::Eight(codes.concat()));
         let samples = samples
             .ok_or_else(|| fail("has indices without a color; expected a palette of 8-bit indices".to_owned()))?;
-        return Ok(ReadBack { recipe, reduction, image: CodeImage { width, height, samples } });
+        return Ok(ReadBack { recipe, reduction, halftone, image: CodeImage { width, height, samples } });
     }
     let copies = match color {
         png::ColorType::Grayscale => 3,
@@ -236,7 +264,7 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
         ),
         other => return Err(fail(format!("has {other:?} bits a sample; expected 8 or 16"))),
     };
-    Ok(ReadBack { recipe, reduction, image: CodeImage { width, height, samples } })
+    Ok(ReadBack { recipe, reduction, halftone, image: CodeImage { width, height, samples } })
 }
 
 /// Proves an image: renders its recipe again and compares every code. Says in one sentence what it is.
@@ -244,53 +272,69 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
 /// # Errors
 /// As [`read`]; or how many codes differ, and the first of them.
 pub fn prove(path: &Path) -> Result<String, FileFaults> {
-    let ReadBack { recipe, reduction, image } = read(path)?;
+    let read = read(path)?;
     let fail = |message: String| FileFaults::whole(path.display().to_string(), message);
+    let (image, recipe) = (&read.image, &read.recipe);
     if recipe.size == 0 || recipe.size > SIZE_MAX {
         return Err(fail(format!("its recipe asks for {} pixels a side; expected 1…{SIZE_MAX}", recipe.size)));
     }
-    if (image.width, image.height) != (recipe.size, recipe.size) {
+    let dots = read.halftone.map_or(1, |screen| screen.matrix.size());
+    if (image.width, image.height) != (recipe.size * dots, recipe.size * dots) {
+        let side = recipe.size * dots;
         return Err(fail(format!(
-            "has {} × {} pixels; expected {} a side, as its recipe says",
-            image.width, image.height, recipe.size
+            "has {} × {} pixels; expected {side} a side, as its recipe says",
+            image.width, image.height
         )));
     }
-    let full = recipe.codes(&recipe.quantizer());
-    let expected = match reduction {
-        None => full,
-        Some(reduction) => reduce(&full, &recipe.transfer, reduction.colors, reduction.reducer)
-            .map_err(|error| fail(error.to_string()))?
-            .codes(),
-    };
-    let differing = (0..image.height)
+    let expected = read.expected().map_err(&fail)?;
+    if std::mem::discriminant(&expected.samples) != std::mem::discriminant(&image.samples) {
+        return Err(fail(format!("has another depth than its recipe; expected {} bits", recipe.bits)));
+    }
+    let mut differing = (0..image.height)
         .flat_map(|y| (0..image.width).map(move |x| (x, y)))
-        .filter(|&(x, y)| image.pixel(x, y) != expected.pixel(x, y));
-    let same_depth = matches!(
-        (&image.samples, recipe.bits),
-        (Samples::Eight(_), Bits::Eight) | (Samples::Sixteen(_), Bits::Sixteen)
-    );
-    let mut differing = differing.peekable();
+        .filter(|&(x, y)| image.pixel(x, y) != expected.pixel(x, y))
+        .peekable();
     match differing.peek().copied() {
-        _ if !same_depth => Err(fail(format!("has another depth than its recipe; expected {} bits", recipe.bits))),
+        None => Ok(read.sentence()),
         Some((x, y)) => {
-            let (found, wanted) = (image.pixel(x, y), expected.pixel(x, y));
-            let count = differing.count();
+            let (found, wanted, count) = (image.pixel(x, y), expected.pixel(x, y), differing.count());
             Err(fail(format!(
                 "{count} pixels differ from the recipe, the first at ({x}, {y}), which is {found:?}; expected {wanted:?}"
             )))
         }
-        None => Ok(format!(
-            "image of {}, {} pixels a side, {} bits, {}, dither {}{}: every code is as its recipe gives it",
+    }
+}
+
+impl ReadBack {
+    /// What the image should be.
+    fn expected(&self) -> Result<CodeImage, String> {
+        let recipe = &self.recipe;
+        if let Some(screen) = self.halftone {
+            return dots(recipe, screen).map_err(|error| error.to_string());
+        }
+        let codes = recipe.codes(&recipe.quantizer());
+        match self.reduction {
+            None => Ok(codes),
+            Some(Reduction { reducer, colors }) => reduce(&codes, &recipe.transfer, colors, reducer)
+                .map(|image| image.codes())
+                .map_err(|error| error.to_string()),
+        }
+    }
+
+    fn sentence(&self) -> String {
+        let recipe = &self.recipe;
+        let transfer = match &recipe.transfer {
+            Transfer::Table(_) => "measured table".to_owned(),
+            other => other.to_string(),
+        };
+        let palette = self.reduction.map_or_else(String::new, |reduction| format!(", palette {reduction}"));
+        let halftone = self.halftone.map_or_else(String::new, |screen| format!(", halftone {screen}"));
+        format!(
+            "image of {}, {} pixels a side, {} bits, {transfer}, dither {}{palette}{halftone}: every code is as its recipe gives it",
             recipe.stimulus.kind(),
             recipe.size,
             recipe.bits,
-            if let Transfer::Table(_) = recipe.transfer {
-                "measured table".to_owned()
-            } else {
-                recipe.transfer.to_string()
-            },
             recipe.dither,
-            reduction.map_or_else(String::new, |reduction| format!(", palette {reduction}"))
-        )),
+        )
     }
 }
