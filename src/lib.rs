@@ -19,7 +19,7 @@
 //! | 4 | [`store`] | every file format |
 //! | 6 | [`app`], [`cli`] | the window; the commands |
 //!
-//! Sources: \[B\] Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; \[S\] Shoaff,
+//! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,
 //! *Color, Illumination Models, and Shading*.
 
 pub mod app;

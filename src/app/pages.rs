@@ -27,7 +27,7 @@ pub const INSTRUCTION_PAGES: usize = 2;
 const PICTURE: f32 = 150.0;
 
 /// An example of each category, drawn with the session's own colours: width and depth of a ramp whose brighter band
-/// most people see as that category describes. They are examples for the eye, not answers: [B] §3.2's findings put
+/// most people see as that category describes. They are examples for the eye, not answers: Bangay §3.2's findings put
 /// them in this order.
 const EXAMPLES: [(f64, Depth); 4] =
     [(0.9, Depth::Finite(4)), (0.9, Depth::Finite(2)), (0.6, Depth::Finite(1)), (0.12, Depth::Finite(1))];

@@ -66,7 +66,7 @@ pub struct OrderedLogit {
 
 impl Default for OrderedLogit {
     /// As the paper tells it: visibility falls with width and again for very narrow ramps, falls with n and is still
-    /// falling after n = 3, a linear ramp is always visible, no effect of orientation. [B] §3.2
+    /// falling after n = 3, a linear ramp is always visible, no effect of orientation. Bangay §3.2
     /// The numbers are chosen to look like its Figure 4, not estimated from data.
     fn default() -> Self {
         Self {

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::stimulus::Stimulus;
 
-/// Highest rating of the paper's scale; ratings are 0…3. [B] §3.1
+/// Highest rating of the paper's scale; ratings are 0…3. Bangay §3.1
 pub const RATING_MAX: u8 = 3;
 /// Most trials that one session may have.
 const TRIALS_MAX: usize = 100_000;
@@ -124,7 +124,7 @@ impl Serialize for Order {
     }
 }
 
-/// The uniform field between stimuli. [B] §3.1
+/// The uniform field between stimuli. Bangay §3.1
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recovery {
     /// Seconds, 0…600.
@@ -191,14 +191,14 @@ impl Default for Recovery {
 }
 
 impl Default for ViewingPlan {
-    /// About 10° at 50 cm. [B] §3.1
+    /// About 10° at 50 cm. Bangay §3.1
     fn default() -> Self {
         Self { distance_cm: 50.0, window_deg: 10.0 }
     }
 }
 
 impl Default for ResponseScale {
-    /// The paper's four categories. [B] §3.1
+    /// The paper's four categories. Bangay §3.1
     fn default() -> Self {
         let labels = ["No band", "Broad band", "Narrow band, indistinct boundaries", "Narrow band, clearly defined"];
         Self {
