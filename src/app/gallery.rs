@@ -297,6 +297,9 @@ fn plot(ui: &mut egui::Ui, id: &str, axis: &str, width: f32, lines: &[(&str, &Ve
         .allow_zoom(false)
         .allow_scroll(false)
         .allow_boxed_zoom(false)
+        // A nearly uniform light is shown as one: not every rounding as a cliff.
+        .include_y(lowest(lines) - 0.02)
+        .include_y(lowest(lines) + 0.02)
         .x_axis_label("position, window sides")
         .y_axis_label(axis)
         .legend(Legend::default().position(Corner::LeftTop))
@@ -305,6 +308,10 @@ fn plot(ui: &mut egui::Ui, id: &str, axis: &str, width: f32, lines: &[(&str, &Ve
                 plot.line(Line::new(*name, (*points).clone()).color(color).width(1.5));
             }
         });
+}
+
+fn lowest(lines: &[(&str, &Vec<[f64; 2]>)]) -> f64 {
+    lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min)
 }
 
 impl Curves {
