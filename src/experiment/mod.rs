@@ -18,7 +18,7 @@ pub use observer::{Observer, OrderedLogit, UniformObserver, simulate};
 pub use protocol::{
     Category, Design, Fault, Order, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan, name_fault,
 };
-pub use record::{Column, Phase, Rating, RowContext, Seconds, TrialRecord, columns, columns_by_header};
-pub use schedule::{GENERATOR, Schedule, ScheduleError, Trial, session_seed};
+pub use record::{Column, Rating, RowContext, Seconds, TrialRecord, columns, columns_by_header};
+pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;

@@ -1,7 +1,7 @@
 //! One row of the data. The schema is the struct: its fields, in their order, are the columns of a result file, and
 //! their descriptions make the column dictionary and the sidecar.
 
-use std::{str::FromStr, time::Duration};
+use std::time::Duration;
 
 use jiff::Timestamp;
 use serde::Serialize;
@@ -9,40 +9,10 @@ use serde::Serialize;
 use super::{
     identity::Identity,
     protocol::Protocol,
-    schedule::{Schedule, Trial},
+    schedule::{Phase, Schedule, Trial},
     session::TrialResponse,
 };
 use crate::{light::interpolation::Depth, stimulus::ParameterValue};
-
-/// Practice trials are recorded and not analysed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Phase {
-    /// Before the measurement.
-    Practice,
-    /// The measurement.
-    Main,
-}
-
-impl std::fmt::Display for Phase {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Practice => "practice",
-            Self::Main => "main",
-        })
-    }
-}
-
-impl FromStr for Phase {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "practice" => Ok(Self::Practice),
-            "main" => Ok(Self::Main),
-            _ => Err("expected practice or main".to_owned()),
-        }
-    }
-}
 
 /// A value that stands in one cell of a CSV file.
 trait Cell: Sized {

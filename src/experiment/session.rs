@@ -3,7 +3,10 @@
 
 use std::{collections::BTreeSet, time::Duration};
 
-use super::{protocol::Protocol, record::Phase, schedule::Schedule};
+use super::{
+    protocol::Protocol,
+    schedule::{Phase, Schedule},
+};
 
 /// What happens to a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

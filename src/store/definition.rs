@@ -61,13 +61,7 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
     let table = toml_reader::parse(file, text)?;
     let reader = Reader::new(file, text);
     let root = reader.root(&table);
-    let schema = root.whole("schema");
-    match schema {
-        Some(1) => {}
-        Some(other) => root.fault_at("schema", format!("schema {other} is not known; expected 1")),
-        None if !table.contains_key("schema") => root.missing("schema"),
-        None => {}
-    }
+    root.schema();
     let name = root.required_text("name");
     let title = root.text("title");
     let stimulus = stimulus(&root);

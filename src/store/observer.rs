@@ -24,12 +24,7 @@ pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileFaults> {
     let table = toml_reader::parse(file, text)?;
     let reader = toml_reader::Reader::new(file, text);
     let root = reader.root(&table);
-    match root.whole("schema") {
-        Some(1) => {}
-        Some(other) => root.fault_at("schema", format!("schema {other} is not known; expected 1")),
-        None if !table.contains_key("schema") => root.missing("schema"),
-        None => {}
-    }
+    root.schema();
     let default = OrderedLogit::default();
     let thresholds = root.numbers("thresholds").map_or(Ok(default.thresholds), <[f64; 3]>::try_from);
     let thresholds = match thresholds {

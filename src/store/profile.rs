@@ -34,12 +34,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileFaults> {
     let table = toml_reader::parse(file, text)?;
     let reader = toml_reader::Reader::new(file, text);
     let root = reader.root(&table);
-    match root.whole("schema") {
-        Some(1) => {}
-        Some(other) => root.fault_at("schema", format!("schema {other} is not known; expected 1")),
-        None if !table.contains_key("schema") => root.missing("schema"),
-        None => {}
-    }
+    root.schema();
     let name = root.required_text("name").unwrap_or_default();
     let transfer_text = root.required_text("transfer").unwrap_or_else(|| "srgb".to_owned());
     let (encoded, linear) = (root.numbers("encoded"), root.numbers("linear"));

@@ -154,6 +154,17 @@ impl<'r, 't> Section<'r, 't> {
         })
     }
 
+    /// The version of the format, which must be there and be 1.
+    pub(super) fn schema(&self) {
+        match self.whole("schema") {
+            Some(1) => {}
+            Some(other) => self.fault_at("schema", format!("schema {other} is not known; expected 1")),
+            // Of another type is a fault already.
+            None if self.table.is_some_and(|table| table.contains_key("schema")) => {}
+            None => self.missing("schema"),
+        }
+    }
+
     /// A whole number from 0; `None` where the key is absent.
     pub(super) fn whole(&self, key: &'static str) -> Option<u32> {
         let (value, at) = self.get(key)?;
