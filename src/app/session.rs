@@ -152,6 +152,8 @@ impl SessionPage {
         let now = self.offset + Duration::from_secs_f64((window_s - self.window_start_s).max(0.0));
         if self.trouble.is_some() {
             self.frames.interrupt();
+            // Keys mean nothing to the session now, but those that go up must not count as held later.
+            self.fresh_keys(ui);
             self.remedy(ui, now);
             return Go::Stay;
         }
@@ -179,38 +181,41 @@ impl SessionPage {
         trial == Some(Phase::Main)
     }
 
-    /// Keys, in the order in which they came.
-    fn hear(&mut self, ui: &egui::Ui, now: Duration) {
-        let (events, moved, time) =
-            ui.input(|input| (input.events.clone(), input.pointer.delta() != egui::Vec2::ZERO, input.time));
-        if moved {
-            self.mouse_moved_s = time;
-        }
-        for event in events {
-            let egui::Event::Key { key, physical_key, pressed, modifiers, .. } = event else {
-                if event == egui::Event::WindowFocused(false) {
-                    self.held.clear();
+    /// Keys that have just gone down, in the order in which they came: what each means, and its place.
+    fn fresh_keys(&mut self, ui: &egui::Ui) -> Vec<(Key, Key)> {
+        let mut fresh = Vec::new();
+        for event in ui.input(|input| input.events.clone()) {
+            match event {
+                egui::Event::WindowFocused(false) => self.held.clear(),
+                egui::Event::Key { key, physical_key, pressed, modifiers, .. } => {
+                    let place = physical_key.unwrap_or(key);
+                    if !pressed {
+                        self.held.remove(&place);
+                    } else if self.held.insert(place) && !(modifiers.ctrl || modifiers.alt || modifiers.command) {
+                        fresh.push((key, place));
+                    }
                 }
-                continue;
-            };
-            let place = physical_key.unwrap_or(key);
-            if !pressed {
-                self.held.remove(&place);
-                continue;
+                _ => {}
             }
-            if !self.held.insert(place) {
-                continue;
-            }
-            if modifiers.ctrl || modifiers.alt || modifiers.command {
-                continue;
-            }
+        }
+        fresh
+    }
+
+    /// Does what keys and mouse ask.
+    fn hear(&mut self, ui: &egui::Ui, now: Duration) {
+        if ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO) {
+            self.mouse_moved_s = ui.input(|input| input.time);
+        }
+        for (key, place) in self.fresh_keys(ui) {
             match key {
                 Key::Escape => self.step(Event::Pause, now),
                 Key::Backspace => self.step(Event::TakeBack, now),
                 Key::S if self.is_trial() => self.scale_shown = !self.scale_shown,
-                // Some keyboards give the digits of the top row only with Shift; the key itself is then what counts.
+                // Some keyboards give the digits of the top row only with Shift; the key itself is then what counts. A
+                // letter counts by what it says: its place differs between keyboards.
                 _ => {
-                    if let Some(rating) = self.rating(key).or_else(|| self.rating(place)) {
+                    let digit = place.name().starts_with(|c: char| c.is_ascii_digit()).then_some(place);
+                    if let Some(rating) = self.rating(key).or_else(|| self.rating(digit?)) {
                         self.step(Event::Rate(rating), now);
                     }
                 }
