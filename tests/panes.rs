@@ -150,6 +150,46 @@ fn the_scale_can_be_clicked() {
     assert_eq!(rows(folder.path(), &protocol)[0].rating.0, 1);
 }
 
+/// Left in the main part and resumed: the participant sees no plot, and the same bare screen as before.
+#[test]
+fn a_session_that_was_left_goes_on_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let protocol = protocol(0.2, 10.0);
+    let start =
+        |resume| harness(Launch { request: Some(Request { resume, ..request(folder.path(), protocol.clone()) }) });
+    let mut first = start(false);
+    walk_to_first_trial(&mut first);
+    first.run_steps(20);
+    press(&mut first, Key::Num1);
+    wait_for(&mut first, "Now the main part");
+    press(&mut first, Key::Space);
+    first.run_steps(20);
+    assert!(first.query_by_label_contains("Broad band").is_none(), "the scale is hidden in the main part");
+    press(&mut first, Key::Num2);
+    press(&mut first, Key::Escape);
+    wait_for(&mut first, "Leave the session");
+    first.get_by_label("Leave the session").click();
+    wait_for(&mut first, "The session is interrupted");
+    assert!(first.query_by_label_contains("mean rating").is_none());
+    drop(first);
+
+    let mut second = start(true);
+    wait_for(&mut second, "are those of the sitting before");
+    press(&mut second, Key::Space);
+    wait_for(&mut second, "2 of 5 are done");
+    press(&mut second, Key::Space);
+    wait_for(&mut second, "The four answers");
+    press(&mut second, Key::Space);
+    wait_for(&mut second, "Now the main part");
+    press(&mut second, Key::Space);
+    second.run_steps(20);
+    assert!(second.query_by_label_contains("Broad band").is_none(), "nor after a resume");
+    press(&mut second, Key::Num0);
+    let rows = rows(folder.path(), &protocol);
+    let seen: Vec<_> = rows.iter().map(|row| (row.trial, row.sitting, row.rating.0)).collect();
+    assert_eq!(seen, [(1, 1, 1), (1, 1, 2), (2, 2, 0)]);
+}
+
 #[test]
 fn a_stimulus_that_does_not_fit_says_so_and_makes_no_file() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,6 +3,7 @@
 use std::{
     path::PathBuf,
     sync::mpsc::{Receiver, channel},
+    time::{Duration, Instant},
 };
 
 use eframe::egui;
@@ -20,6 +21,8 @@ pub enum Ask {
 #[derive(Default)]
 pub struct Dialog {
     answer: Option<Receiver<Option<PathBuf>>>,
+    opened: Option<Instant>,
+    missing: bool,
 }
 
 impl Dialog {
@@ -41,6 +44,13 @@ impl Dialog {
             ctx.request_repaint();
         });
         self.answer = Some(receive);
+        self.opened = Some(Instant::now());
+        self.missing = false;
+    }
+
+    /// Whether the last one never opened.
+    pub fn is_missing(&self) -> bool {
+        self.missing
     }
 
     /// The path chosen, once.
@@ -49,6 +59,9 @@ impl Dialog {
         match answer {
             Ok(path) => {
                 self.answer = None;
+                // Nobody closes a dialog this fast: there was none. The system does not say so itself.
+                let at_once = self.opened.is_some_and(|opened| opened.elapsed() < Duration::from_millis(400));
+                self.missing = path.is_none() && at_once;
                 path
             }
             Err(std::sync::mpsc::TryRecvError::Disconnected) => {

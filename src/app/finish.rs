@@ -33,7 +33,8 @@ const MARKERS: [MarkerShape; 7] = [
 pub struct Finish {
     protocol: Protocol,
     path: PathBuf,
-    complete: bool,
+    /// Every planned trial is rated.
+    pub(super) complete: bool,
     lines: Vec<MeanLine>,
     /// Labels along the horizontal axis, and what they are.
     levels: Vec<String>,
@@ -82,26 +83,25 @@ impl Finish {
                 ui.heading(&texts.thanks);
                 ui.label(&texts.done);
             } else {
-                ui.heading(&texts.paused);
-                ui.label("The session was left before its end. Every answer given is saved; start it again with the same participant and session to go on.");
+                ui.heading(&texts.left_heading);
+                ui.label(&texts.left);
             }
             ui.add_space(8.0);
-            if self.lines.is_empty() {
-                ui.label("No main trial is rated yet, so there is nothing to plot.");
-            } else {
+            // Someone who comes back must not have seen where the answers are heading.
+            if self.complete && !self.lines.is_empty() {
                 self.plot(ui);
             }
             ui.add_space(8.0);
-            ui.label("The answers are in");
+            ui.label(&texts.saved_in);
             ui.add(egui::Label::new(egui::RichText::new(self.path.display().to_string()).monospace()).wrap());
             ui.horizontal(|ui| {
-                if ui.button("Open the folder").clicked() {
+                if ui.button(&texts.open_folder).clicked() {
                     let folder = self.path.parent().unwrap_or(&self.path);
                     self.opened = open::that_detached(folder)
                         .err()
                         .map(|error| format!("{}: cannot be opened: {error}", folder.display()));
                 }
-                leave = theme::primary(ui, if direct { "Close" } else { "Back to the start" }, true, "Enter");
+                leave = theme::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             });
             if let Some(fault) = &self.opened {
                 theme::fault(ui, fault);
@@ -113,8 +113,8 @@ impl Finish {
     }
 
     fn plot(&self, ui: &mut egui::Ui) {
-        let by = self.by.as_ref().map_or_else(String::new, |by| format!(", one line for each {by}"));
-        ui.label(format!("Your mean rating by {}{by}", self.axis));
+        let lines = self.by.as_deref().unwrap_or("experiment");
+        ui.label(self.protocol.instructions.ratings.replace("{x}", &self.axis).replace("{lines}", lines));
         let labels = self.levels.clone();
         let last = labels.len().saturating_sub(1) as f64;
         Plot::new("ratings")

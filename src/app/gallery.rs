@@ -213,7 +213,7 @@ impl Gallery {
             }
             if ui.button("Copy as command").clicked() {
                 ui.ctx().copy_text(shown.recipe.command());
-                self.said = Some(Ok(shown.recipe.command()));
+                self.said = Some(Ok(format!("Copied: {}", shown.recipe.command())));
             }
         });
         match &self.said {
@@ -271,7 +271,7 @@ fn control(ui: &mut egui::Ui, parameter: &'static Parameter, text: &mut String) 
                 let slider = egui::Slider::new(&mut value, least..=most)
                     .clamping(egui::SliderClamping::Never)
                     .step_by(step)
-                    .max_decimals(4);
+                    .max_decimals(if step >= 1.0 { 0 } else { 4 });
                 if ui.add(slider).labelled_by(label.id).changed() {
                     *text = ParameterValue::Number(value).to_string();
                 }

@@ -47,6 +47,16 @@ enum Field {
 }
 
 impl Home {
+    /// Home as it was left.
+    pub fn again(form: Form) -> Self {
+        Self { form, ..Self::default() }
+    }
+
+    /// The fields.
+    pub fn form(&self) -> &Form {
+        &self.form
+    }
+
     /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui, here: &Monitor, monitors: &[Monitor]) -> Go {
         // The form is about the monitor that the session will use, wherever this window is.
@@ -196,10 +206,17 @@ impl Home {
         let mut chosen = None;
         row(ui, "Experiment", |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                let shown = self.form.experiment.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+                let mut typed = self.form.experiment.clone();
+                ui.add(
+                    egui::TextEdit::singleline(&mut typed).desired_width(200.0).hint_text("name, or path of a .toml"),
+                )
+                .labelled_by(label);
+                if typed != self.form.experiment {
+                    chosen = Some(typed);
+                }
                 egui::ComboBox::from_id_salt("experiment")
-                    .selected_text(shown)
-                    .width(220.0)
+                    .selected_text("Built in")
+                    .width(96.0)
                     .show_ui(ui, |ui| {
                         for built_in in BUILT_IN {
                             if ui.selectable_label(self.form.experiment == built_in.name, built_in.name).clicked() {
@@ -274,6 +291,12 @@ impl Home {
         let ready = checked.request().is_some();
         let mut clicked = false;
         row(ui, "", |ui, _| {
+            if self.dialog.is_missing() {
+                theme::fault(
+                    ui,
+                    "No file dialog opened on this system: type the path, or drop a definition on this window.",
+                );
+            }
             let hint = match (ready, checked.resume) {
                 (false, _) => "Something above needs attention.",
                 (true, true) => "This session was interrupted; it goes on with the trials that are missing.",

@@ -125,6 +125,8 @@ pub struct App {
     /// Started with a session: leaving it closes the window.
     direct: bool,
     monitors: Vec<Monitor>,
+    /// Home's fields as they were left, to come back to.
+    form: form::Form,
 }
 
 impl App {
@@ -136,7 +138,7 @@ impl App {
             Some(request) => Page::Preflight(Box::new(preflight::Preflight::new(request))),
             None => Page::Home(Box::default()),
         };
-        Self { page, direct, monitors: Vec::new() }
+        Self { page, direct, monitors: Vec::new(), form: form::Form::default() }
     }
 }
 
@@ -153,11 +155,21 @@ impl eframe::App for App {
             Page::Finish(finish) => finish.show(ui, self.direct),
             Page::Gallery(gallery) => gallery.show(ui),
         };
+        if let Page::Home(home) = &self.page {
+            self.form = home.form().clone();
+        }
         match go {
             Go::Stay => {}
             Go::To(page) => self.turn_to(ui.ctx(), page),
             Go::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
-            Go::Back => self.turn_to(ui.ctx(), Page::Home(Box::default())),
+            Go::Back => {
+                let mut form = self.form.clone();
+                if matches!(&self.page, Page::Finish(finish) if finish.complete) {
+                    // The next participant; an interrupted one stays, to be resumed.
+                    form.participant.clear();
+                }
+                self.turn_to(ui.ctx(), Page::Home(Box::new(home::Home::again(form))));
+            }
         }
         self.keep_unsaved(ui.ctx());
     }

@@ -13,7 +13,10 @@ use super::{
 use crate::{
     display::{Screen, Viewing},
     experiment::FrameCount,
-    store::sidecar::PreflightNote,
+    store::{
+        dataset::SessionPaths,
+        sidecar::{PreflightNote, Sidecar},
+    },
 };
 
 /// How long frames are measured, seconds, after the window has come to rest.
@@ -26,10 +29,20 @@ const SETTLE_S: f64 = 0.7;
 /// The page.
 pub struct Preflight {
     request: Request,
+    /// Transfer function and stimulus size of the sitting that was interrupted.
+    before: Option<(String, u64)>,
     since: Option<f64>,
     frames: FrameStatistics,
     /// Why the session could not begin.
     refused: Option<String>,
+}
+
+fn sitting_before(request: &Request) -> Option<(String, u64)> {
+    let paths = SessionPaths::new(&request.results, &request.protocol, &request.identity);
+    let sidecar = Sidecar::read(&paths.sidecar).ok()??;
+    let sitting = sidecar.sittings.last()?;
+    let transfer = sitting.display.as_ref()?["transfer"].as_str()?.to_owned();
+    Some((transfer, sitting.viewing.as_ref()?["stimulus_px"].as_u64()?))
 }
 
 /// What was found.
@@ -41,7 +54,8 @@ struct Findings {
 impl Preflight {
     /// For a session; the window is on its way to full screen.
     pub fn new(request: Request) -> Self {
-        Self { request, since: None, frames: FrameStatistics::default(), refused: None }
+        let before = if request.resume { sitting_before(&request) } else { None };
+        Self { request, before, since: None, frames: FrameStatistics::default(), refused: None }
     }
 
     /// Draws the page.
@@ -184,11 +198,7 @@ impl Preflight {
                     median * 1e3,
                     1.0 / median,
                     slow * 1e3,
-                    if steady {
-                        "."
-                    } else {
-                        ": not steady, so close other programs. Dropped frames will be counted all the same where the refresh rate is known."
-                    }
+                    if steady { "." } else { ": not steady, so close other programs." }
                 ),
                 _ => "No frames could be measured.".to_owned(),
             },
@@ -206,6 +216,20 @@ impl Preflight {
             frames: interval.map_or(FrameCount::Frames, FrameCount::Against),
             window,
         });
+        if let (Some((transfer, size_px)), Some(now)) = (&self.before, &prepared) {
+            let same = *transfer == self.request.display.transfer.to_string() && *size_px == u64::from(now.size_px);
+            note(
+                "same_as_before",
+                same,
+                if same {
+                    "Display profile and stimulus size are those of the sitting before.".to_owned()
+                } else {
+                    format!(
+                        "The sitting before had {transfer} and a stimulus of {size_px} pixels: go back and restore that, unless you mean to change it."
+                    )
+                },
+            );
+        }
         Findings { notes, prepared }
     }
 

@@ -117,9 +117,12 @@ impl SessionPage {
         let offset = offset(elapsed_s, rows.first());
         let quantizer = Quantizer::new(&request.display.transfer, Bits::Eight);
         let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: prepared.frames };
+        let session = Session::new(protocol.clone(), schedule, &resumed, options);
+        let practising =
+            session.current().is_some_and(|trial| session.schedule().trials[trial].phase == Phase::Practice);
         Ok(Self {
             resumed: request.resume,
-            session: Session::new(protocol.clone(), schedule, &resumed, options),
+            session,
             store,
             identity: request.identity.clone(),
             sitting: number,
@@ -133,7 +136,7 @@ impl SessionPage {
             textures: Vec::new(),
             categories: CategoryPictures::default(),
             frames: FrameStatistics::default(),
-            scale_shown: true,
+            scale_shown: practising,
             trouble: None,
             closed: false,
             mouse_moved_s: f64::NEG_INFINITY,

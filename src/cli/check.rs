@@ -2,7 +2,7 @@
 
 use super::UsageError;
 
-/// Check definitions, result files, display profiles and observers; every fault is named.
+/// Check definitions, result files, display profiles, observers and images; every fault is named.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
 pub(super) struct Arguments {

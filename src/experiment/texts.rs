@@ -57,6 +57,20 @@ texts! {
     resumed = "Welcome back. {done} of {total} are done; the session goes on with the ones that are missing.";
     /// Heading at the end.
     thanks = "Thank you!";
+    /// Heading of a session that was left before its end.
+    left_heading = "The session is interrupted";
+    /// When it was left.
+    left = "Every answer given is saved. Start it again with the same participant and session to go on.";
+    /// Above the plot at the end; `{x}` and `{lines}` are filled in.
+    ratings = "Your mean rating by {x}, one line for each {lines}";
+    /// Above the path of the data.
+    saved_in = "The answers are in";
+    /// Button.
+    open_folder = "Open the folder";
+    /// Button that closes the window.
+    close = "Close";
+    /// Button that leads to the first page of the program.
+    back = "Back to the start";
     /// At the end.
     done = "That was the last image. Your answers are saved.";
 }

@@ -51,7 +51,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileFaults> {
         root.fault_at("transfer", message);
         Transfer::Srgb
     });
-    let screen_width_cm = table.contains_key("screen_width_cm").then(|| root.number("screen_width_cm", 0.0));
+    let screen_width_cm = table.contains_key("screen_width_cm").then(|| root.number("screen_width_cm", 50.0));
     if let Some(width) = screen_width_cm
         && !(1.0..=1000.0).contains(&width)
     {

@@ -177,7 +177,10 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
             Ok(false) => break,
             Ok(true) if header => {
                 header = false;
-                header_faults(&record, columns, &mut fault);
+                if header_faults(&record, columns, &mut fault) {
+                    // Another kind of file: its rows would be as many faults.
+                    break;
+                }
             }
             Ok(true) => {
                 let cells: Vec<&str> = record.iter().collect();
@@ -207,18 +210,24 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
     if faults.is_empty() { Ok(rows) } else { Err(FileFaults(faults)) }
 }
 
-fn header_faults(header: &csv::StringRecord, columns: &[Column], fault: &mut impl FnMut((usize, usize), String)) {
+/// Names the first column that is not the expected one; gives whether there is one.
+fn header_faults(
+    header: &csv::StringRecord,
+    columns: &[Column],
+    fault: &mut impl FnMut((usize, usize), String),
+) -> bool {
     let mut at = 1;
     for i in 0..columns.len().max(header.len()) {
         let (found, expected) = (header.get(i), columns.get(i).map(|column| column.name.as_str()));
         if found != expected {
             let found = found.map_or("missing".to_owned(), |name| format!("{:?}", clipped(name)));
             let expected = expected.map_or("no further column".to_owned(), |name| format!("{name:?}"));
-            fault((1, at), format!("column {} is {found}; expected {expected}", i + 1));
-            return;
+            fault((1, at), format!("column {} is {found}; expected {expected}, as in a result file", i + 1));
+            return true;
         }
         at += found.map_or(0, |name| name.chars().count()) + 1;
     }
+    false
 }
 
 /// Length of the leading part that consists of whole lines. A power cut may also leave zero bytes where the system had
