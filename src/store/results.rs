@@ -210,7 +210,7 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
     if faults.is_empty() { Ok(rows) } else { Err(FileFaults(faults)) }
 }
 
-/// Names the first column that is not the expected one; gives whether there is one.
+/// Names the first column that is not the expected one; gives whether it is the very first: another kind of file.
 fn header_faults(
     header: &csv::StringRecord,
     columns: &[Column],
@@ -223,7 +223,7 @@ fn header_faults(
             let found = found.map_or("missing".to_owned(), |name| format!("{:?}", clipped(name)));
             let expected = expected.map_or("no further column".to_owned(), |name| format!("{name:?}"));
             fault((1, at), format!("column {} is {found}; expected {expected}, as in a result file", i + 1));
-            return true;
+            return i == 0;
         }
         at += found.map_or(0, |name| name.chars().count()) + 1;
     }
