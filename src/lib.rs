@@ -27,5 +27,6 @@ pub mod cli;
 pub mod display;
 pub mod experiment;
 pub mod light;
+pub mod shading;
 pub mod stimulus;
 pub mod store;

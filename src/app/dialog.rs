@@ -13,6 +13,8 @@ use eframe::egui;
 pub enum Ask {
     /// A TOML file.
     Toml,
+    /// An OBJ file.
+    Obj,
     /// A folder.
     Folder,
 }
@@ -37,6 +39,7 @@ impl Dialog {
             let dialog = rfd::FileDialog::new();
             let path = match ask {
                 Ask::Toml => dialog.add_filter("TOML", &["toml"]).pick_file(),
+                Ask::Obj => dialog.add_filter("OBJ", &["obj"]).pick_file(),
                 Ask::Folder => dialog.pick_folder(),
             };
             // The window may be gone; then nobody needs the answer.

@@ -318,8 +318,9 @@ impl Curves {
     fn new(recipe: &Recipe, quantizer: &Quantizer) -> Self {
         let strongest = recipe.stimulus.strongest_channel();
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES) - 0.5;
-        let asked: Vec<[f64; 2]> =
-            (0..SAMPLES).map(|i| [place(i), f64::from(recipe.stimulus.light_at(place(i))[strongest])]).collect();
+        let places: Vec<f64> = (0..SAMPLES).map(place).collect();
+        let light = recipe.stimulus.profile(&places);
+        let asked: Vec<[f64; 2]> = places.iter().zip(&light).map(|(x, l)| [*x, f64::from(l[strongest])]).collect();
         let emitted =
             store::curve::samples(recipe, quantizer).iter().map(|sample| [sample.x, sample.emitted]).collect();
         let slope = differences(&asked);

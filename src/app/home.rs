@@ -78,9 +78,14 @@ impl Home {
             ui.add_space(8.0);
             go = self.start(ui);
             row(ui, "", |ui, _| {
-                if ui.button("Gallery of stimuli…").clicked() {
-                    go = Go::To(Page::Gallery(Box::default()));
-                }
+                ui.horizontal_wrapped(|ui| {
+                    if ui.button("Gallery of stimuli…").clicked() {
+                        go = Go::To(Page::Gallery(Box::default()));
+                    }
+                    if ui.button("Shading demo…").clicked() {
+                        go = Go::To(Page::Demo(Box::default()));
+                    }
+                });
             });
             ui.add_space(16.0);
             self.example(ui);

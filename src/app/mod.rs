@@ -1,8 +1,9 @@
 //! Floor 6: the window. One page a file; the only place that makes a texture.
 //!
-//! Home → preflight → session → finish. `machband run` begins at the preflight. Home → gallery.
+//! Home → preflight → session → finish. `machband run` begins at the preflight. Home → gallery, demo.
 
 mod card;
+pub mod demo;
 mod dialog;
 mod finish;
 mod form;
@@ -107,6 +108,7 @@ enum Page {
     Session(Box<session::SessionPage>),
     Finish(Box<finish::Finish>),
     Gallery(Box<gallery::Gallery>),
+    Demo(Box<demo::Demo>),
 }
 
 /// Where a page leads.
@@ -154,6 +156,7 @@ impl eframe::App for App {
             Page::Session(session) => session.show(ui),
             Page::Finish(finish) => finish.show(ui, self.direct),
             Page::Gallery(gallery) => gallery.show(ui),
+            Page::Demo(demo) => demo.show(ui),
         };
         if let Page::Home(home) = &self.page {
             self.form = home.form().clone();

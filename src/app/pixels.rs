@@ -2,7 +2,7 @@
 //!
 //! A texture drawn at physical pixels, without filtering and tint, reaches the screen byte for byte.
 
-use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, Vec2};
+use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, TextureHandle, TextureId, TextureOptions, Vec2};
 
 use crate::{
     light::{CodeImage, Quantizer},
@@ -59,4 +59,18 @@ pub fn picture(ui: &mut egui::Ui, texture: &TextureHandle, size: u32, label: &st
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, label));
     draw_centred(ui, texture, size, rect);
     response
+}
+
+/// Draws the columns `columns` of a texture of `size` physical pixels one to one, the texture's upper left corner at
+/// `min`, a whole pixel.
+pub fn draw_columns(ui: &egui::Ui, texture: TextureId, size: [u32; 2], columns: std::ops::Range<u32>, min: Pos2) {
+    if columns.is_empty() {
+        return;
+    }
+    let scale = ui.ctx().pixels_per_point();
+    let [width, height] = size.map(|side| side as f32);
+    let [from, to] = [columns.start as f32, columns.end as f32];
+    let rect = Rect::from_min_max(min + Vec2::new(from, 0.0) / scale, min + Vec2::new(to, height) / scale);
+    let part = Rect::from_min_max(Pos2::new(from / width, 0.0), Pos2::new(to / width, 1.0));
+    ui.painter().image(texture, rect, part, Color32::WHITE);
 }

@@ -7,6 +7,7 @@ mod check;
 mod options;
 mod parallel;
 mod run;
+mod shade;
 mod simulate;
 mod stimuli;
 mod stimulus;
@@ -35,6 +36,7 @@ enum Command {
     Run(run::Arguments),
     Simulate(simulate::Arguments),
     Check(check::Arguments),
+    Shade(shade::Arguments),
     Stimulus(stimulus::Arguments),
     Stimuli(stimuli::Arguments),
 }
@@ -52,6 +54,7 @@ pub fn main() -> ExitCode {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Shade(arguments)) => shade::run(&arguments),
         Some(Command::Stimulus(arguments)) => stimulus::run(&arguments),
         Some(Command::Stimuli(arguments)) => stimuli::run(&arguments),
     };

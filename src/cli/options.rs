@@ -11,18 +11,36 @@ use crate::{
     store,
 };
 
-/// How light becomes codes.
+/// What the display makes of codes.
 #[derive(clap::Args)]
-pub(super) struct ImageOptions {
-    /// Side of the image in pixels.
-    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
-    pub(super) size: u32,
+pub(super) struct TransferOptions {
     /// Transfer function of the display: srgb, linear or gamma:G.
     #[arg(long, conflicts_with = "display")]
     transfer: Option<String>,
     /// Display profile.
     #[arg(long, value_name = "FILE")]
     display: Option<PathBuf>,
+}
+
+impl TransferOptions {
+    /// The transfer function, sRGB unless another was named.
+    pub(super) fn transfer(&self) -> anyhow::Result<Transfer> {
+        Ok(match (&self.display, &self.transfer) {
+            (Some(path), _) => store::profile::open(path)?.transfer,
+            (None, Some(text)) => text.parse().map_err(|error| UsageError(format!("--transfer: {error}")))?,
+            (None, None) => Transfer::Srgb,
+        })
+    }
+}
+
+/// How light becomes codes.
+#[derive(clap::Args)]
+pub(super) struct ImageOptions {
+    /// Side of the image in pixels.
+    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub(super) size: u32,
+    #[command(flatten)]
+    transfer: TransferOptions,
     /// Bits a channel.
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
     bits: String,
@@ -38,11 +56,7 @@ impl ImageOptions {
     /// The complete description of an image of this stimulus.
     pub(super) fn recipe(&self, stimulus: Stimulus) -> anyhow::Result<Recipe> {
         let usage = |message: String| UsageError(message);
-        let transfer: Transfer = match (&self.display, &self.transfer) {
-            (Some(path), _) => store::profile::open(path)?.transfer,
-            (None, Some(text)) => text.parse().map_err(|error| usage(format!("--transfer: {error}")))?,
-            (None, None) => Transfer::Srgb,
-        };
+        let transfer = self.transfer.transfer()?;
         Ok(Recipe {
             stimulus,
             size: self.size,

@@ -15,6 +15,7 @@ pub mod mach_band;
 mod orientation;
 pub mod parameter;
 pub mod recipe;
+mod shaded_mesh;
 mod staircase;
 mod vasarely;
 mod window;
@@ -30,6 +31,7 @@ pub use cylinder::{Cylinder, Shading};
 pub use kanizsa::Kanizsa;
 pub use mach_band::{MachBand, Ramp, RampSpace};
 pub use parameter::{Parameter, ParameterError, ParameterValue};
+pub use shaded_mesh::{ShadedMesh, Triple};
 pub use vasarely::Vasarely;
 
 macro_rules! stimuli {
@@ -140,9 +142,21 @@ stimuli! {
     /// A faceted cylinder under flat, Gouraud or Phong shading.
     #[serde(rename = "shaded-cylinder")]
     Cylinder,
+    /// A mesh under one of the shaders.
+    ShadedMesh,
 }
 
 impl Stimulus {
+    /// The light asked at each of `places`, in window sides from the centre along the orientation.
+    #[must_use]
+    pub fn profile(&self, places: &[f64]) -> Vec<[f32; 3]> {
+        match self {
+            // Its mesh is made once for all places.
+            Self::ShadedMesh(mesh) => mesh.profile(places),
+            other => places.iter().map(|x| other.light_at(*x)).collect(),
+        }
+    }
+
     /// The codes of a window of `size` × `size` pixels: those of [`Stimulus::linear`], quantised, whichever way is
     /// faster.
     #[must_use]

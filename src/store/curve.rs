@@ -27,7 +27,8 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
     let (stimulus, size) = (&recipe.stimulus, recipe.size);
     let strongest = stimulus.strongest_channel();
     let place = |i: u32| (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size));
-    let row = LinearImage::from_fn(size, 1, |i, _| stimulus.light_at(place(i)));
+    let light = stimulus.profile(&(0..size).map(place).collect::<Vec<_>>());
+    let row = LinearImage::from_fn(size, 1, |i, _| light[i as usize]);
     let codes = match &recipe.dither {
         Dither::None => quantizer.quantize(&row),
         dither => quantizer.quantize_with(&row, &dither.with_seed(recipe.seed)),

@@ -85,7 +85,7 @@ fn variable(column: &Column) -> serde_json::Value {
 }
 
 /// Writes a JSON file, whole or not at all.
-pub(super) fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreError> {
+pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreError> {
     let mut text =
         serde_json::to_vec_pretty(value).map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
     text.push(b'\n');

@@ -18,6 +18,8 @@ const KEYWORD: &str = "machband";
 const PALETTE_KEYWORD: &str = "machband-palette";
 /// Keyword of the text chunk that names the halftone, where it is one.
 const HALFTONE_KEYWORD: &str = "machband-halftone";
+/// Keyword of the text chunk that holds the parameters of a shaded mesh as JSON.
+const SHADED_KEYWORD: &str = "machband-shading";
 /// Chromaticities of D65 and of the sRGB primaries, in the hundred-thousandths of PNG. IEC 61966-2-1.
 const SRGB_CHROMATICITIES: [[u32; 2]; 4] = [[31_270, 32_900], [64_000, 33_000], [30_000, 60_000], [15_000, 6_000]];
 /// Entries of the tone curves in an embedded profile.
@@ -65,6 +67,27 @@ pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<()
     let image = dots(recipe, screen).map_err(|error| failed(error.into()))?;
     let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
     let bytes = encode(&image, &recipe.transfer, &texts).map_err(|error| failed(error.into()))?;
+    write_whole(path, &bytes, false)
+}
+
+/// Writes the picture of a shaded mesh, `parameters` saying how it was made.
+///
+/// # Errors
+/// The system's refusal.
+pub fn write_shaded(
+    path: &Path,
+    image: &CodeImage,
+    transfer: &Transfer,
+    parameters: &serde_json::Value,
+) -> Result<(), StoreError> {
+    // Text chunks are Latin-1, and the path of a mesh may be anything: JSON can say it in ASCII.
+    let escape = |c: char| {
+        let units = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|u| format!("\\u{u:04x}")).collect::<String>();
+        if c.is_ascii() { c.to_string() } else { units(c) }
+    };
+    let text = parameters.to_string().chars().map(escape).collect();
+    let bytes = encode(image, transfer, &[(SHADED_KEYWORD, text)])
+        .map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
     write_whole(path, &bytes, false)
 }
 

@@ -1,7 +1,7 @@
 //! Floor 4: every file format, one file each. Errors carry file, line and column.
 //!
-//! Read: [`definition`], [`profile`], [`observer`] (TOML). Written while a session runs: [`results`] (CSV),
-//! [`sidecar`] and [`dataset`] (JSON), joined in [`session`]. Exported: [`image`] (PNG), [`curve`] (CSV) and
+//! Read: [`definition`], [`profile`], [`observer`] (TOML), [`obj`] (meshes). Written while a session runs: [`results`]
+//! (CSV), [`sidecar`] and [`dataset`] (JSON), joined in [`session`]. Exported: [`image`] (PNG), [`curve`] (CSV) and
 //! [`manifest`] (many images).
 
 pub mod check;
@@ -11,6 +11,7 @@ pub mod definition;
 mod fault;
 pub mod image;
 pub mod manifest;
+pub mod obj;
 pub mod observer;
 pub mod profile;
 pub mod results;

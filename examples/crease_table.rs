@@ -1,0 +1,133 @@
+//! How much of Gouraud's creases each shader leaves: the table of the README.
+//!
+//! `cargo run --release --example crease_table`
+//!
+//! A crease is the jump on the screen of the slope normal to an edge that two triangles facing the eye share, measured by
+//! one-sided differences of the light. Each cell has the root mean square over the edges' length, then the median, both
+//! relative to Gouraud's. A slope jump is not yet a perceived band.
+
+use std::error::Error;
+
+use machband::{
+    light::Depth,
+    shading::{Creases, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface, crease, shapes},
+};
+
+/// Pixels a side of the window.
+const SIZE: u32 = 1024;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let scene = Scene::default();
+    let meshes: [(&str, Mesh); 4] = [
+        ("sphere", shapes::mesh(shapes::Shape::Sphere, 642)?),
+        ("torus", shapes::mesh(shapes::Shape::Torus, 768)?),
+        ("blob-622", shapes::mesh(shapes::Shape::Blob, 313)?),
+        ("blob-1538", shapes::mesh(shapes::Shape::Blob, 771)?),
+    ];
+    let frames: Vec<(&str, Frame)> =
+        meshes.into_iter().map(|(name, mesh)| (name, scene.frame(&Surface::new(mesh), SIZE, SIZE))).collect();
+    let gouraud: Vec<Creases> = frames.iter().map(|(_, frame)| Creases::of_gouraud(frame)).collect();
+
+    println!("| shader | n | b | {} | vertices |", frames.iter().map(|f| f.0).collect::<Vec<_>>().join(" | "));
+    println!("|---|---|---|{}", "---|".repeat(frames.len() + 1));
+    for shades in families() {
+        let rows: Vec<Row> = shades.iter().map(|shade| Row::of(shade, &frames, &gouraud)).collect();
+        // One line for those that differ in nothing.
+        let mut groups: Vec<Vec<&Row>> = Vec::new();
+        for row in &rows {
+            match groups.iter_mut().find(|group| group[0].cells == row.cells) {
+                Some(group) => group.push(row),
+                None => groups.push(vec![row]),
+            }
+        }
+        for group in groups {
+            let heads = [0, 1, 2].map(|column| listed(group.iter().map(|row| row.head[column].as_str())));
+            println!("| {} | {} |", heads.join(" | "), group[0].cells.join(" | "));
+        }
+    }
+    println!("\nGouraud's own at {SIZE} × {SIZE}, in linear light per pixel:");
+    for ((name, _), c) in frames.iter().zip(&gouraud) {
+        let edges = c.edges.len();
+        println!("{name}: rms {:.1e}, median {:.1e}, 95 % {:.1e}, {edges} edges", c.rms, c.median, c.p95);
+    }
+    Ok(())
+}
+
+/// Each shader with the depths and widths at which it is compared.
+fn families() -> Vec<Vec<Shade>> {
+    let family = |&shader: &Shader| {
+        let own = Shade::new(shader);
+        match shader {
+            Shader::Patch => Gradients::ALL.iter().map(|&gradients| Shade { gradients, ..own }).collect(),
+            Shader::Cut => crossed(own, [1, 2, 3], [0.1, 0.33, 1.0]),
+            _ if has_strip(shader) => crossed(own, [2, 3, 5], [0.05, 0.2, 0.33]),
+            _ => vec![own],
+        }
+    };
+    Shader::ALL.iter().map(family).collect()
+}
+
+fn crossed(own: Shade, depths: [u8; 3], widths: [f64; 3]) -> Vec<Shade> {
+    let depths = depths.map(Depth::Finite);
+    depths.iter().flat_map(|&depth| widths.map(|boundary| Shade { depth, boundary, ..own })).collect()
+}
+
+fn has_strip(shader: Shader) -> bool {
+    use Shader::{Cut, Exact, Fixed, Gradient, GradientRepaired};
+    matches!(shader, Fixed | Gradient | GradientRepaired | Exact | Cut)
+}
+
+struct Row {
+    /// Shader, n and b.
+    head: [String; 3],
+    cells: Vec<String>,
+}
+
+/// Each once, in their order.
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let mut once: Vec<&str> = Vec::new();
+    for name in names {
+        if !once.contains(&name) {
+            once.push(name);
+        }
+    }
+    once.join(", ")
+}
+
+impl Row {
+    fn of(shade: &Shade, frames: &[(&str, Frame)], gouraud: &[Creases]) -> Row {
+        let mut cells: Vec<String> =
+            frames.iter().zip(gouraud).map(|((_, frame), gouraud)| cell(&Creases::of(frame, shade), gouraud)).collect();
+        let spreads =
+            frames.iter().map(|(_, frame)| spread(frame, shade) / spread(frame, &Shade::new(Shader::Gouraud)));
+        let worst = spreads.fold(0.0, f64::max);
+        cells.push(if worst < 1e-6 { ratio(worst) } else { format!("{worst:.1}") });
+        let name = match shade.shader {
+            Shader::Patch => format!("patch ({})", shade.gradients),
+            shader => shader.to_string(),
+        };
+        let strip = |value: String| if has_strip(shade.shader) { value } else { String::new() };
+        Row { head: [name, strip(shade.depth.to_string()), strip(shade.boundary.to_string())], cells }
+    }
+}
+
+/// Relative to Gouraud's; with the jump of the light itself where there is one.
+fn cell(own: &Creases, gouraud: &Creases) -> String {
+    let ratios = format!("{}, {}", ratio(own.rms / gouraud.rms), ratio(own.median / gouraud.median));
+    if own.step_rms > 1e-9 { format!("{ratios}; steps of {:.3}", own.step_rms) } else { ratios }
+}
+
+fn ratio(value: f64) -> String {
+    match value {
+        0.0 => "0".to_owned(),
+        _ if value < 1e-6 => "< 1e-6".to_owned(),
+        _ => format!("{value:.2}"),
+    }
+}
+
+/// How far the light is from having one slope at each vertex, root mean square over the vertices.
+fn spread(frame: &Frame, shade: &Shade) -> f64 {
+    let reference = Reference::new(frame, shade);
+    let vertices = crease::at_vertices(frame, |triangle, weights| reference.light(triangle, weights));
+    (vertices.iter().map(|v| v.spread * v.spread).sum::<f64>() / vertices.len() as f64).sqrt()
+}

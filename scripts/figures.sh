@@ -1,0 +1,86 @@
+#!/usr/bin/env bash
+# Makes the paper's Figures 8-12 anew, from the program itself, into docs/figures/figure{8,9,10,11,12}.png, and beside them
+# what our shaders make of the same meshes (figure-ours.png). docs/figures/README.md says what agrees.
+#
+#   scripts/figures.sh                             # with target/release/machband
+#   MACHBAND=target/debug/machband scripts/figures.sh
+#
+# Needs ImageMagick.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+machband=$(realpath "${MACHBAND:-target/release/machband}")
+figures=$PWD/docs/figures
+[ -x "$machband" ] || { echo "error: $machband: not found; expected a built machband (or MACHBAND=PATH)" >&2; exit 1; }
+for tool in convert montage; do
+    command -v "$tool" >/dev/null || { echo "error: $tool: not found; expected it on the PATH" >&2; exit 1; }
+done
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir -p "$figures"
+
+# panel FIGURE LABEL OPTION…: one picture.
+panel() {
+    local figure=$1 label=$2
+    shift 2
+    "$machband" shade --size 240 --out "$work/raw.png" "$@"
+    # The label stands below the picture; the picture itself is not touched.
+    convert "$work/raw.png" -strip -background white -gravity south -splice 0x22 -pointsize 13 -fill black \
+        -annotate +0+4 "$label" "$work/$figure-$(printf '%02d' "${#panels[@]}").png"
+    panels+=("$work/$figure-$(printf '%02d' "${#panels[@]}").png")
+}
+# sheet FIGURE: the panels so far, three in a row.
+sheet() {
+    montage "${panels[@]}" -tile 3x -geometry +4+4 -background white "$work/sheet.png"
+    convert "$work/sheet.png" -strip -define png:exclude-chunks=date,time,tIME -define png:compression-level=9 \
+        "PNG24:$figures/$1.png"
+    panels=()
+}
+panels=()
+cube=(--mesh cube --rotate 25,-35,0)
+
+panel figure8 '(a) flat' "${cube[@]}" --shader flat
+panel figure8 '(b) Gouraud' "${cube[@]}" --shader gouraud
+panel figure8 '(c) Phong' "${cube[@]}" --shader phong
+for letter_n_b in 'd 3 0.05' 'e 3 0.2' 'f 3 0.33' 'g 5 0.05' 'h 5 0.2' 'i 5 0.33'; do
+    read -r letter n b <<<"$letter_n_b"
+    panel figure8 "($letter) fixed ($n, $b)" "${cube[@]}" --shader fixed --depth "$n" --boundary "$b"
+done
+sheet figure8
+
+for figure in '9 vertex' '10 reweight'; do
+    read -r number correction <<<"$figure"
+    for how in printed repaired; do
+        for b in 0.05 0.2 0.33; do
+            panel "figure$number" "$correction, $how (3, $b)" "${cube[@]}" --shader fixed --depth 3 --boundary "$b" \
+                "--$correction" "$how"
+        done
+    done
+    sheet "figure$number"
+done
+
+for figure in '11 313' '12 771'; do
+    read -r number vertices <<<"$figure"
+    blob=(--mesh blob --vertices "$vertices")
+    panel "figure$number" '(a) fixed (1, 0.05)' "${blob[@]}" --shader fixed --depth 1 --boundary 0.05
+    panel "figure$number" '(b) fixed (3, 0.2)' "${blob[@]}" --shader fixed --depth 3 --boundary 0.2
+    panel "figure$number" '(c) vertex (3, 0.2)' "${blob[@]}" --shader fixed --depth 3 --boundary 0.2 --vertex printed
+    panel "figure$number" '(d) reweight (3, 0.33)' "${blob[@]}" --shader fixed --depth 3 --boundary 0.33 --reweight printed
+    panel "figure$number" 'Gouraud' "${blob[@]}" --shader gouraud
+    panel "figure$number" 'patch' "${blob[@]}" --shader patch
+    sheet "figure$number"
+done
+
+for mesh in cube blob; do
+    turned=(--mesh "$mesh" --rotate 25,-35,0)
+    panel ours "$mesh: Gouraud" "${turned[@]}" --shader gouraud
+    panel ours 'exact (3, 0.33)' "${turned[@]}" --shader exact --depth 3 --boundary 0.33
+    panel ours 'cut (1, 0.33)' "${turned[@]}" --shader cut --depth 1 --boundary 0.33
+    panel ours 'patch' "${turned[@]}" --shader patch
+    panel ours 'quadratic' "${turned[@]}" --shader quadratic
+    panel ours 'Phong' "${turned[@]}" --shader phong
+done
+sheet figure-ours
+
+echo "$figures: figure8.png, figure9.png, figure10.png, figure11.png, figure12.png, figure-ours.png"

@@ -1,0 +1,173 @@
+//! The picture: drawn pixel by pixel, turned by dragging, divided by a handle.
+
+use eframe::egui::{
+    self, Color32, CursorIcon, EventFilter, Id, Key, Pos2, Rect, Response, Sense, Shape, Stroke, TextureId, Vec2,
+};
+
+use super::{
+    comparison::Comparison,
+    look::{Hand, Look, Show},
+};
+use crate::app::{pixels, theme};
+
+/// The colours of left and right, in titles and plots.
+pub const COLORS: [Color32; 2] = [Color32::from_rgb(0x56, 0xb4, 0xe9), theme::NOTE];
+/// Degrees that an arrow key turns, and with Shift.
+const STEPS_DEG: [f64; 2] = [5.0, 1.0];
+
+/// The largest rectangle of whole physical pixels in `area`, and its size in pixels.
+pub fn whole_pixels(ctx: &egui::Context, area: Rect) -> (Rect, [u32; 2]) {
+    let scale = ctx.pixels_per_point();
+    let low = (area.min.to_vec2() * scale).ceil();
+    let size = ((area.max.to_vec2() * scale).floor() - low).max(Vec2::splat(1.0));
+    let rect = Rect::from_min_size((low / scale).to_pos2(), size / scale);
+    (rect, [size.x as u32, size.y as u32])
+}
+
+/// Lets the pointer and the keys move what the hand holds; gives whether a drag goes on.
+pub fn interact(ui: &egui::Ui, rect: Rect, compared: &mut Comparison, look: &mut Look, label: &str) -> bool {
+    let response = ui.interact(rect, Id::unique("demo picture"), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, label));
+    if response.drag_started() || response.clicked() {
+        response.request_focus();
+    }
+    let hand = if response.dragged_by(egui::PointerButton::Secondary) { Hand::Light } else { look.hand };
+    if response.dragged() {
+        drag(&response, rect, hand, compared, look);
+    }
+    if response.has_focus() {
+        keys(ui, &response, compared, look);
+        ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.0, Color32::WHITE), egui::StrokeKind::Outside);
+    }
+    let icon = match look.hand {
+        Hand::Line => CursorIcon::Crosshair,
+        _ if response.dragged() => CursorIcon::Grabbing,
+        _ => CursorIcon::Grab,
+    };
+    let divided = look.show != Show::Difference && divider(ui, rect, look);
+    response.on_hover_cursor(icon).dragged() || divided
+}
+
+fn drag(response: &Response, rect: Rect, hand: Hand, compared: &mut Comparison, look: &mut Look) {
+    // A drag across the surface's own radius turns it by a radian.
+    let radius = 0.45 * rect.width().min(rect.height());
+    let turned = (response.drag_delta() / radius).to_pos2();
+    let [right, down] = [turned.x, turned.y].map(|radians| f64::from(radians).to_degrees());
+    match hand {
+        Hand::Mesh if right != 0.0 || down != 0.0 => compared.turn(right, down),
+        Hand::Light if right != 0.0 || down != 0.0 => compared.move_light(right, -down),
+        Hand::Line => {
+            if let Some(at) = response.interact_pointer_pos() {
+                let place = share(rect, at);
+                if response.drag_started() {
+                    look.line[0] = place;
+                }
+                look.line[1] = place;
+            }
+        }
+        _ => {}
+    }
+}
+
+fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, look: &mut Look) {
+    let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+    let (right, down, fine) = ui.input(|input| {
+        let count = |key| input.num_presses(key) as f64;
+        let right = count(Key::ArrowRight) - count(Key::ArrowLeft);
+        (right, count(Key::ArrowDown) - count(Key::ArrowUp), input.modifiers.shift)
+    });
+    if right == 0.0 && down == 0.0 {
+        return;
+    }
+    let step = STEPS_DEG[usize::from(fine)];
+    match look.hand {
+        Hand::Mesh => compared.turn(right * step, down * step),
+        Hand::Light => compared.move_light(right * step, -down * step),
+        Hand::Line => {
+            let by = Vec2::new(right as f32, down as f32) * step as f32 / 250.0;
+            look.line = look.line.map(|end| (end + by).clamp(Pos2::ZERO, Pos2::new(1.0, 1.0)));
+        }
+    }
+}
+
+/// The divider's handle; gives whether it is being dragged.
+fn divider(ui: &egui::Ui, rect: Rect, look: &mut Look) -> bool {
+    let x = rect.left() + rect.width() * look.divider as f32;
+    let strip = Rect::from_x_y_ranges(x - 9.0..=x + 9.0, rect.y_range());
+    let response = ui.interact(strip, Id::unique("demo divider"), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::slider(true, look.divider, "Divider"));
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+        look.divider = f64::from(share(rect, at).x);
+    }
+    if response.double_clicked() {
+        look.divider = 0.5;
+    }
+    if response.has_focus() {
+        let arrows = EventFilter { horizontal_arrows: true, ..Default::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+        let step =
+            ui.input(|input| input.num_presses(Key::ArrowRight) as f64 - input.num_presses(Key::ArrowLeft) as f64);
+        look.divider = (look.divider + step * 0.02).clamp(0.0, 1.0);
+    }
+    let dragged = response.dragged();
+    response.on_hover_cursor(CursorIcon::ResizeHorizontal);
+    dragged
+}
+
+/// Draws the picture: the columns left of the divider from one texture, the rest from the other.
+pub fn draw(ui: &egui::Ui, rect: Rect, textures: [TextureId; 2], size: [u32; 2], look: &Look) {
+    let column = look.column(size[0]);
+    pixels::draw_columns(ui, textures[0], size, 0..column, rect.min);
+    pixels::draw_columns(ui, textures[1], size, column..size[0], rect.min);
+}
+
+/// Draws what lies over the picture: divider, scan line, light.
+pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, look: &Look) {
+    let painter = ui.painter().with_clip_rect(rect.expand(9.0));
+    if look.show != Show::Difference {
+        let x = rect.left() + rect.width() * look.divider as f32;
+        painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::from_gray(0x80)));
+        grip(&painter, Pos2::new(x.clamp(rect.left() + 9.0, rect.right() - 9.0), rect.bottom() - 26.0));
+    }
+    if look.scan {
+        let [from, to] = look.line.map(|end| rect.lerp_inside(end.to_vec2()));
+        // Dark beside light: seen before any picture.
+        painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(120)));
+        painter.line_segment([from, to], Stroke::new(1.0, Color32::from_gray(0xe0)));
+        painter.circle(from, 4.0, Color32::from_gray(0x20), Stroke::new(1.5, Color32::from_gray(0xe0)));
+        painter.circle_filled(to, 3.0, Color32::from_gray(0xe0));
+    }
+    if look.hand == Hand::Light {
+        let toward = compared.scene.light.normalize_or_zero();
+        let radius = 0.45 * rect.width().min(rect.height());
+        let at = rect.center() + Vec2::new(toward.x as f32, -toward.y as f32) * radius;
+        sun(&painter, at, toward.z >= 0.0);
+    }
+}
+
+/// What says that the divider can be moved: two arrowheads on a disc.
+fn grip(painter: &egui::Painter, at: Pos2) {
+    painter.circle(at, 9.0, Color32::from_gray(0x30), Stroke::new(1.0, Color32::from_gray(0xc0)));
+    for side in [-1.0, 1.0] {
+        let corner = |x: f32, y: f32| at + Vec2::new(x * side, y);
+        let tip = vec![corner(6.5, 0.0), corner(2.0, -3.5), corner(2.0, 3.5)];
+        painter.add(Shape::convex_polygon(tip, Color32::from_gray(0xe0), Stroke::NONE));
+    }
+}
+
+/// Where the light is; hollow behind the surface.
+fn sun(painter: &egui::Painter, at: Pos2, before: bool) {
+    let fill = if before { theme::NOTE } else { Color32::TRANSPARENT };
+    painter.circle(at, 6.0, fill, Stroke::new(1.5, theme::NOTE));
+    for ray in 0..8 {
+        let toward = Vec2::angled(ray as f32 * std::f32::consts::FRAC_PI_4);
+        painter.line_segment([at + toward * 9.0, at + toward * 13.0], Stroke::new(1.5, theme::NOTE));
+    }
+}
+
+/// A place as shares of a rectangle.
+fn share(rect: Rect, at: Pos2) -> Pos2 {
+    let from = (at - rect.min) / rect.size();
+    from.to_pos2().clamp(Pos2::ZERO, Pos2::new(1.0, 1.0))
+}

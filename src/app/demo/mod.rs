@@ -1,0 +1,359 @@
+//! The demo: one surface, one light, two shaders beside each other.
+
+mod canvas;
+mod comparison;
+mod controls;
+mod export;
+mod look;
+mod metric;
+mod presets;
+mod render;
+mod scan;
+
+use eframe::egui::{self, Key, Rect, UiBuilder};
+
+use super::{
+    Go,
+    dialog::{Ask, Dialog},
+    pixels, theme,
+};
+use crate::light::CodeImage;
+use look::{Hand, Look, Show};
+use metric::Metric;
+use render::{Model, Pictures};
+use scan::Scan;
+
+pub use comparison::{Comparison, MeshChoice, Side};
+
+/// Height of the plots below the picture, points.
+const PLOTS: f32 = 170.0;
+
+/// The page.
+pub struct Demo {
+    compared: Comparison,
+    look: Look,
+    preset: &'static str,
+    model: Option<Model>,
+    pictures: Option<Pictures>,
+    metric: Option<Metric>,
+    scan: Option<Scan>,
+    difference: Option<Difference>,
+    file: FileField,
+    export: export::Export,
+    dragging: bool,
+}
+
+/// The difference view, and what it was made from.
+struct Difference {
+    edition: u64,
+    factor: u8,
+    codes: CodeImage,
+    texture: egui::TextureHandle,
+}
+
+/// The OBJ file.
+#[derive(Default)]
+struct FileField {
+    path: String,
+    dialog: Dialog,
+    fault: Option<String>,
+}
+
+impl Default for Demo {
+    fn default() -> Self {
+        Self {
+            compared: Comparison::default(),
+            look: Look::default(),
+            preset: presets::all()[0].name,
+            model: None,
+            pictures: None,
+            metric: None,
+            scan: None,
+            difference: None,
+            file: FileField::default(),
+            export: export::Export::default(),
+            dragging: false,
+        }
+    }
+}
+
+impl Demo {
+    /// Draws the page.
+    pub(super) fn show(&mut self, ui: &mut egui::Ui) -> Go {
+        let mut back = false;
+        let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
+        self.take_files(ui.ctx());
+        egui::Panel::left("demo").resizable(false).exact_size(width).frame(egui::Frame::NONE.inner_margin(12.0)).show(
+            ui,
+            |ui| {
+                egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    controls::compact(ui);
+                    // Room for the scroll bar.
+                    ui.set_max_width(ui.available_width() - 6.0);
+                    ui.horizontal(|ui| {
+                        ui.heading("Shading");
+                        back = ui.button("Back").clicked();
+                        ui.label(theme::quiet("Esc"));
+                    });
+                    self.controls(ui);
+                });
+            },
+        );
+        egui::CentralPanel::default().frame(egui::Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
+            controls::compact(ui);
+            self.view(ui);
+        });
+        let typing = ui.ctx().memory(|memory| memory.focused().is_some());
+        if back || !typing && ui.input(|input| input.key_pressed(Key::Escape)) { Go::Back } else { Go::Stay }
+    }
+
+    fn controls(&mut self, ui: &mut egui::Ui) {
+        ui.add(
+            egui::Label::new(theme::quiet(
+                "The same surface under the same light, shaded in two ways. The bright and dark lines along the edges of the triangles are Mach bands: the eye makes them where the slope of the light jumps.",
+            ))
+            .wrap(),
+        );
+        controls::preset(ui, &mut self.compared, &mut self.look, &mut self.preset);
+        for which in 0..2 {
+            ui.separator();
+            controls::side(ui, which, &mut self.compared.sides[which]);
+        }
+        ui.add(
+            egui::Label::new(theme::quiet(
+                "A strip only a few pixels wide turns Exact's matched slope into a ripple: widen b, or take Cut or Patch.",
+            ))
+            .wrap(),
+        );
+        ui.separator();
+        let mut compared = self.compared.clone();
+        controls::mesh(ui, &mut compared);
+        self.file_field(ui, &mut compared);
+        ui.separator();
+        controls::light(ui, &mut compared);
+        controls::material(ui, &mut compared.scene);
+        controls::transfer(ui, &mut compared);
+        self.compared = compared;
+        ui.separator();
+        self.take_along(ui);
+    }
+
+    fn file_field(&mut self, ui: &mut egui::Ui, compared: &mut Comparison) {
+        let label = ui.label("OBJ file");
+        let field = egui::TextEdit::singleline(&mut self.file.path)
+            .hint_text("path of an .obj, or drop one here")
+            .desired_width(ui.available_width());
+        let field = ui.add(field).labelled_by(label.id);
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        ui.horizontal(|ui| {
+            if ui.button("Open the file").clicked() || entered {
+                self.open_file(compared);
+            }
+            let browse = ui.button("Browse…");
+            browse.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Choose an OBJ file…"));
+            if browse.clicked() {
+                self.file.dialog.open(ui.ctx(), Ask::Obj);
+            }
+        });
+        if self.file.dialog.is_missing() {
+            theme::fault(ui, "No file dialog opened on this system: type the path, or drop a file on this window.");
+        }
+        if let Some(fault) = &self.file.fault {
+            theme::fault(ui, fault);
+        }
+    }
+
+    /// A mesh that cannot be read leaves the one before.
+    fn open_file(&mut self, compared: &mut Comparison) {
+        let choice = MeshChoice::File(self.file.path.trim().to_owned());
+        match &mut self.model {
+            Some(model) => match model.load(&choice) {
+                Ok(()) => {
+                    compared.mesh = choice;
+                    self.file.fault = None;
+                }
+                Err(fault) => self.file.fault = Some(fault),
+            },
+            // Not drawn yet: nothing to leave.
+            None => {}
+        }
+    }
+
+    fn take_files(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        if let Some(path) = self.file.dialog.take().or(dropped) {
+            self.file.path = path.display().to_string();
+            let mut compared = self.compared.clone();
+            self.open_file(&mut compared);
+            self.compared = compared;
+        }
+    }
+
+    fn view(&mut self, ui: &mut egui::Ui) {
+        self.toolbar(ui);
+        let titles = self.compared.sides.map(|side| side.title());
+        self.titles(ui, &titles);
+        let status = 84.0;
+        let below = status + if self.look.scan { PLOTS + 8.0 } else { 0.0 };
+        let rest = ui.available_rect_before_wrap();
+        let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
+        let (rect, size) = canvas::whole_pixels(ui.ctx(), room);
+        let label = format!("The surface: {} on the left, {} on the right", titles[0], titles[1]);
+        self.dragging = canvas::interact(ui, rect, &mut self.compared, &mut self.look, &label);
+        self.refresh(ui.ctx(), size);
+        self.draw(ui, rect, size);
+        canvas::draw_marks(ui, rect, &self.compared, &self.look);
+        let mut lower = ui.new_child(
+            UiBuilder::new().max_rect(Rect::from_min_max(egui::pos2(rest.left(), rect.bottom() + 6.0), rest.max)),
+        );
+        self.numbers(&mut lower);
+        if self.look.scan
+            && let Some(scan) = &self.scan
+        {
+            scan.show(&mut lower, &titles);
+        }
+    }
+
+    fn toolbar(&mut self, ui: &mut egui::Ui) {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(theme::quiet("Show"));
+            for (show, name) in [(Show::Split, "Split"), (Show::Difference, "Difference"), (Show::Creases, "Creases")] {
+                ui.selectable_value(&mut self.look.show, show, name);
+            }
+            if self.look.show == Show::Difference {
+                let label = ui.label(theme::quiet("amplified ×"));
+                egui::ComboBox::from_id_salt("factor")
+                    .selected_text(self.look.factor.to_string())
+                    .width(52.0)
+                    .show_ui(ui, |ui| {
+                        for factor in [1, 2, 4, 8, 16, 32, 64] {
+                            ui.selectable_value(&mut self.look.factor, factor, factor.to_string());
+                        }
+                    })
+                    .response
+                    .labelled_by(label.id);
+            }
+            ui.separator();
+            ui.label(theme::quiet("Drag moves"));
+            for (hand, name) in [(Hand::Mesh, "the mesh"), (Hand::Light, "the light"), (Hand::Line, "a scan line")] {
+                if ui.selectable_value(&mut self.look.hand, hand, name).clicked() && hand == Hand::Line {
+                    self.look.scan = true;
+                }
+            }
+            ui.separator();
+            if ui.checkbox(&mut self.look.scan, "Scan line").changed() && !self.look.scan {
+                self.look.hand = if self.look.hand == Hand::Line { Hand::Mesh } else { self.look.hand };
+            }
+        });
+    }
+
+    /// The shaders' names over their halves.
+    fn titles(&self, ui: &mut egui::Ui, titles: &[String; 2]) {
+        let text = |i: usize| egui::RichText::new(&titles[i]).strong().color(canvas::COLORS[i]);
+        ui.horizontal(|ui| {
+            if self.look.show == Show::Difference {
+                let factor = self.look.factor;
+                ui.label(format!("|{} − {}| × {factor}, in codes", titles[0], titles[1]));
+                return;
+            }
+            if self.look.divider > 0.0 {
+                ui.label(text(0));
+            }
+            if self.look.divider < 1.0 {
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.label(text(1)));
+            }
+        });
+    }
+
+    /// Computes what has changed.
+    fn refresh(&mut self, ctx: &egui::Context, size: [u32; 2]) {
+        let followed = match &mut self.model {
+            Some(model) => model.follow(&self.compared.mesh),
+            None => Model::new(&self.compared.mesh).map(|model| self.model = Some(model)),
+        };
+        if let Err(fault) = followed {
+            self.file.fault = Some(fault);
+        }
+        let Some(model) = &self.model else { return };
+        let pictures = Pictures::refreshed(ctx, self.pictures.take(), model, &self.compared, size);
+        if !self.dragging || self.metric.is_none() {
+            self.metric = Some(Metric::refreshed(self.metric.take(), &pictures));
+        }
+        if self.look.scan {
+            self.scan = Some(Scan::refreshed(self.scan.take(), &pictures, &self.look));
+        }
+        self.pictures = Some(pictures);
+    }
+
+    fn draw(&mut self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
+        let Some(pictures) = &self.pictures else { return };
+        let textures = match self.look.show {
+            Show::Split => [0, 1].map(|i| pictures.sides[i].texture.id()),
+            Show::Difference => {
+                let difference = Difference::refreshed(ui.ctx(), self.difference.take(), pictures, self.look.factor);
+                let id = difference.texture.id();
+                self.difference = Some(difference);
+                [id; 2]
+            }
+            Show::Creases => match &mut self.metric {
+                Some(metric) => metric.pictures(ui.ctx(), &pictures.frame).each_ref().map(|(_, texture)| texture.id()),
+                None => return,
+            },
+        };
+        canvas::draw(ui, rect, textures, size, &self.look);
+    }
+
+    /// Creases and times.
+    fn numbers(&self, ui: &mut egui::Ui) {
+        let Some(pictures) = &self.pictures else { return };
+        ui.horizontal_top(|ui| {
+            if let Some(metric) = &self.metric {
+                metric.show(ui, pictures.compared(), self.dragging);
+            }
+        });
+        let [left, right] = [0, 1].map(|i| pictures.sides[i].ms);
+        let triangles = pictures.frame.triangles.len();
+        ui.label(theme::quiet(format!(
+            "Shown by the CPU: no graphics adapter. {triangles} triangles seen. Vertices {:.1} ms, left {left:.1} ms, right {right:.1} ms.",
+            pictures.frame_ms
+        )));
+    }
+
+    /// The pixels of the view as they are on the screen, marks aside.
+    fn pixels(&self) -> Option<CodeImage> {
+        let pictures = self.pictures.as_ref()?;
+        let split = |left: &CodeImage, right: &CodeImage| render::split(left, right, self.look.column(left.width));
+        Some(match self.look.show {
+            Show::Split => split(&pictures.sides[0].codes, &pictures.sides[1].codes),
+            Show::Difference => self.difference.as_ref()?.codes.clone(),
+            Show::Creases => {
+                let [left, right] = self.metric.as_ref()?.drawn()?;
+                split(&left.0, &right.0)
+            }
+        })
+    }
+
+    fn take_along(&mut self, ui: &mut egui::Ui) {
+        let mut export = std::mem::take(&mut self.export);
+        if let Some(pictures) = &self.pictures {
+            let compared = pictures.compared();
+            export.show(ui, compared, &self.look, || {
+                let image = self.pixels()?;
+                let parameters = export::parameters(compared, &self.look, [image.width, image.height], "CPU");
+                Some((image, parameters))
+            });
+        }
+        self.export = export;
+    }
+}
+
+impl Difference {
+    fn refreshed(ctx: &egui::Context, before: Option<Difference>, pictures: &Pictures, factor: u8) -> Difference {
+        if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
+            return before;
+        }
+        let codes = render::difference(&pictures.sides[0].codes, &pictures.sides[1].codes, factor);
+        let texture = pixels::texture_of(ctx, "difference", &codes);
+        Difference { edition: pictures.edition, factor, codes, texture }
+    }
+}

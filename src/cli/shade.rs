@@ -1,0 +1,277 @@
+//! `machband shade`
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use serde_json::json;
+
+use super::{UsageError, options::TransferOptions, say};
+use crate::{
+    light::{Bits, Depth, Quantizer, Transfer},
+    shading::{
+        Correction, Creases, Gradients, Reference, Scene, Shade, Shader, Surface, crease,
+        shapes::{self, Shape},
+    },
+    stimulus::{StimulusColor, Triple},
+    store,
+};
+
+/// Shade a mesh: write its picture, and how far its edges are from smooth.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example: machband shade --mesh blob --vertices 313 --shader exact --depth 3 --boundary 0.2 --out exact.png --metrics exact.json"
+)]
+pub(super) struct Arguments {
+    /// cube, pyramid, sphere, torus, blob, or an OBJ file.
+    #[arg(long, value_name = "MESH", default_value = "blob")]
+    mesh: String,
+    /// Number of vertices of a sphere, torus or blob.
+    #[arg(long, value_name = "N", default_value_t = 313)]
+    vertices: usize,
+    /// Faces of an OBJ file that meet at more than this many degrees make a crease.
+    #[arg(long, value_name = "DEG", default_value_t = 180.0)]
+    crease: f64,
+    /// How light is spread over the triangles.
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Shader::NAMES))]
+    shader: String,
+    /// Continuity depth n of the strips at the edges, 1 to 32 or inf.
+    #[arg(long, value_name = "N", default_value = "1")]
+    depth: Depth,
+    /// Width b of the strips at the edges, as a barycentric weight, 0 to 1; above 1/3 only cut differs [default: 1/3
+    /// for cut, else 0.2].
+    #[arg(long, value_name = "B")]
+    boundary: Option<f64>,
+    /// Vertex shading, Bangay eq. 7.
+    #[arg(long, default_value = "off", value_parser = clap::builder::PossibleValuesParser::new(Correction::NAMES))]
+    vertex: String,
+    /// Intensity reweighting, Bangay eq. 9.
+    #[arg(long, default_value = "off", value_parser = clap::builder::PossibleValuesParser::new(Correction::NAMES))]
+    reweight: String,
+    /// Where patch has its slopes from.
+    #[arg(long, default_value = "curvature", value_parser = clap::builder::PossibleValuesParser::new(Gradients::NAMES))]
+    gradients: String,
+    /// Degrees by which the mesh is turned about x, then y, then z.
+    #[arg(long, value_name = "X,Y,Z", default_value = "25,-35,0", allow_hyphen_values = true)]
+    rotate: Triple,
+    /// Direction toward the lamp: right, up, toward the viewer.
+    #[arg(long, value_name = "X,Y,Z", default_value = "0.36,0.48,0.8", allow_hyphen_values = true)]
+    light: Triple,
+    /// Color of the surface: gray, yellow, R,G,B or another that `stimulus` takes.
+    #[arg(long, default_value = "gray")]
+    color: StimulusColor,
+    /// Light where the lamp does not reach, 0 to 1.
+    #[arg(long, value_name = "L", default_value_t = Scene::default().ambient)]
+    ambient: f64,
+    /// Light that the lamp adds where it falls straight on the surface, 0 to 1.
+    #[arg(long, value_name = "L", default_value_t = Scene::default().diffuse)]
+    diffuse: f64,
+    /// Light that the middle of a highlight adds, 0 to 1.
+    #[arg(long, value_name = "L", default_value_t = Scene::default().specular)]
+    specular: f64,
+    /// Exponent of the highlight.
+    #[arg(long, value_name = "M", default_value_t = Scene::default().shininess)]
+    shininess: f64,
+    /// Light around the surface, 0 to 1.
+    #[arg(long, value_name = "L", default_value_t = Scene::default().background)]
+    background: f64,
+    /// Distance of the eye in radii of the mesh, above 1; inf for a parallel projection.
+    #[arg(long, value_name = "R", default_value_t = f64::INFINITY)]
+    distance: f64,
+    /// Interpolate encoded values, as a renderer does that knows nothing of gamma.
+    #[arg(long)]
+    naive: bool,
+    /// Side of the image in pixels.
+    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    size: u32,
+    #[command(flatten)]
+    transfer: TransferOptions,
+    /// Bits a channel.
+    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
+    bits: String,
+    /// Image to write.
+    #[arg(long, value_name = "FILE.png")]
+    out: Option<PathBuf>,
+    /// Measures to write: the jump of the slope across the edges, in linear light a pixel.
+    #[arg(long, value_name = "FILE.json")]
+    metrics: Option<PathBuf>,
+    /// Picture of those jumps to write, edge by edge.
+    #[arg(long, value_name = "FILE.png")]
+    creases: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.out.is_none() && arguments.metrics.is_none() && arguments.creases.is_none() {
+        let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
+        return Err(UsageError(message.to_owned()).into());
+    }
+    let (shade, scene) = (arguments.shade()?, arguments.scene()?);
+    let transfer = arguments.transfer.transfer()?;
+    let surface = Surface::new(arguments.mesh()?);
+    let frame = scene.frame(&surface, arguments.size, arguments.size);
+    if frame.triangles.is_empty() {
+        anyhow::bail!("{}: no triangle has an area that faces the viewer; expected at least one", arguments.mesh);
+    }
+    if let Some(out) = &arguments.out {
+        let naive = arguments.naive && shade.shader != Shader::Phong;
+        let (shown, codes_of) = if naive {
+            (frame.clone().encoded(&transfer), Transfer::Linear)
+        } else {
+            (frame.clone(), transfer.clone())
+        };
+        let image = Reference::new(&shown, &shade).image();
+        let codes = Quantizer::new(&codes_of, arguments.bits.parse::<Bits>()?).quantize(&image);
+        store::image::write_shaded(out, &codes, &transfer, &arguments.describe(&shade))?;
+    }
+    if arguments.metrics.is_some() || arguments.creases.is_some() {
+        let creases = Creases::of(&frame, &shade);
+        if let Some(path) = &arguments.metrics {
+            arguments.write_metrics(path, &surface, &frame, &shade, &creases)?;
+        }
+        if let Some(path) = &arguments.creases {
+            let gouraud = Creases::of_gouraud(&frame);
+            let picture = crease::picture(&frame, &creases, gouraud.p95);
+            let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture);
+            store::image::write_shaded(path, &codes, &Transfer::Srgb, &arguments.describe(&shade))?;
+        }
+    }
+    Ok(())
+}
+
+impl Arguments {
+    fn shade(&self) -> anyhow::Result<Shade> {
+        let shader: Shader = self.shader.parse()?;
+        let boundary = self.boundary.unwrap_or(Shade::new(shader).boundary);
+        within("--boundary", boundary, 0.0, 1.0)?;
+        Ok(Shade {
+            shader,
+            depth: self.depth,
+            boundary,
+            vertex: self.vertex.parse()?,
+            reweight: self.reweight.parse()?,
+            gradients: self.gradients.parse()?,
+        })
+    }
+
+    fn scene(&self) -> anyhow::Result<Scene> {
+        for (option, value) in [
+            ("--ambient", self.ambient),
+            ("--diffuse", self.diffuse),
+            ("--specular", self.specular),
+            ("--background", self.background),
+        ] {
+            within(option, value, 0.0, 1.0)?;
+        }
+        within("--shininess", self.shininess, 1.0, 1000.0)?;
+        within("--crease", self.crease, 0.0, 180.0)?;
+        if self.light.0 == [0.0; 3] {
+            return Err(
+                UsageError(format!("--light {} is no direction; expected one that is not 0,0,0", self.light)).into()
+            );
+        }
+        if self.distance.is_nan() || self.distance <= 1.0 {
+            let message = format!("--distance {} is inside the mesh; expected more than 1, or inf", self.distance);
+            return Err(UsageError(message).into());
+        }
+        Ok(Scene {
+            rotate_deg: self.rotate.0,
+            light: DVec3::from_array(self.light.0),
+            color: DVec3::from_array(self.color.rgb()),
+            ambient: self.ambient,
+            diffuse: self.diffuse,
+            specular: self.specular,
+            shininess: self.shininess,
+            background: self.background,
+            distance: self.distance,
+            ..Scene::default()
+        })
+    }
+
+    fn mesh(&self) -> anyhow::Result<crate::shading::Mesh> {
+        if let Ok(shape) = self.mesh.parse::<Shape>() {
+            return shapes::mesh(shape, self.vertices)
+                .map_err(|error| UsageError(format!("--vertices: {error}")).into());
+        }
+        let path = Path::new(&self.mesh);
+        if path.extension().is_none() && !path.exists() {
+            let names = Shape::NAMES.join(", ");
+            return Err(
+                UsageError(format!("--mesh: {:?} is not known; expected {names} or an OBJ file", self.mesh)).into()
+            );
+        }
+        Ok(store::obj::read(path, self.crease)?)
+    }
+
+    /// Everything that decides the picture.
+    fn describe(&self, shade: &Shade) -> serde_json::Value {
+        json!({
+            "mesh": self.mesh,
+            "vertices": self.vertices,
+            "crease_deg": self.crease,
+            "shader": shade.shader.name(),
+            "depth": shade.depth,
+            "boundary": shade.boundary,
+            "vertex": shade.vertex.name(),
+            "reweight": shade.reweight.name(),
+            "gradients": shade.gradients.name(),
+            "rotate_deg": self.rotate.0,
+            "light": self.light.0,
+            "color": self.color.to_string(),
+            "ambient": self.ambient,
+            "diffuse": self.diffuse,
+            "specular": self.specular,
+            "shininess": self.shininess,
+            "background": self.background,
+            "distance": if self.distance.is_finite() { json!(self.distance) } else { json!("inf") },
+            "naive": self.naive,
+            "size": self.size,
+        })
+    }
+
+    fn write_metrics(
+        &self,
+        path: &Path,
+        surface: &Surface,
+        frame: &crate::shading::Frame,
+        shade: &Shade,
+        creases: &Creases,
+    ) -> anyhow::Result<()> {
+        let gouraud = Creases::of_gouraud(frame);
+        let over = |value: f64, of: f64| if of > 0.0 { json!(value / of) } else { json!(null) };
+        let mut metrics = self.describe(shade);
+        if let Some(fields) = metrics.as_object_mut() {
+            for (name, value) in [
+                ("triangles", json!(surface.mesh.triangles.len())),
+                ("triangles_seen", json!(frame.triangles.len())),
+                ("edges", json!(creases.edges.len())),
+                ("crease_rms", json!(creases.rms)),
+                ("crease_median", json!(creases.median)),
+                ("crease_p95", json!(creases.p95)),
+                ("crease_max", json!(creases.max)),
+                ("crease_rms_gouraud", json!(gouraud.rms)),
+                ("crease_rms_over_gouraud", over(creases.rms, gouraud.rms)),
+                ("crease_median_over_gouraud", over(creases.median, gouraud.median)),
+                ("crease_p95_over_gouraud", over(creases.p95, gouraud.p95)),
+                ("step_rms", json!(creases.step_rms)),
+                ("crease_unit", json!("linear light a pixel")),
+            ] {
+                fields.insert(name.to_owned(), value);
+            }
+        }
+        store::dataset::write_json(path, &metrics)?;
+        say(&format!(
+            "{}: crease rms {:.3e} a pixel over {} edges, {:.4} of Gouraud's",
+            shade.shader,
+            creases.rms,
+            creases.edges.len(),
+            creases.rms / gouraud.rms
+        ))
+    }
+}
+
+fn within(option: &str, value: f64, least: f64, most: f64) -> Result<(), UsageError> {
+    if (least..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(UsageError(format!("{option} {value} is outside {least}…{most}; expected a number within")))
+    }
+}

@@ -1,0 +1,230 @@
+//! How much of a crease a shader leaves at the edges of triangles: the jump, on the screen, of the slope of the light.
+//!
+//! Measured on the light itself, by one-sided differences of what a shader gives at points close to the edge. No
+//! shader's formula is used, so a fault in one shows here. A jump of the slope is what light does; whether it is seen
+//! as a band is another question, and depends on its size, its length and what is around it.
+
+mod picture;
+mod vertices;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+pub use picture::picture;
+pub use vertices::{VertexCrease, at_vertices};
+
+use super::{
+    frame::{Across, Frame},
+    reference::Reference,
+    shader::Shade,
+};
+
+/// The crease at one edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeCrease {
+    /// The two triangles, indices into [`Frame::triangles`].
+    pub triangles: [u32; 2],
+    /// The edge's ends, indices into [`Frame::vertices`].
+    pub ends: [u32; 2],
+    /// Length on the screen in pixels.
+    pub length: f64,
+    /// Jump of the slope normal to the edge, in linear light per pixel: the root of its mean square along the edge and
+    /// over red, green and blue.
+    pub jump: f64,
+    /// Jump of the light itself, likewise: 0 for a shader that is continuous.
+    pub step: f64,
+}
+
+/// The creases at all edges that two triangles facing the eye share smoothly. Edges count by their length: how an edge
+/// is cut into pieces makes no difference.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Creases {
+    /// One for each edge.
+    pub edges: Vec<EdgeCrease>,
+    /// Root of the mean square jump of the slope, linear light per pixel.
+    pub rms: f64,
+    /// The jump that half the edges' length stays below or at, linear light per pixel. The rms is mostly that of the
+    /// narrow triangles near silhouettes; this is what most edges have.
+    pub median: f64,
+    /// The jump that 95 % of the edges' length stays below or at, linear light per pixel.
+    pub p95: f64,
+    /// The largest jump, linear light per pixel.
+    pub max: f64,
+    /// Root of the mean square jump of the light itself, linear light.
+    pub step_rms: f64,
+}
+
+impl Creases {
+    /// The creases of `frame` under a shader: `light(triangle, weights)` is the light of triangle `triangle` of the
+    /// frame at barycentric weights of it, all of them at least 0.
+    #[must_use]
+    pub fn of_field(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
+        let edges = shared_edges(frame)
+            .into_par_iter()
+            .map(|edge| {
+                let (jump, step) = edge.measure(frame, &light);
+                EdgeCrease { triangles: edge.triangles, ends: edge.ends, length: edge.length(frame), jump, step }
+            })
+            .collect();
+        Creases::summed(edges)
+    }
+
+    /// The creases that `shade` leaves in `frame`.
+    #[must_use]
+    pub fn of(frame: &Frame, shade: &Shade) -> Creases {
+        let reference = Reference::new(frame, shade);
+        Creases::of_field(frame, |triangle, weights| reference.light(triangle, weights))
+    }
+
+    /// Those that Gouraud's shader leaves in `frame`, to compare with.
+    #[must_use]
+    pub fn of_gouraud(frame: &Frame) -> Creases {
+        Creases::of_field(frame, |triangle, w| {
+            let [a, b, c] = frame.corners(triangle).map(|v| v.light);
+            w[0] * a + w[1] * b + w[2] * c
+        })
+    }
+
+    /// This rms in units of the `other`'s; `None` where that has no creases.
+    #[must_use]
+    pub fn over(&self, other: &Creases) -> Option<f64> {
+        (other.rms > 0.0).then(|| self.rms / other.rms)
+    }
+
+    fn summed(edges: Vec<EdgeCrease>) -> Creases {
+        let length: f64 = edges.iter().map(|e| e.length).sum();
+        if length <= 0.0 {
+            return Creases { edges, ..Creases::default() };
+        }
+        let rms =
+            |of: fn(&EdgeCrease) -> f64| (edges.iter().map(|e| e.length * of(e) * of(e)).sum::<f64>() / length).sqrt();
+        let mut sorted: Vec<&EdgeCrease> = edges.iter().collect();
+        sorted.sort_by(|a, b| a.jump.total_cmp(&b.jump));
+        let max = sorted.last().map_or(0.0, |last| last.jump);
+        let at_most = |share: f64| {
+            let mut below = 0.0;
+            let reached = sorted.iter().find(|edge| {
+                below += edge.length;
+                below >= share * length
+            });
+            reached.map_or(max, |edge| edge.jump)
+        };
+        let (median, p95) = (at_most(0.5), at_most(0.95));
+        Creases { rms: rms(|e| e.jump), step_rms: rms(|e| e.step), median, p95, max, edges }
+    }
+}
+
+/// An edge, the two triangles at it, and the corner of each opposite it.
+struct SharedEdge {
+    triangles: [u32; 2],
+    opposite: [usize; 2],
+    ends: [u32; 2],
+}
+
+fn shared_edge(frame: &Frame, t: usize, k: usize) -> Option<SharedEdge> {
+    let own = &frame.triangles[t];
+    let Across::Triangle { triangle, apex } = own.across[k] else { return None };
+    let opposite = frame.triangles[triangle as usize].vertices.iter().position(|v| *v == apex)?;
+    Some(SharedEdge {
+        triangles: [t as u32, triangle],
+        opposite: [k, opposite],
+        ends: [own.vertices[(k + 1) % 3], own.vertices[(k + 2) % 3]],
+    })
+}
+
+/// All of them, each once.
+fn shared_edges(frame: &Frame) -> Vec<SharedEdge> {
+    let of_triangles = (0..frame.triangles.len()).flat_map(|t| [0, 1, 2].map(|k| shared_edge(frame, t, k)));
+    of_triangles.flatten().filter(|edge| edge.triangles[0] < edge.triangles[1]).collect()
+}
+
+/// The jump of the slope at one point of edge `k` of triangle `triangle`, the edge parted s : 1 − s from corner k+1: the
+/// slope normal to the edge into this triangle plus that into the other, of red, green and blue, in linear light per
+/// pixel. None where the edge is not shared. `light` as for [`Creases::of_field`].
+#[must_use]
+pub fn jump_at(
+    frame: &Frame,
+    triangle: usize,
+    k: usize,
+    s: f64,
+    light: impl Fn(usize, [f64; 3]) -> DVec3,
+) -> Option<DVec3> {
+    let edge = shared_edge(frame, triangle, k)?;
+    Some(edge.one_sided(frame, 0, s, &light).1 + edge.one_sided(frame, 1, s, &light).1)
+}
+
+/// At how many points along an edge the slopes are compared.
+const POINTS: usize = 6;
+
+/// Largest change of a barycentric weight in a step, relative to the smaller weight at the edge. Strips are many such
+/// steps wide; rounding is still ten digits below the slope.
+const STEP: f64 = 1e-5;
+
+impl SharedEdge {
+    fn length(&self, frame: &Frame) -> f64 {
+        let [a, b] = self.ends.map(|v| frame.vertices[v as usize].screen);
+        a.distance(b)
+    }
+
+    /// Root mean squares, along the edge and over the channels, of the jump of the slope and of the light.
+    fn measure(&self, frame: &Frame, light: &impl Fn(usize, [f64; 3]) -> DVec3) -> (f64, f64) {
+        let (mut jump2, mut step2) = (0.0, 0.0);
+        for point in 0..POINTS {
+            let s = (point as f64 + 0.5) / POINTS as f64;
+            let [own, theirs] = [0, 1].map(|side| self.one_sided(frame, side, s, light));
+            step2 += (own.0 - theirs.0).length_squared();
+            // Each is the slope into its own triangle: against each other, their sum is the jump.
+            jump2 += (own.1 + theirs.1).length_squared();
+        }
+        let samples = (3 * POINTS) as f64;
+        ((jump2 / samples).sqrt(), (step2 / samples).sqrt())
+    }
+
+    /// Light and slope, normal to the edge into the triangle on `side`, where the edge is parted s : 1 − s.
+    fn one_sided(
+        &self,
+        frame: &Frame,
+        side: usize,
+        s: f64,
+        light: &impl Fn(usize, [f64; 3]) -> DVec3,
+    ) -> (DVec3, DVec3) {
+        let (t, k) = (self.triangles[side] as usize, self.opposite[side]);
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        // The two triangles go along the edge in opposite senses.
+        let s = if side == 0 { s } else { 1.0 - s };
+        let corners = frame.corners(t).map(|v| v.screen);
+        let (along, up) = (corners[j] - corners[i], corners[k] - corners[i]);
+        let foot = up.dot(along) / along.length_squared();
+        let height = along.perp_dot(up).abs() / along.length();
+        // Per pixel along the normal: w_k grows by 1/height, and the others pay according to where its foot is.
+        let rates = (-(1.0 - foot) / height, -foot / height);
+        let fastest = rates.0.abs().max(rates.1.abs()).max(1.0 / height);
+        let h = STEP * s.min(1.0 - s) / fastest;
+        let at = |steps: f64| {
+            let mut w = [0.0; 3];
+            w[k] = steps * h / height;
+            w[i] = (1.0 - s) + steps * h * rates.0;
+            w[j] = s + steps * h * rates.1;
+            light(t, w)
+        };
+        slope(h, at)
+    }
+}
+
+/// Light and slope at the beginning of a line, from three points on it `h` apart; the error goes as h².
+fn slope(h: f64, at: impl Fn(f64) -> DVec3) -> (DVec3, DVec3) {
+    let here = at(0.0);
+    (here, (4.0 * at(1.0) - at(2.0) - 3.0 * here) / (2.0 * h))
+}
+
+/// Weights with corner `k` at 1.
+fn corner(k: usize) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|i| f64::from(u8::from(i == k))))
+}
+
+/// The length of a step on the screen that changes the weights by `change`.
+fn on_screen(frame: &Frame, triangle: usize, change: DVec3) -> DVec2 {
+    let [a, b, c] = frame.corners(triangle).map(|v| v.screen);
+    // Against the first corner: the change sums to 0.
+    change.y * (b - a) + change.z * (c - a)
+}

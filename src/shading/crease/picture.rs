@@ -1,0 +1,119 @@
+//! The creases drawn: every edge in the color of its jump.
+
+use glam::{DVec2, DVec3};
+
+use super::{Creases, EdgeCrease};
+use crate::light::{LinearImage, Transfer};
+use crate::shading::frame::Frame;
+
+/// Half the width of a line, in pixels.
+const HALF_WIDTH: f64 = 1.0;
+
+/// Dark, with the surface a little lighter.
+const GROUND: [f64; 3] = [0.05, 0.05, 0.07];
+const SURFACE: [f64; 3] = [0.11, 0.11, 0.14];
+
+/// No jump to the largest, as encoded sRGB: from blue by gray to yellow, ever lighter, so that all trichromats and
+/// dichromats see the same order.
+const MAP: [[f64; 3]; 5] =
+    [[0.13, 0.19, 0.42], [0.27, 0.36, 0.58], [0.55, 0.53, 0.52], [0.86, 0.72, 0.33], [1.0, 0.96, 0.62]];
+
+/// `creases` of `frame` as a picture of its size, in linear light. A jump of `full`, in linear light per pixel, or
+/// more has the last color of the scale; give pictures that are to be compared the same. Edges behind a surface are not
+/// drawn.
+#[must_use]
+pub fn picture(frame: &Frame, creases: &Creases, full: f64) -> LinearImage {
+    let seen = Seen::of(frame);
+    let mut image = LinearImage::from_fn(frame.width, frame.height, |x, y| {
+        linear(if seen.triangle(i64::from(x), i64::from(y)).is_some() { SURFACE } else { GROUND })
+    });
+    // The strongest last: where edges meet, it is on top.
+    let mut order: Vec<&EdgeCrease> = creases.edges.iter().collect();
+    order.sort_by(|a, b| a.jump.total_cmp(&b.jump));
+    for edge in order {
+        let share = if full > 0.0 { edge.jump / full } else { 0.0 };
+        draw(&mut image, frame, &seen, edge, linear(color(share)));
+    }
+    image
+}
+
+fn linear(encoded: [f64; 3]) -> [f32; 3] {
+    encoded.map(|value| Transfer::Srgb.linear_from_encoded(value) as f32)
+}
+
+fn color(share: f64) -> [f64; 3] {
+    let at = share.clamp(0.0, 1.0) * (MAP.len() - 1) as f64;
+    let low = (at as usize).min(MAP.len() - 2);
+    let (a, b) = (DVec3::from_array(MAP[low]), DVec3::from_array(MAP[low + 1]));
+    a.lerp(b, at - low as f64).to_array()
+}
+
+/// The line of one edge, antialiased by how much of a pixel's width it covers.
+fn draw(image: &mut LinearImage, frame: &Frame, seen: &Seen, edge: &EdgeCrease, color: [f32; 3]) {
+    let [a, b] = edge.ends.map(|v| frame.vertices[v as usize].screen);
+    let reach = DVec2::splat(HALF_WIDTH + 1.0);
+    for_pixels(frame, a.min(b) - reach, a.max(b) + reach, |x, y, centre| {
+        let along = ((centre - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        let nearest = a + along * (b - a);
+        let cover = (HALF_WIDTH + 0.5 - centre.distance(nearest)).clamp(0.0, 1.0) as f32;
+        if cover > 0.0 && seen.near(nearest, edge.triangles) {
+            let under = image.pixel(x, y);
+            image.set_pixel(x, y, [0, 1, 2].map(|c| under[c] + cover * (color[c] - under[c])));
+        }
+    });
+}
+
+/// The pixels of the frame whose centres lie between `low` and `high`.
+fn for_pixels(frame: &Frame, low: DVec2, high: DVec2, mut visit: impl FnMut(u32, u32, DVec2)) {
+    // A cast saturates; NaN is 0.
+    let range = |low: f64, high: f64, size: u32| {
+        ((low - 0.5).ceil().max(0.0) as u32).min(size)..((high - 0.5).floor() + 1.0).clamp(0.0, f64::from(size)) as u32
+    };
+    for y in range(low.y, high.y, frame.height) {
+        for x in range(low.x, high.x, frame.width) {
+            visit(x, y, DVec2::new(f64::from(x), f64::from(y)) + 0.5);
+        }
+    }
+}
+
+/// Which triangle is in front at every pixel.
+struct Seen {
+    width: i64,
+    height: i64,
+    triangles: Vec<u32>,
+}
+
+impl Seen {
+    fn of(frame: &Frame) -> Seen {
+        let pixels = frame.width as usize * frame.height as usize;
+        let (mut triangles, mut nearest) = (vec![u32::MAX; pixels], vec![f64::INFINITY; pixels]);
+        for t in 0..frame.triangles.len() {
+            let corners = frame.corners(t);
+            let [a, b, c] = corners.map(|v| v.screen);
+            for_pixels(frame, a.min(b).min(c), a.max(b).max(c), |x, y, centre| {
+                let w = frame.weights(t, centre);
+                if w.iter().all(|w| *w >= 0.0) {
+                    let depth: f64 = w.iter().zip(corners).map(|(w, v)| w * v.depth).sum();
+                    let at = y as usize * frame.width as usize + x as usize;
+                    if depth < nearest[at] {
+                        (nearest[at], triangles[at]) = (depth, t as u32);
+                    }
+                }
+            });
+        }
+        Seen { width: frame.width.into(), height: frame.height.into(), triangles }
+    }
+
+    fn triangle(&self, x: i64, y: i64) -> Option<u32> {
+        let inside = (0..self.width).contains(&x) && (0..self.height).contains(&y);
+        let found = inside.then(|| self.triangles[(y * self.width + x) as usize])?;
+        (found != u32::MAX).then_some(found)
+    }
+
+    /// Whether one of `triangles` is in front close to `place`.
+    fn near(&self, place: DVec2, triangles: [u32; 2]) -> bool {
+        let (x, y) = (place.x.floor() as i64, place.y.floor() as i64);
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
+        around.filter_map(|(x, y)| self.triangle(x, y)).any(|t| triangles.contains(&t))
+    }
+}

@@ -1,0 +1,219 @@
+//! A surface seen and lit: all that the shaders need of one frame.
+
+use glam::{DMat3, DVec2, DVec3};
+
+use super::{edges::EdgeKind, illumination::Lighting, surface::Surface, view::View};
+use crate::light::Transfer;
+
+/// A frame to be shaded. Vertices are on the screen; lights are linear, red green blue.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Pixels across.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Light where there is no surface.
+    pub background: DVec3,
+    /// The vertices. Where a surface shows its back, that side's vertices follow the others.
+    pub vertices: Vec<FrameVertex>,
+    /// The triangles to draw: facing the eye, with an area on the screen, in the order of the mesh.
+    pub triangles: Vec<FrameTriangle>,
+    /// What lights a point, for shaders that light every pixel. In eye space.
+    pub lighting: Lighting,
+    /// Where the eye is.
+    pub view: View,
+}
+
+/// A vertex on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameVertex {
+    /// Physical pixels from the top left, x right, y down, in steps of 1/256 as graphics cards take them, so that all
+    /// ways of drawing agree about which pixel belongs to which triangle.
+    pub screen: DVec2,
+    /// 0 nearest, 1 farthest.
+    pub depth: f64,
+    /// Place in eye space.
+    pub eye: DVec3,
+    /// Unit normal in eye space.
+    pub normal: DVec3,
+    /// dN/dp in eye space, symmetric.
+    pub curvature: DMat3,
+    /// The light sent to the eye, evaluated once.
+    pub light: DVec3,
+    /// The part of it that is ambient.
+    pub ambient: DVec3,
+}
+
+/// A triangle on the screen. Edge k is opposite corner k, from corner k+1 to k+2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameTriangle {
+    /// Indices into [`Frame::vertices`].
+    pub vertices: [u32; 3],
+    /// Which triangle of the mesh this is.
+    pub source: u32,
+    /// Unit normal of the face, in eye space, toward the eye.
+    pub normal: DVec3,
+    /// What lies across each edge.
+    pub across: [Across; 3],
+}
+
+/// What a triangle meets across an edge, in this view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// A triangle that is seen too and shares the edge's vertices.
+    Triangle {
+        /// Its index into [`Frame::triangles`].
+        triangle: u32,
+        /// Its third vertex D, an index into [`Frame::vertices`].
+        apex: u32,
+    },
+    /// Nothing to be smooth with: the border of the surface, a crease, or a silhouette (the neighbour looks away, or
+    /// lies on the same side of the edge on the screen).
+    Nothing,
+    /// More than one triangle.
+    Several,
+}
+
+/// Steps of a pixel in which vertices are placed.
+const STEPS: f64 = 256.0;
+
+/// Farthest from the window's corner that a vertex may fall, in pixels: what 1/256 of a pixel and 32 bits allow.
+pub const FARTHEST_PX: f64 = 16_384.0;
+
+impl Frame {
+    /// `surface` in `view` under `lighting`, before `background`. A closed surface shows its outside only; one with
+    /// a border shows both.
+    #[must_use]
+    pub fn new(surface: &Surface, view: &View, lighting: &Lighting, background: DVec3) -> Frame {
+        let mesh = &surface.mesh;
+        let (centre, radius) = mesh.bounds();
+        let scale = if radius > 0.0 { 1.0 / radius } else { 1.0 };
+        let rotation = view.rotation;
+        let open = surface.edges.edges.iter().any(|edge| edge.kind == EdgeKind::Border);
+        let mut vertices = Vec::with_capacity(mesh.vertices.len() * if open { 2 } else { 1 });
+        for side in if open { &[1.0, -1.0][..] } else { &[1.0] } {
+            for (vertex, curvature) in mesh.vertices.iter().zip(&surface.curvature) {
+                let eye = rotation * ((vertex.position - centre) * scale);
+                let normal = rotation * vertex.normal * *side;
+                let (screen, depth) = view.project(eye);
+                vertices.push(FrameVertex {
+                    screen: (screen * STEPS).round() / STEPS,
+                    depth,
+                    eye,
+                    normal,
+                    curvature: rotation * *curvature * rotation.transpose() * (*side / scale),
+                    light: lighting.light(eye, normal, view.to_viewer(eye)),
+                    ambient: lighting.ambient_light(),
+                });
+            }
+        }
+        let mut frame = Frame {
+            width: view.width,
+            height: view.height,
+            background,
+            vertices,
+            triangles: Vec::new(),
+            lighting: lighting.clone(),
+            view: *view,
+        };
+        frame.find_triangles(surface, open);
+        frame
+    }
+
+    /// Twice the signed area of three places on the screen, positive for a triangle that faces the eye.
+    #[must_use]
+    pub fn area2(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+        // y points down: a counter-clockwise triangle has a negative sum there.
+        -(b - a).perp_dot(c - a)
+    }
+
+    /// The three corners of triangle `triangle`.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> [&FrameVertex; 3] {
+        self.triangles[triangle].vertices.map(|v| &self.vertices[v as usize])
+    }
+
+    /// Barycentric weights of a place on the screen with respect to triangle `triangle`.
+    #[must_use]
+    pub fn weights(&self, triangle: usize, p: DVec2) -> [f64; 3] {
+        let [a, b, c] = self.corners(triangle).map(|v| v.screen);
+        let area = Frame::area2(a, b, c);
+        let (wa, wb) = (Frame::area2(p, b, c) / area, Frame::area2(p, c, a) / area);
+        [wa, wb, 1.0 - wa - wb]
+    }
+
+    /// The same frame with the vertices' lights encoded for a display: what a renderer that knows nothing of gamma
+    /// interpolates. Its picture holds encoded values and is quantised without a transfer function.
+    #[must_use]
+    pub fn encoded(mut self, transfer: &Transfer) -> Frame {
+        let encode = |light: DVec3| DVec3::from_array(light.to_array().map(|l| transfer.encoded_from_linear(l)));
+        for vertex in &mut self.vertices {
+            vertex.light = encode(vertex.light);
+            vertex.ambient = encode(vertex.ambient);
+        }
+        self.background = encode(self.background);
+        self
+    }
+
+    fn find_triangles(&mut self, surface: &Surface, open: bool) {
+        let mesh = &surface.mesh;
+        let back = mesh.vertices.len() as u32;
+        // The corners of each triangle of the mesh as drawn: those of its back in reverse.
+        let drawn: Vec<Option<[u32; 3]>> = mesh
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| self.vertices[v as usize].screen);
+                let area = Frame::area2(a, b, c);
+                // NaN is no area.
+                if area > 0.0 {
+                    Some(*t)
+                } else if area < 0.0 && open {
+                    Some([t[0] + back, t[2] + back, t[1] + back])
+                } else {
+                    None
+                }
+            })
+            .collect();
+        let mut index = vec![u32::MAX; drawn.len()];
+        let mut next = 0;
+        for (t, corners) in drawn.iter().enumerate() {
+            if corners.is_some() {
+                index[t] = next;
+                next += 1;
+            }
+        }
+        for (t, corners) in drawn.iter().enumerate() {
+            let Some(corners) = *corners else { continue };
+            let flipped = corners[0] >= back;
+            let edges = surface.edges.of_triangle[t];
+            // The back is the triangle in reverse: its edges 1 and 2 change places.
+            let edges = if flipped { [edges[0], edges[2], edges[1]] } else { edges };
+            let across = edges.map(|e| {
+                let edge = &surface.edges.edges[e as usize];
+                match edge.kind {
+                    EdgeKind::NonManifold => Across::Several,
+                    EdgeKind::Border | EdgeKind::Crease => Across::Nothing,
+                    EdgeKind::Smooth => {
+                        let (other, k) = edge.sides[usize::from(edge.sides[0].0 == t as u32)];
+                        match drawn[other as usize] {
+                            Some(theirs) if (theirs[0] >= back) == flipped => {
+                                let apex =
+                                    mesh.triangles[other as usize][usize::from(k)] + if flipped { back } else { 0 };
+                                Across::Triangle { triangle: index[other as usize], apex }
+                            }
+                            _ => Across::Nothing,
+                        }
+                    }
+                }
+            });
+            let [a, b, c] = corners.map(|v| self.vertices[v as usize].eye);
+            self.triangles.push(FrameTriangle {
+                vertices: corners,
+                source: t as u32,
+                normal: (b - a).cross(c - a).normalize_or_zero(),
+                across,
+            });
+        }
+    }
+}

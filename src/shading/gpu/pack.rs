@@ -1,0 +1,190 @@
+//! A frame as the bytes that the WGSL reads; the layouts are those of `wgsl/bindings.wgsl`.
+
+use glam::{DVec2, DVec3};
+
+use crate::{
+    light::Transfer,
+    shading::{
+        Across, Frame, FrameVertex, Lamp, LampPlace, Patches, Shade, Shader, Specular,
+        boundary::{self, EdgeConstants},
+        illumination::{Facets, Microfacets},
+        patch::ControlPoints,
+        shaders::{flat, quadratic},
+    },
+};
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Globals {
+    size: [f32; 2],
+    boundary: f32,
+    distance: f32,
+    background: [f32; 4],
+    ambient: [f32; 4],
+    diffuse: [f32; 4],
+    specular: [f32; 4],
+    index: [f32; 4],
+    lamps: u32,
+    points: u32,
+    exponent: f32,
+    padding: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Vertex {
+    place: [f32; 4],
+    light: [f32; 4],
+    ambient: [f32; 4],
+    normal: [f32; 4],
+    eye: [f32; 4],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Triangle {
+    corners: [u32; 3],
+    padding: u32,
+    slopes: [f32; 4],
+}
+
+/// A vector and a number.
+pub fn four(v: DVec3, w: f64) -> [f32; 4] {
+    let [x, y, z] = v.as_vec3().to_array();
+    [x, y, z, w as f32]
+}
+
+pub fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
+    let material = &frame.lighting.material;
+    let facets = match material.specular_model {
+        Specular::CookTorrance(facets) => facets,
+        Specular::Phong | Specular::Blinn => Microfacets { facets: Facets::Beckmann, slope: 1.0, index: DVec3::ONE },
+    };
+    let c1 = if let Facets::Gaussian { c1 } = facets.facets { c1 } else { 0.0 };
+    Globals {
+        size: [frame.width as f32, frame.height as f32],
+        boundary: shade.strip().clamp(0.0, 1.0) as f32,
+        distance: if frame.view.distance.is_finite() { frame.view.distance as f32 } else { 0.0 },
+        background: four(background(frame, transfer), 1.0),
+        ambient: four(frame.lighting.ambient_light(), 0.0),
+        diffuse: four(material.diffuse * material.color, material.shininess),
+        specular: four(material.specular * material.specular_color, facets.slope),
+        index: four(facets.index, c1),
+        lamps: frame.lighting.lamps.len() as u32,
+        points: if let Transfer::Table(table) = transfer { table.linear().len() as u32 } else { 0 },
+        exponent: if let Transfer::Gamma(gamma) = transfer { gamma.recip() as f32 } else { 1.0 },
+        padding: 0,
+    }
+}
+
+/// The background, encoded.
+pub fn background(frame: &Frame, transfer: &Transfer) -> DVec3 {
+    DVec3::from_array(frame.background.to_array().map(|l| transfer.encoded_from_linear(l)))
+}
+
+pub fn vertices(frame: &Frame) -> Vec<Vertex> {
+    frame.vertices.iter().map(vertex).collect()
+}
+
+fn vertex(vertex: &FrameVertex) -> Vertex {
+    Vertex {
+        place: four(vertex.screen.extend(vertex.depth), 0.0),
+        light: four(vertex.light, 0.0),
+        ambient: four(vertex.ambient, 0.0),
+        normal: four(vertex.normal, 0.0),
+        eye: four(vertex.eye, 0.0),
+    }
+}
+
+pub fn triangles(frame: &Frame) -> Vec<Triangle> {
+    (0..frame.triangles.len())
+        .map(|t| Triangle {
+            corners: frame.triangles[t].vertices,
+            padding: 0,
+            slopes: slopes(frame.corners(t).map(|v| v.screen)),
+        })
+        .collect()
+}
+
+/// How the weights of corners B and C change per pixel right and down.
+fn slopes([a, b, c]: [DVec2; 3]) -> [f32; 4] {
+    let area = Frame::area2(a, b, c);
+    let (ab, ca) = (b - a, a - c);
+    [ca.y / area, -ca.x / area, ab.y / area, -ab.x / area].map(|slope| slope as f32)
+}
+
+/// The lamps, three entries each, then the points of the transfer table.
+pub fn lists(frame: &Frame, transfer: &Transfer) -> Vec<[f32; 4]> {
+    let mut lists: Vec<[f32; 4]> = frame.lighting.lamps.iter().flat_map(lamp).collect();
+    if let Transfer::Table(table) = transfer {
+        let points: Vec<_> = table.linear().iter().copied().zip(table.encoded().iter().copied()).collect();
+        for (i, (linear, encoded)) in points.iter().copied().enumerate() {
+            let slope = points.get(i + 1).map_or(0.0, |next| (next.1 - encoded) / (next.0 - linear));
+            lists.push([linear as f32, encoded as f32, slope as f32, 0.0]);
+        }
+    }
+    lists
+}
+
+fn lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
+    let intensity = four(lamp.intensity, 0.0);
+    match lamp.place {
+        LampPlace::Direction(toward) => [four(toward, 0.0), intensity, [0.0; 4]],
+        LampPlace::Point { position, attenuation } => {
+            [four(position, 1.0), intensity, four(DVec3::from_array(attenuation), 0.0)]
+        }
+    }
+}
+
+/// Rows of [`constants`] a triangle, three entries each: one for each corner, or for the edge opposite it.
+pub const fn rows(shader: Shader) -> u32 {
+    match shader {
+        Shader::Gouraud | Shader::Phong | Shader::Fixed => 0,
+        Shader::Flat | Shader::Quadratic | Shader::Gradient | Shader::GradientRepaired | Shader::Exact => 1,
+        Shader::Cut => 2,
+        Shader::Patch => 3,
+    }
+}
+
+/// What the shader needs of each triangle beside its vertices: [`rows`] each.
+pub fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
+    let triangles = 0..frame.triangles.len();
+    match shade.shader {
+        Shader::Gouraud | Shader::Phong | Shader::Fixed => Vec::new(),
+        Shader::Flat => triangles.flat_map(|t| [four(flat::light(frame, t), 0.0); 3]).collect(),
+        Shader::Quadratic => {
+            triangles.flat_map(|t| quadratic::middles(frame, t).map(|light| four(light, 0.0))).collect()
+        }
+        Shader::Gradient | Shader::GradientRepaired => triangles.flat_map(|t| apexes(frame, t)).collect(),
+        Shader::Exact => {
+            let edges = boundary::edge_constants(frame);
+            edges.iter().flatten().map(|edge| four(edge.c, 0.0)).collect()
+        }
+        Shader::Cut => boundary::edge_constants(frame).iter().flat_map(cut).collect(),
+        Shader::Patch => {
+            let patches = Patches::new(frame, shade.gradients);
+            triangles.flat_map(|t| ordinates(patches.control_points(t))).collect()
+        }
+    }
+}
+
+/// c and foot of the three edges, then their reaches.
+fn cut(edges: &[EdgeConstants; 3]) -> [[f32; 4]; 6] {
+    let [a, b, c] = edges.map(|edge| four(edge.c, edge.foot));
+    let [d, e, f] = edges.map(|edge| [edge.start as f32, edge.end as f32, 0.0, 0.0]);
+    [a, b, c, d, e, f]
+}
+
+/// The ordinates from which the others follow, beside the corners' lights: towards the next corners, towards those
+/// after, and the middles.
+fn ordinates(points: &ControlPoints) -> [[f32; 4]; 9] {
+    [3, 5, 7, 4, 6, 8, 12, 13, 14].map(|at| four(points[at], 0.0))
+}
+
+/// The light of the neighbour's apex across each edge, and 1 if there is one.
+fn apexes(frame: &Frame, triangle: usize) -> [[f32; 4]; 3] {
+    frame.triangles[triangle].across.map(|across| match across {
+        Across::Triangle { apex, .. } => four(frame.vertices[apex as usize].light, 1.0),
+        Across::Nothing | Across::Several => [0.0; 4],
+    })
+}

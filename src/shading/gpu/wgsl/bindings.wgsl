@@ -1,0 +1,59 @@
+// What the host hands over. Lights are linear, or whatever the frame holds; places are pixels, x right, y down.
+
+struct Globals {
+    // The window, pixels.
+    size: vec2f,
+    // b, the width of the strip at an edge as a barycentric weight.
+    boundary: f32,
+    // Distance of the eye from the origin of eye space; 0 for a parallel projection.
+    distance: f32,
+    // Encoded light where there is no surface.
+    background: vec4f,
+    // k_a·I_a·O_d.
+    ambient: vec4f,
+    // k_d·O_d; in w, m of Phong's and Blinn's highlight.
+    diffuse: vec4f,
+    // k_s·O_s; in w, m of Cook and Torrance's.
+    specular: vec4f,
+    // Indices of refraction of Cook and Torrance's; in w, c1 of the Gaussian distribution.
+    index: vec4f,
+    // Lamps in `lists`, three entries each.
+    lamps: u32,
+    // Points of the transfer table in `lists`, after the lamps.
+    points: u32,
+    // 1/γ of a transfer function that is a power.
+    exponent: f32,
+}
+
+struct Vertex {
+    // Pixels x, y and depth, 0 nearest, 1 farthest.
+    place: vec4f,
+    light: vec4f,
+    ambient: vec4f,
+    // Unit normal and place in eye space.
+    normal: vec4f,
+    eye: vec4f,
+}
+
+struct Triangle {
+    corners: vec3u,
+    // Slopes of the weights of corners B and C, per pixel right and down.
+    slopes: vec4f,
+}
+
+@group(0) @binding(0) var<uniform> globals: Globals;
+@group(0) @binding(1) var<storage, read> vertices: array<Vertex>;
+@group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
+// What the shader needs of each triangle beside its vertices.
+@group(0) @binding(3) var<storage, read> constants: array<vec4f>;
+// Lamps, then the transfer table.
+@group(0) @binding(4) var<storage, read> lists: array<vec4f>;
+
+// Known when the pipeline is made, so that a card runs no more than it must.
+override SHADER: u32;
+override VERTEX: u32;
+override REWEIGHT: u32;
+override TRANSFER: u32;
+override SPECULAR: u32;
+// Rows of `constants` a triangle, three entries each.
+override ROWS: u32;

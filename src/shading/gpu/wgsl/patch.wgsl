@@ -1,0 +1,53 @@
+// Ours, *patch*: a reduced Clough–Tocher cubic, its slope continuous over the whole surface. Needs nothing else.
+
+// A triangle's Bézier ordinates. For each corner: its light, a third of the way to the next corner and to the one
+// after; for each edge, opposite corner A, B or C: the middle of the third of the triangle at that edge.
+struct Patch {
+    light: array<vec3f, 3>,
+    next: array<vec3f, 3>,
+    previous: array<vec3f, 3>,
+    middle: array<vec3f, 3>,
+}
+
+fn patch_light(p: Patch, w: vec3f) -> vec3f {
+    // The rest follows: a third of the way from each corner to the centroid, two thirds, the centroid.
+    let near_a = (p.light[0] + p.next[0] + p.previous[0]) / 3.0;
+    let near_b = (p.light[1] + p.next[1] + p.previous[1]) / 3.0;
+    let near_c = (p.light[2] + p.next[2] + p.previous[2]) / 3.0;
+    let far_a = (near_a + p.middle[1] + p.middle[2]) / 3.0;
+    let far_b = (near_b + p.middle[2] + p.middle[0]) / 3.0;
+    let far_c = (near_c + p.middle[0] + p.middle[1]) / 3.0;
+    let centre = (far_a + far_b + far_c) / 3.0;
+    // The third of the triangle that holds the pixel is at the edge opposite the smallest weight.
+    if w.x <= w.y && w.x <= w.z {
+        let edge = edge_cubic(p.light[1], p.next[1], p.previous[2], p.light[2], w.yz - w.x);
+        return third_light(edge, near_b, p.middle[0], near_c, far_b, far_c, centre, w.yz - w.x, 3.0 * w.x);
+    }
+    if w.y <= w.z {
+        let edge = edge_cubic(p.light[2], p.next[2], p.previous[0], p.light[0], w.zx - w.y);
+        return third_light(edge, near_c, p.middle[1], near_a, far_c, far_a, centre, w.zx - w.y, 3.0 * w.y);
+    }
+    let edge = edge_cubic(p.light[0], p.next[0], p.previous[1], p.light[1], w.xy - w.z);
+    return third_light(edge, near_a, p.middle[2], near_b, far_a, far_b, centre, w.xy - w.z, 3.0 * w.z);
+}
+
+// u³b₀ + 3u²v·b₁ + 3uv²·b₂ + v³b₃.
+fn edge_cubic(b0: vec3f, b1: vec3f, b2: vec3f, b3: vec3f, uv: vec2f) -> vec3f {
+    return uv.x * uv.x * (uv.x * b0 + 3.0 * uv.y * b1) + uv.y * uv.y * (3.0 * uv.x * b2 + uv.y * b3);
+}
+
+// The cubic of one third: u, v are the weights of the edge's ends, s that of the centroid.
+fn third_light(
+    edge: vec3f,
+    near_i: vec3f,
+    middle: vec3f,
+    near_j: vec3f,
+    far_i: vec3f,
+    far_j: vec3f,
+    centre: vec3f,
+    uv: vec2f,
+    s: f32,
+) -> vec3f {
+    let near = uv.x * uv.x * near_i + 2.0 * uv.x * uv.y * middle + uv.y * uv.y * near_j;
+    return edge + s * (3.0 * near + s * (3.0 * (uv.x * far_i + uv.y * far_j) + s * centre));
+}

@@ -1,0 +1,38 @@
+// What a display is driven with to make a light, 0…1 each.
+
+const LINEAR = 0u;
+const SRGB = 1u;
+const GAMMA = 2u;
+const TABLE = 3u;
+
+fn encoded(linear: vec3f) -> vec3f {
+    let l = clamp(linear, vec3f(0.0), vec3f(1.0));
+    if TRANSFER == SRGB {
+        // IEC 61966-2-1.
+        return select(1.055 * pow(l, vec3f(1.0 / 2.4)) - 0.055, 12.92 * l, l <= vec3f(0.04045 / 12.92));
+    }
+    if TRANSFER == GAMMA {
+        return select(vec3f(0.0), pow(l, vec3f(globals.exponent)), l > vec3f(0.0));
+    }
+    if TRANSFER == TABLE {
+        return vec3f(from_table(l.r), from_table(l.g), from_table(l.b));
+    }
+    return l;
+}
+
+// The straight line between two points of the table: in each, x the light, y what makes it, z the slope to the next.
+fn from_table(linear: f32) -> f32 {
+    let first = 3u * globals.lamps;
+    var low = 0u;
+    var high = globals.points - 1u;
+    while high - low > 1u {
+        let middle = (low + high) / 2u;
+        if lists[first + middle].x <= linear {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let point = lists[first + low];
+    return point.y + (linear - point.x) * point.z;
+}

@@ -1,0 +1,194 @@
+//! Meshes of triangles.
+
+use glam::DVec3;
+
+use super::{
+    normals::{self, Faced},
+    polygon::triangulated,
+};
+
+/// A corner of triangles: a place, and the normal with which it is lit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Where, in the mesh's own units.
+    pub position: DVec3,
+    /// Unit normal.
+    pub normal: DVec3,
+    /// Which place this is: vertices on either side of a crease have one site and two normals.
+    pub site: u32,
+}
+
+/// A surface of triangles, counter-clockwise seen from outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// The vertices; a site at a crease has one for each of its normals. Sites that no triangle names have none.
+    pub vertices: Vec<Vertex>,
+    /// Indices of three vertices each. Triangles without area stay: they are never drawn.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Largest coordinate of a mesh, either side of zero: what leaves room for products of several.
+pub const LARGEST_COORDINATE: f64 = 1e30;
+
+/// Why triangles are not a mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// There is nothing to show.
+    #[error("there is no triangle; expected at least one")]
+    NoTriangles,
+    /// There is nothing to see.
+    #[error("none of the {0} triangles has an area; expected at least one that has")]
+    NoArea(usize),
+    /// A place is not a place.
+    #[error("position {0} is not finite, or beyond ±1e30; expected three numbers within")]
+    NotFinite(usize),
+    /// A face has a corner that does not exist.
+    #[error("face {face} names position {index} of {positions}; expected one below that")]
+    OutOfRange {
+        /// Which face, from 0.
+        face: usize,
+        /// The index it names, from 0.
+        index: u32,
+        /// How many positions there are.
+        positions: usize,
+    },
+    /// More than can be indexed.
+    #[error("{positions} positions and {faces} faces are too many; expected at most {most} of each", most = MOST)]
+    TooMany {
+        /// How many positions.
+        positions: usize,
+        /// How many faces or triangles.
+        faces: usize,
+    },
+}
+
+/// Faces of three corners or more, and perhaps normals at their corners.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polygons {
+    sites: Vec<u32>,
+    /// As long as `sites`, or empty as long as no normal has been given.
+    normals: Vec<Option<DVec3>>,
+    has_normals: bool,
+    ends: Vec<usize>,
+}
+
+impl Polygons {
+    /// Polygons by their sites, without normals.
+    pub fn new<'a>(polygons: impl IntoIterator<Item = &'a [u32]>) -> Polygons {
+        let mut all = Polygons::default();
+        for sites in polygons {
+            all.push(sites.iter().map(|site| (*site, None)));
+        }
+        all
+    }
+
+    /// Adds one, by its corners' sites and unit normals. One with fewer than three corners shows nothing.
+    pub fn push(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>)>) {
+        for (site, normal) in corners {
+            if normal.is_some() && !self.has_normals {
+                self.normals = vec![None; self.sites.len()];
+                self.has_normals = true;
+            }
+            self.sites.push(site);
+            if self.has_normals {
+                self.normals.push(normal);
+            }
+        }
+        self.ends.push(self.sites.len());
+    }
+
+    fn iter(&self) -> impl ExactSizeIterator<Item = (&[u32], Option<&[Option<DVec3>]>)> {
+        (0..self.ends.len()).map(|i| {
+            let range = if i == 0 { 0 } else { self.ends[i - 1] }..self.ends[i];
+            (&self.sites[range.clone()], self.has_normals.then(|| &self.normals[range]))
+        })
+    }
+}
+
+/// Most positions and most triangles: the corners of the triangles are counted in 32 bits.
+pub(super) const MOST: usize = (u32::MAX / 3) as usize;
+
+impl Mesh {
+    /// The mesh of `triangles` over `positions` (the sites). Each vertex's normal is the normalised sum of the unit
+    /// normals of the faces around it, Shoaff §4.1; faces that meet at an edge at more than `crease_deg` degrees do not
+    /// share normals there. 180 makes every vertex smooth, 0 none but those within a plane.
+    ///
+    /// # Errors
+    /// [`MeshError`].
+    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], crease_deg: f64) -> Result<Mesh, MeshError> {
+        check(positions, triangles.iter().map(|t| &t[..]))?;
+        let normals = triangles.iter().map(|t| normals::newell(&t.map(|i| positions[i as usize]))).collect();
+        averaged(&Faced { positions, triangles, normals, faces: None }, crease_deg)
+    }
+
+    /// The mesh of `polygons` over `positions`, cut into triangles ([`triangulated`]). A polygon counts as one face in
+    /// the averages, with its Newell normal. Corners for which a normal is given have that; such normals at one site
+    /// that differ by less than 0.1° are one, and an edge is a crease where those of its two sides differ.
+    ///
+    /// # Errors
+    /// [`MeshError`].
+    pub fn from_polygons(positions: &[DVec3], polygons: &Polygons, crease_deg: f64) -> Result<Mesh, MeshError> {
+        check(positions, polygons.iter().map(|(sites, _)| sites))?;
+        let (mut triangles, mut normals, mut faces, mut given) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (face, (sites, theirs)) in polygons.iter().enumerate() {
+            let corners: Vec<DVec3> = sites.iter().map(|i| positions[*i as usize]).collect();
+            let normal = normals::newell(&corners);
+            for triangle in triangulated(&corners) {
+                triangles.push(triangle.map(|k| sites[k as usize]));
+                normals.push(normal);
+                faces.push(face as u32);
+                if let Some(theirs) = theirs {
+                    given.push(triangle.map(|k| theirs[k as usize]));
+                }
+            }
+        }
+        // Where all are given, averages are not worth the search for creases.
+        let all_given = polygons.has_normals && given.iter().flatten().all(Option::is_some);
+        let crease_deg = if all_given { 180.0 } else { crease_deg };
+        let mesh = averaged(&Faced { positions, triangles: &triangles, normals, faces: Some(&faces) }, crease_deg)?;
+        Ok(if polygons.has_normals { normals::replaced(&mesh, &given) } else { mesh })
+    }
+
+    /// The three places of triangle `triangle`.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles[triangle].map(|v| self.vertices[v as usize].position)
+    }
+
+    /// Centre and radius of a sphere around the mesh: the middle of its bounding box, and the farthest vertex from it.
+    #[must_use]
+    pub fn bounds(&self) -> (DVec3, f64) {
+        let used = || self.triangles.iter().flatten().map(|v| self.vertices[*v as usize].position);
+        let (low, high) =
+            used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+        let centre = low + (high - low) / 2.0;
+        (centre, used().map(|p| p.distance(centre)).fold(0.0, f64::max))
+    }
+}
+
+/// Whether the faces can be a mesh.
+fn check<'a>(positions: &[DVec3], faces: impl ExactSizeIterator<Item = &'a [u32]>) -> Result<(), MeshError> {
+    if positions.len() > MOST || faces.len() > MOST {
+        return Err(MeshError::TooMany { positions: positions.len(), faces: faces.len() });
+    }
+    // NaN is not within either.
+    let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= LARGEST_COORDINATE);
+    if let Some(at) = positions.iter().position(|p| !within(p)) {
+        return Err(MeshError::NotFinite(at));
+    }
+    for (face, corners) in faces.enumerate() {
+        if let Some(&index) = corners.iter().find(|i| **i as usize >= positions.len()) {
+            return Err(MeshError::OutOfRange { face, index, positions: positions.len() });
+        }
+    }
+    Ok(())
+}
+
+fn averaged(faced: &Faced, crease_deg: f64) -> Result<Mesh, MeshError> {
+    match faced.triangles.len() {
+        0 => Err(MeshError::NoTriangles),
+        count if count > MOST => Err(MeshError::TooMany { positions: faced.positions.len(), faces: count }),
+        count if faced.normals.iter().all(|normal| *normal == DVec3::ZERO) => Err(MeshError::NoArea(count)),
+        _ => Ok(normals::averaged(faced, crease_deg)),
+    }
+}

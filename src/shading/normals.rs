@@ -1,0 +1,175 @@
+//! Normals of faces and of vertices.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::{
+    edges::Edges,
+    mesh::{Mesh, Vertex},
+};
+
+/// Newell's normal of a polygon, unit length, counter-clockwise seen from its tip; zero for a polygon without area.
+/// Shoaff §3.5. For corners that are not in one plane it is the normal of the plane that fits them best.
+///
+/// The corners are taken relative to the first of them and to the polygon's size: the printed sums lose their digits
+/// far from the origin.
+#[must_use]
+pub fn newell(corners: &[DVec3]) -> DVec3 {
+    let Some(&origin) = corners.first() else { return DVec3::ZERO };
+    let size = corners.iter().map(|p| (*p - origin).abs().max_element()).fold(0.0, f64::max);
+    if !(size > 0.0 && size.is_finite()) {
+        return DVec3::ZERO;
+    }
+    let at = |i: usize| (corners[i] - origin) / size;
+    let mut sum = DVec3::ZERO;
+    for i in 0..corners.len() {
+        let (p, q) = (at(i), at(if i + 1 == corners.len() { 0 } else { i + 1 }));
+        sum += DVec3::new((p.y - q.y) * (p.z + q.z), (p.z - q.z) * (p.x + q.x), (p.x - q.x) * (p.y + q.y));
+    }
+    // Below this, what is left is rounding.
+    if sum.length() > 1e-14 { sum.normalize() } else { DVec3::ZERO }
+}
+
+/// Triangles, with the normals of the faces that they are or are parts of.
+pub(super) struct Faced<'a> {
+    pub positions: &'a [DVec3],
+    pub triangles: &'a [[u32; 3]],
+    /// For each triangle the unit normal of its face; zero without an area.
+    pub normals: Vec<DVec3>,
+    /// For each triangle which face it is a part of; the triangles of a face follow each other. None where every
+    /// triangle is a face.
+    pub faces: Option<&'a [u32]>,
+}
+
+/// The mesh with averaged normals, split where faces meet at more than `crease_deg` degrees. A face of several
+/// triangles counts once at each of its corners, as Shoaff has it, however it is cut.
+pub(super) fn averaged(faced: &Faced, crease_deg: f64) -> Mesh {
+    let Faced { positions, triangles, normals, faces } = faced;
+    // Corner k of triangle t is 3t + k. Corners of one group share one normal.
+    let groups: Vec<u32> = if crease_deg >= 180.0 {
+        triangles.iter().flatten().copied().collect()
+    } else {
+        fans(triangles, normals, crease_deg)
+    };
+    let mut sums = vec![DVec3::ZERO; groups.len().max(positions.len())];
+    let mut last = vec![u32::MAX; if faces.is_some() { sums.len() } else { 0 }];
+    for (corner, group) in groups.iter().enumerate() {
+        let group = *group as usize;
+        if faces.is_none_or(|faces| std::mem::replace(&mut last[group], faces[corner / 3]) != faces[corner / 3]) {
+            sums[group] += normals[corner / 3];
+        }
+    }
+    let mut vertices: Vec<Vertex> = Vec::with_capacity(positions.len());
+    let mut shared = vec![u32::MAX; sums.len()];
+    let mut lone: HashMap<(u32, [u64; 3]), u32> = HashMap::new();
+    let mut corner = 0;
+    let triangles = triangles
+        .iter()
+        .map(|sites| {
+            sites.map(|site| {
+                let (group, own) = (groups[corner], normals[corner / 3]);
+                corner += 1;
+                let sum = sums[group as usize];
+                let mut push = |normal: DVec3| {
+                    vertices.push(Vertex { position: positions[site as usize], normal, site });
+                    (vertices.len() - 1) as u32
+                };
+                if sum.length() > 1e-9 {
+                    let at = &mut shared[group as usize];
+                    if *at == u32::MAX {
+                        *at = push(sum.normalize());
+                    }
+                    return *at;
+                }
+                // Faces that look in opposite directions have no normal between them: each keeps its own. What has
+                // no area is never lit, but its normal must be one.
+                let normal = if own == DVec3::ZERO { DVec3::Z } else { own };
+                *lone.entry((group, normal.to_array().map(f64::to_bits))).or_insert_with(|| push(normal))
+            })
+        })
+        .collect();
+    Mesh { vertices, triangles }
+}
+
+/// For each corner the fan of faces around its site that it belongs to, named by one of the fan's corners. A fan goes
+/// on across every edge at which the faces make no more than `crease_deg` degrees, so that two triangles on either
+/// side of such an edge share the vertices at both its ends.
+fn fans(triangles: &[[u32; 3]], normals: &[DVec3], crease_deg: f64) -> Vec<u32> {
+    // The tolerance keeps the two triangles of a flat quad together at 0°.
+    let least_cosine = crease_deg.max(0.0).to_radians().cos() - 1e-9;
+    let mut parent: Vec<u32> = (0..triangles.len() as u32 * 3).collect();
+    for edge in &Edges::among(triangles.iter().copied()).edges {
+        for (i, &(t, k)) in edge.sides.iter().enumerate() {
+            // Against the next side only: at an edge of two that is all, at one of many it keeps the cost linear.
+            let Some(&(u, l)) = edge.sides.get(i + 1) else { break };
+            let (a, b) = (normals[t as usize], normals[u as usize]);
+            if a == DVec3::ZERO || b == DVec3::ZERO || a.dot(b) < least_cosine {
+                continue;
+            }
+            for end in [1, 2] {
+                let site = triangles[t as usize][usize::from(k + end) % 3];
+                let other = if triangles[u as usize][usize::from(l + 1) % 3] == site { 1 } else { 2 };
+                join(&mut parent, t * 3 + u32::from(k + end) % 3, u * 3 + u32::from(l + other) % 3);
+            }
+        }
+    }
+    (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()
+}
+
+fn join(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parent, a), root(parent, b));
+    // The lower names the fan, whatever the order of the edges.
+    parent[a.max(b) as usize] = a.min(b);
+}
+
+fn root(parent: &mut [u32], mut at: u32) -> u32 {
+    while parent[at as usize] != at {
+        parent[at as usize] = parent[parent[at as usize] as usize];
+        at = parent[at as usize];
+    }
+    at
+}
+
+/// Given normals of one place that are no farther apart than this are one normal: files round theirs.
+const SAME_DEG: f64 = 0.1;
+
+/// How many of a place's normals, the newest first, a further one is compared with: a fan of any size stays fast.
+const COMPARED: usize = 64;
+
+/// `mesh` with the normals that are `given` for the corners of its triangles in the place of its own. Corners without
+/// one keep theirs.
+pub(super) fn replaced(mesh: &Mesh, given: &[[Option<DVec3>; 3]]) -> Mesh {
+    let least_cosine = SAME_DEG.to_radians().cos();
+    let mut vertices: Vec<Vertex> = Vec::with_capacity(mesh.vertices.len());
+    // The vertices of each site, as lists from the newest to the oldest.
+    let sites = mesh.vertices.iter().map(|v| v.site as usize + 1).max().unwrap_or(0);
+    let mut newest = vec![u32::MAX; sites];
+    let mut older: Vec<u32> = Vec::with_capacity(mesh.vertices.len());
+    let triangles = mesh
+        .triangles
+        .iter()
+        .zip(given)
+        .map(|(corners, given)| {
+            let corner = |k: usize| {
+                let own = mesh.vertices[corners[k] as usize];
+                let normal = given[k].unwrap_or(own.normal);
+                let mut at = newest[own.site as usize];
+                for _ in 0..COMPARED {
+                    if at == u32::MAX || vertices[at as usize].normal.dot(normal) >= least_cosine {
+                        break;
+                    }
+                    at = older[at as usize];
+                }
+                if at == u32::MAX || vertices[at as usize].normal.dot(normal) < least_cosine {
+                    at = vertices.len() as u32;
+                    vertices.push(Vertex { normal, ..own });
+                    older.push(std::mem::replace(&mut newest[own.site as usize], at));
+                }
+                at
+            };
+            [0, 1, 2].map(corner)
+        })
+        .collect();
+    Mesh { vertices, triangles }
+}

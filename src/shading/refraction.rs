@@ -1,0 +1,41 @@
+//! Where light goes that enters another medium. Shoaff §4.4.
+
+use glam::DVec3;
+
+/// What becomes of a ray of light at the border of two media.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refraction {
+    /// It passes, along the unit vector T, away from the surface.
+    Transmitted(DVec3),
+    /// Total internal reflection: none passes, all goes along the unit vector R, the mirror image of L.
+    TotalReflection(DVec3),
+    /// No direction follows: a vector is not of unit length, or the ratio of the indices is not a finite number above 0.
+    Undefined,
+}
+
+/// How far a vector's length may be from 1.
+const UNIT: f64 = 1e-6;
+
+impl Refraction {
+    /// T = (η·cos θ_i − cos θ_t)·N − η·L, cos θ_t = √(1 − η²(1 − cos²θ_i)), for a ray from the direction `to_source`, L,
+    /// at a surface with the normal `normal`, N, both of unit length. `ratio` is η = η_i/η_t, the index of the medium
+    /// that the light comes from over that of the medium it enters.
+    ///
+    /// An N on the far side of the surface is turned: the medium with the light is always the one on L's side.
+    #[must_use]
+    pub fn of(to_source: DVec3, normal: DVec3, ratio: f64) -> Refraction {
+        // Written so that NaN is refused.
+        let unit = |v: DVec3| (v.length() - 1.0).abs() <= UNIT;
+        if !(unit(to_source) && unit(normal) && ratio > 0.0 && ratio.is_finite()) {
+            return Refraction::Undefined;
+        }
+        let facing = normal.dot(to_source);
+        let (cos_i, normal) = if facing < 0.0 { (-facing, -normal) } else { (facing, normal) };
+        let sin_t = ratio * to_source.cross(normal).length();
+        if sin_t > 1.0 {
+            return Refraction::TotalReflection(2.0 * cos_i * normal - to_source);
+        }
+        let cos_t = ((1.0 - sin_t) * (1.0 + sin_t)).sqrt();
+        Refraction::Transmitted((ratio * cos_i - cos_t) * normal - ratio * to_source)
+    }
+}

@@ -1,0 +1,142 @@
+//! Which shader, with which options.
+
+use std::{fmt, str::FromStr};
+
+use crate::light::Depth;
+
+/// Makes an enum whose values have a name in commands and files.
+macro_rules! named {
+    ($(#[$meta:meta])* $enum:ident, $error:ident { $($(#[$doc:meta])* $variant:ident = $name:literal,)* }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum $enum {
+            $($(#[$doc])* $variant,)*
+        }
+
+        #[doc = concat!("A name that is none of [`", stringify!($enum), "`]'s.")]
+        #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+        #[error("{0:?} is not known; expected one of {expected}", expected = $enum::NAMES.join(", "))]
+        pub struct $error(String);
+
+        impl $enum {
+            /// Every value, in the order in which lists show them.
+            pub const ALL: &'static [$enum] = &[$($enum::$variant,)*];
+            /// Their names, in the same order.
+            pub const NAMES: &'static [&'static str] = &[$($name,)*];
+
+            /// The name in commands and files.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $($enum::$variant => $name,)*
+                }
+            }
+        }
+
+        impl fmt::Display for $enum {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        impl FromStr for $enum {
+            type Err = $error;
+
+            fn from_str(text: &str) -> Result<Self, Self::Err> {
+                $enum::ALL.iter().copied().find(|value| value.name() == text).ok_or_else(|| $error(text.to_owned()))
+            }
+        }
+    };
+}
+
+pub(super) use named;
+
+named! {
+    /// The ladder, from flat to smooth everywhere.
+    Shader, ShaderError {
+        /// One light a triangle, that of its own normal.
+        Flat = "flat",
+        /// Light interpolated between the vertices, Bangay eq. 2.
+        Gouraud = "gouraud",
+        /// The normal interpolated between the vertices, and lit at every pixel.
+        Phong = "phong",
+        /// Light through the vertices and the middles of the edges, quadratic; after Mohamed et al.
+        Quadratic = "quadratic",
+        /// Bangay eq. 4, as printed.
+        Fixed = "fixed",
+        /// Bangay §4.2.1's second expression, as printed.
+        Gradient = "gradient",
+        /// The same with the sign of its slope repaired, (I_A − I_F)/2.
+        GradientRepaired = "gradient-repaired",
+        /// Ours: the slope across every edge matched to its neighbour's.
+        Exact = "exact",
+        /// Ours: the corner at every edge cut.
+        Cut = "cut",
+        /// Ours: a surface with a continuous slope through the vertices' lights and slopes.
+        Patch = "patch",
+    }
+}
+
+named! {
+    /// Whether a correction of Bangay's is made, and how.
+    Correction, CorrectionError {
+        /// Not made.
+        Off = "off",
+        /// Made as the paper prints it.
+        Printed = "printed",
+        /// Made so that a uniform surface stays uniform.
+        Repaired = "repaired",
+    }
+}
+
+named! {
+    /// Where the slopes at the vertices come from that [`Shader::Patch`] needs.
+    Gradients, GradientsError {
+        /// The chain rule through the curvature of the mesh.
+        Curvature = "curvature",
+        /// The lights of the vertices around, fitted by a plane.
+        Ring = "ring",
+        /// The lights of the vertices around, fitted by a quadric.
+        Quadric = "quadric",
+    }
+}
+
+/// A shader with its options.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shade {
+    /// Which shader.
+    pub shader: Shader,
+    /// Continuity depth n of the boundary's interpolation.
+    pub depth: Depth,
+    /// Width b of the strip at an edge, as a barycentric weight: 0…1; up to ⅓ for all but [`Shader::Cut`], for which
+    /// larger ones act as ⅓.
+    pub boundary: f64,
+    /// Vertex shading, Bangay eq. 7.
+    pub vertex: Correction,
+    /// Intensity reweighting, Bangay eq. 9.
+    pub reweight: Correction,
+    /// For [`Shader::Patch`].
+    pub gradients: Gradients,
+}
+
+impl Shade {
+    /// `shader` with n = 1 for *cut*, where it is best, and 3 otherwise; b = ⅓ for *cut*, 0.2 otherwise; no correction.
+    #[must_use]
+    pub const fn new(shader: Shader) -> Shade {
+        let cut = matches!(shader, Shader::Cut);
+        Shade {
+            shader,
+            depth: Depth::Finite(if cut { 1 } else { 3 }),
+            boundary: if cut { 1.0 / 3.0 } else { 0.2 },
+            vertex: Correction::Off,
+            reweight: Correction::Off,
+            gradients: Gradients::Curvature,
+        }
+    }
+
+    /// The width of the strip that is used: `boundary`, at most ⅓ unless the shader is *cut*.
+    #[must_use]
+    pub fn strip(&self) -> f64 {
+        if self.shader == Shader::Cut { self.boundary } else { self.boundary.min(1.0 / 3.0) }
+    }
+}

@@ -1,0 +1,46 @@
+//! A closed surface with as many vertices as one likes.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::{ShapeError, hull};
+use crate::shading::mesh::Mesh;
+
+/// A tetrahedron.
+pub(super) const LEAST: usize = 4;
+
+/// `count` points spread evenly over the unit sphere: the i-th is at z = 1 − (2i + 1)/`count`, turned on by the golden
+/// angle from the last.
+#[must_use]
+pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
+    let golden = f64::midpoint(1.0, 5f64.sqrt());
+    (0..count)
+        .map(|i| {
+            let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
+            let (y, x) = (TAU * (i as f64 / golden).fract()).sin_cos();
+            let radius = ((1.0 - z) * (1.0 + z)).sqrt();
+            DVec3::new(radius * x, radius * y, z)
+        })
+        .collect()
+}
+
+/// A closed surface over `count` Fibonacci points, at least 4: the triangles of their convex hull, 2·`count` − 4, each
+/// place then moved in or out by a smooth function of its direction, so that the surface is round but no ball: it has
+/// hollows, and no symmetry.
+///
+/// # Errors
+/// [`ShapeError::Hull`] for fewer than 4 points.
+pub fn blob(count: usize) -> Result<Mesh, ShapeError> {
+    let points = fibonacci_points(count);
+    let triangles = hull::hull(&points)?;
+    let positions: Vec<DVec3> = points.iter().map(|p| *p * radius(*p)).collect();
+    Ok(Mesh::new(&positions, &triangles, 180.0)?)
+}
+
+/// Distance from the middle in the direction `p`: 0.66…1.34.
+fn radius(p: DVec3) -> f64 {
+    1.0 + 0.16 * (2.1 * p.x + 0.4).sin() * (2.6 * p.y - 0.3).cos()
+        + 0.12 * (3.1 * p.z + 1.3 * p.x).sin()
+        + 0.06 * (4.3 * p.y + 2.0 * p.z + 1.0).sin()
+}

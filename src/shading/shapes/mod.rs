@@ -1,0 +1,100 @@
+//! Meshes by name.
+//!
+//! All are closed and counter-clockwise seen from outside, but for [`jittered_grid`]; their normals are averaged over
+//! the faces around each vertex, as the papers have them.
+
+mod blob;
+mod grid;
+mod hull;
+mod round;
+mod solids;
+
+use std::{fmt, str::FromStr};
+
+use super::{
+    mesh::{Mesh, MeshError},
+    shader::named,
+};
+
+pub use blob::{blob, fibonacci_points};
+pub use grid::{MOST_JITTER, jittered_grid};
+pub use hull::{HullError, hull};
+pub use round::{sphere, torus};
+pub use solids::{cube, pyramid};
+
+named! {
+    /// A mesh by its name.
+    Shape, UnknownShape {
+        /// [`cube`].
+        Cube = "cube",
+        /// [`pyramid`].
+        Pyramid = "pyramid",
+        /// [`sphere`].
+        Sphere = "sphere",
+        /// [`torus`].
+        Torus = "torus",
+        /// [`blob`].
+        Blob = "blob",
+    }
+}
+
+/// Why there is no such shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ShapeError {
+    /// The shape cannot have so many or so few vertices.
+    #[error("a {shape} with {vertices} vertices is not to be had; expected {least}…{most}", most = MOST_VERTICES)]
+    Vertices {
+        /// Which shape.
+        shape: Shape,
+        /// How many were asked for.
+        vertices: usize,
+        /// The fewest it can have.
+        least: usize,
+    },
+    /// The triangles are not a mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The points have no convex hull.
+    #[error(transparent)]
+    Hull(#[from] HullError),
+}
+
+/// Most vertices of a shape.
+pub const MOST_VERTICES: usize = 500_000;
+
+impl Shape {
+    /// Whether the shape can have more vertices or fewer: not the cube and the pyramid.
+    #[must_use]
+    pub const fn has_vertices(self) -> bool {
+        matches!(self, Shape::Sphere | Shape::Torus | Shape::Blob)
+    }
+
+    /// The fewest vertices that the shape can have.
+    #[must_use]
+    pub const fn least_vertices(self) -> usize {
+        match self {
+            Shape::Cube | Shape::Pyramid => 8,
+            Shape::Sphere => round::LEAST_SPHERE,
+            Shape::Torus => round::LEAST_TORUS,
+            Shape::Blob => blob::LEAST,
+        }
+    }
+}
+
+/// The mesh of `shape` with `vertices` places: exactly so many for the blob, about so many for sphere and torus, whose
+/// triangles would lose their shape otherwise; cube and pyramid have 8 whatever is asked for.
+///
+/// # Errors
+/// [`ShapeError::Vertices`] outside [`Shape::least_vertices`]…[`MOST_VERTICES`].
+pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
+    if shape.has_vertices() && !(shape.least_vertices()..=MOST_VERTICES).contains(&vertices) {
+        return Err(ShapeError::Vertices { shape, vertices, least: shape.least_vertices() });
+    }
+    match shape {
+        Shape::Cube => Ok(cube()),
+        Shape::Pyramid => Ok(pyramid()),
+        Shape::Sphere => Ok(sphere(round::subdivisions(vertices))),
+        Shape::Torus => Ok(round::torus_of(vertices)),
+        Shape::Blob => blob(vertices),
+    }
+}

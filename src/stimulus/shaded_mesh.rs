@@ -1,0 +1,186 @@
+//! A mesh under one of the shaders: banding as it is met in computer graphics, to be rated like any other stimulus.
+
+use std::{fmt, str::FromStr};
+
+use glam::{DVec2, DVec3};
+
+use super::{
+    color::StimulusColor,
+    kind::{Range, kind, low_above_high, text_field},
+    parameter::ParameterError,
+};
+use crate::{
+    light::{Depth, LinearImage},
+    shading::{
+        Correction, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface,
+        shapes::{self, Shape, ShapeError},
+    },
+};
+
+/// Three numbers, written `X,Y,Z`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triple(pub [f64; 3]);
+
+impl fmt::Display for Triple {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.0;
+        write!(f, "{x},{y},{z}")
+    }
+}
+
+/// Not three finite numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected three numbers with commas between, such as 25,-35,0")]
+pub struct TripleError;
+
+impl FromStr for Triple {
+    type Err = TripleError;
+
+    fn from_str(text: &str) -> Result<Self, TripleError> {
+        let numbers: Option<Vec<f64>> =
+            text.split(',').map(|part| part.trim().parse().ok().filter(|n: &f64| n.is_finite())).collect();
+        numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok()).map(Triple).ok_or(TripleError)
+    }
+}
+
+text_field!(Triple);
+text_field!(Shape);
+text_field!(Shader);
+text_field!(Depth);
+text_field!(Correction);
+text_field!(Gradients);
+
+/// Fields that files write as their text.
+macro_rules! serde_as_text {
+    ($($type:ty),*) => {$(
+        impl serde::Serialize for $type {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $type {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+            }
+        }
+    )*};
+}
+serde_as_text!(Triple, Shape, Shader, Correction, Gradients);
+
+kind! {
+    /// A mesh, turned and lit, under one of the shaders; Bangay §4 and figs. 8–12, and his future work: how visible
+    /// are the bands of each?
+    ///
+    /// The surface has `low` where the lamp does not reach and `high` where it falls straight on it; a highlight adds
+    /// up to `highlight`. Rendered in linear light by the plain f64 reference, so that equal parameters give equal
+    /// bytes on every machine.
+    ShadedMesh = "shaded-mesh" {
+        shader: Shader = Shader::Gouraud, Range::Any, "", "How light is spread over the triangles", "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch", ["flat", "gouraud", "phong", "exact", "cut", "patch"];
+        depth: Depth = Depth::Finite(3), Range::Any, "", "Continuity depth n of the strips at the edges", "a whole number from 1 to 32, or inf", ["1", "3", "5"];
+        boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; above 1/3 only cut differs", ["0.05", "0.2", "0.33"];
+        vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
+        reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
+        gradients: Gradients = Gradients::Curvature, Range::Any, "", "Where patch has its slopes from: curvature, ring or quadric", "curvature, ring or quadric", ["curvature", "ring"];
+        mesh: Shape = Shape::Blob, Range::Any, "", "Which mesh: cube, pyramid, sphere, torus or blob", "cube, pyramid, sphere, torus or blob", ["cube", "sphere", "blob"];
+        vertices: u32 = 313, Range::Within(4.0, 20_000.0), "1", "Number of vertices of a sphere, torus or blob", "a whole number from 4 to 20000", ["313", "771"];
+        rotate: Triple = Triple([25.0, -35.0, 0.0]), Range::Any, "°", "Turned about x, then y, then z", "three angles in degrees, such as 25,-35,0", ["25,-35,0"];
+        light: Triple = Triple([0.36, 0.48, 0.8]), Range::Any, "", "Direction toward the lamp: right, up, toward the viewer", "three numbers that are not all 0, such as 0.36,0.48,0.8", ["0.36,0.48,0.8"];
+        highlight: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Relative luminance that the middle of a highlight adds", "a relative luminance", ["0", "0.2"];
+        background: f64 = 0.05, Range::Within(0.0, 1.0), "1", "Relative luminance around the surface", "a relative luminance", ["0.05"];
+        low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp does not reach", "the relative luminance where the lamp does not reach", ["0.1"];
+        high: f64 = 0.7, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp falls straight on the surface", "a relative luminance, at least low's", ["0.7"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a color such as gray, R,G,B, hsv:H,S,V or xyY:x,y,Y", ["gray", "yellow"];
+    }
+}
+
+impl ShadedMesh {
+    fn contradictions(&self) -> Option<ParameterError> {
+        let parameter = |name| Self::PARAMETERS.iter().find(|parameter| parameter.name == name);
+        if self.light.0 == [0.0; 3] {
+            return Some(parameter("light")?.error(self.light, "is no direction"));
+        }
+        low_above_high(Self::PARAMETERS, self.low, self.high)
+    }
+
+    /// The shader with its options.
+    #[must_use]
+    pub fn shade(&self) -> Shade {
+        Shade {
+            shader: self.shader,
+            depth: self.depth,
+            boundary: self.boundary,
+            vertex: self.vertex,
+            reweight: self.reweight,
+            gradients: self.gradients,
+        }
+    }
+
+    /// How it is seen and lit.
+    #[must_use]
+    pub fn scene(&self) -> Scene {
+        Scene {
+            rotate_deg: self.rotate.0,
+            light: DVec3::from_array(self.light.0),
+            color: DVec3::from_array(self.color.rgb()),
+            ambient: self.low,
+            diffuse: self.high - self.low,
+            specular: self.highlight,
+            background: self.background,
+            ..Scene::default()
+        }
+    }
+
+    /// The mesh.
+    ///
+    /// # Errors
+    /// Too few or too many vertices; not for a stimulus that is valid.
+    pub fn mesh(&self) -> Result<Mesh, ShapeError> {
+        shapes::mesh(self.mesh, self.vertices as usize)
+    }
+
+    fn frame(&self, size: u32) -> Option<Frame> {
+        Some(self.scene().frame(&Surface::new(self.mesh().ok()?), size, size))
+    }
+
+    /// The light of a window of `size` × `size` pixels.
+    pub fn linear(&self, size: u32) -> LinearImage {
+        match self.frame(size) {
+            Some(frame) => Reference::new(&frame, &self.shade()).image(),
+            None => LinearImage::new(size, size),
+        }
+    }
+
+    /// The light at one place; see [`ShadedMesh::profile`].
+    pub fn light_at(&self, x: f64) -> [f32; 3] {
+        self.profile(&[x])[0]
+    }
+
+    /// The light at the places `x`, in window sides from the middle, along the row through the middle.
+    pub fn profile(&self, places: &[f64]) -> Vec<[f32; 3]> {
+        let Some(frame) = self.frame(Self::PROFILE_PX) else { return vec![[0.0; 3]; places.len()] };
+        let reference = Reference::new(&frame, &self.shade());
+        places.iter().map(|x| light_on_the_middle_row(&frame, &reference, *x)).collect()
+    }
+
+    /// Window in which a profile is taken, pixels: vertices stand on 1/256 of one.
+    const PROFILE_PX: u32 = 4096;
+}
+
+fn light_on_the_middle_row(frame: &Frame, reference: &Reference, x: f64) -> [f32; 3] {
+    let side = f64::from(frame.width);
+    // A hair below the row, so that a vertex or an edge on it belongs to one side.
+    let p = DVec2::new((x + 0.5) * side, side / 2.0 + 1.0 / 1024.0);
+    let mut nearest: Option<(f64, usize, [f64; 3])> = None;
+    for triangle in 0..frame.triangles.len() {
+        let weights = frame.weights(triangle, p);
+        if weights.iter().all(|w| *w >= 0.0) {
+            let depth: f64 = frame.corners(triangle).iter().zip(weights).map(|(v, w)| v.depth * w).sum();
+            if nearest.is_none_or(|(least, ..)| depth < least) {
+                nearest = Some((depth, triangle, weights));
+            }
+        }
+    }
+    let light = nearest.map_or(frame.background, |(_, triangle, weights)| reference.light(triangle, weights));
+    light.to_array().map(|l| l as f32)
+}

@@ -1,0 +1,206 @@
+//! The crease metric, and what the shaders leave of Gouraud's creases.
+
+mod plane;
+
+use glam::{DVec2, DVec3};
+use machband::{
+    light::Depth,
+    shading::{
+        Across, Creases, Frame, Gradients, Reference, Scene, Shade, Shader, Surface, crease,
+        shapes::{self, Shape},
+    },
+};
+use plane::{frame, grid, random};
+
+/// B and C, and the apexes A and D of two triangles at the edge between them, in pixels; and their lights.
+const PLACES: [DVec2; 4] =
+    [DVec2::new(20.0, 60.0), DVec2::new(100.0, 75.0), DVec2::new(50.0, 10.0), DVec2::new(85.0, 110.0)];
+const LIGHTS: [f64; 4] = [0.3, 0.55, 0.9, 0.2];
+
+fn pair(places: [DVec2; 4], lights: [f64; 4]) -> Frame {
+    let mut frame = frame(&places, &[[2, 0, 1], [3, 0, 1]], |_| DVec3::ZERO);
+    for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
+        // Channels of different contrast.
+        vertex.light = DVec3::new(light, 0.5 * light, 0.0);
+    }
+    frame
+}
+
+/// The jump over a gray pair's edge: each apex's light above the edge line's at its foot, over its height.
+fn analytic_jump(places: [DVec2; 4], lights: [f64; 4]) -> f64 {
+    let [b, c, a, d] = places;
+    let slope_to = |apex: DVec2, light: f64| {
+        let foot = (apex - b).dot(c - b) / (c - b).length_squared();
+        let height = apex.distance(b + foot * (c - b));
+        (light - (lights[0] + foot * (lights[1] - lights[0]))) / height
+    };
+    slope_to(a, lights[2]) + slope_to(d, lights[3])
+}
+
+fn scenes() -> Vec<(String, Frame)> {
+    let mut frames = Vec::new();
+    for (shape, vertices) in [(Shape::Sphere, 642), (Shape::Torus, 768), (Shape::Blob, 313), (Shape::Blob, 771)] {
+        let surface = Surface::new(shapes::mesh(shape, vertices).expect("a mesh"));
+        let turned = Scene { rotate_deg: [70.0, 10.0, 40.0], distance: 3.0, ..Scene::default() };
+        for scene in [Scene::default(), turned] {
+            let name = format!("{shape} of {} triangles", surface.mesh.triangles.len());
+            frames.push((name, scene.frame(&surface, 512, 512)));
+        }
+    }
+    frames
+}
+
+fn over_gouraud(frame: &Frame, shade: &Shade) -> f64 {
+    Creases::of(frame, shade).over(&Creases::of_gouraud(frame)).expect("Gouraud has creases")
+}
+
+#[test]
+fn gourauds_jump_is_that_of_its_planes() {
+    let creases = Creases::of_gouraud(&pair(PLACES, LIGHTS));
+    let expected = analytic_jump(PLACES, LIGHTS).abs() * (1.25_f64 / 3.0).sqrt();
+    assert_eq!(creases.edges.len(), 1);
+    for value in [creases.edges[0].jump, creases.rms, creases.median, creases.p95, creases.max] {
+        assert!((value - expected).abs() < 1e-9, "{value}, expected {expected}");
+    }
+    assert!(creases.step_rms < 1e-15);
+    assert!((creases.edges[0].length - PLACES[0].distance(PLACES[1])).abs() < 1e-12);
+}
+
+#[test]
+fn a_jump_that_changes_along_the_edge_is_averaged() {
+    let frame = pair(PLACES, LIGHTS);
+    let height = Frame::area2(PLACES[0], PLACES[1], PLACES[2]).abs() / PLACES[0].distance(PLACES[1]);
+    // Curved and steep on one side, nothing but a step on the other: the slope at the edge is s, from 0 to 1 along it.
+    let creases = Creases::of_field(&frame, |t, w| {
+        let s = w[1].min(w[2]) / (w[1] + w[2]);
+        let far = w[0] * height;
+        if t == 0 { DVec3::new((3.0 * far).sin() / 3.0 * s, 0.0, 0.0) } else { DVec3::new(0.0, 0.25, 0.0) }
+    });
+    // Mean square of a slope that runs 0 … ½ … 0, in one channel of three; six points fall short by 1 in 72.
+    let expected = (1.0 / 12.0 * (1.0 - 1.0 / 36.0) / 3.0_f64).sqrt();
+    assert!((creases.rms / expected - 1.0).abs() < 0.01, "{} {expected}", creases.rms);
+    assert!((creases.step_rms - 0.25 / 3.0_f64.sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn a_smooth_field_has_no_crease() {
+    let (places, triangles) = grid(6, 100.0, 0.24, 4);
+    let frame = frame(&places, &triangles, |p| DVec3::splat(random((p.x * 1e4) as u64)));
+    let creases = Creases::of_field(&frame, |t, w| {
+        let [a, b, c] = frame.corners(t).map(|v| v.screen);
+        let p = w[0] * a + w[1] * b + w[2] * c;
+        DVec3::splat((0.2 * p.x).sin() * (0.3 * p.y).cos())
+    });
+    assert!(creases.max < 1e-7, "{}", creases.max);
+    assert!(creases.over(&creases).is_some_and(|ratio| (ratio - 1.0).abs() < 1e-12));
+    let uniform = Creases::of_field(&frame, |_, _| DVec3::ONE);
+    assert_eq!((uniform.max, creases.over(&uniform)), (0.0, None));
+}
+
+#[test]
+fn shares_go_by_length() {
+    let creases = Creases::of_gouraud(&scenes()[0].1);
+    let total: f64 = creases.edges.iter().map(|e| e.length).sum();
+    for (level, share) in [(creases.median, 0.5), (creases.p95, 0.95)] {
+        let of = |keep: &dyn Fn(f64) -> bool| -> f64 {
+            creases.edges.iter().filter(|e| keep(e.jump)).map(|e| e.length).sum::<f64>() / total
+        };
+        assert!(of(&|jump| jump < level) < share && of(&|jump| jump <= level) >= share - 1e-12);
+    }
+    let mean = creases.edges.iter().map(|e| e.length * e.jump * e.jump).sum::<f64>() / total;
+    assert!((creases.rms - mean.sqrt()).abs() < 1e-12 * creases.rms);
+}
+
+/// Each edge of a frame once, those at silhouettes not.
+#[test]
+fn every_shared_edge_is_measured_once() {
+    for (name, frame) in scenes() {
+        let sides = frame.triangles.iter().flat_map(|t| t.across);
+        let shared = sides.filter(|across| matches!(across, Across::Triangle { .. })).count();
+        let edges = Creases::of_gouraud(&frame).edges;
+        assert_eq!(2 * edges.len(), shared, "{name}");
+        assert!(edges.len() > 300 && edges.iter().all(|e| e.jump.is_finite() && e.length > 0.0), "{name}");
+    }
+}
+
+/// What must hold of `exact` and `cut`, on whole meshes, narrow triangles at silhouettes and all.
+#[test]
+fn exact_and_cut_leave_a_thousandth_at_most() {
+    let exact = [2, 3, 5].into_iter().flat_map(|n| [0.05, 0.2, 0.33].map(|b| (Shader::Exact, n, b)));
+    let cut = [1, 2, 3].into_iter().flat_map(|n| [0.1, 0.33, 1.0].map(|b| (Shader::Cut, n, b)));
+    let shades: Vec<_> = exact.chain(cut).collect();
+    for (name, frame) in scenes() {
+        for &(shader, n, boundary) in &shades {
+            let shade = Shade { depth: Depth::Finite(n), boundary, ..Shade::new(shader) };
+            let ratio = over_gouraud(&frame, &shade);
+            assert!(ratio <= 1e-3, "{name}, {shader}, n = {n}, b = {boundary}: {ratio}");
+        }
+    }
+}
+
+#[test]
+fn patch_leaves_a_thousandth_at_most_and_one_slope_at_a_vertex() {
+    let rms = |frame: &Frame, shade: &Shade| {
+        let reference = Reference::new(frame, shade);
+        let spreads = crease::at_vertices(frame, |t, w| reference.light(t, w));
+        assert!(spreads.len() > 100);
+        (spreads.iter().map(|v| v.spread * v.spread).sum::<f64>() / spreads.len() as f64).sqrt()
+    };
+    for (name, frame) in scenes() {
+        for &gradients in Gradients::ALL {
+            let shade = Shade { gradients, ..Shade::new(Shader::Patch) };
+            let ratio = over_gouraud(&frame, &shade);
+            assert!(ratio <= 1e-3, "{name}, {gradients}: {ratio}");
+            let spread = rms(&frame, &shade) / rms(&frame, &Shade::new(Shader::Gouraud));
+            assert!(spread <= 1e-3, "{name}, {gradients}: spread {spread} at the vertices");
+        }
+        // Those of exact are Gouraud's: it does not touch the edges themselves.
+        let spread = rms(&frame, &Shade::new(Shader::Exact)) / rms(&frame, &Shade::new(Shader::Gouraud));
+        assert!((0.7..1.3).contains(&spread), "{name}: {spread}");
+    }
+}
+
+/// The paper's gradient shader, at the middle of a parallelogram's diagonal: as printed it halves the jump; with its sign
+/// repaired it takes it away.
+#[test]
+fn printed_gradient_halves_the_jump_at_mid_edge() {
+    let [b, c, a, _] = PLACES;
+    let parallelogram = [b, c, a, b + c - a];
+    let middle = |frame: &Frame, shader| {
+        let shade = Shade { depth: Depth::Finite(2), ..Shade::new(shader) };
+        let reference = Reference::new(frame, &shade);
+        crease::jump_at(frame, 0, 0, 0.5, |t, w| reference.light(t, w)).expect("a shared edge").x
+    };
+    let frame = pair(parallelogram, LIGHTS);
+    let gouraud = middle(&frame, Shader::Gouraud);
+    assert!((gouraud - analytic_jump(parallelogram, LIGHTS)).abs() < 1e-9);
+    assert!((middle(&frame, Shader::Gradient) / gouraud - 0.5).abs() < 1e-4);
+    assert!((middle(&frame, Shader::GradientRepaired) / gouraud).abs() < 1e-4);
+    assert!((middle(&frame, Shader::Exact) / gouraud).abs() < 1e-4);
+    assert!(crease::jump_at(&frame, 0, 1, 0.5, |_, _| DVec3::ZERO).is_none());
+}
+
+#[test]
+fn the_picture_shows_edges_by_their_jump_unless_hidden() {
+    let frame = pair(PLACES, LIGHTS);
+    let creases = Creases::of_gouraud(&frame);
+    let at = |frame: &Frame, creases: &Creases, full: f64, p: DVec2| {
+        let image = crease::picture(frame, creases, full);
+        assert_eq!((image.width, image.height), (frame.width, frame.height));
+        image.pixel(p.x as u32, p.y as u32).iter().sum::<f32>()
+    };
+    let edge = (PLACES[0] + PLACES[1]) / 2.0;
+    let inside = (PLACES[0] + PLACES[1] + PLACES[2]) / 3.0;
+    let (strong, weak) = (at(&frame, &creases, creases.max, edge), at(&frame, &creases, creases.max * 10.0, edge));
+    let (surface, ground) = (at(&frame, &creases, 1.0, inside), at(&frame, &creases, 1.0, DVec2::new(2.0, 2.0)));
+    assert!(strong > 2.0 * weak && weak > 2.0 * surface && surface > ground, "{strong} {weak} {surface} {ground}");
+
+    // A triangle nearer to the eye, over the edge.
+    let mut covered = frame.clone();
+    let cover = [DVec2::new(-200.0, -200.0), DVec2::new(400.0, -200.0), DVec2::new(50.0, 600.0)];
+    let own = plane::frame(&cover, &[[0, 1, 2]], |_| DVec3::ONE);
+    covered.vertices.extend(own.vertices.iter().map(|v| machband::shading::FrameVertex { depth: 0.1, ..*v }));
+    let triangle = own.triangles[0];
+    covered.triangles.push(machband::shading::FrameTriangle { vertices: triangle.vertices.map(|v| v + 4), ..triangle });
+    assert_eq!(at(&covered, &Creases::of_gouraud(&covered), creases.max, edge), surface);
+}

@@ -1,0 +1,381 @@
+//! The shading demo, driven without a display. What it draws is held against the shaders' own pictures.
+
+use std::{io::BufReader, path::Path};
+
+use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Vec2};
+use egui_kittest::{Harness, kittest::Queryable as _};
+use machband::{
+    app::{
+        App, Launch,
+        demo::{Comparison, MeshChoice, Side},
+    },
+    light::{Bits, CodeImage, Depth, Quantizer, Transfer},
+    shading::{Correction, Reference, Scene, Shade, Shader, Surface, shapes::Shape},
+};
+
+type Window = Harness<'static, App>;
+
+fn harness(scale: f32) -> egui_kittest::HarnessBuilder<App> {
+    Harness::builder().with_size([1000.0, 800.0]).with_pixels_per_point(scale).with_step_dt(1.0 / 60.0)
+}
+
+/// The demo, opened from Home.
+fn open() -> Window {
+    opened(harness(1.0).build_eframe(|cc| App::new(cc, Launch::default())))
+}
+
+/// The same with pixels; `None` where there is no graphics adapter.
+fn open_with_pixels(scale: f32) -> Option<Window> {
+    let instance = eframe::wgpu::Instance::new(eframe::wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    if pollster::block_on(instance.enumerate_adapters(eframe::wgpu::Backends::all())).is_empty() {
+        assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
+        eprintln!("SKIPPED: no graphics adapter");
+        return None;
+    }
+    let mut window = opened(harness(scale).wgpu().build_eframe(|cc| App::new(cc, Launch::default())));
+    if window.query_by_label("Drawn by").is_some() {
+        choose(&mut window, "Drawn by", "CPU");
+    }
+    Some(window)
+}
+
+fn opened(mut window: Window) -> Window {
+    window.run_steps(3);
+    window.get_by_label("Shading demo…").click();
+    window.run_steps(4);
+    window
+}
+
+fn value(window: &Window, label: &str) -> String {
+    window.get_by_label(label).value().unwrap_or_default()
+}
+
+/// Picks an entry of a list.
+fn choose(window: &mut Window, label: &str, entry: &str) {
+    window.get_by_label(label).scroll_to_me();
+    window.run_steps(2);
+    window.get_by_label(label).click();
+    window.run_steps(3);
+    let entries: Vec<_> = window.query_all_by_label(entry).collect();
+    // The list is drawn last, above the page.
+    entries.last().unwrap_or_else(|| panic!("{label} has no {entry:?}")).click_accesskit();
+    window.run_steps(3);
+}
+
+fn type_into(window: &mut Window, label: &str, text: &str) {
+    let field = |window: &Window| {
+        window.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().focus();
+    };
+    field(window);
+    window.step();
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    window.step();
+    window.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().type_text(text);
+    window.run_steps(2);
+}
+
+fn picture(window: &Window) -> Rect {
+    window.get_by_label_contains("The surface: ").rect()
+}
+
+/// The picture's pixels on the screen, row by row.
+fn pixels(window: &mut Window) -> Vec<[u8; 3]> {
+    let scale = window.ctx.pixels_per_point();
+    let rect = picture(window) * scale;
+    let shot = window.render().unwrap();
+    let at = |x: u32, y: u32| {
+        let [r, g, b, _] = shot.get_pixel(rect.min.x.round() as u32 + x, rect.min.y.round() as u32 + y).0;
+        [r, g, b]
+    };
+    let (width, height) = (rect.width().round() as u32, rect.height().round() as u32);
+    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| at(x, y)).collect()
+}
+
+fn drag(window: &mut Window, from: Pos2, to: Pos2, button: PointerButton) {
+    let press = |pos, pressed| egui::Event::PointerButton { pos, button, pressed, modifiers: Default::default() };
+    window.hover_at(from);
+    window.step();
+    window.event(press(from, true));
+    window.step();
+    for i in 1..=4 {
+        window.hover_at(from.lerp(to, i as f32 / 4.0));
+        window.step();
+    }
+    window.event(press(to, false));
+    window.run_steps(2);
+    window.remove_cursor();
+    window.run_steps(2);
+}
+
+fn expected(compared: &Comparison, which: usize, width: u32, height: u32) -> CodeImage {
+    let frame = compared.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
+    Quantizer::new(&compared.transfer, Bits::Eight)
+        .quantize(&Reference::new(&frame, &compared.sides[which].shade).image())
+}
+
+#[test]
+fn a_visitor_sees_gouraud_beside_patch_byte_for_byte() {
+    for scale in [1.0, 1.5] {
+        let Some(mut window) = open_with_pixels(scale) else { return };
+        window.get_by_label_contains("Gouraud on the left, Patch on the right");
+        let rect = picture(&window) * scale;
+        let (width, height) = (rect.width().round() as u32, rect.height().round() as u32);
+        let shown = pixels(&mut window);
+        let compared = Comparison::default();
+        let [left, right] = [0, 1].map(|which| expected(&compared, which, width, height));
+        let column = width.div_ceil(2);
+        let mut differing = 0;
+        // The divider and its handle lie over the picture.
+        let mark = (12.0 * scale) as u32;
+        for (i, shown) in shown.iter().enumerate() {
+            let (x, y) = (i as u32 % width, i as u32 / width);
+            let want = if x < column { left.pixel(x, y) } else { right.pixel(x, y) };
+            assert!(x.abs_diff(column) < mark || shown.map(u16::from) == want, "({x}, {y}) at scale {scale}");
+            differing += u32::from(left.pixel(x, y) != right.pixel(x, y));
+        }
+        assert!(differing > width, "the two halves are one picture");
+    }
+}
+
+#[test]
+fn the_shader_changes_the_picture() {
+    let Some(mut window) = open_with_pixels(1.0) else { return };
+    let before = pixels(&mut window);
+    choose(&mut window, "Right shader", "Flat");
+    window.get_by_label_contains("Flat on the right");
+    let after = pixels(&mut window);
+    let width = picture(&window).width() as usize;
+    let changed = |columns: std::ops::Range<usize>| {
+        before.iter().zip(&after).enumerate().filter(|(i, (a, b))| columns.contains(&(i % width)) && a != b).count()
+    };
+    assert_eq!(changed(0..width / 2 - 12), 0, "the left half is another shader's");
+    assert!(changed(width / 2 + 12..width) > 1000);
+}
+
+#[test]
+fn the_divider_moves() {
+    let Some(mut window) = open_with_pixels(1.0) else { return };
+    choose(&mut window, "Right shader", "Flat");
+    let before = pixels(&mut window);
+    let rect = picture(&window);
+    let to = rect.left_center() + Vec2::new(rect.width() * 0.3, 0.0);
+    drag(&mut window, rect.center(), to, PointerButton::Primary);
+    let divider: f64 = value(&window, "Divider").parse().unwrap();
+    assert!((divider - 0.3).abs() < 0.02, "{divider}");
+    let after = pixels(&mut window);
+    let width = rect.width() as usize;
+    let at = |x: f32| (rect.width() * x) as usize;
+    let changed: Vec<usize> = (0..before.len()).filter(|i| before[*i] != after[*i]).map(|i| i % width).collect();
+    assert!(changed.iter().filter(|x| (at(0.33)..at(0.47)).contains(*x)).count() > 500);
+    assert_eq!(changed.iter().filter(|x| **x < at(0.27) || **x > at(0.53)).count(), 0);
+    // By keyboard, too.
+    window.get_by_label("Divider").focus();
+    window.step();
+    window.key_press(Key::ArrowRight);
+    window.run_steps(2);
+    assert!(value(&window, "Divider").parse::<f64>().unwrap() > divider);
+}
+
+#[test]
+fn dragging_turns_the_mesh_and_the_light_and_draws_the_line() {
+    let Some(mut window) = open_with_pixels(1.0) else { return };
+    let mut before = pixels(&mut window);
+    let rect = picture(&window);
+    let from = rect.center() + Vec2::new(-120.0, -60.0);
+    let turned = |window: &Window| value(window, "Turn about y").parse::<f64>().unwrap();
+    let angle = turned(&window);
+    drag(&mut window, from, from + Vec2::new(60.0, 0.0), PointerButton::Primary);
+    assert!((turned(&window) - angle).abs() > 3.0);
+    let mut check = |window: &mut Window, what: &str| {
+        let after = pixels(window);
+        assert!(before.iter().zip(&after).filter(|(a, b)| a != b).count() > 1000, "{what} changed nothing");
+        before = after;
+    };
+    check(&mut window, "turning the mesh");
+    let light = value(&window, "Light, degrees to the right");
+    drag(&mut window, from, from + Vec2::new(60.0, 0.0), PointerButton::Secondary);
+    assert_ne!(value(&window, "Light, degrees to the right"), light);
+    check(&mut window, "moving the light");
+    window.get_by_label("a scan line").click();
+    window.run_steps(2);
+    window.get_by_label("Plot: light along the scan line");
+    window.get_by_label("Plot: slope, light per pixel along the scan line");
+    let angle = turned(&window);
+    drag(&mut window, from, from + Vec2::new(60.0, 30.0), PointerButton::Primary);
+    assert_eq!(turned(&window), angle, "a scan line turns nothing");
+}
+
+#[test]
+fn presets_set_the_values() {
+    let mut window = open();
+    choose(&mut window, "Preset", "Figure 8 (h): fixed (5, 0.2)");
+    assert_eq!(value(&window, "Mesh"), "cube");
+    assert_eq!(value(&window, "Right shader"), "Fixed, as printed");
+    assert_eq!(value(&window, "Right depth n"), "5");
+    assert_eq!(value(&window, "Right strip b"), "0.2");
+    assert_eq!(value(&window, "Right vertex"), "off");
+    choose(&mut window, "Preset", "Figure 12 (d): 1538, reweighted (3, 0.33)");
+    assert_eq!(value(&window, "Mesh"), "blob");
+    assert_eq!(value(&window, "Vertices"), "771");
+    assert_eq!(value(&window, "Right reweight"), "printed");
+    assert_eq!(value(&window, "Right strip b"), "0.33");
+    choose(&mut window, "Preset", "Gouraud beside Patch");
+    window.get_by_label_contains("Gouraud on the left, Patch on the right");
+}
+
+#[test]
+fn a_file_that_is_no_mesh_says_so_and_leaves_the_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open();
+    let mesh = value(&window, "Mesh");
+    let bad = folder.path().join("bad.obj");
+    std::fs::write(&bad, "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 9\n").unwrap();
+    for path in [folder.path().join("none.obj"), bad] {
+        type_into(&mut window, "OBJ file", &path.display().to_string());
+        window.get_by_label("Open the file").click();
+        window.run_steps(3);
+        window.get_by_label_contains("expected");
+        assert_eq!(value(&window, "Mesh"), mesh);
+    }
+    let good = folder.path().join("good.obj");
+    std::fs::write(&good, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").unwrap();
+    type_into(&mut window, "OBJ file", &good.display().to_string());
+    window.get_by_label("Open the file").click();
+    window.run_steps(3);
+    assert!(window.query_by_label_contains("cannot be opened").is_none());
+    assert_eq!(value(&window, "Mesh"), "good.obj");
+}
+
+/// The codes and the parameters in an exported file.
+fn read(path: &Path) -> (u32, Vec<[u8; 3]>, serde_json::Value) {
+    let mut reader = png::Decoder::new(BufReader::new(std::fs::File::open(path).unwrap())).read_info().unwrap();
+    let chunk =
+        reader.info().uncompressed_latin1_text.iter().find(|chunk| chunk.keyword == "machband-shading").unwrap();
+    let parameters = serde_json::from_str(&chunk.text).unwrap();
+    let mut raw = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut raw).unwrap();
+    let pixels = match info.color_type {
+        png::ColorType::Grayscale => raw.iter().map(|code| [*code; 3]).collect(),
+        _ => raw.as_chunks::<3>().0.to_vec(),
+    };
+    (info.width, pixels, parameters)
+}
+
+#[test]
+fn the_exported_file_is_the_view() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(mut window) = open_with_pixels(1.0) else { return };
+    for (i, show) in ["Split", "Difference", "Creases"].into_iter().enumerate() {
+        window.get_by_label(show).click();
+        window.run_steps(3);
+        let shown = pixels(&mut window);
+        let path = folder.path().join(format!("view-{i}.png"));
+        window.query_all_by_label("Export to").last().unwrap().scroll_to_me();
+        window.run_steps(2);
+        type_into(&mut window, "Export to", &path.display().to_string());
+        window.get_by_label("Export PNG").scroll_to_me();
+        window.run_steps(2);
+        window.get_by_label("Export PNG").click();
+        window.run_steps(3);
+        window.get_by_label_contains("Written to");
+        let (width, pixels, parameters) = read(&path);
+        let wrong = shown.iter().zip(&pixels).enumerate().filter(|(i, (shown, file))| {
+            let marked = show != "Difference" && (*i as u32 % width).abs_diff(width / 2) < 12;
+            shown != file && !marked
+        });
+        assert_eq!((shown.len(), wrong.count()), (pixels.len(), 0), "{show}");
+        assert_eq!(parameters["left"]["shader"], "gouraud");
+        assert_eq!(parameters["right"]["shader"], "patch");
+        assert_eq!(parameters["transfer"], "srgb");
+        // A second time: not without asking.
+        let before = std::fs::metadata(&path).unwrap().modified().unwrap();
+        window.get_by_label("Export PNG").click();
+        window.run_steps(3);
+        window.get_by_label_contains("exists already");
+        assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), before);
+        window.get_by_label("Write over it").click();
+        window.run_steps(3);
+        window.get_by_label_contains("Written to");
+    }
+}
+
+#[test]
+fn everything_has_a_name_and_fits_a_small_window() {
+    let mut window = opened(
+        Harness::builder()
+            .with_size([760.0, 560.0])
+            .with_pixels_per_point(1.0)
+            .build_eframe(|cc| App::new(cc, Launch::default())),
+    );
+    for label in ["Preset", "Left shader", "Right shader", "Mesh", "Turn about x", "Light, degrees upward", "Diffuse"] {
+        let rect = window.get_by_label(label).rect();
+        assert!(rect.left() >= 0.0 && rect.right() <= 300.0, "{label}: {rect:?}");
+    }
+    let rect = picture(&window);
+    assert!(rect.width() >= 400.0 && rect.height() >= 250.0 && rect.right() <= 760.0 && rect.bottom() <= 560.0);
+    window.get_by_label("Scan line").click();
+    window.run_steps(3);
+    assert!(picture(&window).height() >= 120.0);
+    assert!(window.get_by_label("Plot: light along the scan line").rect().bottom() <= 560.0);
+    // Without an adapter the CPU draws, and the page says so.
+    window.get_by_label_contains("no graphics adapter");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    window.get_by_label("Shading demo…");
+}
+
+/// Turning about all axes, in small steps: the matrix that the angles make follows.
+#[test]
+fn turns_add_up() {
+    let mut compared =
+        Comparison { scene: Scene { rotate_deg: [0.0; 3], ..Scene::default() }, ..Comparison::default() };
+    let surface = Surface::new(MeshChoice::Named(Shape::Cube, 8).mesh().unwrap());
+    for _ in 0..36 {
+        compared.turn(10.0, 0.0);
+        compared.turn(0.0, 10.0);
+        compared.turn(0.0, -10.0);
+    }
+    let turned = compared.frame(&surface, 64, 64);
+    let begin = Comparison { scene: Scene { rotate_deg: [0.0; 3], ..compared.scene }, ..compared.clone() }
+        .frame(&surface, 64, 64);
+    for (a, b) in turned.vertices.iter().zip(&begin.vertices) {
+        assert!(a.eye.distance(b.eye) < 1e-9, "a whole turn to the right ends where it began");
+    }
+    compared.turn(90.0, 0.0);
+    let right = compared.frame(&surface, 64, 64);
+    for (a, b) in right.vertices.iter().zip(&begin.vertices) {
+        // What looked at the eye looks to the right.
+        assert!((a.eye.x - b.eye.z).abs() < 1e-9 && (a.eye.y - b.eye.y).abs() < 1e-9);
+    }
+}
+
+/// Encoding lights before interpolating them gives other codes between vertices, and the same at them.
+#[test]
+fn ignoring_gamma_shows_only_between_vertices() {
+    let side = Side { naive: true, ..Side::new(Shade::new(Shader::Gouraud)) };
+    let compared = Comparison::default();
+    let frame = compared.frame(&Surface::new(MeshChoice::Named(Shape::Cube, 8).mesh().unwrap()), 128, 128);
+    let naive = side.frame(&frame, &Transfer::Srgb);
+    let quantizer = Quantizer::new(&side.transfer(&Transfer::Srgb), Bits::Eight);
+    let right = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+    let mut apart = 0;
+    for t in 0..frame.triangles.len() {
+        for w in [[1.0, 0.0, 0.0], [0.5, 0.5, 0.0]] {
+            let code = |frame, quantizer: &Quantizer| {
+                i32::from(quantizer.code(Reference::new(frame, &side.shade).light(t, w).x as f32))
+            };
+            let (naive, linear) = (code(&naive, &quantizer), code(&frame, &right));
+            assert!(w[0] < 1.0 || (naive - linear).abs() <= 1, "{naive} {linear}");
+            apart = apart.max((naive - linear).abs());
+        }
+    }
+    assert!(apart >= 2, "{apart}");
+    assert!(!Side { naive: true, ..Side::new(Shade::new(Shader::Phong)) }.is_naive());
+}
+
+#[test]
+fn titles_tell_shaders_apart() {
+    let shade = Shade { vertex: Correction::Printed, depth: Depth::Infinite, ..Shade::new(Shader::Fixed) };
+    assert_eq!(Side::new(shade).title(), "Fixed, as printed (∞, 0.2) + vertex");
+    assert_eq!(Side { naive: true, ..Side::new(Shade::new(Shader::Cut)) }.title(), "Cut (1, 0.333), gamma ignored");
+}

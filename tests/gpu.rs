@@ -1,0 +1,251 @@
+//! The shaders on graphics cards, software ones here, held against the plain f64 reference.
+
+use glam::DVec3;
+use machband::{
+    light::{Bits, Depth, LinearImage, Quantizer, Transfer, TransferTable},
+    shading::{
+        Correction, Frame, FrameVertex, Gradients, Lamp, LampPlace, Lighting, Mesh, Reference, Shade, Shader, Specular,
+        Surface, View, coverage,
+        gpu::{GpuError, Offscreen},
+        illumination::{Facets, Microfacets},
+        shapes,
+    },
+};
+
+/// The card of a kind, or nothing where there is none and none is required.
+fn card(backend: wgpu::Backends) -> Option<Offscreen> {
+    match Offscreen::new(Some(backend)) {
+        Ok(card) => Some(card),
+        Err(fault) => {
+            assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "{fault}, and one is required");
+            println!("SKIPPED: {fault}");
+            None
+        }
+    }
+}
+
+/// A wavy sheet: open, both sides seen, folds of it hidden by others.
+fn sheet() -> Mesh {
+    const SIDE: u32 = 15;
+    let noise = |i: u32| {
+        f64::from(i.wrapping_mul(2_654_435_761).rotate_left(13).wrapping_mul(2_246_822_519) >> 8) / 16_777_216.0 - 0.5
+    };
+    let mut places = Vec::new();
+    for i in 0..SIDE * SIDE {
+        let (x, y) = (f64::from(i % SIDE) + 0.7 * noise(2 * i), f64::from(i / SIDE) + 0.7 * noise(2 * i + 1));
+        places.push(DVec3::new(x, y, 2.5 * (0.9 * x).sin() + (0.6 * y).cos()));
+    }
+    let mut triangles = Vec::new();
+    for y in 0..SIDE - 1 {
+        for x in 0..SIDE - 1 {
+            let a = y * SIDE + x;
+            triangles.extend([[a, a + 1, a + SIDE + 1], [a, a + SIDE + 1, a + SIDE]]);
+        }
+    }
+    Mesh::new(&places, &triangles, 180.0).unwrap()
+}
+
+fn coloured() -> Lighting {
+    let mut lighting = Lighting::standard();
+    lighting.material.color = DVec3::new(0.9, 0.5, 0.2);
+    lighting.ambient = DVec3::new(0.5, 0.7, 1.0);
+    lighting.lamps = vec![
+        Lamp::directional(DVec3::new(-0.4, 0.6, 0.7)).with_intensity(DVec3::new(0.8, 0.8, 0.3)),
+        Lamp {
+            place: LampPlace::Point { position: DVec3::new(1.5, -0.5, 2.0), attenuation: [0.5, 0.1, 0.15] },
+            intensity: DVec3::new(0.3, 0.5, 0.9),
+        },
+    ];
+    lighting
+}
+
+fn frames() -> Vec<(&'static str, Frame)> {
+    let frame = |mesh, view: View, lighting: Lighting| {
+        Frame::new(&Surface::new(mesh), &view, &lighting, DVec3::new(0.02, 0.2, 0.05))
+    };
+    let wide = View { width: 151, height: 117, distance: 3.0, ..View::square(1) }.rotated([-40.0, 10.0, 30.0]);
+    vec![
+        ("cube", frame(shapes::cube(), View::square(96).rotated([25.0, -35.0, 0.0]), Lighting::standard())),
+        ("blob", frame(shapes::blob(313).unwrap(), View::square(160).rotated([20.0, 30.0, 0.0]), Lighting::standard())),
+        ("sheet", frame(sheet(), wide, coloured())),
+    ]
+}
+
+/// A square whose sides lie on the centres of pixels: half of those are its own.
+fn square() -> (&'static str, Frame) {
+    let view = View { fill: 36.0 * 3f64.sqrt() / 65.0, ..View::square(65) };
+    let frame = Frame::new(&Surface::new(shapes::cube()), &view, &Lighting::standard(), DVec3::ZERO);
+    assert!(frame.vertices.iter().all(|v| v.screen == v.screen.trunc() + 0.5));
+    ("square", frame)
+}
+
+/// `frame` with each triangle in a light of its own, that is its number.
+fn numbered(mut frame: Frame) -> Frame {
+    let mut vertices: Vec<FrameVertex> = Vec::new();
+    for (t, triangle) in frame.triangles.iter_mut().enumerate() {
+        let id = t + 1;
+        let light = DVec3::new((id & 255) as f64, (id >> 8 & 255) as f64, (id >> 16) as f64) / 255.0;
+        triangle.vertices = triangle.vertices.map(|v| {
+            vertices.push(FrameVertex { light, ..frame.vertices[v as usize] });
+            (vertices.len() - 1) as u32
+        });
+    }
+    frame.vertices = vertices;
+    frame.background = DVec3::ZERO;
+    frame
+}
+
+fn coverage_agrees(backend: wgpu::Backends) {
+    let Some(mut card) = card(backend) else { return };
+    for (name, frame) in frames().into_iter().chain([square()]) {
+        let image = card.image(&numbered(frame.clone()), &Shade::new(Shader::Gouraud), &Transfer::Linear).unwrap();
+        let theirs = image
+            .bytes()
+            .unwrap()
+            .chunks_exact(3)
+            .map(|c| (u32::from(c[0]) | u32::from(c[1]) << 8 | u32::from(c[2]) << 16).wrapping_sub(1));
+        let ours = coverage::visible(&frame);
+        let covered = ours.iter().filter(|id| **id != coverage::NONE).count();
+        assert!(covered > ours.len() / 6, "{name}: {covered} pixels only");
+        let wrong: Vec<_> = ours.iter().zip(theirs).enumerate().filter(|(_, (a, b))| **a != *b).collect();
+        println!("{name}: {} of {covered} covered pixels differ", wrong.len());
+        assert!(wrong.is_empty(), "{} {name}: {:?}", card.adapter_name(), &wrong[..wrong.len().min(20)]);
+    }
+}
+
+fn shades() -> Vec<Shade> {
+    let depths = [(1, 1.0 / 3.0), (2, 0.2), (3, 0.05), (3, 1.0), (9, 0.15), (32, 0.33), (0, 0.2), (2, 0.0)];
+    let depth = |n| if n == 0 { Depth::Infinite } else { Depth::Finite(n) };
+    let mut shades = Vec::new();
+    for shader in Shader::ALL {
+        let plain = Shade::new(*shader);
+        shades.push(plain);
+        match shader {
+            Shader::Fixed | Shader::Gradient | Shader::GradientRepaired | Shader::Exact | Shader::Cut => {
+                shades.extend(depths.map(|(n, boundary)| Shade { depth: depth(n), boundary, ..plain }));
+            }
+            Shader::Patch => {
+                shades.extend(Gradients::ALL.iter().map(|gradients| Shade { gradients: *gradients, ..plain }));
+            }
+            _ => {}
+        }
+        for vertex in Correction::ALL {
+            for reweight in Correction::ALL {
+                shades.push(Shade { vertex: *vertex, reweight: *reweight, ..plain });
+                if matches!(shader, Shader::Gouraud | Shader::Exact) {
+                    for (n, boundary) in [(0, 0.2), (2, 1.0 / 3.0), (5, 0.1)] {
+                        let depth = depth(n);
+                        shades.push(Shade { depth, boundary, vertex: *vertex, reweight: *reweight, ..plain });
+                    }
+                }
+            }
+        }
+    }
+    shades
+}
+
+/// Largest difference, how many codes differ at all, and where the largest is.
+fn compare(
+    card: &mut Offscreen,
+    frame: &Frame,
+    light: &LinearImage,
+    shade: &Shade,
+    transfer: &Transfer,
+) -> (u8, usize, usize) {
+    let expected = Quantizer::new(transfer, Bits::Eight).quantize(light);
+    let image = card.image(frame, shade, transfer).unwrap();
+    let differences = expected.bytes().unwrap().iter().zip(image.bytes().unwrap()).map(|(a, b)| a.abs_diff(*b));
+    let (at, most) = differences.clone().enumerate().max_by_key(|(_, d)| *d).unwrap();
+    (most, differences.filter(|d| *d > 0).count(), at / 3)
+}
+
+fn shaders_agree(backend: wgpu::Backends) {
+    let Some(mut card) = card(backend) else { return };
+    let mut faults = Vec::new();
+    for (name, frame) in frames() {
+        let (mut most, mut differ, mut codes) = (0, 0, 0);
+        for shade in shades() {
+            let light = Reference::new(&frame, &shade).image();
+            let (largest, count, at) = compare(&mut card, &frame, &light, &shade, &Transfer::Srgb);
+            (most, differ, codes) = (most.max(largest), differ + count, codes + light.data.len());
+            if largest > 1 {
+                faults.push(format!(
+                    "{name}: {largest} at {},{}: {shade:?}",
+                    at as u32 % frame.width,
+                    at as u32 / frame.width
+                ));
+            }
+        }
+        println!("{} {name}: at most {most} apart, {differ} of {codes} codes differ", card.adapter_name());
+    }
+    assert!(faults.is_empty(), "{} faults\n{}", faults.len(), faults.join("\n"));
+}
+
+fn lights_agree(backend: wgpu::Backends) {
+    let Some(mut card) = card(backend) else { return };
+    let beckmann = Microfacets { facets: Facets::Beckmann, slope: 0.2, index: DVec3::new(20.0, 1.5, 3.0) };
+    let gaussian = Microfacets { facets: Facets::Gaussian { c1: 2.0 }, slope: 0.1, ..beckmann };
+    let models = [
+        (Specular::Phong, 200.0),
+        (Specular::Blinn, 60.0),
+        (Specular::CookTorrance(beckmann), 1.0),
+        (Specular::CookTorrance(gaussian), 1.0),
+    ];
+    for (name, mut frame) in frames() {
+        for (model, shininess) in models {
+            frame.lighting.material.specular_model = model;
+            frame.lighting.material.shininess = shininess;
+            frame.lighting.material.specular_color = DVec3::new(1.0, 0.8, 0.6);
+            let shade = Shade::new(Shader::Phong);
+            let light = Reference::new(&frame, &shade).image();
+            let (most, _, at) = compare(&mut card, &frame, &light, &shade, &Transfer::Srgb);
+            assert!(most <= 1, "{} {name} {model:?}: {most} at {at}", card.adapter_name());
+        }
+    }
+}
+
+fn transfers_agree(backend: wgpu::Backends) {
+    let Some(mut card) = card(backend) else { return };
+    let table = TransferTable::new(vec![0.0, 0.1, 0.35, 0.6, 1.0], vec![0.0, 0.004, 0.1, 0.4, 1.0]).unwrap();
+    let frame = &frames()[2].1;
+    let shade = Shade::new(Shader::Exact);
+    let light = Reference::new(frame, &shade).image();
+    for transfer in [
+        Transfer::Linear,
+        Transfer::Srgb,
+        Transfer::Gamma(1.8),
+        Transfer::Gamma(2.2),
+        Transfer::Gamma(3.0),
+        Transfer::Table(table),
+    ] {
+        let (most, count, _) = compare(&mut card, frame, &light, &shade, &transfer);
+        println!("{} {transfer}: at most {most} apart, {count} codes differ", card.adapter_name());
+        assert!(most <= 1, "{} {transfer}: {most}", card.adapter_name());
+    }
+}
+
+macro_rules! on_both {
+    ($($check:ident: $vulkan:ident, $gl:ident;)*) => {
+        $(#[test]
+        fn $vulkan() {
+            $check(wgpu::Backends::VULKAN);
+        }
+
+        #[test]
+        fn $gl() {
+            $check(wgpu::Backends::GL);
+        })*
+    };
+}
+
+on_both! {
+    coverage_agrees: coverage_on_vulkan, coverage_on_gl;
+    shaders_agree: shaders_on_vulkan, shaders_on_gl;
+    lights_agree: lights_on_vulkan, lights_on_gl;
+    transfers_agree: transfers_on_vulkan, transfers_on_gl;
+}
+
+#[test]
+fn no_card_is_an_error() {
+    assert!(matches!(Offscreen::new(Some(wgpu::Backends::empty())), Err(GpuError::NoAdapter(_))));
+}

@@ -1,0 +1,486 @@
+//! The light of lit surfaces, against other implementations and against what must be true of it.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DMat3, DQuat, DVec3};
+use machband::shading::illumination::{
+    Facets, Microfacets, attenuation, beckmann, fresnel, gaussian, geometry, index_from_reflectance,
+};
+use machband::shading::{Lamp, LampPlace, Lighting, Material, Refraction, Specular, Transparency, TransparencyError};
+use proptest::prelude::*;
+
+const GLASS: Microfacets = Microfacets { facets: Facets::Beckmann, slope: 0.3, index: DVec3::new(1.5, 1.8, 2.2) };
+const DULL: Microfacets = Microfacets { facets: Facets::Gaussian { c1: 1.7 }, ..GLASS };
+const MODELS: [(&str, Specular); 4] = [
+    ("phong", Specular::Phong),
+    ("blinn", Specular::Blinn),
+    ("gaussian", Specular::CookTorrance(DULL)),
+    ("beckmann", Specular::CookTorrance(GLASS)),
+];
+
+/// The rows of a golden file: a name, and numbers.
+fn golden(file: &str) -> Vec<(String, Vec<f64>)> {
+    let path = format!("{}/tests/golden/{file}", env!("CARGO_MANIFEST_DIR"));
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
+    let rows = reader.records().map(|row| {
+        let row = row.unwrap();
+        (row[0].to_owned(), row.iter().skip(1).map(|field| field.parse().unwrap()).collect())
+    });
+    rows.collect()
+}
+
+fn vectors(numbers: &[f64]) -> Vec<DVec3> {
+    numbers.chunks_exact(3).map(DVec3::from_slice).collect()
+}
+
+/// The scene of scripts/golden_illumination.py.
+fn scene(specular_model: Specular) -> Lighting {
+    let material = Material {
+        color: DVec3::new(0.9, 0.5, 0.1),
+        specular_color: DVec3::new(0.8, 1.0, 0.6),
+        ambient: 0.2,
+        diffuse: 0.55,
+        specular: 0.4,
+        shininess: 12.5,
+        specular_model,
+    };
+    let lamp = |place, r, g, b| Lamp { place, intensity: DVec3::new(r, g, b) };
+    let point = |x, y, z, attenuation| LampPlace::Point { position: DVec3::new(x, y, z), attenuation };
+    let lamps = vec![
+        lamp(LampPlace::Direction(DVec3::new(2.0, 3.0, 6.0) / 7.0), 0.9, 0.8, 0.7),
+        lamp(point(1.5, -0.5, 2.0, [0.5, 0.25, 0.125]), 1.0, 0.1, 0.4),
+        lamp(point(-0.25, 0.5, 0.75, [0.1, 0.2, 0.3]), 0.2, 2.0, 0.3),
+    ];
+    Lighting { material, ambient: DVec3::new(0.3, 0.5, 0.7), lamps }
+}
+
+fn model(name: &str) -> Specular {
+    MODELS.iter().find(|(known, _)| *known == name).unwrap().1
+}
+
+/// A unit vector from two numbers within 0…1, all directions alike.
+fn direction((u, v): (f64, f64)) -> DVec3 {
+    let (z, angle) = (2.0 * u - 1.0, 2.0 * PI * v);
+    DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z).normalize()
+}
+
+fn directions() -> impl Strategy<Value = DVec3> {
+    (0.0..1.0f64, 0.0..1.0f64).prop_map(direction)
+}
+
+/// A unit vector in the plane of x and z, `degrees` from z.
+fn leaning(degrees: f64) -> DVec3 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    DVec3::new(sin, 0.0, cos)
+}
+
+#[test]
+fn standard_lighting_agrees_with_the_sample_of_the_shaders() {
+    // Normals (not of unit length) and lights of the sample's vertices A…F: amb 0.1, kd 0.6, ks 0.3, m 20, L = (0.36,
+    // 0.48, 0.8), V = z; the reference numbers of the shaders' sample, computed by a separate Python program.
+    let sample = [
+        ([0.2, 0.4, 1.0], 0.857501052933336),
+        ([0.6, -0.1, 0.8], 0.582394156271713),
+        ([-0.5, 0.1, 0.9], 0.441064633335311),
+        ([0.3, -0.7, 0.7], 0.292573908617896),
+        ([-0.6, 0.5, 0.7], 0.434093291271656),
+        ([0.9, 0.5, 0.5], 0.605350426372744),
+        ([0.0, 0.0, 1.0], 0.5834587645138),
+    ];
+    let lighting = Lighting::standard();
+    for (normal, expected) in sample {
+        let light = lighting.light(DVec3::ZERO, DVec3::from_array(normal).normalize(), DVec3::Z);
+        assert!((light - expected).abs().max_element() < 1e-12, "{normal:?}: {light}, not {expected}");
+    }
+}
+
+#[test]
+fn highlights_of_microfacets_agree_with_python() {
+    let rows = golden("illumination.csv");
+    assert_eq!(rows.len(), 192);
+    for (name, numbers) in rows {
+        let facets = if name == "gaussian" { Facets::Gaussian { c1: numbers[1] } } else { Facets::Beckmann };
+        let v = vectors(&numbers[2..]);
+        let highlight = Microfacets { facets, slope: numbers[0], index: v[0] }.highlight(v[1], v[2], v[3]);
+        let error = (highlight - v[4]).abs() / v[4].max(DVec3::splat(1e-9));
+        assert!(error.max_element() < 1e-10, "{name} {numbers:?}: {highlight}");
+    }
+}
+
+#[test]
+fn whole_model_agrees_with_python() {
+    let rows = golden("illumination_scene.csv");
+    assert_eq!(rows.len(), 80);
+    for (name, numbers) in rows {
+        let v = vectors(&numbers);
+        let light = scene(model(&name)).light(v[0], v[1], v[2]);
+        assert!((light - v[3]).abs().max_element() < 1e-12, "{name} {numbers:?}: {light}");
+    }
+}
+
+#[test]
+fn fresnel_is_the_mean_of_the_two_polarisations() {
+    for index in [0.4, 0.75, 1.01, 1.33, 1.5, 2.42, 20.0] {
+        let normal = ((index - 1.0) / (index + 1.0f64)).powi(2);
+        assert!((fresnel(1.0, index) - normal).abs() < 1e-15, "{index}");
+        assert!((fresnel(0.0, index) - 1.0).abs() < 1e-12, "{index}");
+        for degrees in 0..90 {
+            let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+            // Snell's law, then the amplitudes of light that swings across and along the plane of incidence.
+            let sin_t = sin / index;
+            let expected = if sin_t >= 1.0 {
+                1.0
+            } else {
+                let cos_t = sin_t.asin().cos();
+                let s = (cos - index * cos_t) / (cos + index * cos_t);
+                let p = (index * cos - cos_t) / (index * cos + cos_t);
+                (s * s + p * p) / 2.0
+            };
+            let reflectance = fresnel(cos, index);
+            assert!((reflectance - expected).abs() < 1e-13, "{index} {degrees}°: {reflectance}, not {expected}");
+        }
+    }
+    assert_eq!((fresnel(0.0, 1.0), fresnel(0.5, 1.0)), (0.0, 0.0));
+    // Glass, as every textbook has it.
+    assert!((fresnel(1.0, 1.5) - 0.04).abs() < 1e-15 && (index_from_reflectance(0.04) - 1.5).abs() < 1e-15);
+    for reflectance in [0.0, 0.02, 0.04, 0.5, 0.95] {
+        assert!((fresnel(1.0, index_from_reflectance(reflectance)) - reflectance).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn microfacets_seen_from_above_fill_the_surface() {
+    for slope in [0.05, 0.1, 0.3, 0.6, 1.0, 2.0] {
+        // ∫ D (N·H) dω / π by the midpoint rule.
+        let steps = 200_000;
+        let step = FRAC_PI_2 / f64::from(steps);
+        let sum: f64 = (0..steps)
+            .map(|i| {
+                let (sin, cos) = ((f64::from(i) + 0.5) * step).sin_cos();
+                beckmann(cos, slope) * cos * 2.0 * PI * sin * step
+            })
+            .sum();
+        assert!((sum / PI - 1.0).abs() < 1e-7, "{slope}: {}", sum / PI);
+        // The Gaussian: c1 at the top, c1/e at a tilt of m.
+        assert_eq!(gaussian(1.0, slope, 2.5), 2.5);
+        if slope < FRAC_PI_2 {
+            assert!((gaussian(slope.cos(), slope, 2.5) * 1f64.exp() - 2.5).abs() < 1e-10, "{slope}");
+        }
+    }
+    assert_eq!((beckmann(0.0, 0.3), beckmann(-0.1, 10.0), beckmann(1e-200, 10.0)), (0.0, 0.0, 0.0));
+}
+
+/// The share of a groove's wall that light from `lean` radians reaches, by ray tracing: a symmetric V along y, its walls
+/// leaning by `tilt` from straight up, its rims at z = 0; the wall in question is the one that faces +x.
+fn lit_share(tilt: f64, lean: f64) -> f64 {
+    let (half, depth) = (tilt.sin(), tilt.cos());
+    let steps = 20_000;
+    let lit = (0..steps).filter(|i| {
+        let up = (f64::from(*i) + 0.5) / f64::from(steps);
+        // From the bottom (0, −depth) to the rim (−half, 0); out of the groove if past the other rim at its height.
+        let (x, z) = (-half * up, -depth * (1.0 - up));
+        let x_at_rims = x + lean.tan() * -z;
+        x_at_rims < half
+    });
+    f64::from(lit.count() as u32) / f64::from(steps)
+}
+
+#[test]
+fn geometry_is_what_a_groove_lets_through() {
+    // A wall that faces H = (cos tilt, sin tilt); V and L mirror each other in H, all in one plane.
+    for (tilt, off) in [(70.0f64, 10.0f64), (70.0, 40.0), (60.0, 30.0), (80.0, 65.0), (45.0, 40.0), (50.0, 25.0)] {
+        let (tilt, off) = (tilt.to_radians(), off.to_radians());
+        let facing = FRAC_PI_2 - tilt;
+        let (low, high) = (facing + off, facing - off);
+        let expected = lit_share(tilt, low).min(lit_share(tilt, high));
+        let g = geometry(facing.cos(), low.cos(), high.cos(), off.cos());
+        assert!((g - expected).abs() < 1e-4, "{tilt} {off}: {g}, not {expected}");
+        assert!((0.0..=1.0).contains(&g));
+    }
+}
+
+#[test]
+fn refraction_obeys_snell_up_to_the_critical_angle() {
+    for ratio in [0.2f64, 0.75, 1.0, 1.33, 1.5, 2.42] {
+        let critical = if ratio > 1.0 { (1.0 / ratio).asin() } else { f64::INFINITY };
+        for i in 0..=900 {
+            let angle = f64::from(i) / 10.0;
+            let to_source = leaning(angle);
+            match Refraction::of(to_source, DVec3::Z, ratio) {
+                Refraction::Transmitted(t) => {
+                    assert!(angle.to_radians() <= critical, "{ratio} {angle}°");
+                    let sin_t = (-t).cross(DVec3::Z).length();
+                    assert!((sin_t - ratio * angle.to_radians().sin()).abs() < 1e-14, "{ratio} {angle}°");
+                    assert!((t.length() - 1.0).abs() < 1e-14 && t.z <= 0.0 && t.x <= 0.0 && t.y == 0.0);
+                }
+                Refraction::TotalReflection(r) => {
+                    assert!(angle.to_radians() >= critical, "{ratio} {angle}°");
+                    assert!((r - DVec3::new(-to_source.x, 0.0, to_source.z)).length() < 1e-14);
+                }
+                Refraction::Undefined => panic!("{ratio} {angle}°"),
+            }
+        }
+        if ratio > 1.0 {
+            let of = |radians: f64| Refraction::of(leaning(radians.to_degrees()), DVec3::Z, ratio);
+            assert!(matches!(of(critical - 1e-12), Refraction::Transmitted(_)), "{ratio}");
+            assert!(matches!(of(critical + 1e-12), Refraction::TotalReflection(_)), "{ratio}");
+        }
+    }
+}
+
+#[test]
+fn refraction_without_direction_is_said_to_be_so() {
+    let (l, n) = (leaning(30.0), DVec3::Z);
+    for ratio in [0.0, -1.5, f64::NAN, f64::INFINITY] {
+        assert_eq!(Refraction::of(l, n, ratio), Refraction::Undefined);
+    }
+    for bad in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY, 2.0 * n] {
+        assert_eq!(Refraction::of(bad, n, 1.5), Refraction::Undefined);
+        assert_eq!(Refraction::of(l, bad, 1.5), Refraction::Undefined);
+    }
+}
+
+#[test]
+fn blinns_angle_is_half_of_phongs_in_the_plane() {
+    for (lamp, viewer) in [(20.0, 10.0), (20.0, -65.0), (50.0, -40.0), (-70.0, 12.0)] {
+        let strength = |specular_model, shininess| {
+            let material = Material { specular: 1.0, diffuse: 0.0, shininess, specular_model, ..Material::standard() };
+            material.reflected(DVec3::Z, leaning(lamp), leaning(viewer)).x
+        };
+        let phong = (lamp + viewer).to_radians();
+        for m in [1.0, 5.0, 80.0] {
+            assert!((strength(Specular::Phong, m) - phong.cos().max(0.0).powf(m)).abs() < 1e-14);
+            assert!((strength(Specular::Blinn, m) - (phong / 2.0).cos().powf(m)).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn lamps_weaken_with_distance_and_never_strengthen() {
+    assert_eq!(attenuation([0.0, 0.0, 1.0], 0.0), 1.0);
+    assert_eq!(attenuation([0.0, 0.0, 1.0], 0.5), 1.0);
+    assert_eq!(attenuation([0.0, 0.0, 1.0], 4.0), 1.0 / 16.0);
+    assert_eq!(attenuation([0.5, 0.25, 0.0], 6.0), 0.5);
+    assert_eq!(attenuation([1.0, 0.0, 0.0], 1e9), 1.0);
+    let (to_lamp, arriving) = Lamp::point(DVec3::X).at(DVec3::X);
+    assert_eq!((to_lamp, arriving), (DVec3::ZERO, DVec3::ONE));
+    // The same through the whole model: a lamp over a white plane, four times as far, a sixteenth of the diffuse light.
+    let mut lighting = Lighting::standard();
+    lighting.material.specular = 0.0;
+    lighting.material.ambient = 0.0;
+    lighting.lamps = vec![Lamp {
+        place: LampPlace::Point { position: DVec3::ZERO, attenuation: [0.0, 0.0, 1.0] },
+        intensity: DVec3::ONE,
+    }];
+    for (d, share) in [(0.25, 1.0), (1.0, 1.0), (2.0, 0.25), (8.0, 1.0 / 64.0)] {
+        let light = lighting.light(DVec3::new(0.0, 0.0, -d), DVec3::Z, DVec3::Z);
+        assert!((light - 0.6 * share).abs().max_element() < 1e-15, "{d}: {light}");
+    }
+}
+
+#[test]
+fn colours_act_each_for_itself() {
+    let mut lighting = Lighting::standard().with_direction(2.0 * DVec3::Z).with_color(DVec3::new(0.0, 1.0, 0.5));
+    lighting.material.specular_color = DVec3::new(1.0, 0.0, 0.0);
+    lighting.lamps[0].intensity = DVec3::new(1.0, 1.0, 0.0);
+    let [r, g, b] = lighting.light(DVec3::ZERO, DVec3::Z, DVec3::Z).to_array();
+    // Red: only the highlight. Green: ambient and diffuse. Blue: only ambient, for no lamp shines blue.
+    assert!((r - 0.3).abs() < 1e-15 && (g - 0.7).abs() < 1e-15 && (b - 0.05).abs() < 1e-15, "{r} {g} {b}");
+}
+
+#[test]
+fn every_bad_parameter_is_named() {
+    type Spoil = fn(&mut Lighting);
+    fn facets(change: fn(&mut Microfacets)) -> Specular {
+        let mut microfacets = GLASS;
+        change(&mut microfacets);
+        Specular::CookTorrance(microfacets)
+    }
+    fn point(position: DVec3, attenuation: [f64; 3]) -> LampPlace {
+        LampPlace::Point { position, attenuation }
+    }
+    let spoils: [(&str, Spoil); 23] = [
+        ("material.color is [NaN, 1, 1]", |l| l.material.color.x = f64::NAN),
+        ("material.color is [1, 1.5, 1]", |l| l.material.color.y = 1.5),
+        ("material.specular_color", |l| l.material.specular_color.z = -0.1),
+        ("material.ambient is 1.1; expected a number within 0…1", |l| l.material.ambient = 1.1),
+        ("material.diffuse is -0.5", |l| l.material.diffuse = -0.5),
+        ("material.specular is NaN", |l| l.material.specular = f64::NAN),
+        ("material.shininess is 0; expected a finite number above 0", |l| l.material.shininess = 0.0),
+        ("material.shininess is -3", |l| l.material.shininess = -3.0),
+        ("material.shininess is inf", |l| l.material.shininess = f64::INFINITY),
+        ("slope is 0;", |l| l.material.specular_model = facets(|f| f.slope = 0.0)),
+        ("slope is 11", |l| l.material.specular_model = facets(|f| f.slope = 11.0)),
+        ("index is [1.5, 0, 2.2]", |l| l.material.specular_model = facets(|f| f.index.y = 0.0)),
+        ("index is [inf,", |l| l.material.specular_model = facets(|f| f.index.x = f64::INFINITY)),
+        ("c1 is -1", |l| l.material.specular_model = facets(|f| f.facets = Facets::Gaussian { c1: -1.0 })),
+        ("ambient is [1, -1, 1]", |l| l.ambient.y = -1.0),
+        ("lamps[0].direction is [0, 0, 2]; expected a vector of length 1", |l| {
+            l.lamps[0].place = LampPlace::Direction(2.0 * DVec3::Z);
+        }),
+        ("lamps[0].direction is [0, 0, 0]", |l| *l = l.clone().with_direction(DVec3::ZERO)),
+        ("lamps[0].direction is [NaN", |l| l.lamps[0].place = LampPlace::Direction(DVec3::NAN)),
+        ("lamps[0].intensity is [1, inf, 1]", |l| l.lamps[0].intensity.y = f64::INFINITY),
+        ("lamps[1].position is [0, 0, NaN]", |l| l.lamps.push(Lamp::point(DVec3::new(0.0, 0.0, f64::NAN)))),
+        ("attenuation is [0, 0, 0]; expected c1", |l| l.lamps[0].place = point(DVec3::Z, [0.0; 3])),
+        ("attenuation is [1, -0.1, 0]", |l| l.lamps[0].place = point(DVec3::Z, [1.0, -0.1, 0.0])),
+        ("attenuation is [NaN", |l| l.lamps[0].place = point(DVec3::Z, [f64::NAN, 1.0, 1.0])),
+    ];
+    for (message, spoil) in spoils {
+        let mut lighting = Lighting::standard();
+        spoil(&mut lighting);
+        let error = lighting.validate().unwrap_err();
+        assert_eq!(error.faults.len(), 1, "{message}: {error}");
+        assert!(error.to_string().contains(message), "{message}: {error}");
+    }
+    let mut lighting = scene(Specular::Blinn);
+    lighting.material.ambient = 2.0;
+    lighting.ambient.x = -1.0;
+    lighting.lamps[2].intensity.x = -1.0;
+    let names: Vec<_> = lighting.validate().unwrap_err().faults.into_iter().map(|fault| fault.parameter).collect();
+    assert_eq!(names, ["material.ambient", "ambient", "lamps[2].intensity"]);
+    for (name, specular) in MODELS {
+        assert_eq!(scene(specular).validate(), Ok(()), "{name}");
+    }
+}
+
+#[test]
+fn what_is_behind_shows_through() {
+    let (front, behind) = (DVec3::new(0.2, 0.4, 0.6), DVec3::new(1.0, 0.5, 0.0));
+    let color = DVec3::new(1.0, 0.5, 0.0);
+    let interpolated = |k_t| Transparency::Interpolated { k_t }.through(front, behind);
+    let filtered = |k_t| Transparency::Filtered { k_t, color }.through(front, behind);
+    assert_eq!(Transparency::Opaque.through(front, behind), front);
+    assert_eq!((interpolated(0.0), interpolated(1.0)), (front, behind));
+    assert!((interpolated(0.25) - DVec3::new(0.4, 0.425, 0.45)).length() < 1e-15);
+    assert_eq!(filtered(0.0), front);
+    assert!((filtered(0.5) - DVec3::new(0.7, 0.525, 0.6)).length() < 1e-15);
+    assert_eq!(Transparency::default().validate(), Ok(()));
+    assert_eq!(Transparency::Interpolated { k_t: 1.0 }.validate(), Ok(()));
+    let bad = Transparency::Interpolated { k_t: -0.1 }.validate();
+    assert_eq!(bad, Err(TransparencyError::Coefficient(-0.1)));
+    assert!(Transparency::Filtered { k_t: f64::NAN, color }.validate().is_err());
+    let bad = Transparency::Filtered { k_t: 0.5, color: 2.0 * color }.validate().unwrap_err();
+    assert_eq!(bad.to_string(), "transparency colour is [2, 1, 0]; expected red, green and blue, each within 0…1");
+}
+
+fn models() -> impl Strategy<Value = Specular> {
+    (0..MODELS.len()).prop_map(|i| MODELS[i].1)
+}
+
+/// Numbers that break careless code, beside usual ones.
+fn odd() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        -2.0..2.0,
+        -1e-160..1e-160,
+        Just(0.0),
+        Just(1.0),
+        Just(-1.0),
+        Just(1e-300),
+        Just(1e300),
+        Just(f64::INFINITY),
+        Just(f64::NAN),
+    ]
+}
+
+fn odd_vectors() -> impl Strategy<Value = DVec3> {
+    (odd(), odd(), odd()).prop_map(DVec3::from)
+}
+
+/// Unit vectors, many of them at a right angle to z or nearly so, and zero.
+fn odd_directions() -> impl Strategy<Value = DVec3> {
+    let grazing = (-1e-9..1e-9, 0.0..2.0 * PI).prop_map(|(z, a)| DVec3::new(a.cos(), a.sin(), z).normalize());
+    prop_oneof![directions(), grazing, Just(DVec3::Z), Just(DVec3::NEG_Z), Just(DVec3::X), Just(DVec3::ZERO)]
+}
+
+proptest! {
+    #[test]
+    fn lights_of_lamps_add_up(specular in models(), p in directions(), n in directions(), v in directions()) {
+        let lighting = scene(specular);
+        let ambient = lighting.ambient_light();
+        let own = |lamps: Vec<Lamp>| Lighting { lamps, ..lighting.clone() }.light(p, n, v) - ambient;
+        let sum: DVec3 = lighting.lamps.iter().map(|lamp| own(vec![*lamp])).sum();
+        let all = own(lighting.lamps.clone());
+        prop_assert!((all - sum).abs().max_element() < 1e-14 * (1.0 + all.max_element()));
+        // Twice the light in, twice the light out.
+        let twice = own(lighting.lamps.iter().map(|lamp| lamp.with_intensity(2.0 * lamp.intensity)).collect());
+        prop_assert!((twice - 2.0 * all).abs().max_element() < 1e-14 * (1.0 + all.max_element()));
+        prop_assert!(all.min_element() >= 0.0);
+    }
+
+    #[test]
+    fn turning_everything_changes_nothing(
+        specular in models(), p in directions(), n in directions(), v in directions(), axis in directions(), a in 0.0..6.3,
+    ) {
+        let turn = DMat3::from_quat(DQuat::from_axis_angle(axis, a));
+        let lighting = scene(specular);
+        let mut turned = lighting.clone();
+        for lamp in &mut turned.lamps {
+            match &mut lamp.place {
+                LampPlace::Direction(place) | LampPlace::Point { position: place, .. } => *place = turn * *place,
+            }
+        }
+        // The microfacets' light has a pole where the surface is seen along it.
+        prop_assume!(n.dot(v).abs() > 1e-2);
+        let (before, after) = (lighting.light(p, n, v), turned.light(turn * p, turn * n, turn * v));
+        prop_assert!((before - after).abs().max_element() < 1e-12 * (1.0 + before.max_element()), "{before} {after}");
+    }
+
+    #[test]
+    fn microfacets_reflect_both_ways_alike(l in directions(), v in directions(), specular in 2..4usize) {
+        let Specular::CookTorrance(facets) = MODELS[specular].1 else { unreachable!() };
+        let [l, v] = [l, v].map(|a| a.with_z(a.z.abs()));
+        let (nl, nv) = (l.z, v.z);
+        prop_assume!(nl > 1e-3 && nv > 1e-3);
+        // Helmholtz: the reflectivity ρ_s is the same with lamp and viewer exchanged.
+        let (there, back) = (facets.highlight(DVec3::Z, l, v) / nl, facets.highlight(DVec3::Z, v, l) / nv);
+        prop_assert!((there - back).abs().max_element() < 1e-12 * (1e-9 + there.max_element()), "{there} {back}");
+        let h = (l + v).normalize();
+        prop_assert!((0.0..=1.0).contains(&geometry(h.z, nv, nl, v.dot(h))));
+    }
+
+    #[test]
+    fn refraction_can_be_gone_back(l in directions(), n in directions(), ratio in 0.3..3.0f64) {
+        match Refraction::of(l, n, ratio) {
+            Refraction::Transmitted(t) => {
+                // In the plane of L and N, of unit length; and light from there comes out where it went in. Near
+                // grazing, in or out, one of the ways is near the critical angle and a square root of rounding.
+                prop_assert!(t.dot(l.cross(n)).abs() < 1e-14 && (t.length() - 1.0).abs() < 1e-14);
+                prop_assume!(t.dot(n).abs() > 1e-3 && l.dot(n).abs() > 1e-3);
+                let Refraction::Transmitted(back) = Refraction::of(t, n, 1.0 / ratio) else { panic!("no way back") };
+                prop_assert!((back - l).length() < 1e-11, "{back} {l}");
+            }
+            Refraction::TotalReflection(r) => {
+                let sin = l.cross(n).length();
+                prop_assert!(ratio * sin > 1.0 && (r.length() - 1.0).abs() < 1e-14);
+            }
+            Refraction::Undefined => panic!("undefined"),
+        }
+    }
+
+    #[test]
+    fn light_is_finite_wherever_the_surface_looks(
+        specular in models(), p in odd_vectors(), n in odd_directions(), v in odd_directions(), l in odd_directions(),
+    ) {
+        let mut lighting = scene(specular);
+        lighting.lamps.push(Lamp { place: LampPlace::Direction(l), intensity: DVec3::ONE });
+        let at_lamp = Lamp::point(p);
+        lighting.lamps.push(at_lamp);
+        let light = lighting.light(p, n, v);
+        prop_assert!(light.is_finite() && light.min_element() >= 0.0, "{light}");
+    }
+
+    #[test]
+    fn light_is_a_number_for_any_vectors(
+        specular in models(), p in odd_vectors(), n in odd_vectors(), v in odd_vectors(),
+    ) {
+        let light = scene(specular).light(p, n.normalize_or_zero(), v.normalize_or_zero());
+        prop_assert!(light.is_finite(), "{light}");
+        let bad = scene(specular).light(p, DVec3::NAN, v);
+        prop_assert_eq!(bad, scene(specular).ambient_light());
+        match Refraction::of(n, v, p.x) {
+            Refraction::Transmitted(t) | Refraction::TotalReflection(t) => prop_assert!(t.is_finite()),
+            Refraction::Undefined => {}
+        }
+    }
+}

@@ -1,0 +1,386 @@
+//! Meshes: their shapes, normals, edges, curvature.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3};
+use machband::shading::{
+    EdgeKind, Edges, Mesh, MeshError, Polygons, Surface,
+    normals::newell,
+    polygon::triangulated,
+    shapes::{self, Shape},
+};
+use proptest::prelude::*;
+
+fn volume(mesh: &Mesh) -> f64 {
+    (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.cross(b).dot(c) / 6.0).sum()
+}
+
+/// Vertices − edges + triangles, every edge having two sides that go round it in opposite senses.
+fn euler_of_closed(mesh: &Mesh) -> i64 {
+    let edges = Edges::of(mesh);
+    for edge in &edges.edges {
+        assert_eq!(edge.kind, EdgeKind::Smooth, "{edge:?}");
+    }
+    let mut sites: Vec<u32> = mesh.vertices.iter().map(|v| v.site).collect();
+    sites.sort_unstable();
+    sites.dedup();
+    sites.len() as i64 - edges.edges.len() as i64 + mesh.triangles.len() as i64
+}
+
+#[test]
+fn shapes_are_closed_and_look_outward() {
+    let sizes = [(4, Shape::Blob), (5, Shape::Blob), (6, Shape::Blob), (7, Shape::Blob)]
+        .into_iter()
+        .chain([12, 13, 40, 313, 771, 5000].into_iter().flat_map(|n| Shape::ALL.iter().map(move |s| (n, *s))));
+    for (vertices, shape) in sizes {
+        let mesh = shapes::mesh(shape, vertices).unwrap();
+        let euler = if shape == Shape::Torus { 0 } else { 2 };
+        assert_eq!(euler_of_closed(&mesh), euler, "{shape} {vertices}");
+        assert!(volume(&mesh) > 0.1, "{shape} {vertices}: {}", volume(&mesh));
+        for vertex in &mesh.vertices {
+            assert!((vertex.normal.length() - 1.0).abs() < 1e-12, "{shape} {vertices}");
+        }
+        if shape.has_vertices() && vertices >= 100 {
+            let ratio = mesh.vertices.len() as f64 / vertices as f64;
+            assert!((0.8..1.25).contains(&ratio), "{shape} {vertices}: {} places", mesh.vertices.len());
+        }
+    }
+}
+
+#[test]
+fn shapes_have_the_triangles_they_promise() {
+    let count = |shape, vertices| shapes::mesh(shape, vertices).unwrap().triangles.len();
+    assert_eq!(count(Shape::Cube, 0), 12);
+    assert_eq!(count(Shape::Pyramid, 0), 12);
+    assert_eq!(count(Shape::Blob, 313), 622);
+    assert_eq!(count(Shape::Blob, 771), 1538);
+    assert_eq!(shapes::sphere(4).triangles.len(), 320);
+    assert_eq!(shapes::torus(24, 12).triangles.len(), 576);
+    for (shape, vertices, least) in [(Shape::Blob, 3, 4), (Shape::Sphere, 11, 12), (Shape::Torus, 500_001, 12)] {
+        let message = shapes::mesh(shape, vertices).unwrap_err().to_string();
+        assert_eq!(message, format!("a {shape} with {vertices} vertices is not to be had; expected {least}…500000"));
+    }
+}
+
+#[test]
+fn volumes_tend_to_the_true_ones() {
+    // 4π/3 and 2π²·1·0.4²; the error falls with the square of the step.
+    for (shape, true_volume) in [(Shape::Sphere, 4.0 * PI / 3.0), (Shape::Torus, 2.0 * PI * PI * 0.16)] {
+        let error = |n| 1.0 - volume(&shapes::mesh(shape, n).unwrap()) / true_volume;
+        let (coarse, fine) = (error(2500), error(10_000));
+        assert!(fine > 0.0 && fine < 0.01 && (3.5..4.5).contains(&(coarse / fine)), "{shape}: {coarse} {fine}");
+    }
+}
+
+#[test]
+fn hull_has_no_point_outside() {
+    for count in [4, 5, 6, 7, 10, 50, 313, 771, 2000] {
+        let points = shapes::fibonacci_points(count);
+        let triangles = shapes::hull(&points).unwrap();
+        assert_eq!(triangles.len(), 2 * count - 4);
+        for t in &triangles {
+            let [a, b, c] = t.map(|i| points[i as usize]);
+            let normal = (b - a).cross(c - a).normalize();
+            for (i, p) in points.iter().enumerate() {
+                assert!(normal.dot(*p - a) < 1e-13, "{count}: point {i} is outside of {t:?}");
+            }
+        }
+    }
+    // Points of a cube: four in a plane, every choice of diagonals is a hull.
+    let cube: Vec<DVec3> =
+        (0..8).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 2.0 - 1.0).collect();
+    assert_eq!(shapes::hull(&cube).unwrap().len(), 12);
+}
+
+#[test]
+fn shoaffs_pyramid_has_shoaffs_normal() {
+    let mesh = shapes::pyramid();
+    let v1 = mesh.vertices.iter().find(|v| v.position == DVec3::new(-1.0, -1.0, 1.0)).unwrap();
+    assert!(v1.normal.distance(DVec3::new(-1.0, -1.0, 3.0) / 11f64.sqrt()) < 1e-15, "{}", v1.normal);
+    // Its faces are the planes that Shoaff gives: z = 1, z = y + 2, z = x + 2.
+    for (plane, distance) in [(DVec3::Z, 1.0), (DVec3::new(0.0, -1.0, 1.0), 2.0), (DVec3::new(-1.0, 0.0, 1.0), 2.0)] {
+        let within = (0..12).filter(|t| mesh.corners(*t).iter().all(|p| (plane.dot(*p) - distance).abs() < 1e-12));
+        assert_eq!(within.count(), 2, "{plane}");
+    }
+    // A vertex of the cube has the mean of three faces, though five triangles meet there.
+    for vertex in shapes::cube().vertices {
+        assert!(vertex.normal.distance(vertex.position / 3f64.sqrt()) < 1e-15);
+    }
+}
+
+#[test]
+fn newell_finds_the_plane() {
+    // A quad bent by 2h along its diagonals: its projections on the axes' planes have the areas 0, 0 and 1.
+    for h in [0.0, 0.1, 0.5] {
+        let bent =
+            [DVec3::new(0.0, 0.0, h), DVec3::new(1.0, 0.0, -h), DVec3::new(1.0, 1.0, h), DVec3::new(0.0, 1.0, -h)];
+        assert!(newell(&bent).distance(DVec3::Z) < 1e-15, "{h}");
+    }
+    // A concave quad whose first corner turns the other way.
+    let dart = [DVec3::new(1.0, 0.5, 0.0), DVec3::new(0.0, 2.0, 0.0), DVec3::ZERO, DVec3::new(4.0, 0.5, 0.0)];
+    assert!(newell(&dart).distance(DVec3::Z) < 1e-15);
+    // Far away, and of any size.
+    let axis = DVec3::new(1.0, 2.0, 2.0) / 3.0;
+    let (u, v) = axis.any_orthonormal_pair();
+    for (size, offset) in [(1.0, 1e6), (1e-25, 0.0), (1e25, 0.0), (1e-3, 1e4)] {
+        let corners = [u, v, -u, -v].map(|p| p * size + DVec3::splat(offset));
+        assert!(newell(&corners).distance(axis) < 1e-7, "{size} {offset}: {}", newell(&corners));
+    }
+    for nothing in [vec![], vec![u], vec![u, v], vec![u, u * 2.0, u * 5.0], vec![DVec3::splat(f64::NAN); 3]] {
+        assert_eq!(newell(&nothing), DVec3::ZERO);
+    }
+}
+
+fn kinds(mesh: &Mesh) -> Vec<([u32; 2], EdgeKind)> {
+    let mut kinds: Vec<_> = Edges::of(mesh).edges.iter().map(|e| (e.sites, e.kind)).collect();
+    kinds.sort_unstable_by_key(|k| k.0);
+    kinds
+}
+
+#[test]
+fn edges_are_told_apart() {
+    use EdgeKind::{Border, Crease, NonManifold, Smooth};
+    // A roof over the edge 0–1, at 90°, and a third wing.
+    let places =
+        [DVec3::ZERO, DVec3::Y, DVec3::new(1.0, 0.0, -1.0), DVec3::new(-1.0, 0.0, -1.0), DVec3::new(0.0, 0.0, 1.0)];
+    let (right, left, up) = ([0, 2, 1], [0, 1, 3], [0, 1, 4]);
+    let kind = |triangles: &[[u32; 3]], crease| {
+        let all = kinds(&Mesh::new(&places, triangles, crease).unwrap());
+        for (sites, kind) in &all[1..] {
+            assert_eq!(*kind, Border, "{sites:?}");
+        }
+        assert_eq!(all[0].0, [0, 1]);
+        all[0].1
+    };
+    assert_eq!(kind(&[right, left], 180.0), Smooth);
+    assert_eq!(kind(&[right, left], 90.0), Smooth);
+    assert_eq!(kind(&[right, left], 89.9), Crease);
+    assert_eq!(kind(&[right, left], 0.0), Crease);
+    assert_eq!(kind(&[right], 180.0), Border);
+    assert_eq!(kind(&[right, left, up], 180.0), NonManifold);
+    // The second goes round the edge as the first does.
+    assert_eq!(kind(&[right, [1, 0, 3]], 180.0), NonManifold);
+    // Triangles that name a place twice do not come between.
+    let mesh = Mesh::new(&places, &[right, [0, 1, 1], left, [0, 0, 0]], 180.0).unwrap();
+    let edges = Edges::of(&mesh);
+    let ridge = edges.edges.iter().find(|e| e.sites == [0, 1]).unwrap();
+    assert_eq!((ridge.kind, &ridge.sides[..]), (Smooth, &[(0, 1), (2, 2)][..]));
+    assert!(
+        edges.edges.iter().filter(|e| e.sites[0] == e.sites[1]).all(|e| e.sides.is_empty() && e.kind == NonManifold)
+    );
+    for (t, of) in edges.of_triangle.iter().enumerate() {
+        for (k, e) in of.iter().enumerate() {
+            let [a, b] = [1, 2].map(|i| mesh.vertices[mesh.triangles[t][(k + i) % 3] as usize].site);
+            assert_eq!(edges.edges[*e as usize].sites, [a.min(b), a.max(b)]);
+        }
+    }
+}
+
+proptest! {
+    /// An edge below the angle of the crease is smooth: its faces share both their vertices there.
+    #[test]
+    fn creases_are_where_faces_make_an_angle(crease in 0.0..60f64, points in 6usize..60) {
+        let whole = shapes::mesh(Shape::Blob, points).unwrap();
+        let places: Vec<DVec3> = whole.vertices.iter().map(|v| v.position).collect();
+        let mesh = Mesh::new(&places, &whole.triangles, crease).unwrap();
+        let mut is_any_joined = false;
+        let mut kinds = Vec::new();
+        for edge in &Edges::of(&mesh).edges {
+            let [a, b] = [0, 1].map(|i| newell(&mesh.corners(edge.sides[i].0 as usize)));
+            let angle = a.dot(b).clamp(-1.0, 1.0).acos().to_degrees();
+            is_any_joined |= angle < crease + 0.01;
+            kinds.push(edge.kind);
+            if angle < crease - 0.01 {
+                prop_assert_eq!(edge.kind, EdgeKind::Smooth);
+            }
+        }
+        // Without a single joint all are creases.
+        prop_assert!(is_any_joined || kinds.iter().all(|kind| *kind == EdgeKind::Crease));
+    }
+
+    /// Any simple polygon: its triangles have its area, none is turned over, and each of its edges is one of theirs.
+    #[test]
+    fn polygons_become_triangles(radii in prop::collection::vec(0.1..1f64, 3..40), tilt in 0.0..6f64) {
+        let count = radii.len();
+        let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, tilt, tilt * 1.7, 0.3);
+        let corners: Vec<DVec3> = radii
+            .iter()
+            .enumerate()
+            .map(|(i, r)| {
+                let (y, x) = (2.0 * PI * i as f64 / count as f64).sin_cos();
+                turn * DVec3::new(x, y, 0.0) * *r + 5.0
+            })
+            .collect();
+        let normal = turn * DVec3::Z;
+        let triangles = triangulated(&corners);
+        prop_assert_eq!(triangles.len(), count - 2);
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| corners[i as usize]);
+            (b - a).cross(c - a).dot(normal) / 2.0
+        };
+        let true_area: f64 =
+            (0..count).map(|i| radii[i] * radii[(i + 1) % count] * (2.0 * PI / count as f64).sin() / 2.0).sum();
+        prop_assert!(triangles.iter().all(|t| area(t) > -1e-12));
+        prop_assert!((triangles.iter().map(area).sum::<f64>() - true_area).abs() < 1e-9);
+        for i in 0..count as u32 {
+            let next = (i + 1) % count as u32;
+            prop_assert!(triangles.iter().any(|t| (0..3).any(|k| t[k] == i && t[(k + 1) % 3] == next)));
+        }
+    }
+
+    /// Whatever the polygon: two triangles fewer than corners, of its own corners.
+    #[test]
+    fn hopeless_polygons_become_triangles_too(corners in prop::collection::vec((0..4i32, 0..4i32, 0..2i32), 0..12)) {
+        let corners: Vec<DVec3> = corners.iter().map(|(x, y, z)| DVec3::from([*x, *y, *z].map(f64::from))).collect();
+        let triangles = triangulated(&corners);
+        prop_assert_eq!(triangles.len(), corners.len().saturating_sub(2));
+        prop_assert!(triangles.iter().flatten().all(|i| (*i as usize) < corners.len()));
+    }
+}
+
+#[test]
+fn faults_of_triangles_are_named() {
+    let places = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X * 2.0];
+    let message =
+        |places: &[DVec3], triangles: &[[u32; 3]]| Mesh::new(places, triangles, 180.0).unwrap_err().to_string();
+    assert_eq!(message(&places, &[]), "there is no triangle; expected at least one");
+    assert_eq!(message(&places, &[[0, 1, 2], [0, 1, 4]]), "face 1 names position 4 of 4; expected one below that");
+    assert_eq!(
+        message(&places, &[[0, 1, 3], [0, 0, 1]]),
+        "none of the 2 triangles has an area; expected at least one that has"
+    );
+    for bad in [f64::NAN, f64::INFINITY, 1e31] {
+        assert_eq!(
+            message(&[DVec3::ZERO, DVec3::X, DVec3::Y * bad], &[[0, 1, 2]]),
+            "position 2 is not finite, or beyond ±1e30; expected three numbers within"
+        );
+    }
+    assert_eq!(shapes::jittered_grid(0, 3, 0.0, |_, _| 0.0), Err(MeshError::NoTriangles));
+}
+
+#[test]
+fn grid_is_a_square_whose_pairs_are_parallelograms() {
+    let flat = shapes::jittered_grid(28, 28, 0.0, |x, y| 0.3 * x - 0.1 * y).unwrap();
+    assert_eq!(flat.triangles.len(), 1568);
+    let edges = Edges::of(&flat);
+    for edge in &edges.edges {
+        if let [(t, k), (u, l)] = edge.sides[..] {
+            let apex = |t: u32, k: u8| flat.corners(t as usize)[usize::from(k)];
+            let ends = edge.sites.map(|s| flat.vertices.iter().find(|v| v.site == s).unwrap().position);
+            assert!((apex(t, k) + apex(u, l)).distance(ends[0] + ends[1]) < 1e-12);
+        }
+    }
+    let jittered = shapes::jittered_grid(28, 28, 9.0, |_, _| 0.0).unwrap();
+    let areas: Vec<f64> =
+        (0..1568).map(|t| jittered.corners(t)).map(|[a, b, c]| (b - a).cross(c - a).z / 2.0).collect();
+    assert!(areas.iter().all(|a| *a > 0.0) && (areas.iter().sum::<f64>() - 4.0).abs() < 1e-12);
+    let spread = areas.iter().map(|a| (a * 392.0 / 2.0 - 0.5).abs()).fold(0.0, f64::max);
+    assert!(spread > 0.1, "hardly moved: {spread}");
+    assert_eq!(jittered, shapes::jittered_grid(28, 28, 9.0, |_, _| 0.0).unwrap());
+}
+
+/// The largest difference between the curvature of the vertices and the true one, relative to the largest true one.
+fn curvature_error(mesh: &Mesh, truth: impl Fn(DVec3) -> DMat3) -> f64 {
+    let surface = Surface::new(mesh.clone());
+    let norm = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let mut worst = [0f64; 2];
+    for (vertex, curvature) in mesh.vertices.iter().zip(&surface.curvature) {
+        assert!(norm(*curvature - curvature.transpose()) < 1e-12 * norm(*curvature));
+        assert!((*curvature * vertex.normal).length() < 1e-12 * norm(*curvature));
+        let truth = truth(vertex.position);
+        worst = [worst[0].max(norm(*curvature - truth)), worst[1].max(norm(truth))];
+    }
+    worst[0] / worst[1]
+}
+
+fn outer(a: DVec3) -> DMat3 {
+    DMat3::from_cols(a * a.x, a * a.y, a * a.z)
+}
+
+/// `mesh` with the normals that `normal` gives its places.
+fn with_normals(mesh: &Mesh, normal: impl Fn(DVec3) -> DVec3) -> Mesh {
+    let places: Vec<DVec3> = mesh.vertices.iter().map(|v| v.position).collect();
+    let mut polygons = Polygons::default();
+    for t in &mesh.triangles {
+        polygons.push(t.map(|i| (i, Some(normal(places[i as usize])))));
+    }
+    Mesh::from_polygons(&places, &polygons, 0.0).unwrap()
+}
+
+#[test]
+fn curvature_of_a_sphere() {
+    for radius in [1e-20, 0.25, 1.0, 1e15] {
+        let scaled = |mesh: &Mesh| {
+            let places: Vec<DVec3> = mesh.vertices.iter().map(|v| v.position * radius - 0.1 * radius).collect();
+            Mesh::new(&places, &mesh.triangles, 180.0).unwrap()
+        };
+        let truth = |p: DVec3| (DMat3::IDENTITY - outer((p + 0.1 * radius).normalize())) * (1.0 / radius);
+        // True normals: their differences are the edges, and only the turn of the faces is left.
+        let mesh = scaled(&shapes::sphere(16));
+        let exact = curvature_error(&with_normals(&mesh, |p| (p + 0.1 * radius).normalize()), truth);
+        assert!(exact < 1e-3, "{radius}: {exact}");
+        // Averaged ones are themselves a little off where the triangles around are not alike.
+        let averaged = curvature_error(&mesh, truth);
+        assert!(averaged < 0.05, "{radius}: {averaged}");
+    }
+}
+
+#[test]
+fn curvature_of_a_torus_converges_with_averaged_normals() {
+    let error = |n: usize| {
+        curvature_error(&shapes::torus(n * 2, n), |p| {
+            let along = DVec3::new(-p.y, p.x, 0.0).normalize();
+            let out = DVec3::new(p.x, p.y, 0.0).normalize();
+            let normal = (p - out) / 0.4;
+            // 1/0.4 round the tube, and cos/(1 + 0.4 cos) along it: negative on the inside.
+            outer(normal.cross(along)) / 0.4 + outer(along) * (normal.dot(out) / p.dot(out))
+        })
+    };
+    let [coarse, middle, fine] = [32, 64, 128].map(error);
+    assert!(fine < 2e-3, "{fine}");
+    assert!(coarse / middle > 3.5 && middle / fine > 3.5, "not of second order: {coarse} {middle} {fine}");
+}
+
+#[test]
+fn curvature_converges_on_uneven_triangles_with_true_normals() {
+    // An ellipsoid over Fibonacci points: no two triangles alike. N = ∇F/|∇F|, dN/dp = P·diag(1/a²)·P/|∇F|.
+    let axes = DVec3::new(1.0, 0.7, 1.4);
+    let gradient = |p: DVec3| p / (axes * axes);
+    let error = |count: usize| {
+        let points = shapes::fibonacci_points(count);
+        let places: Vec<DVec3> = points.iter().map(|p| *p * axes).collect();
+        let mesh = Mesh::new(&places, &shapes::hull(&points).unwrap(), 180.0).unwrap();
+        curvature_error(&with_normals(&mesh, |p| gradient(p).normalize()), |p| {
+            let flat = DMat3::IDENTITY - outer(gradient(p).normalize());
+            flat * DMat3::from_diagonal(1.0 / (axes * axes)) * flat * (1.0 / gradient(p).length())
+        })
+    };
+    let [coarse, middle, fine] = [500, 2000, 8000].map(error);
+    assert!(fine < 0.02, "{fine}");
+    assert!(coarse / middle > 1.7 && middle / fine > 1.7, "not of first order: {coarse} {middle} {fine}");
+}
+
+proptest! {
+    /// Whatever the triangles: finite, and unit normals.
+    #[test]
+    fn nothing_makes_curvature_or_normals_infinite(
+        places in prop::collection::vec((-2..3i32, -2..3i32, -1..2i32), 3..12),
+        corners in prop::collection::vec((0..12u32, 0..12u32, 0..12u32), 1..20),
+        power in -28..30i32,
+        crease in prop_oneof![Just(180.0), 0.0..180f64],
+    ) {
+        let unit = 10f64.powi(power);
+        let places: Vec<DVec3> = places.iter().map(|(x, y, z)| DVec3::from([*x, *y, *z].map(f64::from)) * unit).collect();
+        let count = places.len() as u32;
+        let triangles: Vec<[u32; 3]> = corners.iter().map(|(a, b, c)| [a % count, b % count, c % count]).collect();
+        match Mesh::new(&places, &triangles, crease) {
+            Err(error) => prop_assert!(matches!(error, MeshError::NoArea(_) | MeshError::NotFinite(_)), "{}", error),
+            Ok(mesh) => {
+                prop_assert!(mesh.vertices.iter().all(|v| (v.normal.length() - 1.0).abs() < 1e-12));
+                let surface = Surface::new(mesh);
+                prop_assert!(surface.curvature.iter().all(DMat3::is_finite));
+                prop_assert_eq!(surface.mesh.triangles.len(), triangles.len());
+            }
+        }
+    }
+}

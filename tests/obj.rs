@@ -1,0 +1,302 @@
+//! OBJ files: what they hold becomes a mesh, and whatever else they hold a message.
+
+use std::{fmt::Write as _, path::Path};
+
+use glam::DVec3;
+use machband::{
+    shading::{EdgeKind, Edges, Mesh, normals::newell, shapes},
+    store::obj,
+};
+use proptest::prelude::*;
+
+fn mesh(text: &str) -> Mesh {
+    obj::parse("it.obj", text.as_bytes(), 180.0).unwrap_or_else(|faults| panic!("{faults}\n{text}"))
+}
+
+fn message(content: impl AsRef<[u8]>) -> String {
+    obj::parse("it.obj", content.as_ref(), 180.0).expect_err("a fault").to_string()
+}
+
+/// A cube of quads, as a program would write it: with everything that is not of interest, too.
+const CUBE: &str = "\
+# A cube, écrit à la main
+mtllib cube.mtl
+o cube
+v -1 -1 -1
+v  1 -1 -1 1.0 0.5 0.0
+v -1  1 -1
+v  1  1 -1 # far
+v -2 -2  2 2
+v  1 -1  1
+v -1 +1  1e0
+v  1  1  1.
+vt 0 0
+vt 1 1
+g sides
+usemtl red
+s off
+f 1/1 3/2 4/1 2/1
+f 5/1/ 6 8 7
+g others
+f -8 -7 -3 \\
+  -4
+f 3 7 8 4
+usemtl blue
+f 1 5 7 3
+f 2 4 8 6
+l 1 2 3 4
+p 1
+";
+
+#[test]
+fn cube_of_quads_is_the_cube() {
+    for text in [CUBE.to_owned(), CUBE.replace('\n', "\r\n"), CUBE.replace('\n', "\r"), format!("\u{feff}{CUBE}")] {
+        assert_eq!(mesh(&text), mesh(CUBE));
+    }
+    let (read, cube) = (mesh(CUBE), shapes::cube());
+    assert_eq!((read.vertices.len(), read.triangles.len()), (8, 12));
+    let sorted = |mesh: &Mesh| {
+        let mut all: Vec<_> = (0..12)
+            .map(|t| {
+                // From its lowest corner on.
+                let mut corners = mesh.triangles[t]
+                    .map(|v| mesh.vertices[v as usize])
+                    .map(|v| format!("{} {:.12}", v.position, v.normal));
+                let lowest = (0..3).min_by_key(|k| corners[*k].clone()).unwrap();
+                corners.rotate_left(lowest);
+                corners.join(" ")
+            })
+            .collect();
+        all.sort();
+        all
+    };
+    assert_eq!(sorted(&read), sorted(&cube));
+    // Sharp edges, at less than 90°.
+    let sharp = obj::parse("it.obj", CUBE.as_bytes(), 60.0).unwrap();
+    assert_eq!(sharp.vertices.len(), 24);
+    let edges = Edges::of(&sharp).edges;
+    assert_eq!(edges.iter().filter(|e| e.kind == EdgeKind::Crease).count(), 12);
+    assert_eq!(edges.iter().filter(|e| e.kind == EdgeKind::Smooth).count(), 6);
+}
+
+/// Any mesh, written and read.
+fn written(mesh: &Mesh, normals: bool) -> String {
+    let mut text = String::new();
+    for v in &mesh.vertices {
+        let (p, n) = (v.position, v.normal);
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+        if normals {
+            let _ = writeln!(text, "vn {} {} {}", n.x, n.y, n.z);
+        }
+    }
+    for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|v| v + 1)) {
+        let _ = if normals { writeln!(text, "f {a}//{a} {b}//{b} {c}//{c}") } else { writeln!(text, "f {a} {b} {c}") };
+    }
+    text
+}
+
+fn same_picture(a: &Mesh, b: &Mesh) -> bool {
+    let corner = |m: &Mesh, v: u32| (m.vertices[v as usize].position, m.vertices[v as usize].normal);
+    a.vertices.len() == b.vertices.len()
+        && a.triangles.len() == b.triangles.len()
+        && a.triangles.iter().flatten().zip(b.triangles.iter().flatten()).all(|(v, w)| {
+            let ((p, n), (q, m)) = (corner(a, *v), corner(b, *w));
+            p == q && n.distance(m) < 1e-12
+        })
+}
+
+#[test]
+fn meshes_come_back_to_the_last_digit() {
+    let blob = shapes::blob(313).unwrap();
+    assert!(same_picture(&mesh(&written(&blob, false)), &blob));
+    // With normals that are not the averages, and creases that follow from them.
+    let places: Vec<DVec3> = shapes::cube().vertices.iter().map(|v| v.position).collect();
+    let sharp = Mesh::new(&places, &shapes::cube().triangles, 30.0).unwrap();
+    let back = mesh(&written(&sharp, true));
+    assert!(same_picture(&back, &sharp));
+    assert_eq!(Edges::of(&back).edges.iter().filter(|e| e.kind == EdgeKind::Crease).count(), 12);
+}
+
+#[test]
+fn normals_are_the_files_where_it_has_some() {
+    let roof = "v 0 0 0\nv 1 0 -1\nv 0 1 0\nv -1 0 -1\n";
+    // No normal, a zero one, one that is not a number: averaged. One of any length: made a unit.
+    let text = format!("{roof}vn 0 0 0\nvn nan 0 0\nvn 3 0 4\nf 1//3 2 3//1\nf 1//3 3//2 4\n");
+    let mesh = mesh(&text);
+    let normal = |t: usize, k: usize| mesh.vertices[mesh.triangles[t][k] as usize].normal;
+    assert!(normal(0, 0).distance(DVec3::new(0.6, 0.0, 0.8)) < 1e-15);
+    assert!(normal(0, 2).distance(DVec3::Z) < 1e-15);
+    assert!(normal(0, 1).distance(newell(&mesh.corners(0))) < 1e-15);
+    assert_eq!(mesh.vertices.len(), 4);
+    // Normals that a program has rounded differently are one; others are two.
+    for (z, count) in [("1.0001", 4), ("1.1", 6)] {
+        let text = format!("{roof}vn 1 0 1\nvn 1 0 {z}\nf 1//1 2//1 3//1\nf 1//2 3//2 4//2\n");
+        assert_eq!(self::mesh(&text).vertices.len(), count, "{z}");
+    }
+}
+
+#[test]
+fn equal_places_are_one_and_close_ones_are_not() {
+    let seam = |y: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv -0 0 0\nv 0 {y} 0\nv -1 0 0\nf 4 5 6\n");
+    let smooth = |text: &str| Edges::of(&mesh(text)).edges.iter().filter(|e| e.kind == EdgeKind::Smooth).count();
+    assert_eq!(smooth(&seam("1.0")), 1);
+    assert_eq!(smooth(&seam("1.0000001")), 0);
+}
+
+#[test]
+fn concave_faces_keep_their_shape() {
+    let mesh = mesh("v 0 0 0\nv 4 0 0\nv 0.5 0.5 0\nv 0 4 0\nf 2 3 4 1\nf 1 2 3 4\n");
+    for t in 0..4 {
+        assert!(newell(&mesh.corners(t)).z > 0.999_999, "triangle {t} is turned over");
+    }
+}
+
+#[test]
+fn faults_are_named_with_their_place() {
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (text, expected) in [
+        ("", "it.obj: has no faces; expected at least one line \"f 1 2 3\""),
+        ("hello\nworld\n", "it.obj: has no faces; expected at least one line \"f 1 2 3\""),
+        (triangle, "it.obj: has no faces; expected at least one line \"f 1 2 3\""),
+        ("v 0 0 0\n v 1 NaN 0\n", "it.obj:2:6: \"NaN\" is not a finite coordinate; expected one within ±1e30"),
+        ("v 0 -inf 0", "it.obj:1:5: \"-inf\" is not a finite coordinate; expected one within ±1e30"),
+        ("v 0 0 1e999", "it.obj:1:7: \"1e999\" is not a finite coordinate; expected one within ±1e30"),
+        ("v 1,5 0 1", "it.obj:1:3: \"1,5\" is not a number; expected one"),
+        ("v é 0 1", "it.obj:1:3: \"é\" is not a number; expected one"),
+        ("v 1 2", "it.obj:1:1: has 2 numbers; expected three"),
+        ("v 1 2 3 0", "it.obj:1:9: \"0\" is no weight; expected a finite number that is not 0"),
+        ("v 0 0 0\nvn 0 x 1", "it.obj:2:6: \"x\" is not a number; expected one"),
+        ("v 0 0 0\nf 1 1", "it.obj:2:1: a face has 2 corners; expected 3…4096"),
+        ("v 0 0 0\nf 1 1 1", "it.obj: has no face with an area; expected at least one whose corners are apart"),
+        ("v 0 0 0\nf 1 1 0", "it.obj:2:7: place 0 does not exist; expected an index from 1, or -1 for the last"),
+        (
+            "v 0 0 0\nf 1 1 -2",
+            "it.obj:2:7: place -2 does not exist, there are 1 above; expected -1 for the last, or 1…",
+        ),
+        ("v 0 0 0\nf 1 1 2", "it.obj:2:7: place 2 does not exist; expected 1…1"),
+        (
+            "v 0 0 0\nf 1//1 1 1",
+            "it.obj:2:3: normal 1 does not exist, the file has no normals; expected a corner without one",
+        ),
+        ("f 1 2 3\nv 0 0 0", "it.obj:1:7: place 3 does not exist; expected 1…1"),
+        ("v 0 0 0\nf 1 1 1.5", "it.obj:2:7: \"1.5\" is no corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
+        ("v 0 0 0\nf 1 /1 1", "it.obj:2:5: \"/1\" is no corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
+        ("v 0 0 0\nf 1 1/1/1/1 1", "it.obj:2:5: \"1/1/1/1\" is no corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
+        (
+            "v 0 0 0\nf 1 1 99999999999999999999",
+            "it.obj:2:7: \"99999999999999999999\" is no corner of a face; expected 1, 1/1, 1//1 or 1/1/1",
+        ),
+    ] {
+        assert_eq!(message(text), expected, "{text}");
+    }
+    for huge in [i64::MAX, i64::MAX - 1, i64::MIN, i64::MIN + 1, 4_294_967_296] {
+        for corner in [format!("{huge}"), format!("1/{huge}"), format!("1//{huge}")] {
+            let text = format!("{triangle}vn 0 0 1\nf 1 2 {corner}\n");
+            // Texture coordinates are not looked at.
+            let is_texture = corner.starts_with("1/") && !corner.starts_with("1//");
+            let fault = obj::parse("it.obj", text.as_bytes(), 180.0)
+                .map(|mesh| mesh.triangles.len())
+                .map_err(|f| f.to_string());
+            assert_eq!(
+                fault.as_ref().err().is_some_and(|f| f.starts_with("it.obj:5:7: ")),
+                !is_texture,
+                "{corner}: {fault:?}"
+            );
+        }
+    }
+    // A face before its places, and before another fault.
+    assert_eq!(
+        message("f 1 2 3\nv 0 0 0\nv 0 0 x\n"),
+        "it.obj:1:7: place 3 does not exist; expected 1…2\nit.obj:3:7: \"x\" is not a number; expected one"
+    );
+    assert!(obj::parse("it.obj", format!("f 1 2 3\n{triangle}").as_bytes(), 180.0).is_ok());
+    // Several, in the order of the file, and not without end.
+    assert_eq!(message("v a 0 0\nv 0 b 0\nf 1 2\n").lines().count(), 3);
+    assert_eq!(message("v a 0 0\n".repeat(1000)).lines().count(), 20);
+    assert!(message(format!("v {} 0 0\n", "x".repeat(100_000))).len() < 200);
+}
+
+#[test]
+fn files_that_are_no_obj_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let fault = |path: &Path| obj::read(path, 180.0).expect_err("a fault").to_string();
+    let missing = folder.path().join("missing.obj");
+    assert!(fault(&missing).contains("missing.obj: cannot be opened: "), "{}", fault(&missing));
+    assert!(fault(folder.path()).ends_with("is a folder; expected an OBJ file"));
+    let picture = folder.path().join("picture.obj");
+    std::fs::write(&picture, b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap();
+    assert!(fault(&picture).ends_with("picture.obj:3:1: is not text; expected an OBJ file"), "{}", fault(&picture));
+    assert_eq!(message(b"v 0 0 0\nv 1 \xff 2\n"), "it.obj:2:5: is not UTF-8 text; expected numbers");
+    // A name or a comment in another encoding does no harm.
+    let latin = b"# \xe9crit\no \xe9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    assert_eq!(obj::parse("it.obj", latin, 180.0).unwrap().triangles.len(), 1);
+}
+
+#[test]
+fn a_million_triangles_are_read() {
+    let grid = shapes::jittered_grid(1000, 500, 0.2, |x, y| x * y).unwrap();
+    let text = written(&grid, false);
+    let read = mesh(&text);
+    assert_eq!((read.triangles.len(), read.vertices.len()), (1_000_000, 1001 * 501));
+}
+
+#[test]
+fn a_face_of_many_corners_is_read_or_refused() {
+    let comb = |count: usize| {
+        let mut text = String::new();
+        for i in 0..count {
+            let _ = writeln!(text, "v {} {} 0", i, if i % 2 == 0 { 0.0 } else { 100.0 });
+        }
+        let _ = writeln!(
+            text,
+            "v {count} 200 0\nv 0 200 0\nf {}",
+            (1..=count + 2).map(|i| i.to_string()).collect::<Vec<_>>().join(" ")
+        );
+        text
+    };
+    let read = mesh(&comb(4094));
+    assert_eq!(read.triangles.len(), 4094);
+    assert!((0..4094).all(|t| newell(&read.corners(t)).z > 0.999_999));
+    assert!(message(comb(4095)).ends_with("a face has 4097 or more corners; expected 3…4096"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// A file with bytes changed, taken out and put in is read or refused; nothing else.
+    #[test]
+    fn no_bytes_make_it_panic(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..4u8), 1..12),
+        crease in prop_oneof![Just(180.0), Just(f64::NAN), -10.0..200f64],
+        with_normals in any::<bool>(),
+    ) {
+        let mut bytes = if with_normals { written(&shapes::pyramid(), true).into_bytes() } else { CUBE.into() };
+        for (at, byte, how) in changes {
+            let at = at.index(bytes.len());
+            match how {
+                0 => bytes[at] = byte,
+                // Characters that mean something.
+                1 => bytes[at] = b"0123456789-+.e/ \n\r\\#vfnoglinfa"[usize::from(byte) % 30],
+                2 => { bytes.remove(at); }
+                _ => {
+                    let piece = bytes[at..(at + usize::from(byte)).min(bytes.len())].to_vec();
+                    bytes.splice(at..at, piece);
+                }
+            }
+        }
+        match obj::parse("it.obj", &bytes, crease) {
+            Ok(mesh) => {
+                let (count, finite) = (mesh.vertices.len(), |p: DVec3| p.is_finite());
+                prop_assert!(mesh.triangles.iter().flatten().all(|v| (*v as usize) < count));
+                prop_assert!(mesh.vertices.iter().all(|v| finite(v.position) && (v.normal.length() - 1.0).abs() < 1e-9));
+            }
+            Err(faults) => prop_assert!(faults.to_string().starts_with("it.obj") && faults.to_string().contains("; expected")),
+        }
+    }
+
+    /// So are bytes of any kind.
+    #[test]
+    fn no_noise_makes_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        prop_assert!(obj::parse("it.obj", &bytes, 180.0).is_err());
+    }
+}

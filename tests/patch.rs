@@ -1,0 +1,361 @@
+//! The patch shader: fields that it must give back, its smoothness, another implementation.
+
+mod plane;
+
+use glam::{DMat3, DVec2, DVec3};
+use machband::{
+    light::Transfer,
+    shading::{
+        Across, Creases, Frame, Gradients, Lighting, Patches, Scene, Surface, View, crease,
+        patch::Gradient,
+        shapes::{self, Shape},
+    },
+};
+use plane::{frame, grid, random};
+
+/// The same field in all channels but for its size.
+fn gray(value: f64) -> DVec3 {
+    value * DVec3::new(1.0, 0.5, -2.0)
+}
+
+fn gray_gradient(slope: DVec2) -> Gradient {
+    [slope, 0.5 * slope, -2.0 * slope]
+}
+
+/// Differences between the patches and `truth` over all triangles, in red.
+fn errors(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> Vec<f64> {
+    let mut errors = Vec::new();
+    for t in 0..frame.triangles.len() {
+        let [a, b, c] = frame.corners(t).map(|v| v.screen);
+        for i in 0..=8 {
+            for j in 0..=8 - i {
+                let w = [f64::from(i) / 8.0, f64::from(j) / 8.0, f64::from(8 - i - j) / 8.0];
+                errors.push((patches.light(t, w).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
+            }
+        }
+    }
+    errors
+}
+
+fn worst(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> f64 {
+    errors(frame, patches, truth).into_iter().fold(0.0, f64::max)
+}
+
+fn given(frame: &Frame, gradient: impl Fn(DVec2) -> DVec2) -> Patches {
+    Patches::with_gradients(frame, frame.vertices.iter().map(|v| gray_gradient(gradient(v.screen))).collect())
+}
+
+#[test]
+fn linear_fields_come_out_exactly() {
+    let (places, triangles) = grid(9, 100.0, 0.45, 1);
+    let slope = DVec2::new(0.013, -0.007);
+    let field = |p: DVec2| 0.4 + slope.dot(p);
+    let frame = frame(&places, &triangles, |p| gray(field(p)));
+    for gradients in Gradients::ALL {
+        let patches = Patches::new(&frame, *gradients);
+        assert!(worst(&frame, &patches, field) < 1e-12, "{gradients}");
+        for gradient in patches.gradients() {
+            assert!(gradient[0].distance(slope) < 1e-12 && gradient[2].distance(-2.0 * slope) < 1e-12, "{gradients}");
+        }
+    }
+    assert!(worst(&frame, &given(&frame, |_| slope), field) < 1e-12);
+}
+
+/// Neighbours count by 1/d²: of two along x, one a unit away with a slope of 1, one four units away with none, the slope
+/// that fits is half; unweighted it were 1/17.
+#[test]
+fn near_neighbours_count_more() {
+    let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0), (-4.0, 0.0), (0.0, -2.0)].map(|(x, y)| DVec2::new(x, y));
+    let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
+    let frame = frame(&places, &triangles, |p| gray(if p.x > 0.0 { 1.0 } else { 0.0 }));
+    let gradient = Patches::new(&frame, Gradients::Ring).gradients()[0];
+    assert!(gradient[0].distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
+}
+
+/// With true gradients a quadratic field comes out exactly; every error of a gradient adds at most 0.4 times itself times
+/// the longest edge.
+#[test]
+fn quadratic_fields_come_out_within_the_error_of_their_gradients() {
+    let (places, triangles) = grid(8, 80.0, 0.3, 2);
+    let field = |p: DVec2| 0.2 + 0.01 * p.x + 1e-4 * (2.0 * p.x * p.x - 3.0 * p.x * p.y + 1.5 * p.y * p.y);
+    let slope = |p: DVec2| DVec2::new(0.01 + 1e-4 * (4.0 * p.x - 3.0 * p.y), 1e-4 * (3.0 * p.y - 3.0 * p.x));
+    let frame = frame(&places, &triangles, |p| gray(field(p)));
+    assert!(worst(&frame, &given(&frame, slope), field) < 1e-12);
+
+    let longest = (0..frame.triangles.len())
+        .flat_map(|t| {
+            let [a, b, c] = frame.corners(t).map(|v| v.screen);
+            [a.distance(b), b.distance(c), c.distance(a)]
+        })
+        .fold(0.0, f64::max);
+    for gradients in [Gradients::Ring, Gradients::Quadric] {
+        let patches = Patches::new(&frame, gradients);
+        let fault = frame
+            .vertices
+            .iter()
+            .zip(patches.gradients())
+            .map(|(v, gradient)| gradient[0].distance(slope(v.screen)))
+            .fold(0.0, f64::max);
+        let error = worst(&frame, &patches, field);
+        println!("{gradients}: gradients off by {fault:.2e}, light by {error:.2e}: {:.3}", error / (fault * longest));
+        assert!(fault > 1e-6 && error > 1e-6, "{gradients}: nothing to bound");
+        assert!(error <= 0.4 * fault * longest, "{gradients}: {error} with gradients off by {fault}");
+    }
+    // A quadric needs five neighbours that lie well: inside, they mostly do.
+    let inside = |gradients| {
+        let patches = Patches::new(&frame, gradients);
+        let exact = frame.vertices.iter().zip(patches.gradients());
+        exact.filter(|(v, gradient)| gradient[0].distance(slope(v.screen)) < 1e-9).count()
+    };
+    println!("exact at {} of {} vertices", inside(Gradients::Quadric), frame.vertices.len());
+    assert!(inside(Gradients::Quadric) > 20 && inside(Gradients::Ring) < 5);
+}
+
+/// Root mean square error on a smooth field with `n` × `n` cells.
+fn rms_error(n: usize, gradients: Option<Gradients>) -> f64 {
+    let (places, triangles) = grid(n, 1.0, 0.25, 3);
+    let field = |p: DVec2| (3.0 * p.x + 0.4).sin() * (2.5 * p.y).cos() + 0.3 * (4.0 * p.x * p.y).sin();
+    let slope = |p: DVec2| {
+        let (a, b, c) = (3.0 * p.x + 0.4, 2.5 * p.y, 1.2 * (4.0 * p.x * p.y).cos());
+        DVec2::new(3.0 * a.cos() * b.cos() + c * p.y, -2.5 * a.sin() * b.sin() + c * p.x)
+    };
+    let frame = frame(&places, &triangles, |p| gray(field(p)));
+    let patches = gradients.map_or_else(|| given(&frame, slope), |g| Patches::new(&frame, g));
+    let errors = errors(&frame, &patches, field);
+    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+#[test]
+fn smooth_fields_converge_at_third_order() {
+    for (gradients, least) in [(None, 2.85), (Some(Gradients::Ring), 1.85), (Some(Gradients::Quadric), 1.85)] {
+        let errors = [8, 16, 32, 64].map(|n| rms_error(n, gradients));
+        let order = (errors[1] / errors[3]).log2() / 2.0;
+        println!("{gradients:?}: {errors:?}, order {order:.2}");
+        assert!(order > least, "{gradients:?}: order {order} of {errors:?}");
+    }
+}
+
+/// Random lights and gradients on random triangles: nothing but the construction makes it smooth.
+#[test]
+fn slopes_are_continuous_across_edges_at_vertices_and_inside() {
+    for seed in 0..20 {
+        let (places, triangles) = grid(6, 100.0, 0.24, seed);
+        let mut frame = frame(&places, &triangles, |p| gray(random((p.x * 1e3 + p.y * 1e6) as u64)));
+        // A border in the middle: the vertices there still have one gradient each.
+        if let Across::Triangle { triangle, .. } = frame.triangles[20].across[0] {
+            for k in 0..3 {
+                if matches!(frame.triangles[triangle as usize].across[k], Across::Triangle { triangle: 20, .. }) {
+                    frame.triangles[triangle as usize].across[k] = Across::Nothing;
+                }
+            }
+            frame.triangles[20].across[0] = Across::Nothing;
+        }
+        let gradients = (0..places.len() as u64)
+            .map(|v| [0, 1, 2].map(|c| DVec2::new(random(v * 6 + c) - 0.5, random(v * 6 + c + 3) - 0.5) * 0.05));
+        let patches = Patches::with_gradients(&frame, gradients.collect());
+        let light = |t: usize, w: [f64; 3]| patches.light(t, w);
+        let (own, gouraud) = (Creases::of_field(&frame, light), Creases::of_gouraud(&frame));
+        assert!(own.max < 1e-6 * gouraud.rms, "seed {seed}: {} beside {}", own.max, gouraud.rms);
+        assert!(own.step_rms < 1e-12);
+        for vertex in crease::at_vertices(&frame, light) {
+            assert!(vertex.spread < 1e-6 * gouraud.rms, "seed {seed}: {vertex:?}");
+        }
+        for t in 0..frame.triangles.len() {
+            for k in 0..3 {
+                let (bend, size) = inner_jump(|w| patches.light(t, w), k);
+                assert!(bend < 1e-6 * size, "seed {seed}, triangle {t}, line {k}: {bend} beside {size}");
+            }
+        }
+    }
+}
+
+/// The jump of the slope across the line from corner k to the centroid, at its middle and near its ends, and the slope,
+/// both per weight.
+fn inner_jump(light: impl Fn([f64; 3]) -> DVec3, k: usize) -> (f64, f64) {
+    let (mut worst, mut size) = (0.0_f64, 0.0_f64);
+    for s in [0.02, 0.5, 0.98] {
+        let at = |h: f64| {
+            let mut w = [s / 3.0; 3];
+            w[k] = 1.0 - 2.0 * s / 3.0;
+            w[(k + 1) % 3] += h;
+            w[(k + 2) % 3] -= h;
+            light(w)
+        };
+        let h = 1e-6;
+        let one_sided = |h: f64| (4.0 * at(h) - at(2.0 * h) - 3.0 * at(0.0)) / (2.0 * h);
+        worst = worst.max((one_sided(h) - one_sided(-h)).length());
+        size = size.max(one_sided(h).length());
+    }
+    (worst, size)
+}
+
+#[test]
+fn cubics_are_those_of_scipy() {
+    let text = include_str!("golden/patch.csv");
+    let (mut places, mut lights, mut gradients, mut triangles) = (vec![], vec![], vec![], vec![]);
+    let mut samples = vec![];
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
+        let (kind, values) = line.split_once(',').expect("a kind");
+        let v: Vec<f64> = values.split(',').map(|v| v.parse().expect("a number")).collect();
+        match kind {
+            "vertex" => {
+                places.push(DVec2::new(v[0], v[1]));
+                lights.push(DVec3::new(v[2], v[3], v[4]));
+                gradients.push([0, 1, 2].map(|c| DVec2::new(v[5 + 2 * c], v[6 + 2 * c])));
+            }
+            "triangle" => triangles.push([0, 1, 2].map(|k| v[k] as u32)),
+            _ => samples.push((v[0] as usize, v[1], v[2], DVec3::new(v[3], v[4], v[5]))),
+        }
+    }
+    let mut frame = frame(&places, &triangles, |_| DVec3::ZERO);
+    for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
+        vertex.light = light;
+    }
+    let patches = Patches::with_gradients(&frame, gradients);
+    assert!(samples.len() >= 100);
+    for (t, first, second, expected) in samples {
+        // The frame's corners may go round the other way.
+        let w = frame.triangles[t].vertices.map(|v| {
+            let k = triangles[t].iter().position(|own| *own == v).expect("a corner");
+            [first, second, 1.0 - first - second][k]
+        });
+        let light = patches.light(t, w);
+        assert!((light - expected).abs().max_element() < 1e-11, "triangle {t}: {light}, expected {expected}");
+    }
+}
+
+/// A sphere with the curvature that is estimated from its mesh.
+fn sphere(vertices: usize) -> Surface {
+    Surface::new(shapes::mesh(Shape::Sphere, vertices).expect("a sphere"))
+}
+
+/// The same with true normals and curvature.
+fn true_sphere(vertices: usize) -> Surface {
+    let mut surface = sphere(vertices);
+    for (tensor, vertex) in surface.curvature.iter_mut().zip(&mut surface.mesh.vertices) {
+        let n = vertex.position.normalize();
+        vertex.normal = n;
+        *tensor = (DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z)) * (1.0 / vertex.position.length());
+    }
+    surface
+}
+
+/// Root mean square error of the gradients of a sphere under a lamp far away, where it faces the eye by more than
+/// `facing`, relative to the root mean square of the true ones.
+fn gradient_error(frame: &Frame, gradients: Gradients, facing: f64) -> f64 {
+    let patches = Patches::new(frame, gradients);
+    let (mut error, mut size) = (0.0, 0.0);
+    for (vertex, gradient) in frame.vertices.iter().zip(patches.gradients()) {
+        let toward = frame.view.to_viewer(vertex.eye);
+        if vertex.normal.dot(toward) > facing {
+            let truth = traced_gradient(frame, vertex.screen);
+            error += gradient[0].distance_squared(truth);
+            size += truth.length_squared();
+        }
+    }
+    (error / size).sqrt()
+}
+
+/// The slope of red where the unit sphere is seen at `p`, by tracing rays beside it.
+fn traced_gradient(frame: &Frame, p: DVec2) -> DVec2 {
+    let light = |p: DVec2| {
+        let View { width, height, fill, distance: d, .. } = frame.view;
+        let scale = f64::from(width.min(height)) * fill / 2.0;
+        let q = (p - DVec2::new(f64::from(width), f64::from(height)) / 2.0) / scale;
+        // Where the ray through the picture meets the sphere around the origin.
+        let (from, along) = if d.is_finite() {
+            let eye = DVec3::new(0.0, 0.0, d);
+            (eye, DVec3::new(q.x, -q.y, -(d * d - 1.0).sqrt()).normalize())
+        } else {
+            (DVec3::new(q.x, -q.y, 2.0), DVec3::NEG_Z)
+        };
+        let half = from.dot(along);
+        let hit = from + along * (-half - (half * half - from.length_squared() + 1.0).sqrt());
+        frame.lighting.light(hit, hit, frame.view.to_viewer(hit)).x
+    };
+    let h = 1e-3;
+    let slope = |e: DVec2| (light(p + h * e) - light(p - h * e)) / (2.0 * h);
+    DVec2::new(slope(DVec2::X), slope(DVec2::Y))
+}
+
+#[test]
+fn curvature_gives_a_spheres_gradients() {
+    for distance in [f64::INFINITY, 3.0] {
+        for (name, surface) in [("true", true_sphere(642)), ("estimated", sphere(642))] {
+            let frame = Scene { distance, ..Scene::default() }.frame(&surface, 512, 512);
+            let [curvature, ring] = [Gradients::Curvature, Gradients::Ring].map(|g| gradient_error(&frame, g, 0.4));
+            println!("eye at {distance}, {name} curvature: off by {curvature:.4}, the ring by {ring:.4}");
+            assert!(curvature < 0.03, "eye at {distance}, {name} curvature: {curvature}");
+            assert!(curvature < 0.15 * ring, "eye at {distance}, {name} curvature: {curvature} beside {ring}");
+        }
+    }
+}
+
+#[test]
+fn near_the_silhouette_nothing_explodes() {
+    for shape in [Shape::Sphere, Shape::Torus, Shape::Blob] {
+        let surface = Surface::new(shapes::mesh(shape, 700).expect("a mesh"));
+        for turn in 0..12 {
+            let view = View::square(400).rotated([30.0 * f64::from(turn), 17.0, 5.0]);
+            let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
+            let patches = Patches::new(&frame, Gradients::Curvature);
+            for t in 0..frame.triangles.len() {
+                for w in [[1.0 / 3.0; 3], [0.6, 0.3, 0.1], [0.1, 0.6, 0.3], [0.3, 0.1, 0.6], [0.0, 0.5, 0.5]] {
+                    let light = patches.light(t, w).x;
+                    // The surface's lights are 0.1…1.
+                    assert!((-0.1..1.2).contains(&light), "{shape}, turn {turn}, triangle {t}: {light}");
+                }
+            }
+        }
+    }
+}
+
+/// A frame whose lights were encoded has no lighting to differentiate: its gradients are those of its own lights.
+#[test]
+fn replaced_lights_take_the_ring() {
+    let frame = Scene::default().frame(&sphere(200), 300, 300);
+    let encoded = frame.clone().encoded(&Transfer::Srgb);
+    let gradients = |frame: &Frame, g| Patches::new(frame, g).gradients().to_vec();
+    assert_eq!(gradients(&encoded, Gradients::Curvature), gradients(&encoded, Gradients::Ring));
+    assert_ne!(gradients(&frame, Gradients::Curvature), gradients(&frame, Gradients::Ring));
+}
+
+#[test]
+fn thin_triangles_give_numbers() {
+    let step = 1.0 / 256.0;
+    let places = [(0.0, 0.0), (100.0, 0.0), (50.0, step), (100.0 + step, step), (100.0, 0.0), (30.0, -80.0)];
+    let places = places.map(|(x, y)| DVec2::new(x, y));
+    let triangles = [[0, 1, 2], [1, 3, 2], [0, 4, 5], [0, 1, 1]];
+    let frame = frame(&places, &triangles, |p| gray(random((p.x * 256.0) as u64)));
+    for gradients in Gradients::ALL {
+        let patches = Patches::new(&frame, *gradients);
+        for t in 0..frame.triangles.len() {
+            for w in [[1.0 / 3.0; 3], [1.0, 0.0, 0.0], [0.2, 0.5, 0.3]] {
+                assert!(patches.light(t, w).is_finite(), "{gradients}, triangle {t}");
+            }
+        }
+    }
+}
+
+/// Whatever affine change the screen undergoes, the light goes with it.
+#[test]
+fn turning_and_stretching_the_screen_changes_nothing() {
+    let (places, triangles) = grid(5, 60.0, 0.4, 9);
+    let turned: Vec<DVec2> = places.iter().map(|p| DVec2::new(3.0 * p.x - p.y, 0.5 * p.x + 2.0 * p.y)).collect();
+    let value = |v: usize| gray(random(v as u64));
+    let slope = |v: usize| gray_gradient(DVec2::new(random(v as u64 + 99) - 0.5, random(v as u64 + 999) - 0.5) * 0.1);
+    // The inverse's transpose, of determinant 6.5.
+    let turned_slope = |g: DVec2| DVec2::new(2.0 * g.x - 0.5 * g.y, g.x + 3.0 * g.y) / 6.5;
+    let patches = |places: &[DVec2], slope: &dyn Fn(usize) -> Gradient| {
+        let mut frame = frame(places, &triangles, |_| DVec3::ZERO);
+        for (v, vertex) in frame.vertices.iter_mut().enumerate() {
+            vertex.light = value(v);
+        }
+        Patches::with_gradients(&frame, (0..places.len()).map(slope).collect())
+    };
+    let (before, after) = (patches(&places, &slope), patches(&turned, &|v| slope(v).map(turned_slope)));
+    for t in 0..triangles.len() {
+        let w = [0.5, 0.3, 0.2];
+        assert!((before.light(t, w) - after.light(t, w)).length() < 1e-12);
+    }
+}

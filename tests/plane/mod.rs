@@ -1,0 +1,86 @@
+//! Frames made by hand: triangles in the plane of the screen.
+
+use std::collections::HashMap;
+
+use glam::{DMat3, DVec2, DVec3};
+use machband::shading::{Across, Frame, FrameTriangle, FrameVertex, Lighting, View};
+
+/// The frame of `triangles` over `places` in pixels, with the lights given. Its lights are not those of its lighting.
+pub fn frame(places: &[DVec2], triangles: &[[u32; 3]], light: impl Fn(DVec2) -> DVec3) -> Frame {
+    let vertices: Vec<FrameVertex> = places
+        .iter()
+        .map(|&screen| FrameVertex {
+            screen,
+            depth: 0.5,
+            eye: DVec3::new(screen.x, -screen.y, 0.0),
+            normal: DVec3::Z,
+            curvature: DMat3::ZERO,
+            light: light(screen),
+            ambient: DVec3::ZERO,
+        })
+        .collect();
+    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| facing(places, *t)).collect();
+    let mut sides: HashMap<[u32; 2], Vec<(u32, u32)>> = HashMap::new();
+    for (t, v) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            let (a, b) = (v[(k + 1) % 3], v[(k + 2) % 3]);
+            sides.entry([a.min(b), a.max(b)]).or_default().push((t as u32, v[k]));
+        }
+    }
+    let across = |t: usize, k: usize| {
+        let (a, b) = (triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
+        match sides[&[a.min(b), a.max(b)]][..] {
+            [first, second] => {
+                let (triangle, apex) = if first.0 == t as u32 { second } else { first };
+                Across::Triangle { triangle, apex }
+            }
+            _ => Across::Nothing,
+        }
+    };
+    let triangles = (0..triangles.len())
+        .map(|t| FrameTriangle {
+            vertices: triangles[t],
+            source: t as u32,
+            normal: DVec3::Z,
+            across: [0, 1, 2].map(|k| across(t, k)),
+        })
+        .collect();
+    let (width, height) = (128, 128);
+    let view = View::square(128);
+    Frame { width, height, background: DVec3::ZERO, vertices, triangles, lighting: Lighting::standard(), view }
+}
+
+fn facing(places: &[DVec2], t: [u32; 3]) -> [u32; 3] {
+    let [a, b, c] = t.map(|v| places[v as usize]);
+    if Frame::area2(a, b, c) > 0.0 { t } else { [t[0], t[2], t[1]] }
+}
+
+/// A number of 0…1 that depends on `seed` only: the golden ratio's multiples, hashed.
+pub fn random(seed: u64) -> f64 {
+    let mut x = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (x ^ (x >> 31)) as f64 / u64::MAX as f64
+}
+
+/// A square of `size` pixels in `n` × `n` cells of two triangles, split along either diagonal at random, their corners
+/// moved by up to `jitter` of a cell, except on the border.
+pub fn grid(n: usize, size: f64, jitter: f64, seed: u64) -> (Vec<DVec2>, Vec<[u32; 3]>) {
+    let at = |i: usize, j: usize| (j * (n + 1) + i) as u32;
+    let mut places = Vec::new();
+    let mut triangles = Vec::new();
+    for j in 0..=n {
+        for i in 0..=n {
+            let shift = |axis: u64| (random(seed * 1_000_003 + u64::from(at(i, j)) * 2 + axis) * 2.0 - 1.0) * jitter;
+            let inside = (1..n).contains(&i) && (1..n).contains(&j);
+            let moved = if inside { DVec2::new(shift(0), shift(1)) } else { DVec2::ZERO };
+            places.push((DVec2::new(i as f64, j as f64) + moved) * size / n as f64);
+            if i < n && j < n {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+                let rising = random(seed * 7_000_003 + u64::from(a)) < 0.5;
+                triangles.extend(if rising { [[a, b, c], [b, d, c]] } else { [[a, b, d], [a, d, c]] });
+            }
+        }
+    }
+    (places, triangles)
+}

@@ -1,0 +1,766 @@
+//! The reference shaders, against numbers computed elsewhere and against what must be true of them.
+
+use glam::{DMat3, DVec2, DVec3};
+use machband::light::{Depth, Interpolation};
+use machband::shading::boundary::{self, Blend, EdgeConstants};
+use machband::shading::coverage::{self, Inside};
+use machband::shading::shaders::{exact, fixed, gouraud, quadratic, reweight, vertex};
+use machband::shading::{
+    Across, Correction, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Reference, Shade, Shader, Surface,
+    View, shapes,
+};
+use proptest::prelude::*;
+
+const CORRECTIONS: [Correction; 3] = [Correction::Off, Correction::Printed, Correction::Repaired];
+
+// ---- frames ----
+
+fn lighting(toward: DVec3) -> Lighting {
+    Lighting::standard().with_direction(toward)
+}
+
+fn only_ambient() -> Lighting {
+    Lighting { lamps: vec![], ..lighting(DVec3::Z) }
+}
+
+/// A vertex at `screen`, facing the eye, with the light `light`.
+fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
+    FrameVertex {
+        screen,
+        depth: 0.5,
+        eye: DVec3::new(screen.x / 100.0 - 1.0, 1.0 - screen.y / 100.0, 0.0),
+        normal: DVec3::Z,
+        curvature: DMat3::ZERO,
+        light,
+        ambient: DVec3::splat(0.1),
+    }
+}
+
+/// A frame of 200 × 200 pixels. Edges run between vertices of one index: two triangles at one are smooth neighbours,
+/// more are several.
+fn frame(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting) -> Frame {
+    let across = |t: usize, k: usize| {
+        let (i, j) = (triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
+        let others: Vec<(usize, usize)> = (0..triangles.len())
+            .filter(|u| *u != t)
+            .flat_map(|u| (0..3).map(move |l| (u, l)))
+            .filter(|(u, l)| {
+                let ends = (triangles[*u][(l + 1) % 3], triangles[*u][(l + 2) % 3]);
+                ends == (i, j) || ends == (j, i)
+            })
+            .collect();
+        match others[..] {
+            [] => Across::Nothing,
+            [(u, l)] if triangles[u][(l + 1) % 3] == j => {
+                Across::Triangle { triangle: u as u32, apex: triangles[u][l] }
+            }
+            _ => Across::Several,
+        }
+    };
+    let triangles = (0..triangles.len())
+        .map(|t| FrameTriangle {
+            vertices: triangles[t],
+            source: t as u32,
+            normal: DVec3::Z,
+            across: [0, 1, 2].map(|k| across(t, k)),
+        })
+        .collect();
+    Frame {
+        width: 200,
+        height: 200,
+        background: DVec3::splat(0.25),
+        vertices,
+        triangles,
+        lighting,
+        view: View::square(200),
+    }
+}
+
+/// A square of `cells`² cells of two triangles, its inner vertices jittered, with the light that `light` gives a place.
+fn grid(cells: u32, light: impl Fn(DVec2) -> DVec3) -> Frame {
+    let mut state = 7u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+    };
+    let side = 160.0 / f64::from(cells);
+    let mut vertices = Vec::new();
+    for y in 0..=cells {
+        for x in 0..=cells {
+            let inner = (1..cells).contains(&x) && (1..cells).contains(&y);
+            let jitter = DVec2::new(random(), random()) * if inner { 0.6 } else { 0.0 };
+            let place = (DVec2::new(f64::from(x), f64::from(y)) + jitter) * side + 20.0;
+            let place = (place * 256.0).round() / 256.0;
+            vertices.push(vertex(place, light(place)));
+        }
+    }
+    let at = |x: u32, y: u32| y * (cells + 1) + x;
+    let triangles: Vec<[u32; 3]> = (0..cells * cells)
+        .flat_map(|i| {
+            let (x, y) = (i % cells, i / cells);
+            let (a, b, c, d) = (at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1));
+            if (x + y) % 2 == 0 { [[a, c, b], [b, c, d]] } else { [[a, c, d], [a, d, b]] }
+        })
+        .collect();
+    frame(vertices, &triangles, lighting(DVec3::new(0.36, 0.48, 0.8)))
+}
+
+fn shade(shader: Shader, depth: Depth, boundary: f64) -> Shade {
+    Shade { depth, boundary, ..Shade::new(shader) }
+}
+
+/// Weights all over a triangle, its corners and edges among them.
+fn all_weights() -> Vec<[f64; 3]> {
+    let n = 24;
+    (0..=n)
+        .flat_map(|i| (0..=n - i).map(move |j| (i, j)))
+        .map(|(i, j)| [i, j, n - i - j].map(|k| f64::from(k) / f64::from(n)))
+        .collect()
+}
+
+// ---- numbers computed elsewhere ----
+
+/// A value of the golden file; its numbers are strings.
+fn number(value: &serde_json::Value) -> f64 {
+    value.as_f64().or_else(|| value.as_str()?.parse().ok()).unwrap()
+}
+
+fn numbers<const N: usize>(value: &serde_json::Value) -> [f64; N] {
+    value.as_array().unwrap().iter().map(number).collect::<Vec<_>>().try_into().unwrap()
+}
+
+fn golden() -> serde_json::Value {
+    let path = format!("{}/tests/golden/shading.json", env!("CARGO_MANIFEST_DIR"));
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// The golden file's triangle ABC with D across BC and nothing across the other edges.
+fn golden_pair() -> Frame {
+    let sample = &golden()["sample"];
+    let lighting = lighting(DVec3::from_array(numbers(&sample["light"]["L"])));
+    let vertices = [("A", "A"), ("B", "B"), ("C", "C"), ("D_across_BC", "D")].map(|(place, name)| {
+        let place = DVec3::from_array(numbers(&sample["positions"][place]));
+        let normal = DVec3::from_array(numbers(&sample["normals_unnormalised"][name])).normalize();
+        // Not turned over: A, B, C are clockwise with y up.
+        let vertex = vertex(place.truncate() * 100.0, lighting.light(place, normal, DVec3::Z));
+        let expected = number(&sample["intensities"][name]);
+        assert!((vertex.light - DVec3::splat(expected)).abs().max_element() < 1e-14, "{name}");
+        FrameVertex { normal, eye: place, ..vertex }
+    });
+    frame(vertices.to_vec(), &[[0, 1, 2], [3, 2, 1]], lighting)
+}
+
+/// Bangay's pseudo-code: the first corner with a weight below b.
+fn fixed_in_order(w: [f64; 3], lights: [DVec3; 3], b: f64, step: &Interpolation) -> DVec3 {
+    match (0..3).find(|k| w[*k] < b) {
+        Some(k) => fixed::in_strip(k, w, lights, b, step),
+        None => gouraud::weighted(w, lights),
+    }
+}
+
+#[test]
+fn shaders_agree_with_numbers_computed_elsewhere() {
+    let golden = golden();
+    let pair = golden_pair();
+    let corners = pair.corners(0);
+    let (lights, places) = (corners.map(|v| v.light), corners.map(|v| v.screen));
+    let close = |name: &str, value: DVec3, expected: f64| {
+        let error = (value - DVec3::splat(expected)).abs().max_element();
+        assert!(error <= 1e-9, "{name}: {value}, not {expected}");
+    };
+
+    let shaded = &golden["shaded"]["pair"];
+    let edges = boundary::edge_constants(&pair)[0];
+    let mut level_frame = pair.clone();
+    level_frame.triangles[0].across = [Across::Several; 3];
+    let level = boundary::edge_constants(&level_frame)[0];
+    let expected: [f64; 3] = numbers(&shaded["edge_c (A:BC,B:CA,C:AB)"]);
+    let expected_level: [f64; 3] = numbers(&shaded["edge_c_flat"]);
+    for k in 0..3 {
+        close("c", edges[k].c, expected[k]);
+        close("c of an edge of several", level[k].c, expected_level[k]);
+    }
+
+    let mut compared = 0;
+    for (key, depth) in [("n=2,b=0.2", Depth::Finite(2)), ("n=3,b=0.2", Depth::Finite(3))] {
+        let b = 0.2;
+        let (step, blend) = (Interpolation::new(depth), Blend::new(depth));
+        let light = |w, shader, vertex, reweight| {
+            let shade = Shade { vertex, reweight, ..shade(shader, depth, b) };
+            Reference::new(&pair, &shade).light(0, w)
+        };
+        for point in shaded[key].as_array().unwrap() {
+            let w: [f64; 3] = numbers(&point["w"]);
+            use Correction::{Off, Printed, Repaired};
+            use Shader::{Exact, Fixed, Gouraud, Gradient, GradientRepaired, Phong};
+            let normal = gouraud::weighted(w, corners.map(|v| v.normal)).length();
+            let tapered = [0, 1, 2].map(|k| boundary::tapered(k, w, b));
+            let narrowed = [0, 1, 2].map(|k| boundary::narrowed(k, w, b));
+            for (name, value) in [
+                ("gouraud", light(w, Gouraud, Off, Off)),
+                ("phong", light(w, Phong, Off, Off)),
+                ("fixed_printed", light(w, Fixed, Off, Off)),
+                ("fixed_pseudocode_order", fixed_in_order(w, lights, b, &step)),
+                ("fixed_corrected_flat_normal", Reference::new(&level_frame, &shade(Exact, depth, b)).light(0, w)),
+                ("grad_printed", light(w, Gradient, Off, Off)),
+                ("grad_half_IA_IF", light(w, GradientRepaired, Off, Off)),
+                ("grad_corrected", light(w, Exact, Off, Off)),
+                ("grad_corrected_minnarrow", exact::exact(w, lights, edges.map(|e| e.c), narrowed, &blend)),
+                ("dA", DVec3::splat(vertex::closeness(0, w, places))),
+                ("dB", DVec3::splat(vertex::closeness(1, w, places))),
+                ("dC", DVec3::splat(vertex::closeness(2, w, places))),
+                ("vertex_printed_over_fixed", light(w, Fixed, Printed, Off)),
+                ("vertex_corrected_over_grad_corrected", light(w, Exact, Repaired, Off)),
+                ("Nlen", DVec3::splat(normal)),
+                ("reweight_printed", light(w, Gouraud, Off, Printed)),
+                ("reweight_corrected", light(w, Gouraud, Off, Repaired)),
+            ] {
+                close(&format!("{key} {w:?} {name}"), value, number(&point[name]));
+                compared += 1;
+            }
+            assert_eq!(point.as_object().unwrap().len(), 18, "a key is not compared");
+            // One intensity and three go the same way.
+            let red = exact::exact(w, lights.map(|l| l.x), edges.map(|e| e.c.x), tapered, &blend);
+            assert_eq!(red, light(w, Exact, Off, Off).x);
+        }
+    }
+    assert_eq!(compared, 2 * 12 * 17);
+    let face = pair.lighting.light(DVec3::ZERO, DVec3::Z, DVec3::Z);
+    close("flat", face, number(&golden["sample"]["flat_face_normal_001"]));
+    close("flat", Reference::new(&pair, &Shade::new(Shader::Flat)).light(0, [0.2, 0.3, 0.5]), face.x);
+}
+
+#[test]
+fn printed_corrections_have_the_faults_they_are_known_for() {
+    // A uniform surface gets a dark ring around its vertices under vertex shading: 0.979 and 0.944 at n = 2.
+    let places = [DVec2::new(0.0, 0.0), DVec2::new(0.0, 90.0), DVec2::new(90.0, 0.0)];
+    let step = Interpolation::new(Depth::Finite(2));
+    for (b, expected) in [(0.2, 0.979), (0.33, 0.944)] {
+        let darkest = (0..=1000)
+            .map(|i| f64::from(i) / 1000.0)
+            .map(|s| vertex::printed(1.0, [1.0 - s, s, 0.0], [1.0; 3], places, b, &step))
+            .fold(1.0, f64::min);
+        assert!((darkest - expected).abs() < 1.5e-3, "{b}: {darkest}");
+    }
+    // Reweighting scales the ambient light: 0.2 → 0.283 in the middle of an edge between normals at 90°.
+    let value = reweight::printed(0.2, [0.0, 0.5, 0.5], 0.5f64.sqrt(), 0.2, &step);
+    assert!((value - 0.2 * 2f64.sqrt()).abs() < 1e-15, "{value}");
+    assert_eq!(reweight::repaired(0.2, 0.2, 0.5f64.sqrt()), 0.2);
+    // The gradient as printed leaves half of Gouraud's bend in the middle of a parallelogram's edge; repaired, none.
+    let pair = frame(
+        [(0.0, 0.0, 0.9), (0.0, 80.0, 0.5), (80.0, 0.0, 0.3), (80.0, 80.0, 0.2)]
+            .map(|(x, y, light)| vertex(DVec2::new(x, y), DVec3::splat(light)))
+            .to_vec(),
+        &[[0, 1, 2], [3, 2, 1]],
+        only_ambient(),
+    );
+    let bend = |shader| {
+        let reference = Reference::new(&pair, &shade(shader, Depth::Finite(3), 0.2));
+        let h = 1e-5;
+        let w = [h, (1.0 - h) / 2.0, (1.0 - h) / 2.0];
+        ((reference.light(0, w) + reference.light(1, w)) - 2.0 * reference.light(0, [0.0, 0.5, 0.5])).x / h
+    };
+    let (gouraud, printed, repaired) = (bend(Shader::Gouraud), bend(Shader::Gradient), bend(Shader::GradientRepaired));
+    assert!((printed / gouraud - 0.5).abs() < 1e-3, "{printed} of {gouraud}");
+    assert!((repaired / gouraud).abs() < 1e-3, "{repaired} of {gouraud}");
+}
+
+// ---- edges ----
+
+#[test]
+fn rest_is_the_integral_of_what_is_left_of_the_blend() {
+    for depth in (1..=Depth::MAX_FINITE).map(Depth::Finite).chain([Depth::Infinite]) {
+        let blend = Blend::new(depth);
+        assert_eq!((blend.value(0.0), blend.value(1.0), blend.rest(1.0)), (0.0, 1.0, 0.0));
+        assert!((blend.rest(0.0) - 0.5).abs() < 1e-15);
+        assert!(blend.value(1e-12) < 1e-11 && blend.value(1.0 - 1e-12) > 1.0 - 1e-11);
+        // Simpson's rule, from the end.
+        let n = 4096;
+        let left = |i: i32| 1.0 - blend.value(f64::from(i) / f64::from(n));
+        let mut sum = 0.0;
+        for i in (0..n).rev().step_by(2) {
+            sum += (left(i + 1) + 4.0 * left(i) + left(i - 1)) / (3.0 * f64::from(n));
+            let u = f64::from(i - 1) / f64::from(n);
+            assert!((blend.rest(u) - sum).abs() < 1e-10, "{depth} {u}: {} not {sum}", blend.rest(u));
+        }
+    }
+}
+
+/// A place, far enough from the others.
+fn place(x: std::ops::Range<f64>, y: std::ops::Range<f64>) -> impl Strategy<Value = DVec2> {
+    (x, y).prop_map(|(x, y)| (DVec2::new(x, y) * 256.0).round() / 256.0)
+}
+
+fn light() -> impl Strategy<Value = DVec3> {
+    [0.0..1.0, 0.0..1.0, 0.0..1.0].prop_map(DVec3::from_array)
+}
+
+fn normal() -> impl Strategy<Value = DVec3> {
+    [-1.0..1.0, -1.0..1.0, 0.2..1.0].prop_map(|n| DVec3::from_array(n).normalize())
+}
+
+prop_compose! {
+    /// Two triangles at an edge, of any shape: A above, D below, B left, C right; the apexes may lie beyond its ends.
+    fn pair()(
+        a in place(10.0..190.0, 10.0..70.0),
+        b in place(20.0..80.0, 95.0..105.0),
+        c in place(120.0..180.0, 95.0..105.0),
+        d in place(10.0..190.0, 130.0..190.0),
+        lights in [light(), light(), light(), light()],
+        normals in [normal(), normal(), normal(), normal()],
+    ) -> Frame {
+        let places = [a, b, c, d];
+        let vertices = (0..4).map(|i| FrameVertex { normal: normals[i], ..vertex(places[i], lights[i]) });
+        frame(vertices.collect(), &[[0, 1, 2], [2, 1, 3]], lighting(DVec3::new(0.36, 0.48, 0.8)))
+    }
+}
+
+/// c by the lines that cross in X.
+fn crossing_gap(pair: &Frame) -> DVec3 {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|v| (pair.vertices[v].screen, pair.vertices[v].light));
+    let (ad, bc) = (d.0 - a.0, c.0 - b.0);
+    let along_ad = (b.0 - a.0).perp_dot(bc) / ad.perp_dot(bc);
+    let along_bc = (b.0 - a.0).perp_dot(ad) / ad.perp_dot(bc);
+    b.1.lerp(c.1, along_bc) - a.1.lerp(d.1, along_ad)
+}
+
+fn any_depth() -> impl Strategy<Value = Depth> {
+    prop_oneof![(1u8..=8).prop_map(Depth::Finite), Just(Depth::Infinite)]
+}
+
+fn any_correction() -> impl Strategy<Value = Correction> {
+    prop::sample::select(&CORRECTIONS)
+}
+
+proptest! {
+    #[test]
+    fn edge_constants_are_what_the_crossing_says_and_one_for_both_sides(pair in pair()) {
+        let constants = boundary::edge_constants(&pair);
+        let (ours, theirs) = (constants[0][0], constants[1][2]);
+        let expected = crossing_gap(&pair);
+        prop_assert!((ours.c - expected).abs().max_element() < 1e-12, "{} not {expected}", ours.c);
+        prop_assert_eq!(ours.c.to_array().map(f64::to_bits), theirs.c.to_array().map(f64::to_bits));
+        prop_assert_eq!((ours.start, ours.end), (theirs.end, theirs.start));
+        for edge in [ours, theirs] {
+            prop_assert!(edge.start - edge.foot >= -1e-12 && edge.end - (1.0 - edge.foot) >= -1e-12);
+        }
+        for border in [constants[0][1], constants[0][2], constants[1][0], constants[1][1]] {
+            prop_assert_eq!(border.c, DVec3::ZERO);
+        }
+    }
+
+    #[test]
+    fn both_sides_of_an_edge_have_one_light(
+        pair in pair(), s in 0.0..=1.0f64, depth in any_depth(), b in 0.0..0.5f64,
+        vertex in any_correction(), reweight in any_correction(),
+    ) {
+        // As printed, regions of vertex shading overlap and jump for b > ¼.
+        let b = if vertex == Correction::Printed { b.min(0.25) } else { b };
+        for &shader in Shader::ALL.iter().filter(|s| **s != Shader::Flat) {
+            let reference = Reference::new(&pair, &Shade { vertex, reweight, ..shade(shader, depth, b) });
+            let ours = reference.light(0, [0.0, s, 1.0 - s]);
+            let theirs = reference.light(1, [1.0 - s, s, 0.0]);
+            prop_assert!((ours - theirs).abs().max_element() < 1e-10, "{shader} {s}: {ours} {theirs}");
+        }
+    }
+
+    /// Cⁿ: on a line across the edge, second differences on and on either side of it vanish with the power n + 1 of
+    /// their step. Gouraud's vanishes with the first.
+    #[test]
+    fn exact_has_n_continuous_derivatives_across_an_edge(
+        pair in pair(), n in 1u8..=4, b in 0.05..0.33f64, s in 0.2..0.8f64, angle in 0.4..2.7f64,
+    ) {
+        let depth = Depth::Finite(n);
+        let bend = |shader, h: f64| second_differences(&pair, &shade(shader, depth, b), s, angle, h);
+        // Small against the strips: each b of its triangle's height.
+        let [a, left, c, d] = [0, 1, 2, 3].map(|v| pair.vertices[v].screen);
+        let height = Frame::area2(a, left, c).min(Frame::area2(d, c, left)) / left.distance(c);
+        let step = b * height / 100.0;
+        let (coarse, fine) = (bend(Shader::Exact, step), bend(Shader::Exact, step / 2.0));
+        let power = f64::from(n + 1);
+        prop_assert!(fine <= coarse * 0.5f64.powf(power) * 1.3 + 1e-14, "n={n}: {coarse} {fine}");
+        let (coarse, fine) = (bend(Shader::Gouraud, step), bend(Shader::Gouraud, step / 2.0));
+        prop_assert!((fine - coarse / 2.0).abs() < 1e-14);
+    }
+
+    /// C1, of the paper's shaders none; vertex shading, repaired, does not spoil it, not even at angles above 120°.
+    #[test]
+    fn our_shaders_have_a_continuous_slope_across_an_edge(
+        pair in pair(), depth in any_depth(), b in 0.1..1.0f64, s in 0.05..0.95f64, angle in 0.4..2.7f64,
+    ) {
+        let slope_jump = |shader, vertex| {
+            let shade = Shade { vertex, gradients: Gradients::Ring, ..shade(shader, depth, b) };
+            second_differences(&pair, &shade, s, angle, 1e-5) / 1e-5
+        };
+        let gouraud = slope_jump(Shader::Gouraud, Correction::Off);
+        for shader in [Shader::Exact, Shader::Cut, Shader::Patch] {
+            for vertex in [Correction::Off, Correction::Repaired] {
+                let jump = slope_jump(shader, vertex);
+                prop_assert!(jump <= 1e-3 * gouraud + 1e-6, "{shader} {vertex}: {jump} of {gouraud}");
+            }
+        }
+    }
+
+    /// Inside triangles as well: on a line through both, the largest second difference falls with the square of the
+    /// step where the slope is continuous, with the step itself where it is not.
+    #[test]
+    fn cut_has_a_continuous_slope_everywhere(pair in pair(), n in 1u8..=3, b in 0.2..1.0f64, s in 0.25..0.75f64) {
+        let largest = |shader, count| largest_second_difference(&pair, &shade(shader, Depth::Finite(n), b), s, count);
+        let (coarse, fine) = (largest(Shader::Cut, 1 << 14), largest(Shader::Cut, 1 << 15));
+        prop_assert!(fine < coarse * 0.3 + 1e-12, "{coarse} {fine}");
+        let (coarse, fine) = (largest(Shader::Gouraud, 1 << 14), largest(Shader::Gouraud, 1 << 15));
+        prop_assert!((fine - coarse / 2.0).abs() < 1e-13, "{coarse} {fine}");
+    }
+
+    #[test]
+    fn strips_do_not_change_more_than_they_promise(pair in pair(), n in 2u8..=3, b in 0.0..0.33f64, i in 0usize..325) {
+        let w = all_weights()[i];
+        let change = |shader| {
+            let light = |shader| Reference::new(&pair, &shade(shader, Depth::Finite(n), b)).light(0, w);
+            (light(shader) - light(Shader::Gouraud)).abs()
+        };
+        let c = crossing_gap(&pair).abs();
+        prop_assert!((change(Shader::Exact) - 0.275 * b * c).max_element() <= 1e-12);
+        prop_assert!((change(Shader::Cut) - 0.5 * b * c).max_element() <= 1e-12);
+    }
+
+    #[test]
+    fn scan_lines_are_the_weights(
+        a in place(0.0..200.0, 0.0..200.0), b in place(0.0..200.0, 0.0..200.0), c in place(0.0..200.0, 0.0..200.0),
+        lights in [light(), light(), light()],
+    ) {
+        let (b, c) = if Frame::area2(a, b, c) < 0.0 { (c, b) } else { (b, c) };
+        let Some(inside) = Inside::new([a, b, c]) else { return Ok(()) };
+        let mut drawn = std::collections::HashMap::new();
+        gouraud::scan_lines([(a, lights[0]), (b, lights[1]), (c, lights[2])], |x, y, light| {
+            assert!(drawn.insert((x, y), light).is_none(), "({x}, {y}) is drawn twice");
+        });
+        for y in 0..200 {
+            for x in 0..200 {
+                let weights = inside.weights(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
+                let expected = weights.map(|w| gouraud::weighted(w, lights));
+                match (drawn.get(&(x, y)), expected) {
+                    (Some(light), Some(expected)) => {
+                        prop_assert!((*light - expected).abs().max_element() < 1e-10, "({x}, {y}): {light} {expected}");
+                    }
+                    (None, None) => {}
+                    // On an edge, where increments round.
+                    _ => prop_assert!(on_edge([a, b, c], x, y), "({x}, {y}) is drawn by one only"),
+                }
+            }
+        }
+    }
+}
+
+fn on_edge([a, b, c]: [DVec2; 3], x: u32, y: u32) -> bool {
+    let p = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    [(a, b), (b, c), (c, a)].iter().any(|(from, to)| Frame::area2(p, *from, *to) == 0.0)
+}
+
+/// The light of `pair` at `p`.
+fn at(pair: &Frame, reference: &Reference, p: DVec2) -> DVec3 {
+    let (b, c) = (pair.vertices[1].screen, pair.vertices[2].screen);
+    let triangle = usize::from(Frame::area2(p, b, c) < 0.0);
+    reference.light(triangle, pair.weights(triangle, p))
+}
+
+/// The largest second difference of step `h`, on the edge at `s` of the way from B to C and on either side of it, along
+/// a line at `angle`.
+fn second_differences(pair: &Frame, shade: &Shade, s: f64, angle: f64, h: f64) -> f64 {
+    let reference = Reference::new(pair, shade);
+    let (b, c) = (pair.vertices[1].screen, pair.vertices[2].screen);
+    let light = |steps: f64| at(pair, &reference, b.lerp(c, s) + DVec2::from_angle(-angle) * h * steps);
+    [-1.0, 0.0, 1.0]
+        .map(|m: f64| (light(m - 1.0) - 2.0 * light(m) + light(m + 1.0)).abs().max_element())
+        .into_iter()
+        .fold(0.0, f64::max)
+}
+
+/// The largest of second differences on a line, `count` steps from near A to the edge, there at `s` of the way from B
+/// to C, as far as the other triangle goes.
+fn largest_second_difference(pair: &Frame, shade: &Shade, s: f64, count: i32) -> f64 {
+    let reference = Reference::new(pair, shade);
+    let [a, b, c] = [0, 1, 2].map(|v| pair.vertices[v].screen);
+    let crossing = b.lerp(c, s);
+    let far = |t: f64| crossing + (crossing - a) * t;
+    let inside = |t: &f64| pair.weights(1, far(*t)).iter().all(|w| *w > 0.01);
+    let last = (1..=90).map(|i| f64::from(i) / 100.0).take_while(inside).last().unwrap_or(0.01);
+    let step = 0.9 / f64::from(count);
+    let light = |i: i32| at(pair, &reference, far(f64::from(i) * step));
+    let values: Vec<DVec3> = (-count..=(last / step) as i32).map(light).collect();
+    values.windows(3).map(|v| (v[0] - 2.0 * v[1] + v[2]).abs().max_element()).fold(0.0, f64::max)
+}
+
+// ---- fields and frames ----
+
+#[test]
+fn a_linear_field_stays_linear() {
+    let field = |p: DVec2| DVec3::new(0.1 + 0.003 * p.x + 0.001 * p.y, 0.9 - 0.004 * p.y, 0.5);
+    let grid = grid(6, field);
+    for shader in [Shader::Exact, Shader::Cut, Shader::Patch] {
+        for (depth, b) in [(Depth::Finite(1), 0.33), (Depth::Finite(3), 0.2), (Depth::Infinite, 1.0)] {
+            // The curvature would take the lights for those of the frame's lamps.
+            let shade = Shade { gradients: Gradients::Ring, ..shade(shader, depth, b) };
+            let reference = Reference::new(&grid, &shade);
+            for t in 0..grid.triangles.len() {
+                for w in all_weights() {
+                    let p = gouraud::weighted(w, grid.corners(t).map(|v| v.screen));
+                    let error = (reference.light(t, w) - field(p)).abs().max_element();
+                    assert!(error < 1e-12, "{shader} {depth} {b} {t} {w:?}: {error}");
+                }
+            }
+        }
+    }
+    // Not so what is printed: it flattens the edges.
+    let reference = Reference::new(&grid, &shade(Shader::Fixed, Depth::Finite(3), 0.2));
+    let w = [0.1, 0.45, 0.45];
+    let p = gouraud::weighted(w, grid.corners(30).map(|v| v.screen));
+    assert!((reference.light(30, w) - field(p)).abs().max_element() > 1e-3);
+}
+
+#[test]
+fn a_uniform_field_stays_uniform() {
+    // Light from everywhere: the light of a place does not depend on its normal.
+    let mut field = grid(4, |_| DVec3::splat(0.1));
+    field.lighting = only_ambient();
+    for (i, vertex) in field.vertices.iter_mut().enumerate() {
+        vertex.normal = DVec3::new((i as f64).sin(), (2.0 * i as f64).cos(), 1.0).normalize();
+    }
+    // A border, a crease and an edge of several among the others.
+    field.triangles[9].across[0] = Across::Nothing;
+    field.triangles[12].across[1] = Across::Several;
+    for &shader in Shader::ALL {
+        for depth in [Depth::Finite(1), Depth::Finite(3), Depth::Infinite] {
+            for vertex in [Correction::Off, Correction::Repaired] {
+                for reweight in [Correction::Off, Correction::Repaired] {
+                    let reference = Reference::new(&field, &Shade { vertex, reweight, ..shade(shader, depth, 0.3) });
+                    for t in 0..field.triangles.len() {
+                        for w in all_weights() {
+                            let error = (reference.light(t, w) - DVec3::splat(0.1)).abs().max_element();
+                            assert!(error < 1e-14, "{shader} {depth} {vertex} {reweight} {w:?}: {error}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The cube seen from a corner.
+fn cube(degrees: [f64; 3], lighting: &Lighting) -> Frame {
+    let view = View::square(200).rotated(degrees);
+    Frame::new(&Surface::new(shapes::cube()), &view, lighting, DVec3::splat(0.25))
+}
+
+#[test]
+fn turning_mesh_and_light_together_changes_nothing() {
+    let toward = DVec3::new(0.36, 0.48, 0.8);
+    let before = cube([25.0, 35.0, 10.0], &lighting(toward));
+    for degrees in [90.0f64, 37.0, 211.5] {
+        let turn = DMat3::from_rotation_z(degrees.to_radians());
+        let after = cube([25.0, 35.0, 10.0 + degrees], &lighting(turn * toward));
+        assert_eq!(before.triangles.len(), after.triangles.len());
+        // The same picture turned; without the rounding of places to 1/256 pixel that differs.
+        let mut turned = after.clone();
+        for (v, vertex) in turned.vertices.iter_mut().enumerate() {
+            assert!((vertex.light - before.vertices[v].light).abs().max_element() < 1e-12);
+            assert!((vertex.normal - turn * before.vertices[v].normal).length() < 1e-12);
+            let from_middle = before.vertices[v].screen - 100.0;
+            let place = DVec2::new(100.0, 100.0) + DVec2::from_angle(-degrees.to_radians()).rotate(from_middle);
+            assert!((place - vertex.screen).length() < 0.01);
+            vertex.screen = place;
+        }
+        for &shader in Shader::ALL {
+            // The slopes of *patch* are differences of lights over small steps, which cancel.
+            let bound = if shader == Shader::Patch { 1e-9 } else { 1e-11 };
+            for (vertex, reweight) in CORRECTIONS.into_iter().zip(CORRECTIONS) {
+                let shade = Shade { vertex, reweight, ..Shade::new(shader) };
+                let (before, after) = (Reference::new(&before, &shade), Reference::new(&turned, &shade));
+                for t in 0..turned.triangles.len() {
+                    for w in all_weights() {
+                        let error = (before.light(t, w) - after.light(t, w)).abs().max_element();
+                        assert!(error < bound, "{shader} {vertex} {t} {w:?}: {error}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn no_strip_is_gouraud_and_wide_strips_are_a_third() {
+    let frame = grid(3, |p| DVec3::new((p.x / 30.0).sin(), (p.y / 40.0).cos(), (p.x * p.y / 4000.0).sin()) * 0.4 + 0.5);
+    let light = |shader, b, t, w| {
+        let shade = Shade { vertex: Correction::Repaired, ..shade(shader, Depth::Finite(2), b) };
+        Reference::new(&frame, &shade).light(t, w)
+    };
+    for shader in [Shader::Fixed, Shader::Gradient, Shader::GradientRepaired, Shader::Exact, Shader::Cut] {
+        for (t, w) in [(7, [0.02, 0.5, 0.48]), (8, [0.3, 0.34, 0.36]), (9, [0.9, 0.1, 0.0]), (3, [0.0, 0.0, 1.0])] {
+            for none in [0.0, -1.0] {
+                assert_eq!(light(shader, none, t, w), light(Shader::Gouraud, none, t, w), "{shader}");
+            }
+            // From the strip to none without a jump.
+            let error = (light(shader, 1e-9, t, w) - light(Shader::Gouraud, 0.0, t, w)).abs().max_element();
+            assert!(error < 1e-8, "{shader}: {error}");
+            let wide = if shader == Shader::Cut { 1.0 } else { 1.0 / 3.0 };
+            assert_eq!(light(shader, wide, t, w), light(shader, 7.0, t, w), "{shader}");
+        }
+        let differ = |b, c| {
+            let w = [0.1, 0.5, 0.4];
+            (0..18).any(|t| light(shader, b, t, w) != light(shader, c, t, w))
+        };
+        assert!(differ(0.0, 0.2) && differ(0.2, 0.33), "{shader}");
+    }
+}
+
+#[test]
+fn quadratic_goes_through_vertices_and_middles() {
+    // Any quadratic field comes out as it is.
+    let field = |w: [f64; 3]| 0.3 + w[0] * (0.5 - w[1]) + 0.7 * w[1] * w[1] - w[2] * w[0];
+    let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(field);
+    let middles = [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]].map(field);
+    for w in all_weights() {
+        assert!((quadratic::quadratic(w, corners, middles) - field(w)).abs() < 1e-15, "{w:?}");
+    }
+    // The middles are lit as Phong's shader lights them.
+    let frame = cube([25.0, 35.0, 10.0], &lighting(DVec3::new(0.36, 0.48, 0.8)));
+    let light = |shader, w| Reference::new(&frame, &Shade::new(shader)).light(2, w);
+    for w in [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0]] {
+        assert!((light(Shader::Quadratic, w) - light(Shader::Phong, w)).abs().max_element() < 1e-12);
+    }
+}
+
+#[test]
+fn each_pixel_of_a_surface_belongs_to_one_triangle() {
+    // Vertices on pixel centres, and in steps of 1/256.
+    let mut grid = grid(5, |_| DVec3::ONE);
+    for (i, vertex) in grid.vertices.iter_mut().enumerate() {
+        if i % 2 == 0 {
+            vertex.screen = vertex.screen.floor() + 0.5;
+        }
+    }
+    let insides: Vec<Inside> =
+        (0..grid.triangles.len()).filter_map(|t| Inside::new(grid.corners(t).map(|v| v.screen))).collect();
+    assert_eq!(insides.len(), 50);
+    let seen = coverage::visible(&grid);
+    for y in 0..200u32 {
+        for x in 0..200u32 {
+            let p = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let holders: Vec<usize> = (0..50).filter(|t| insides[*t].weights(p).is_some()).collect();
+            let triangle = seen[(y * 200 + x) as usize];
+            if (22..178).contains(&x) && (22..178).contains(&y) {
+                assert_eq!(holders, [triangle as usize], "({x}, {y})");
+            }
+            assert!(holders.len() <= 1);
+            assert_eq!(holders.is_empty(), triangle == coverage::NONE);
+        }
+    }
+}
+
+#[test]
+fn a_pixel_on_an_edge_belongs_to_the_top_or_left_one() {
+    // A square of 2 × 2 pixels between centres: centres on its top and left edges are its own, the others not.
+    let square = [(10.5, 10.5), (12.5, 10.5), (10.5, 12.5), (12.5, 12.5)];
+    let vertices = square.map(|(x, y)| vertex(DVec2::new(x, y), DVec3::ONE)).to_vec();
+    let square = frame(vertices, &[[0, 2, 1], [1, 2, 3]], only_ambient());
+    let seen = coverage::visible(&square);
+    let held: Vec<(usize, u32)> = seen.iter().copied().enumerate().filter(|(_, t)| *t != coverage::NONE).collect();
+    // The diagonal, from top right to bottom left, is the left edge of the second triangle.
+    assert_eq!(held, [(10 * 200 + 10, 0), (10 * 200 + 11, 0), (11 * 200 + 10, 0), (11 * 200 + 11, 1)]);
+}
+
+#[test]
+fn the_nearest_triangle_is_seen_and_of_equally_near_ones_the_first() {
+    let at = |x: f64, y: f64, depth: f64| FrameVertex { depth, ..vertex(DVec2::new(x, y), DVec3::ONE) };
+    let large = |depth| [at(10.0, 10.0, depth), at(10.0, 190.0, depth), at(190.0, 10.0, depth)];
+    let vertices: Vec<FrameVertex> = [large(0.5), large(0.5), large(0.3)].concat();
+    let seen =
+        |triangles: &[[u32; 3]]| coverage::visible(&frame(vertices.clone(), triangles, only_ambient()))[50 * 200 + 50];
+    assert_eq!(seen(&[[0, 1, 2], [3, 4, 5]]), 0);
+    assert_eq!(seen(&[[0, 1, 2], [3, 4, 5], [6, 7, 8]]), 2);
+    assert_eq!(seen(&[[6, 7, 8], [0, 1, 2]]), 0);
+}
+
+/// Slivers, triangles without area, a fin, borders, vertices of one place, a triangle that looks away.
+fn ugly() -> Frame {
+    let places = [
+        (20.0, 20.0),
+        (20.0, 180.0),
+        (100.0, 100.0),
+        (180.0, 20.0),
+        (180.0, 180.0),
+        (20.0, 19.996_093_75),
+        (100.003_906_25, 100.0),
+        (100.0, 100.0),
+        (150.0, 150.0),
+    ];
+    let vertices = places.iter().enumerate().map(|(i, (x, y))| FrameVertex {
+        depth: 0.1 * i as f64,
+        normal: if i == 4 { DVec3::NEG_Z } else { DVec3::new((i as f64).sin(), 0.3, 0.6).normalize() },
+        ..vertex(DVec2::new(*x, *y), DVec3::splat(i as f64 / 8.0))
+    });
+    let triangles = [
+        [0, 1, 2],
+        [2, 1, 4],
+        [3, 2, 4],
+        [0, 2, 3],
+        [5, 0, 3],
+        [0, 2, 6],
+        [2, 7, 6],
+        [2, 7, 2],
+        [1, 4, 8],
+        [2, 1, 8],
+        [3, 1, 0],
+    ];
+    frame(vertices.collect(), &triangles, lighting(DVec3::new(0.36, 0.48, 0.8)))
+}
+
+#[test]
+fn every_shader_gives_a_light_on_every_frame() {
+    let toward = DVec3::new(0.36, 0.48, 0.8);
+    let frames = [
+        ugly(),
+        cube([0.0; 3], &lighting(toward)),
+        cube([25.0, 35.0, 10.0], &lighting(toward)),
+        cube([45.0, 0.0, 0.0], &lighting(DVec3::Y)),
+    ];
+    assert!(frames[0].triangles.iter().any(|t| t.across.contains(&Across::Several)));
+    assert!(frames[1].triangles.iter().any(|t| t.across.contains(&Across::Nothing)));
+    let combinations = [Correction::Off, Correction::Printed, Correction::Repaired]
+        .into_iter()
+        .flat_map(|vertex| CORRECTIONS.map(|reweight| (vertex, reweight)));
+    for frame in &frames {
+        for &shader in Shader::ALL {
+            for (vertex, reweight) in combinations.clone() {
+                for (depth, b) in [(Depth::Finite(1), 0.0), (Depth::Finite(3), 1e-300), (Depth::Infinite, 1.0)] {
+                    let reference = Reference::new(frame, &Shade { vertex, reweight, ..shade(shader, depth, b) });
+                    for t in 0..frame.triangles.len() {
+                        for w in all_weights() {
+                            let light = reference.light(t, w);
+                            assert!(light.is_finite(), "{shader} {vertex} {reweight} {depth} {b} {t} {w:?}: {light}");
+                        }
+                    }
+                }
+            }
+            let image = Reference::new(frame, &Shade::new(shader)).image();
+            assert!(image.data.iter().all(|light| light.is_finite()), "{shader}");
+            assert_eq!(image.pixel(0, 0), [0.25; 3]);
+            assert!(image.pixel(70, 100) != [0.25; 3], "{shader}");
+        }
+    }
+}
+
+#[test]
+fn silhouettes_and_borders_bend_nothing() {
+    let cube = cube([25.0, 35.0, 10.0], &lighting(DVec3::new(0.36, 0.48, 0.8)));
+    // Three faces of two triangles: six silhouette edges, three between faces, three diagonals.
+    let constants: Vec<(Across, EdgeConstants)> = boundary::edge_constants(&cube)
+        .iter()
+        .zip(&cube.triangles)
+        .flat_map(|(edges, triangle)| (0..3).map(move |k| (triangle.across[k], edges[k])))
+        .collect();
+    assert_eq!(constants.iter().filter(|(across, _)| *across == Across::Nothing).count(), 6);
+    for (across, edge) in constants {
+        assert_eq!(across == Across::Nothing, edge.c == DVec3::ZERO);
+    }
+}
