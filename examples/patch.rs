@@ -132,5 +132,6 @@ fn frame() -> machband::shading::Frame {
         triangles: vec![triangle(0), triangle(1)],
         lighting: Lighting::standard(),
         view: View::square(offscreen::SIZE),
+        encoding: None,
     }
 }

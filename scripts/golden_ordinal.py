@@ -203,7 +203,7 @@ def statsmodels_values():
             steps[1:] = np.exp(steps[1:])
             jacobian = np.tril(np.ones((len(steps), len(steps)))) * np.concatenate([[1], steps[1:]])
             theta, theta_covariance = np.cumsum(steps), jacobian @ covariance[p:, p:] @ jacobian.T
-            row = lambda quantity, label, value: out.writerow([name, link, terms, quantity, label, f"{value:.10g}"])
+            row = lambda quantity, label, value: out.writerow([name, link, terms, quantity, label, f"{value:.12g}"])
             row("loglik", "", result.llf)
             for j, (below, above) in enumerate(itertools.pairwise(ratings)):
                 row("threshold", f"{below}|{above}", theta[j])

@@ -1,7 +1,7 @@
 //! machband: measure, and later analyse, generate and predict, the visibility of Mach bands.
 //!
 //! **Scope.** Full-screen rating experiments on luminance ramps (width, continuity depth, orientation), their exact
-//! stimulus images, their data. **Not in scope**: reaction-time or threshold paradigms in general, other modalities,
+//! stimulus images, their data; shaders of meshes without the bands. **Not in scope**: reaction-time or threshold paradigms in general, other modalities,
 //! anything over a network.
 //!
 //! **Units.** Light is linear and relative to the brightest that the screen shows, 0…1, unless a name says `encoded`
@@ -14,6 +14,7 @@
 //! |---|---|---|
 //! | 0 | [`light`] | interpolation I_n, transfer functions, light to codes, images |
 //! | 1 | [`display`] | visual angle, cm and pixels; what is known of a screen |
+//! | 1 | [`shading`] | meshes, illumination, the shaders on CPU and graphics card, how far their slopes jump |
 //! | 2 | [`stimulus`] | a validated description becomes an image |
 //! | 3 | [`experiment`] | definition, order, session, record, observers |
 //! | 4 | [`store`] | every file format |

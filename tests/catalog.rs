@@ -28,7 +28,8 @@ fn light_is_that_of_the_independent_script() {
         assert!((f64::from(light) - expected).abs() < tolerance, "{line}: {light}");
         seen += 1;
     }
-    assert_eq!(seen, 40 * 3 * catalog::all().len());
+    // The shaded mesh has references of its own: tests/shaders.rs.
+    assert_eq!(seen, 40 * 3 * (catalog::all().len() - 1));
 }
 
 /// `UPDATE_HASHES=1` prints the file anew; a changed hash is a changed stimulus, for everyone who has used it.
@@ -75,7 +76,8 @@ fn edges_along_the_pixels_are_sharp_and_oblique_ones_are_not() {
 /// A half turn is the point mirror; light stays within the plateaus; the mean over a half-covered edge is the middle.
 #[test]
 fn every_kind_is_symmetric_and_bounded() {
-    for entry in catalog::all() {
+    // A mesh has no orientation, and a highlight beyond its plateaus.
+    for entry in catalog::all().iter().filter(|entry| entry.kind != "shaded-mesh") {
         for mut stimulus in entry.stimuli() {
             let number = |stimulus: &Stimulus, name: &str| match stimulus.get(name) {
                 Some(ParameterValue::Number(value)) => value,

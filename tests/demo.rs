@@ -9,8 +9,12 @@ use machband::{
         App, Launch,
         demo::{Comparison, MeshChoice, Side},
     },
-    light::{Bits, CodeImage, Depth, Quantizer, Transfer},
-    shading::{Correction, Reference, Scene, Shade, Shader, Surface, shapes::Shape},
+    light::{Bits, CodeImage, Depth, Quantizer, Samples, Transfer},
+    shading::{
+        Correction, Reference, Scene, Shade, Shader, Surface,
+        raster::{Encoder, Prepared, Rasterizer},
+        shapes::Shape,
+    },
 };
 
 type Window = Harness<'static, App>;
@@ -40,8 +44,13 @@ fn open_with_pixels(scale: f32) -> Option<Window> {
 }
 
 fn opened(mut window: Window) -> Window {
+    window.set_render_cursor(false);
+    window.run_steps(3);
+    window.get_by_label("Shading demo…").scroll_to_me();
     window.run_steps(3);
     window.get_by_label("Shading demo…").click();
+    window.run_steps(4);
+    window.remove_cursor();
     window.run_steps(4);
     window
 }
@@ -52,14 +61,24 @@ fn value(window: &Window, label: &str) -> String {
 
 /// Picks an entry of a list.
 fn choose(window: &mut Window, label: &str, entry: &str) {
-    window.get_by_label(label).scroll_to_me();
-    window.run_steps(2);
+    scroll_to(window, label);
     window.get_by_label(label).click();
     window.run_steps(3);
     let entries: Vec<_> = window.query_all_by_label(entry).collect();
     // The list is drawn last, above the page.
-    entries.last().unwrap_or_else(|| panic!("{label} has no {entry:?}")).click_accesskit();
+    entries.last().unwrap_or_else(|| panic!("{label} has no {entry:?}")).scroll_to_me();
+    window.run_steps(30);
+    window.query_all_by_label(entry).last().unwrap().click();
     window.run_steps(3);
+    window.remove_cursor();
+    // Until the list has faded.
+    window.run_steps(20);
+}
+
+/// Scrolls there, and waits until the page rests.
+fn scroll_to(window: &mut Window, label: &str) {
+    window.query_all_by_label(label).last().unwrap_or_else(|| panic!("no {label}")).scroll_to_me();
+    window.run_steps(30);
 }
 
 fn type_into(window: &mut Window, label: &str, text: &str) {
@@ -109,8 +128,11 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2, button: PointerButton) {
 
 fn expected(compared: &Comparison, which: usize, width: u32, height: u32) -> CodeImage {
     let frame = compared.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
-    Quantizer::new(&compared.transfer, Bits::Eight)
-        .quantize(&Reference::new(&frame, &compared.sides[which].shade).image())
+    let mut rgba = vec![0; 4 * (width * height) as usize];
+    let prepared = Prepared::new(&frame, &compared.sides[which].shade);
+    Rasterizer::new(1).draw_codes(&prepared, &Encoder::new(&compared.transfer), &mut rgba);
+    let codes = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    CodeImage { width, height, samples: Samples::Eight(codes) }
 }
 
 #[test]
@@ -130,7 +152,10 @@ fn a_visitor_sees_gouraud_beside_patch_byte_for_byte() {
         for (i, shown) in shown.iter().enumerate() {
             let (x, y) = (i as u32 % width, i as u32 / width);
             let want = if x < column { left.pixel(x, y) } else { right.pixel(x, y) };
-            assert!(x.abs_diff(column) < mark || shown.map(u16::from) == want, "({x}, {y}) at scale {scale}");
+            assert!(
+                x.abs_diff(column) < mark || shown.map(u16::from) == want,
+                "({x}, {y}) at scale {scale}: {shown:?}, not {want:?}"
+            );
             differing += u32::from(left.pixel(x, y) != right.pixel(x, y));
         }
         assert!(differing > width, "the two halves are one picture");
@@ -182,7 +207,7 @@ fn dragging_turns_the_mesh_and_the_light_and_draws_the_line() {
     let mut before = pixels(&mut window);
     let rect = picture(&window);
     let from = rect.center() + Vec2::new(-120.0, -60.0);
-    let turned = |window: &Window| value(window, "Turn about y").parse::<f64>().unwrap();
+    let turned = |window: &Window| value(window, "Turn about y").trim_end_matches('°').parse::<f64>().unwrap();
     let angle = turned(&window);
     drag(&mut window, from, from + Vec2::new(60.0, 0.0), PointerButton::Primary);
     assert!((turned(&window) - angle).abs() > 3.0);
@@ -212,7 +237,7 @@ fn presets_set_the_values() {
     assert_eq!(value(&window, "Mesh"), "cube");
     assert_eq!(value(&window, "Right shader"), "Fixed, as printed");
     assert_eq!(value(&window, "Right depth n"), "5");
-    assert_eq!(value(&window, "Right strip b"), "0.2");
+    assert_eq!(value(&window, "Right strip b"), "0.20");
     assert_eq!(value(&window, "Right vertex"), "off");
     choose(&mut window, "Preset", "Figure 12 (d): 1538, reweighted (3, 0.33)");
     assert_eq!(value(&window, "Mesh"), "blob");
@@ -270,11 +295,9 @@ fn the_exported_file_is_the_view() {
         window.run_steps(3);
         let shown = pixels(&mut window);
         let path = folder.path().join(format!("view-{i}.png"));
-        window.query_all_by_label("Export to").last().unwrap().scroll_to_me();
-        window.run_steps(2);
+        scroll_to(&mut window, "Export to");
         type_into(&mut window, "Export to", &path.display().to_string());
-        window.get_by_label("Export PNG").scroll_to_me();
-        window.run_steps(2);
+        scroll_to(&mut window, "Export PNG");
         window.get_by_label("Export PNG").click();
         window.run_steps(3);
         window.get_by_label_contains("Written to");

@@ -6,7 +6,7 @@ use machband::{
     shading::{
         Correction, Frame, FrameVertex, Gradients, Lamp, LampPlace, Lighting, Mesh, Reference, Shade, Shader, Specular,
         Surface, View, coverage,
-        gpu::{GpuError, Offscreen},
+        gpu::{Gpu, GpuError, Offscreen, Region},
         illumination::{Facets, Microfacets},
         shapes,
     },
@@ -68,6 +68,8 @@ fn frames() -> Vec<(&'static str, Frame)> {
         ("cube", frame(shapes::cube(), View::square(96).rotated([25.0, -35.0, 0.0]), Lighting::standard())),
         ("blob", frame(shapes::blob(313).unwrap(), View::square(160).rotated([20.0, 30.0, 0.0]), Lighting::standard())),
         ("sheet", frame(sheet(), wide, coloured())),
+        // Most of it outside the window.
+        ("near", frame(shapes::blob(100).unwrap(), View { fill: 4.0, distance: 1.5, ..View::square(120) }, coloured())),
     ]
 }
 
@@ -248,4 +250,95 @@ on_both! {
 #[test]
 fn no_card_is_an_error() {
     assert!(matches!(Offscreen::new(Some(wgpu::Backends::empty())), Err(GpuError::NoAdapter(_))));
+}
+
+#[test]
+fn too_much_is_an_error() {
+    let Some(mut card) = card(wgpu::Backends::all()) else { return };
+    let surface = Surface::new(shapes::cube());
+    let shade = Shade::new(Shader::Phong);
+    let mut image = |view: View, lighting: Lighting| {
+        card.image(&Frame::new(&surface, &view, &lighting, DVec3::ONE), &shade, &Transfer::Srgb)
+    };
+    let wide = View { width: 100_000, ..View::square(2) };
+    assert!(matches!(image(wide, Lighting::standard()), Err(GpuError::TooLarge { size: 100_000, .. })));
+    let many = Lighting { lamps: vec![Lamp::directional(DVec3::Z); 65], ..Lighting::standard() };
+    assert!(matches!(image(View::square(8), many), Err(GpuError::TooLarge { size: 65, .. })));
+    // Nothing to see, and nothing to see it on.
+    let mut empty = Frame::new(&surface, &View::square(8), &Lighting::standard(), DVec3::ONE);
+    empty.triangles.clear();
+    empty.vertices.clear();
+    assert!(card.image(&empty, &shade, &Transfer::Srgb).unwrap().bytes().unwrap().iter().all(|code| *code == 255));
+    (empty.width, empty.height) = (0, 7);
+    assert_eq!(card.image(&empty, &shade, &Transfer::Srgb).unwrap().bytes(), Some(&[][..]));
+}
+
+/// A device of somebody else's.
+fn device(limits: wgpu::Limits) -> Option<(wgpu::Device, wgpu::Queue)> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+    let Ok(adapter) = adapter else {
+        assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
+        println!("SKIPPED: no graphics adapter");
+        return None;
+    };
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
+    Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
+}
+
+#[test]
+fn a_device_without_storage_is_an_error() {
+    let Some((device, _)) = device(wgpu::Limits::downlevel_webgl2_defaults()) else { return };
+    assert!(matches!(Gpu::new(&device, wgpu::TextureFormat::Rgba8Unorm), Err(GpuError::NoStorage(0))));
+}
+
+/// The window's way: two shaders side by side in a texture, on a device that has no more than OpenGL ES 3.1 has.
+#[test]
+fn a_region_leaves_the_rest_as_it_is() {
+    const SIDE: u32 = 64; // a row of 256 bytes
+    let Some((device, queue)) = device(wgpu::Limits::downlevel_defaults()) else { return };
+    let Some(mut card) = card(wgpu::Backends::all()) else { return };
+    let mut gpu = Gpu::new(&device, wgpu::TextureFormat::Rgba8Unorm).unwrap();
+    let view = View::square(SIDE).rotated([30.0, 40.0, 0.0]);
+    let frame = Frame::new(&Surface::new(shapes::cube()), &view, &coloured(), DVec3::splat(0.3));
+    let shades = [Shade::new(Shader::Flat), Shade::new(Shader::Patch)];
+    let target = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let codes = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(4 * SIDE * SIDE),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let whole = target.create_view(&wgpu::TextureViewDescriptor::default());
+    // The right part reaches beyond the texture, as a divider at its edge does.
+    let right = Region { x: 25, y: 0, width: SIDE, height: SIDE };
+    for (shade, region) in shades.iter().zip([None, Some(right)]) {
+        let uploaded = gpu.upload(&frame, shade, &Transfer::Srgb).unwrap();
+        gpu.render(&mut encoder, &whole, &uploaded, region);
+    }
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIDE), rows_per_image: None };
+    let destination = wgpu::TexelCopyBufferInfo { buffer: &codes, layout };
+    encoder.copy_texture_to_buffer(target.as_image_copy(), destination, target.size());
+    queue.submit([encoder.finish()]);
+    codes.slice(..).map_async(wgpu::MapMode::Read, |result| result.unwrap());
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let bytes = codes.slice(..).get_mapped_range().unwrap();
+    let alone = shades.map(|shade| card.image(&frame, &shade, &Transfer::Srgb).unwrap());
+    for y in 0..SIDE {
+        for x in 0..SIDE {
+            let at = 4 * (y * SIDE + x) as usize;
+            let expected = alone[usize::from(x >= 25)].pixel(x, y);
+            assert_eq!([bytes[at], bytes[at + 1], bytes[at + 2]].map(u16::from), expected, "{x}, {y}");
+        }
+    }
 }

@@ -310,14 +310,36 @@ fn near_the_silhouette_nothing_explodes() {
     }
 }
 
-/// A frame whose lights were encoded has no lighting to differentiate: its gradients are those of its own lights.
+/// A frame whose lights are not its lighting's has nothing to differentiate: its gradients are those of its own lights.
 #[test]
 fn replaced_lights_take_the_ring() {
     let frame = Scene::default().frame(&sphere(200), 300, 300);
-    let encoded = frame.clone().encoded(&Transfer::Srgb);
+    let mut replaced = frame.clone();
+    replaced.vertices.iter_mut().for_each(|vertex| vertex.light *= 0.5);
     let gradients = |frame: &Frame, g| Patches::new(frame, g).gradients().to_vec();
-    assert_eq!(gradients(&encoded, Gradients::Curvature), gradients(&encoded, Gradients::Ring));
+    assert_eq!(gradients(&replaced, Gradients::Curvature), gradients(&replaced, Gradients::Ring));
     assert_ne!(gradients(&frame, Gradients::Curvature), gradients(&frame, Gradients::Ring));
+}
+
+/// Encoded lights change along the surface by the chain rule, through the transfer function.
+#[test]
+fn encoded_lights_have_encoded_gradients() {
+    let frame = Scene { specular: 0.0, ..Scene::default() }.frame(&sphere(1000), 300, 300);
+    let encoded = frame.clone().encoded(&Transfer::Gamma(2.0));
+    let gradients = |frame: &Frame| Patches::new(frame, Gradients::Curvature).gradients().to_vec();
+    let (linear, encoded) = (gradients(&frame), gradients(&encoded));
+    let mut compared = 0;
+    for (v, vertex) in frame.vertices.iter().enumerate() {
+        // Lit, and not at the rim, where the ring has a say.
+        if vertex.light.x > 0.25 && vertex.normal.z > 0.7 {
+            // d√L = dL/2√L
+            let expected = linear[v][0] / (2.0 * vertex.light.x.sqrt());
+            let error = (encoded[v][0] - expected).length();
+            assert!(error < 0.02 * expected.length().max(1e-3), "vertex {v}: {} for {expected}", encoded[v][0]);
+            compared += 1;
+        }
+    }
+    assert!(compared > 50, "{compared}");
 }
 
 #[test]

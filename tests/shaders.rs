@@ -73,6 +73,7 @@ fn frame(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting)
         triangles,
         lighting,
         view: View::square(200),
+        encoding: None,
     }
 }
 

@@ -317,10 +317,9 @@ fn lowest(lines: &[(&str, &Vec<[f64; 2]>)]) -> f64 {
 impl Curves {
     fn new(recipe: &Recipe, quantizer: &Quantizer) -> Self {
         let strongest = recipe.stimulus.strongest_channel();
-        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES) - 0.5;
-        let places: Vec<f64> = (0..SAMPLES).map(place).collect();
-        let light = recipe.stimulus.profile(&places);
-        let asked: Vec<[f64; 2]> = places.iter().zip(&light).map(|(x, l)| [*x, f64::from(l[strongest])]).collect();
+        let light = recipe.stimulus.profile(SAMPLES);
+        let at = |i: u32| [Stimulus::place(i, SAMPLES), f64::from(light[i as usize][strongest])];
+        let asked: Vec<[f64; 2]> = (0..SAMPLES).map(at).collect();
         let emitted =
             store::curve::samples(recipe, quantizer).iter().map(|sample| [sample.x, sample.emitted]).collect();
         let slope = differences(&asked);

@@ -19,13 +19,18 @@ mod session;
 mod theme;
 mod trouble;
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
-use eframe::egui::{self, ViewportBuilder, ViewportCommand};
+use eframe::{
+    egui::{self, ViewportBuilder, ViewportCommand},
+    egui_wgpu::WgpuSetup,
+    wgpu::DeviceDescriptor,
+};
 
 use crate::{
     display::DisplayProfile,
     experiment::{Identity, Protocol},
+    shading::gpu,
 };
 
 pub use monitor::Monitor;
@@ -96,6 +101,14 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
         ..Default::default()
     };
     // One frame in flight: an image reaches the screen as soon as the system allows.
+    // All that the graphics card has: eframe's own choice leaves OpenGL without what the shaders read.
+    if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
+        setup.device_descriptor = Arc::new(|adapter| DeviceDescriptor {
+            label: Some("machband"),
+            required_limits: gpu::limits(adapter),
+            ..Default::default()
+        });
+    }
     options.wgpu_options.surface.desired_maximum_frame_latency = Some(1);
     eframe::run_native("machband", options, Box::new(|cc| Ok(Box::new(App::new(cc, launch)))))
         .map_err(|error| WindowError::Refused(error.to_string()))
@@ -156,7 +169,7 @@ impl eframe::App for App {
             Page::Session(session) => session.show(ui),
             Page::Finish(finish) => finish.show(ui, self.direct),
             Page::Gallery(gallery) => gallery.show(ui),
-            Page::Demo(demo) => demo.show(ui),
+            Page::Demo(demo) => demo.show(ui, frame.wgpu_render_state()),
         };
         if let Page::Home(home) = &self.page {
             self.form = home.form().clone();

@@ -112,8 +112,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         anyhow::bail!("{}: no triangle has an area that faces the viewer; expected at least one", arguments.mesh);
     }
     if let Some(out) = &arguments.out {
-        let naive = arguments.naive && shade.shader != Shader::Phong;
-        let (shown, codes_of) = if naive {
+        let (shown, codes_of) = if arguments.naive {
             (frame.clone().encoded(&transfer), Transfer::Linear)
         } else {
             (frame.clone(), transfer.clone())

@@ -22,6 +22,8 @@ pub struct Frame {
     pub lighting: Lighting,
     /// Where the eye is.
     pub view: View,
+    /// The display's transfer function, where the lights are encoded already; see [`Frame::encoded`].
+    pub encoding: Option<Transfer>,
 }
 
 /// A vertex on the screen.
@@ -115,6 +117,7 @@ impl Frame {
             triangles: Vec::new(),
             lighting: lighting.clone(),
             view: *view,
+            encoding: None,
         };
         frame.find_triangles(surface, open);
         frame
@@ -146,13 +149,25 @@ impl Frame {
     /// interpolates. Its picture holds encoded values and is quantised without a transfer function.
     #[must_use]
     pub fn encoded(mut self, transfer: &Transfer) -> Frame {
-        let encode = |light: DVec3| DVec3::from_array(light.to_array().map(|l| transfer.encoded_from_linear(l)));
+        let encode = |light| encode(transfer, light);
         for vertex in &mut self.vertices {
             vertex.light = encode(vertex.light);
             vertex.ambient = encode(vertex.ambient);
         }
         self.background = encode(self.background);
+        self.encoding = Some(transfer.clone());
         self
+    }
+
+    /// The light that a point of the surface at `eye` with the unit normal `normal` sends to the eye, encoded if the
+    /// frame's lights are.
+    #[must_use]
+    pub fn lit(&self, eye: DVec3, normal: DVec3) -> DVec3 {
+        let light = self.lighting.light(eye, normal, self.view.to_viewer(eye));
+        match &self.encoding {
+            Some(transfer) => encode(transfer, light),
+            None => light,
+        }
     }
 
     fn find_triangles(&mut self, surface: &Surface, open: bool) {
@@ -216,4 +231,8 @@ impl Frame {
             });
         }
     }
+}
+
+fn encode(transfer: &Transfer, light: DVec3) -> DVec3 {
+    DVec3::from_array(light.to_array().map(|l| transfer.encoded_from_linear(l)))
 }

@@ -97,12 +97,6 @@ static ENTRIES: [Entry; KINDS.len()] = [
         ],
     },
     Entry {
-        kind: "shaded-cylinder",
-        title: "Shaded cylinder",
-        about: "A faceted cylinder under flat, Gouraud or Phong shading: where Chevreul's scallops and Mach's bands come from in computer graphics. Bangay fig. 1 c, f.",
-        variants: &[&[("shading", "flat"), ("orientation_deg", "15")], &[("shading", "phong"), ("facets", "12")]],
-    },
-    Entry {
         kind: "shaded-mesh",
         title: "Shaded mesh",
         about: "A faceted surface that pretends to be smooth: Gouraud shading makes a Mach band of every edge; other shaders bend the light so that it does not. Gouraud 1971; Bangay §4.",
@@ -110,6 +104,12 @@ static ENTRIES: [Entry; KINDS.len()] = [
             &[("shader", "patch"), ("color", "yellow")],
             &[("shader", "exact"), ("mesh", "torus"), ("vertices", "200"), ("boundary", "0.33")],
         ],
+    },
+    Entry {
+        kind: "shaded-cylinder",
+        title: "Shaded cylinder",
+        about: "A faceted cylinder under flat, Gouraud or Phong shading: where Chevreul's scallops and Mach's bands come from in computer graphics. Bangay fig. 1 c, f.",
+        variants: &[&[("shading", "flat"), ("orientation_deg", "15")], &[("shading", "phong"), ("facets", "12")]],
     },
 ];
 

@@ -139,22 +139,28 @@ stimuli! {
     Vasarely,
     /// A triangle of which only the corners are hinted at.
     Kanizsa,
+    /// A mesh under one of the shaders.
+    ShadedMesh,
     /// A faceted cylinder under flat, Gouraud or Phong shading.
     #[serde(rename = "shaded-cylinder")]
     Cylinder,
-    /// A mesh under one of the shaders.
-    ShadedMesh,
 }
 
 impl Stimulus {
-    /// The light asked at each of `places`, in window sides from the centre along the orientation.
+    /// The light asked at the pixel centres of a row of `size` through the centre of the window, along the orientation.
     #[must_use]
-    pub fn profile(&self, places: &[f64]) -> Vec<[f32; 3]> {
+    pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
         match self {
             // Its mesh is made once for all places.
-            Self::ShadedMesh(mesh) => mesh.profile(places),
-            other => places.iter().map(|x| other.light_at(*x)).collect(),
+            Self::ShadedMesh(mesh) => mesh.profile(size),
+            other => (0..size).map(|i| other.light_at(Self::place(i, size))).collect(),
         }
+    }
+
+    /// Where pixel `i` of a row of `size` has its centre, in window sides from the window's.
+    #[must_use]
+    pub fn place(i: u32, size: u32) -> f64 {
+        (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size))
     }
 
     /// The codes of a window of `size` × `size` pixels: those of [`Stimulus::linear`], quantised, whichever way is

@@ -151,26 +151,24 @@ impl ShadedMesh {
         }
     }
 
-    /// The light at one place; see [`ShadedMesh::profile`].
+    /// The light at `x` window sides from the middle, along the row through the middle; see [`ShadedMesh::profile`].
     pub fn light_at(&self, x: f64) -> [f32; 3] {
-        self.profile(&[x])[0]
+        const FINE_PX: u32 = 4096;
+        let Some(frame) = self.frame(FINE_PX) else { return [0.0; 3] };
+        light_on_the_middle_row(&frame, &Reference::new(&frame, &self.shade()), x)
     }
 
-    /// The light at the places `x`, in window sides from the middle, along the row through the middle.
-    pub fn profile(&self, places: &[f64]) -> Vec<[f32; 3]> {
-        let Some(frame) = self.frame(Self::PROFILE_PX) else { return vec![[0.0; 3]; places.len()] };
+    /// The light at the pixel centres of the row through the middle of a window of `size` pixels.
+    pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
+        let Some(frame) = self.frame(size) else { return vec![[0.0; 3]; size as usize] };
         let reference = Reference::new(&frame, &self.shade());
-        places.iter().map(|x| light_on_the_middle_row(&frame, &reference, *x)).collect()
+        (0..size).map(|i| light_on_the_middle_row(&frame, &reference, super::Stimulus::place(i, size))).collect()
     }
-
-    /// Window in which a profile is taken, pixels: vertices stand on 1/256 of one.
-    const PROFILE_PX: u32 = 4096;
 }
 
 fn light_on_the_middle_row(frame: &Frame, reference: &Reference, x: f64) -> [f32; 3] {
     let side = f64::from(frame.width);
-    // A hair below the row, so that a vertex or an edge on it belongs to one side.
-    let p = DVec2::new((x + 0.5) * side, side / 2.0 + 1.0 / 1024.0);
+    let p = DVec2::new((x + 0.5) * side, side / 2.0);
     let mut nearest: Option<(f64, usize, [f64; 3])> = None;
     for triangle in 0..frame.triangles.len() {
         let weights = frame.weights(triangle, p);

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{StoreError, fault::io};
 use crate::{
     light::{Dither, LinearImage, Quantizer},
-    stimulus::recipe::Recipe,
+    stimulus::{Stimulus, recipe::Recipe},
 };
 
 /// One place of a profile.
@@ -26,8 +26,7 @@ pub struct Sample {
 pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
     let (stimulus, size) = (&recipe.stimulus, recipe.size);
     let strongest = stimulus.strongest_channel();
-    let place = |i: u32| (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size));
-    let light = stimulus.profile(&(0..size).map(place).collect::<Vec<_>>());
+    let light = stimulus.profile(size);
     let row = LinearImage::from_fn(size, 1, |i, _| light[i as usize]);
     let codes = match &recipe.dither {
         Dither::None => quantizer.quantize(&row),
@@ -37,7 +36,7 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
         .map(|i| {
             let pixel = codes.pixel(i, 0);
             Sample {
-                x: place(i),
+                x: Stimulus::place(i, size),
                 linear: f64::from(row.pixel(i, 0)[strongest]),
                 codes: pixel,
                 emitted: quantizer.linear(pixel[strongest]),

@@ -28,7 +28,7 @@ macro_rules! built_in {
         }),*];
     };
 }
-built_in!("quick", "bangay2003", "orientation");
+built_in!("quick", "bangay2003", "orientation", "shaders");
 
 /// A definition by the name of a built-in one, or by the path of a file.
 ///

@@ -47,7 +47,16 @@ pub fn frame(places: &[DVec2], triangles: &[[u32; 3]], light: impl Fn(DVec2) -> 
         .collect();
     let (width, height) = (128, 128);
     let view = View::square(128);
-    Frame { width, height, background: DVec3::ZERO, vertices, triangles, lighting: Lighting::standard(), view }
+    Frame {
+        width,
+        height,
+        background: DVec3::ZERO,
+        vertices,
+        triangles,
+        lighting: Lighting::standard(),
+        view,
+        encoding: None,
+    }
 }
 
 fn facing(places: &[DVec2], t: [u32; 3]) -> [u32; 3] {

@@ -97,6 +97,7 @@ fn divider(ui: &egui::Ui, rect: Rect, look: &mut Look) -> bool {
     let strip = Rect::from_x_y_ranges(x - 9.0..=x + 9.0, rect.y_range());
     let response = ui.interact(strip, Id::unique("demo divider"), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::slider(true, look.divider, "Divider"));
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_value(format!("{:.3}", look.divider)));
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
         look.divider = f64::from(share(rect, at).x);
     }

@@ -9,7 +9,11 @@ use crate::{
         Correction, Frame, Mesh, Scene, Shade, Shader, Surface,
         shapes::{self, Shape},
     },
+    store,
 };
+
+/// Faces of a file that meet at more than this have a crease between them, degrees: none, to show what shaders do.
+const CREASE_DEG: f64 = 180.0;
 
 /// Which surface.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,10 +53,10 @@ impl Side {
         Side { shade, naive: false }
     }
 
-    /// Whether gamma can be ignored here: only where nothing but the vertices' lights is interpolated.
+    /// Whether gamma can be ignored here: Phong's light is encoded pixel by pixel whatever is done.
     #[must_use]
     pub fn can_be_naive(&self) -> bool {
-        !matches!(self.shade.shader, Shader::Flat | Shader::Phong | Shader::Quadratic)
+        !matches!(self.shade.shader, Shader::Phong)
     }
 
     /// Whether it is ignored.
@@ -222,7 +226,9 @@ impl MeshChoice {
     pub fn mesh(&self) -> Result<Mesh, String> {
         match self {
             MeshChoice::Named(shape, vertices) => shapes::mesh(*shape, *vertices).map_err(|error| error.to_string()),
-            MeshChoice::File(path) => Err(format!("{path}: OBJ files cannot be read yet; expected a named mesh")),
+            MeshChoice::File(path) => {
+                store::obj::read(std::path::Path::new(path), CREASE_DEG).map_err(|faults| faults.to_string())
+            }
         }
     }
 }

@@ -8,6 +8,7 @@ use super::{
     comparison::{Comparison, MeshChoice, Side, depth_text, title},
     look::Look,
     presets,
+    render::{DrawnBy, Painters},
 };
 use crate::{
     light::{Depth, Transfer},
@@ -107,8 +108,11 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
             let slider = Slider::new(&mut number, range).logarithmic(true).step_by(1.0).max_decimals(0);
             let response = ui.add(slider);
             named(ui, &response, "Vertices");
+            // A preset's number, or one below the least of another shape.
+            if response.changed() || *vertices < shape.least_vertices() {
+                *vertices = number as usize;
+            }
         });
-        *vertices = number as usize;
     }
     for (axis, degrees) in ["x", "y", "z"].into_iter().zip(&mut compared.scene.rotate_deg) {
         degree(ui, &format!("turn {axis}"), &format!("Turn about {axis}"), degrees, 180.0);
@@ -167,6 +171,16 @@ pub fn transfer(ui: &mut egui::Ui, compared: &mut Comparison) {
     });
 }
 
+/// Who draws, where both can.
+pub fn painter(ui: &mut egui::Ui, painters: &mut Painters) {
+    if let Ok(card) = painters.card_name() {
+        choice(ui, "drawn by", "Drawn by", &mut painters.wanted, &[DrawnBy::Cpu, DrawnBy::Card], |by| match by {
+            DrawnBy::Cpu => "CPU".to_owned(),
+            DrawnBy::Card => card.clone(),
+        });
+    }
+}
+
 /// A label, and a control beside it.
 fn row<R>(ui: &mut egui::Ui, label: &str, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
     ui.horizontal(|ui| {
@@ -187,6 +201,7 @@ fn named(ui: &egui::Ui, response: &Response, name: &str) {
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
 }
 
+/// A number. Left as it is, to the last digit, until it is moved.
 fn slider(
     ui: &mut egui::Ui,
     label: &str,
@@ -196,20 +211,25 @@ fn slider(
     step: f64,
 ) {
     row(ui, label, |ui| {
-        let decimals = if step < 1.0 { 2 } else { 0 };
-        let response = ui.add(Slider::new(value, range).step_by(step).max_decimals(decimals));
+        let (decimals, hundreds) = if step < 1.0 { (2, 100.0) } else { (0, 1.0) };
+        // A slider rounds what it is given, and would call that a change.
+        let mut shown = (*value * hundreds).round() / hundreds;
+        let response = ui.add(Slider::new(&mut shown, range).step_by(step).max_decimals(decimals));
         named(ui, &response, name);
+        if response.changed() {
+            *value = shown;
+        }
     });
 }
 
 /// An angle from −`most` to `most` degrees. Left as it is, to the last digit, until it is moved.
 fn degree(ui: &mut egui::Ui, label: &str, name: &str, value: &mut f64, most: f64) {
     row(ui, label, |ui| {
-        let mut shown = *value;
+        let mut shown = value.round();
         let response = ui.add(Slider::new(&mut shown, -most..=most).max_decimals(0).suffix("°"));
         named(ui, &response, name);
         if response.changed() {
-            *value = shown.round();
+            *value = shown;
         }
     });
 }

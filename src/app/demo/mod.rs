@@ -1,6 +1,7 @@
 //! The demo: one surface, one light, two shaders beside each other.
 
 mod canvas;
+mod card;
 mod comparison;
 mod controls;
 mod export;
@@ -10,7 +11,10 @@ mod presets;
 mod render;
 mod scan;
 
-use eframe::egui::{self, Key, Rect, UiBuilder};
+use eframe::{
+    egui::{self, Key, Rect, UiBuilder},
+    egui_wgpu::RenderState,
+};
 
 use super::{
     Go,
@@ -20,7 +24,7 @@ use super::{
 use crate::light::CodeImage;
 use look::{Hand, Look, Show};
 use metric::Metric;
-use render::{Model, Pictures};
+use render::{Model, Painters, Picture, Pictures};
 use scan::Scan;
 
 pub use comparison::{Comparison, MeshChoice, Side};
@@ -34,6 +38,7 @@ pub struct Demo {
     look: Look,
     preset: &'static str,
     model: Option<Model>,
+    painters: Option<Painters>,
     pictures: Option<Pictures>,
     metric: Option<Metric>,
     scan: Option<Scan>,
@@ -66,6 +71,7 @@ impl Default for Demo {
             look: Look::default(),
             preset: presets::all()[0].name,
             model: None,
+            painters: None,
             pictures: None,
             metric: None,
             scan: None,
@@ -79,8 +85,12 @@ impl Default for Demo {
 
 impl Demo {
     /// Draws the page.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui) -> Go {
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, state: Option<&RenderState>) -> Go {
+        let painters = self.painters.take().unwrap_or_else(|| Painters::new(state));
+        self.painters = Some(painters);
         let mut back = false;
+        // Escape closes an open list first.
+        let listing = egui::Popup::is_any_open(ui.ctx());
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
         self.take_files(ui.ctx());
         egui::Panel::left("demo").resizable(false).exact_size(width).frame(egui::Frame::NONE.inner_margin(12.0)).show(
@@ -104,7 +114,11 @@ impl Demo {
             self.view(ui);
         });
         let typing = ui.ctx().memory(|memory| memory.focused().is_some());
-        if back || !typing && ui.input(|input| input.key_pressed(Key::Escape)) { Go::Back } else { Go::Stay }
+        if back || !typing && !listing && ui.input(|input| input.key_pressed(Key::Escape)) {
+            Go::Back
+        } else {
+            Go::Stay
+        }
     }
 
     fn controls(&mut self, ui: &mut egui::Ui) {
@@ -134,6 +148,9 @@ impl Demo {
         controls::material(ui, &mut compared.scene);
         controls::transfer(ui, &mut compared);
         self.compared = compared;
+        if let Some(painters) = &mut self.painters {
+            controls::painter(ui, painters);
+        }
         ui.separator();
         self.take_along(ui);
     }
@@ -274,8 +291,8 @@ impl Demo {
         if let Err(fault) = followed {
             self.file.fault = Some(fault);
         }
-        let Some(model) = &self.model else { return };
-        let pictures = Pictures::refreshed(ctx, self.pictures.take(), model, &self.compared, size);
+        let (Some(model), Some(painters)) = (&self.model, &mut self.painters) else { return };
+        let pictures = Pictures::refreshed(ctx, self.pictures.take(), painters, model, &self.compared, size);
         if !self.dragging || self.metric.is_none() {
             self.metric = Some(Metric::refreshed(self.metric.take(), &pictures));
         }
@@ -288,12 +305,11 @@ impl Demo {
     fn draw(&mut self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
         let Some(pictures) = &self.pictures else { return };
         let textures = match self.look.show {
-            Show::Split => [0, 1].map(|i| pictures.sides[i].texture.id()),
+            Show::Split => pictures.sides.each_ref().map(Picture::id),
             Show::Difference => {
-                let difference = Difference::refreshed(ui.ctx(), self.difference.take(), pictures, self.look.factor);
-                let id = difference.texture.id();
-                self.difference = Some(difference);
-                [id; 2]
+                self.difference = Difference::refreshed(ui.ctx(), self.difference.take(), pictures, self.look.factor);
+                let Some(difference) = &self.difference else { return };
+                [difference.texture.id(); 2]
             }
             Show::Creases => match &mut self.metric {
                 Some(metric) => metric.pictures(ui.ctx(), &pictures.frame).each_ref().map(|(_, texture)| texture.id()),
@@ -313,8 +329,9 @@ impl Demo {
         });
         let [left, right] = [0, 1].map(|i| pictures.sides[i].ms);
         let triangles = pictures.frame.triangles.len();
+        let by = self.painters.as_ref().map_or_else(String::new, Painters::sentence);
         ui.label(theme::quiet(format!(
-            "Shown by the CPU: no graphics adapter. {triangles} triangles seen. Vertices {:.1} ms, left {left:.1} ms, right {right:.1} ms.",
+            "{by} {triangles} triangles seen. Vertices {:.1} ms, left {left:.1} ms, right {right:.1} ms.",
             pictures.frame_ms
         )));
     }
@@ -324,7 +341,7 @@ impl Demo {
         let pictures = self.pictures.as_ref()?;
         let split = |left: &CodeImage, right: &CodeImage| render::split(left, right, self.look.column(left.width));
         Some(match self.look.show {
-            Show::Split => split(&pictures.sides[0].codes, &pictures.sides[1].codes),
+            Show::Split => split(&*pictures.sides[0].codes()?, &*pictures.sides[1].codes()?),
             Show::Difference => self.difference.as_ref()?.codes.clone(),
             Show::Creases => {
                 let [left, right] = self.metric.as_ref()?.drawn()?;
@@ -337,9 +354,10 @@ impl Demo {
         let mut export = std::mem::take(&mut self.export);
         if let Some(pictures) = &self.pictures {
             let compared = pictures.compared();
+            let by = self.painters.as_ref().map_or_else(String::new, Painters::drawn_by);
             export.show(ui, compared, &self.look, || {
                 let image = self.pixels()?;
-                let parameters = export::parameters(compared, &self.look, [image.width, image.height], "CPU");
+                let parameters = export::parameters(compared, &self.look, [image.width, image.height], &by);
                 Some((image, parameters))
             });
         }
@@ -348,12 +366,18 @@ impl Demo {
 }
 
 impl Difference {
-    fn refreshed(ctx: &egui::Context, before: Option<Difference>, pictures: &Pictures, factor: u8) -> Difference {
+    fn refreshed(
+        ctx: &egui::Context,
+        before: Option<Difference>,
+        pictures: &Pictures,
+        factor: u8,
+    ) -> Option<Difference> {
         if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
-            return before;
+            return Some(before);
         }
-        let codes = render::difference(&pictures.sides[0].codes, &pictures.sides[1].codes, factor);
+        let [left, right] = &pictures.sides;
+        let codes = render::difference(&*left.codes()?, &*right.codes()?, factor);
         let texture = pixels::texture_of(ctx, "difference", &codes);
-        Difference { edition: pictures.edition, factor, codes, texture }
+        Some(Difference { edition: pictures.edition, factor, codes, texture })
     }
 }

@@ -1,14 +1,23 @@
 //! From a comparison to the two pictures: computed when something has changed, and then kept.
 
-use std::{rc::Rc, time::Instant};
+use std::{borrow::Cow, rc::Rc, time::Instant};
 
-use eframe::egui::{self, TextureHandle};
+use eframe::{
+    egui::{self, TextureHandle, TextureId},
+    egui_wgpu::RenderState,
+};
 
-use super::comparison::{Comparison, MeshChoice, Side};
+use super::{
+    card::{Card, CardPicture},
+    comparison::{Comparison, MeshChoice, Side},
+};
 use crate::{
     app::pixels,
-    light::{Bits, CodeImage, Quantizer, Samples, Transfer},
-    shading::{Frame, Reference, Surface},
+    light::{CodeImage, Samples, Transfer},
+    shading::{
+        Frame, Surface,
+        raster::{Encoder, Prepared, Rasterizer},
+    },
 };
 
 /// The surface shown: the last that could be made.
@@ -51,6 +60,7 @@ pub struct Pictures {
     compared: Comparison,
     version: u64,
     size: [u32; 2],
+    by: DrawnBy,
     /// Counts the changes of any picture.
     pub edition: u64,
     /// What both shade.
@@ -63,12 +73,15 @@ pub struct Pictures {
 
 /// One side's picture.
 pub struct Picture {
-    /// Its codes.
-    pub codes: CodeImage,
-    /// The same on the graphics card.
-    pub texture: TextureHandle,
+    image: Image,
     /// How long it took, ms.
     pub ms: f64,
+}
+
+/// Where a picture is.
+enum Image {
+    Here(CodeImage, TextureHandle),
+    OnCard(CardPicture),
 }
 
 impl Pictures {
@@ -76,19 +89,22 @@ impl Pictures {
     pub fn refreshed(
         ctx: &egui::Context,
         before: Option<Pictures>,
+        painters: &mut Painters,
         model: &Model,
         compared: &Comparison,
         size: [u32; 2],
     ) -> Pictures {
-        let [width, height] = size;
-        let Some(before) = before else { return Pictures::new(ctx, model, compared, size) };
-        if before.version != model.version || before.size != size || !before.compared.same_frame(compared) {
-            return Pictures { edition: before.edition + 1, ..Pictures::new(ctx, model, compared, [width, height]) };
+        let Some(mut pictures) = before else { return Pictures::new(ctx, painters, model, compared, size) };
+        let same_model = pictures.version == model.version && pictures.size == size && pictures.by == painters.by();
+        if !same_model || !pictures.compared.same_frame(compared) {
+            let edition = pictures.edition + 1;
+            // The card's memory first.
+            drop(pictures);
+            return Pictures { edition, ..Pictures::new(ctx, painters, model, compared, size) };
         }
-        let mut pictures = before;
         for (i, side) in compared.sides.iter().enumerate() {
             if pictures.compared.sides[i] != *side {
-                pictures.sides[i] = Picture::new(ctx, &pictures.frame, side, &compared.transfer);
+                pictures.sides[i] = painters.draw(ctx, &pictures.frame, side, &compared.transfer);
                 pictures.edition += 1;
             }
         }
@@ -96,12 +112,19 @@ impl Pictures {
         pictures
     }
 
-    fn new(ctx: &egui::Context, model: &Model, compared: &Comparison, size: [u32; 2]) -> Pictures {
+    fn new(
+        ctx: &egui::Context,
+        painters: &mut Painters,
+        model: &Model,
+        compared: &Comparison,
+        size: [u32; 2],
+    ) -> Pictures {
         let begun = Instant::now();
         let frame = compared.frame(model.surface(), size[0], size[1]);
         let frame_ms = ms_since(begun);
-        let sides = compared.sides.map(|side| Picture::new(ctx, &frame, &side, &compared.transfer));
-        Pictures { compared: compared.clone(), version: model.version, size, edition: 0, frame, frame_ms, sides }
+        let sides = compared.sides.map(|side| painters.draw(ctx, &frame, &side, &compared.transfer));
+        let by = painters.by();
+        Pictures { compared: compared.clone(), version: model.version, size, by, edition: 0, frame, frame_ms, sides }
     }
 
     /// What they show.
@@ -111,20 +134,116 @@ impl Pictures {
 }
 
 impl Picture {
-    fn new(ctx: &egui::Context, frame: &Frame, side: &Side, transfer: &Transfer) -> Picture {
-        let begun = Instant::now();
-        let codes = on_cpu(frame, side, transfer);
-        let ms = ms_since(begun);
-        let texture = pixels::texture_of(ctx, "demo", &codes);
-        Picture { codes, texture, ms }
+    /// What egui knows it by.
+    pub fn id(&self) -> TextureId {
+        match &self.image {
+            Image::Here(_, texture) => texture.id(),
+            Image::OnCard(picture) => picture.id(),
+        }
+    }
+
+    /// Its codes; `None` where the card does not give them back.
+    pub fn codes(&self) -> Option<Cow<'_, CodeImage>> {
+        match &self.image {
+            Image::Here(codes, _) => Some(Cow::Borrowed(codes)),
+            Image::OnCard(picture) => picture.codes().map(Cow::Owned),
+        }
     }
 }
 
-/// One side of a frame as codes, made by the CPU.
-pub fn on_cpu(frame: &Frame, side: &Side, transfer: &Transfer) -> CodeImage {
-    let frame = side.frame(frame, transfer);
-    let quantizer = Quantizer::new(&side.transfer(transfer), Bits::Eight);
-    quantizer.quantize(&Reference::new(&frame, &side.shade).image())
+/// Who draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrawnBy {
+    /// The rasteriser.
+    Cpu,
+    /// The graphics card.
+    Card,
+}
+
+/// The two that can draw.
+pub struct Painters {
+    rasterizer: Rasterizer,
+    encoder: Option<(Transfer, Encoder)>,
+    card: Result<Card, String>,
+    /// Who is to draw, if both can.
+    pub wanted: DrawnBy,
+}
+
+impl Painters {
+    /// The machine's threads, and the window's graphics card if it has one. A card that is a program is no faster: the
+    /// rasteriser goes first.
+    pub fn new(state: Option<&RenderState>) -> Painters {
+        let card = match state {
+            Some(state) => Card::new(state).map_err(|error| error.to_string()),
+            None => Err("no graphics adapter".to_owned()),
+        };
+        let fast = card.as_ref().is_ok_and(|card| !card.is_software());
+        Painters {
+            rasterizer: Rasterizer::new(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
+            encoder: None,
+            card,
+            wanted: if fast { DrawnBy::Card } else { DrawnBy::Cpu },
+        }
+    }
+
+    /// Who draws.
+    pub fn by(&self) -> DrawnBy {
+        if self.card.is_ok() { self.wanted } else { DrawnBy::Cpu }
+    }
+
+    /// The card's name, or why it does not draw.
+    pub fn card_name(&self) -> Result<String, &str> {
+        self.card.as_ref().map(Card::name).map_err(String::as_str)
+    }
+
+    /// Who draws, by name.
+    pub fn drawn_by(&self) -> String {
+        match (self.by(), &self.card) {
+            (DrawnBy::Card, Ok(card)) => card.name(),
+            _ => "CPU".to_owned(),
+        }
+    }
+
+    /// Who draws, and why.
+    pub fn sentence(&self) -> String {
+        match &self.card {
+            Err(reason) => format!("Shown by the CPU: {reason}."),
+            Ok(_) => {
+                format!("Shown by {}.", if self.by() == DrawnBy::Cpu { "the CPU".to_owned() } else { self.drawn_by() })
+            }
+        }
+    }
+
+    fn draw(&mut self, ctx: &egui::Context, frame: &Frame, side: &Side, transfer: &Transfer) -> Picture {
+        let shown = side.frame(frame, transfer);
+        let transfer = side.transfer(transfer);
+        if self.by() == DrawnBy::Card
+            && let Ok(card) = &mut self.card
+        {
+            match card.draw(&shown, &side.shade, &transfer) {
+                Ok((picture, ms)) => return Picture { image: Image::OnCard(picture), ms },
+                // From here on the rasteriser draws, and the page says why.
+                Err(fault) => self.card = Err(fault.to_string()),
+            }
+        }
+        let begun = Instant::now();
+        let prepared = Prepared::new(&shown, &side.shade);
+        let mut rgba = vec![0; 4 * frame.width as usize * frame.height as usize];
+        self.rasterizer.draw_codes(&prepared, encoder(&mut self.encoder, &transfer), &mut rgba);
+        let ms = ms_since(begun);
+        let codes = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        let codes = CodeImage { width: frame.width, height: frame.height, samples: Samples::Eight(codes) };
+        let texture = pixels::texture_of(ctx, "demo", &codes);
+        Picture { image: Image::Here(codes, texture), ms }
+    }
+}
+
+/// The encoder for `transfer`, made anew only when it is another.
+fn encoder<'a>(kept: &'a mut Option<(Transfer, Encoder)>, transfer: &Transfer) -> &'a Encoder {
+    if kept.as_ref().is_some_and(|(known, _)| known != transfer) {
+        *kept = None;
+    }
+    &kept.get_or_insert_with(|| (transfer.clone(), Encoder::new(transfer))).1
 }
 
 /// The part of two pictures of one size on either side of the divider, its column given: what the split view shows.

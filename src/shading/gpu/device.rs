@@ -15,7 +15,7 @@ pub enum GpuError {
     /// More than the card takes.
     #[error("{what} of {size} is too large for the graphics device; expected at most {most}")]
     TooLarge {
-        /// What is too large: `a side`, in pixels, or `a buffer`, in bytes.
+        /// What is too large: `a side`, in pixels, `a buffer`, in bytes, or `a number of lamps`.
         what: &'static str,
         /// How large it is.
         size: u64,

@@ -1,12 +1,16 @@
 //! The shaders' twin on a graphics card, in WGSL.
 //!
 //! [`Gpu`] draws a [`Frame`](super::Frame) into a texture of somebody's device, with one draw; [`Offscreen`] has a
-//! device of its own, and gives an image. Lights are made of the same constants of triangles and edges as on the CPU,
-//! in f32, and encoded for the display; a picture is within one 8-bit code of the CPU's, as long as the display's
-//! exponent is not above 3: beyond, the darkest codes are closer together than f32 knows them.
+//! device of its own, and gives an image. Constants of triangles and edges are the CPU's, computed once a frame; the
+//! vertex stage hands them to the pixels of its triangle, where everything is f32, and encodes for the display.
 //!
-//! The WGSL is in `wgsl/`, a file an idea: `interpolation`, `boundary` (with *exact* and *cut*), `patch`, `vertex`,
-//! `lighting`, `transfer`.
+//! Which triangle a pixel shows is as on the CPU, because vertices lie on the steps of 1/256 pixel that cards have. Its
+//! codes are within one of the CPU's at 8 bits, as long as the display's exponent is not above 3: beyond, the darkest
+//! codes are closer together than f32 tells apart. Where a shader jumps (printed vertex shading with b > ¼), a pixel
+//! on the very jump may fall on either side.
+//!
+//! The WGSL is in `wgsl/`, a file an idea. `interpolation`, `boundary` with *exact* and *cut*, and `patch` can be taken
+//! as they are.
 
 mod device;
 mod offscreen;

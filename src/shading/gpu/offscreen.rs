@@ -66,6 +66,12 @@ impl Offscreen {
         format!("{} ({:?})", self.info.name, self.info.backend)
     }
 
+    /// Whether a program acts as the card: its frame times say nothing about cards.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
     /// `frame` shaded by `shade` as 8-bit codes for a display of `transfer`.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::{
-    light::Transfer,
+    light::{Bits, Transfer, quantize::reference_code},
     shading::{
         Across, Frame, FrameVertex, Lamp, LampPlace, Patches, Shade, Shader, Specular,
         boundary::{self, EdgeConstants},
@@ -24,11 +24,15 @@ pub struct Globals {
     diffuse: [f32; 4],
     specular: [f32; 4],
     index: [f32; 4],
-    lamps: u32,
+    lamp_count: u32,
     points: u32,
     exponent: f32,
     padding: u32,
+    lamps: [[[f32; 4]; 3]; MOST_LAMPS],
 }
+
+/// Most lamps.
+pub const MOST_LAMPS: usize = 64;
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -61,6 +65,10 @@ pub fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
         Specular::Phong | Specular::Blinn => Microfacets { facets: Facets::Beckmann, slope: 1.0, index: DVec3::ONE },
     };
     let c1 = if let Facets::Gaussian { c1 } = facets.facets { c1 } else { 0.0 };
+    let mut lamps = [[[0.0; 4]; 3]; MOST_LAMPS];
+    for (place, lamp) in lamps.iter_mut().zip(&frame.lighting.lamps) {
+        *place = pack_lamp(lamp);
+    }
     Globals {
         size: [frame.width as f32, frame.height as f32],
         boundary: shade.strip().clamp(0.0, 1.0) as f32,
@@ -70,16 +78,20 @@ pub fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
         diffuse: four(material.diffuse * material.color, material.shininess),
         specular: four(material.specular * material.specular_color, facets.slope),
         index: four(facets.index, c1),
-        lamps: frame.lighting.lamps.len() as u32,
+        lamp_count: frame.lighting.lamps.len().min(MOST_LAMPS) as u32,
         points: if let Transfer::Table(table) = transfer { table.linear().len() as u32 } else { 0 },
         exponent: if let Transfer::Gamma(gamma) = transfer { gamma.recip() as f32 } else { 1.0 },
         padding: 0,
+        lamps,
     }
 }
 
-/// The background, encoded.
+/// The background, encoded and rounded as an 8-bit image has it.
 pub fn background(frame: &Frame, transfer: &Transfer) -> DVec3 {
-    DVec3::from_array(frame.background.to_array().map(|l| transfer.encoded_from_linear(l)))
+    let code = |light: f64| reference_code(transfer, Bits::Eight, light as f32);
+    DVec3::from_array(
+        frame.background.to_array().map(|light| f64::from(code(light)) / f64::from(Bits::Eight.max_code())),
+    )
 }
 
 pub fn vertices(frame: &Frame) -> Vec<Vertex> {
@@ -113,20 +125,7 @@ fn slopes([a, b, c]: [DVec2; 3]) -> [f32; 4] {
     [ca.y / area, -ca.x / area, ab.y / area, -ab.x / area].map(|slope| slope as f32)
 }
 
-/// The lamps, three entries each, then the points of the transfer table.
-pub fn lists(frame: &Frame, transfer: &Transfer) -> Vec<[f32; 4]> {
-    let mut lists: Vec<[f32; 4]> = frame.lighting.lamps.iter().flat_map(lamp).collect();
-    if let Transfer::Table(table) = transfer {
-        let points: Vec<_> = table.linear().iter().copied().zip(table.encoded().iter().copied()).collect();
-        for (i, (linear, encoded)) in points.iter().copied().enumerate() {
-            let slope = points.get(i + 1).map_or(0.0, |next| (next.1 - encoded) / (next.0 - linear));
-            lists.push([linear as f32, encoded as f32, slope as f32, 0.0]);
-        }
-    }
-    lists
-}
-
-fn lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
+fn pack_lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
     let intensity = four(lamp.intensity, 0.0);
     match lamp.place {
         LampPlace::Direction(toward) => [four(toward, 0.0), intensity, [0.0; 4]],
@@ -134,6 +133,19 @@ fn lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
             [four(position, 1.0), intensity, four(DVec3::from_array(attenuation), 0.0)]
         }
     }
+}
+
+/// The points of the transfer table, if it is one.
+pub fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
+    let Transfer::Table(table) = transfer else { return Vec::new() };
+    let (linear, encoded) = (table.linear(), table.encoded());
+    (0..linear.len())
+        .map(|i| {
+            let j = (i + 1).min(linear.len() - 1);
+            let slope = if j > i { (encoded[j] - encoded[i]) / (linear[j] - linear[i]) } else { 0.0 };
+            [linear[i] as f32, encoded[i] as f32, slope as f32, 0.0]
+        })
+        .collect()
 }
 
 /// Rows of [`constants`] a triangle, three entries each: one for each corner, or for the edge opposite it.

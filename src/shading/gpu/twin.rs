@@ -65,6 +65,14 @@ impl Gpu {
         if side > most {
             return Err(GpuError::TooLarge { what: "a side", size: side.into(), most: most.into() });
         }
+        let lamps = frame.lighting.lamps.len();
+        if lamps > pack::MOST_LAMPS {
+            return Err(GpuError::TooLarge {
+                what: "a number of lamps",
+                size: lamps as u64,
+                most: pack::MOST_LAMPS as u64,
+            });
+        }
         let pipeline = self.pipelines.get(&self.device, frame, shade, transfer)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let buffers = [
@@ -72,7 +80,7 @@ impl Gpu {
             self.buffer("vertices", &pack::vertices(frame), storage)?,
             self.buffer("triangles", &pack::triangles(frame), storage)?,
             self.buffer("constants", &pack::constants(frame, shade), storage)?,
-            self.buffer("lists", &pack::lists(frame, transfer), storage)?,
+            self.buffer("table", &pack::table(transfer), storage)?,
         ];
         let mut binding = 0;
         let entries = buffers.each_ref().map(|buffer| {

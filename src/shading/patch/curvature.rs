@@ -37,7 +37,7 @@ pub(super) fn gradients(frame: &Frame, ring: &Ring) -> Vec<Gradient> {
 
 /// Whether the light of `vertex` is that of the frame's lighting.
 fn is_lit(frame: &Frame, vertex: &FrameVertex) -> bool {
-    let lit = frame.lighting.light(vertex.eye, vertex.normal, frame.view.to_viewer(vertex.eye));
+    let lit = frame.lit(vertex.eye, vertex.normal);
     // False for NaN.
     (lit - vertex.light).abs().max_element() <= SAME
 }
@@ -71,5 +71,5 @@ fn tangents(normal: DVec3, toward: DVec3) -> (DVec3, DVec3) {
 fn moved(frame: &Frame, vertex: &FrameVertex, step: DVec3) -> (DVec2, DVec3) {
     let eye = vertex.eye + step;
     let normal = (vertex.normal + vertex.curvature * step).normalize_or(vertex.normal);
-    (frame.view.project(eye).0, frame.lighting.light(eye, normal, frame.view.to_viewer(eye)))
+    (frame.view.project(eye).0, frame.lit(eye, normal))
 }

@@ -39,7 +39,7 @@ impl Patches {
     /// The cubics of `frame`, with gradients made as `gradients` says.
     ///
     /// [`Gradients::Curvature`] needs the vertices' lights to be those of the frame's lighting. A vertex whose light
-    /// was replaced, as [`Frame::encoded`] does, takes [`Gradients::Ring`] instead.
+    /// was replaced takes [`Gradients::Ring`] instead.
     #[must_use]
     pub fn new(frame: &Frame, gradients: Gradients) -> Patches {
         let ring = ring::Ring::of(frame);

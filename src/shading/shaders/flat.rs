@@ -9,5 +9,5 @@ use crate::shading::frame::Frame;
 pub fn light(frame: &Frame, triangle: usize) -> DVec3 {
     let [a, b, c] = frame.corners(triangle).map(|v| v.eye);
     let middle = (a + b + c) / 3.0;
-    frame.lighting.light(middle, frame.triangles[triangle].normal, frame.view.to_viewer(middle))
+    frame.lit(middle, frame.triangles[triangle].normal)
 }

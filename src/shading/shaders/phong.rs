@@ -10,5 +10,5 @@ pub fn light(frame: &Frame, triangle: usize, w: [f64; 3]) -> DVec3 {
     let corners = frame.corners(triangle);
     let mix = |of: [DVec3; 3]| of[0] * w[0] + of[1] * w[1] + of[2] * w[2];
     let (place, normal) = (mix(corners.map(|v| v.eye)), mix(corners.map(|v| v.normal)));
-    frame.lighting.light(place, normal.normalize_or_zero(), frame.view.to_viewer(place))
+    frame.lit(place, normal.normalize_or_zero())
 }

@@ -28,6 +28,6 @@ pub fn middles(frame: &Frame, triangle: usize) -> [DVec3; 3] {
         let (i, j) = others(k);
         let place = (corners[i].eye + corners[j].eye) / 2.0;
         let normal = (corners[i].normal + corners[j].normal).normalize_or_zero();
-        frame.lighting.light(place, normal, frame.view.to_viewer(place))
+        frame.lit(place, normal)
     })
 }

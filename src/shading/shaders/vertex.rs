@@ -60,7 +60,8 @@ pub fn repaired<V: Intensity>(value: V, w: [f64; 3], lights: [V; 3], corners: [D
     let mut corrected = value;
     for k in 0..3 {
         let (i, j) = others(k);
-        let Some(mix) = mix(w[i], w[j]) else { continue };
+        // At the corner itself the neighbours have no say, however they are mixed.
+        let mix = mix(w[i], w[j]).unwrap_or(0.5);
         let d = closeness(k, w, corners);
         let rho = (1.0 - d).max(0.0).sqrt();
         if rho < radius {

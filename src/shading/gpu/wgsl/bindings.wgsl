@@ -17,12 +17,22 @@ struct Globals {
     specular: vec4f,
     // Indices of refraction of Cook and Torrance's; in w, c1 of the Gaussian distribution.
     index: vec4f,
-    // Lamps in `lists`, three entries each.
-    lamps: u32,
-    // Points of the transfer table in `lists`, after the lamps.
+    // How many of `lamps` shine.
+    lamp_count: u32,
+    // Points of the transfer table.
     points: u32,
     // 1/γ of a transfer function that is a power.
     exponent: f32,
+    lamps: array<Lamp, 64>,
+}
+
+struct Lamp {
+    // Unit vector toward the lamp; where it is, if w = 1.
+    place: vec4f,
+    // I_p of red, green and blue.
+    intensity: vec4f,
+    // c1, c2, c3 of how it fades with distance.
+    fading: vec4f,
 }
 
 struct Vertex {
@@ -46,8 +56,8 @@ struct Triangle {
 @group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
 // What the shader needs of each triangle beside its vertices.
 @group(0) @binding(3) var<storage, read> constants: array<vec4f>;
-// Lamps, then the transfer table.
-@group(0) @binding(4) var<storage, read> lists: array<vec4f>;
+// The transfer table: light, what a display makes it from, slope to the next.
+@group(0) @binding(4) var<storage, read> table: array<vec4f>;
 
 // Known when the pipeline is made, so that a card runs no more than it must.
 override SHADER: u32;

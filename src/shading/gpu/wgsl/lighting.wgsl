@@ -23,20 +23,17 @@ fn to_viewer(position: vec3f) -> vec3f {
 fn light_at(position: vec3f, normal: vec3f) -> vec3f {
     let viewer = to_viewer(position);
     var sum = globals.ambient.rgb;
-    for (var i = 0u; i < globals.lamps; i++) {
-        let place = lists[3u * i];
-        let intensity = lists[3u * i + 1u].rgb;
-        let fading = lists[3u * i + 2u].xyz;
-        // Far away in the direction given, or at a point.
-        var lamp = place.xyz;
+    for (var i = 0u; i < globals.lamp_count; i++) {
+        let lamp = globals.lamps[i];
+        var toward = lamp.place.xyz;
         var attenuation = 1.0;
-        if place.w != 0.0 {
-            let offset = place.xyz - position;
+        if lamp.place.w != 0.0 {
+            let offset = lamp.place.xyz - position;
             let d = length(offset);
-            lamp = normalized(offset);
-            attenuation = min(1.0 / (fading.x + (fading.y + fading.z * d) * d), 1.0);
+            toward = normalized(offset);
+            attenuation = min(1.0 / (lamp.fading.x + (lamp.fading.y + lamp.fading.z * d) * d), 1.0);
         }
-        sum += attenuation * intensity * reflected(normal, lamp, viewer);
+        sum += attenuation * lamp.intensity.rgb * reflected(normal, toward, viewer);
     }
     return sum;
 }

@@ -20,19 +20,18 @@ fn encoded(linear: vec3f) -> vec3f {
     return l;
 }
 
-// The straight line between two points of the table: in each, x the light, y what makes it, z the slope to the next.
+// The straight line between two points of the table.
 fn from_table(linear: f32) -> f32 {
-    let first = 3u * globals.lamps;
     var low = 0u;
     var high = globals.points - 1u;
     while high - low > 1u {
         let middle = (low + high) / 2u;
-        if lists[first + middle].x <= linear {
+        if table[middle].x <= linear {
             low = middle;
         } else {
             high = middle;
         }
     }
-    let point = lists[first + low];
+    let point = table[low];
     return point.y + (linear - point.x) * point.z;
 }

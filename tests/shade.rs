@@ -1,0 +1,144 @@
+//! `machband shade`, as a user types it.
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Output},
+};
+
+use machband::{
+    light::{Bits, Quantizer, Transfer},
+    shading::{Reference, Scene, Shade, Shader, Surface, shapes},
+};
+
+fn shade(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_machband")).arg("shade").args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn metrics(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+    let output = shade(folder, &[arguments, &["--metrics", "m.json"]].concat());
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&fs::read(folder.join("m.json")).unwrap()).unwrap()
+}
+
+fn pixels(path: &Path) -> (png::Info<'static>, Vec<u8>) {
+    let mut decoder = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap()));
+    decoder.set_transformations(png::Transformations::IDENTITY);
+    let mut reader = decoder.read_info().unwrap();
+    let mut raw = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut raw).unwrap();
+    (reader.info().clone(), raw)
+}
+
+/// The picture is the reference's, and says how it was made.
+#[test]
+fn the_picture_is_the_references() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["--mesh", "torus", "--vertices", "120", "--shader", "cut", "--size", "90", "--out", "a.png"];
+    assert!(shade(folder.path(), &arguments).status.success());
+    let (info, codes) = pixels(&folder.path().join("a.png"));
+    let surface = Surface::new(shapes::mesh(shapes::Shape::Torus, 120).unwrap());
+    let frame = Scene::default().frame(&surface, 90, 90);
+    let image = Reference::new(&frame, &Shade::new(Shader::Cut)).image();
+    let expected = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&image);
+    let gray: Vec<u8> = expected.bytes().unwrap().iter().step_by(3).copied().collect();
+    assert_eq!(codes, gray);
+    let text = &info.uncompressed_latin1_text[0].text;
+    let parameters: serde_json::Value = serde_json::from_str(text).unwrap();
+    assert_eq!(parameters["shader"], "cut");
+    assert_eq!(parameters["depth"], 1);
+    assert_eq!(parameters["mesh"], "torus");
+}
+
+/// Gouraud that knows nothing of gamma is another picture between the vertices, and the same at a uniform light.
+#[test]
+fn naive_shading_differs_where_light_changes_and_only_there() {
+    let folder = tempfile::tempdir().unwrap();
+    for (options, same) in [(&["--diffuse", "0", "--specular", "0"][..], true), (&[][..], false)] {
+        let base = ["--mesh", "cube", "--shader", "gouraud", "--size", "64"];
+        assert!(shade(folder.path(), &[&base[..], options, &["--out", "a.png"]].concat()).status.success());
+        assert!(shade(folder.path(), &[&base[..], options, &["--out", "b.png", "--naive"]].concat()).status.success());
+        let (a, b) = (pixels(&folder.path().join("a.png")).1, pixels(&folder.path().join("b.png")).1);
+        assert_eq!(a == b, same, "{options:?}");
+    }
+}
+
+/// The contract's fields; 622 and 1538 triangles; exact, cut and patch without creases, whatever n and b.
+#[test]
+fn metrics_have_the_contracts_fields_and_ours_have_no_creases() {
+    let folder = tempfile::tempdir().unwrap();
+    for (vertices, triangles) in [("313", 622), ("771", 1538)] {
+        for options in [
+            &["--shader", "exact", "--depth", "3", "--boundary", "0.05"][..],
+            &["--shader", "exact", "--depth", "2", "--boundary", "0.33"],
+            &["--shader", "cut", "--boundary", "1"],
+            &["--shader", "patch"],
+        ] {
+            let found = metrics(
+                folder.path(),
+                &[&["--mesh", "blob", "--vertices", vertices, "--size", "512"][..], options].concat(),
+            );
+            assert_eq!(found["triangles"], triangles);
+            assert_eq!(found["shader"], options[1]);
+            assert!(found["edges"].as_u64().unwrap() > 300, "{found}");
+            assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
+            assert!(found["crease_rms"].as_f64().unwrap() < 1e-3 * found["crease_rms_gouraud"].as_f64().unwrap());
+            assert!(found["depth"].is_number() && found["boundary"].is_number());
+        }
+    }
+    let gouraud = metrics(folder.path(), &["--shader", "gouraud"]);
+    assert!((gouraud["crease_rms_over_gouraud"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{gouraud}");
+}
+
+/// Everything that can be wrong has its own message, and wrong usage its own status.
+#[test]
+fn each_fault_has_its_own_message() {
+    let folder = tempfile::tempdir().unwrap();
+    let obj = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    obj("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+    obj("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    obj("faceless.obj", "v 0 0 0\nv 1 0 0\n");
+    obj("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    let out = ["--out", "x.png"];
+    for (options, status, words) in [
+        (&["--shader", "goraud"][..], 2, "goraud"),
+        (&["--shader", "exact", "--depth", "0"], 2, "1…32"),
+        (&["--shader", "exact", "--boundary", "1.5"], 2, "--boundary 1.5 is outside 0…1"),
+        (&["--shader", "flat", "--mesh", "teapot"], 2, "teapot"),
+        (&["--shader", "flat", "--mesh", "blob", "--vertices", "3"], 2, "--vertices"),
+        (&["--shader", "flat", "--light", "0,0,0"], 2, "no direction"),
+        (&["--shader", "flat", "--rotate", "1,2"], 2, "three numbers"),
+        (&["--shader", "flat", "--distance", "0.5"], 2, "inside the mesh"),
+        (&["--shader", "flat", "--ambient", "NaN"], 2, "--ambient NaN"),
+        (&["--shader", "flat", "--mesh", "none.obj"], 1, "none.obj"),
+        (&["--shader", "flat", "--mesh", "nan.obj"], 1, "nan.obj:2:"),
+        (&["--shader", "flat", "--mesh", "range.obj"], 1, "range.obj:4:"),
+        (&["--shader", "flat", "--mesh", "faceless.obj"], 1, "faceless.obj"),
+        (&["--shader", "flat", "--mesh", "flat.obj"], 1, "flat.obj"),
+        (&["--shader", "flat", "--display", "none.toml"], 1, "none.toml"),
+    ] {
+        let output = shade(folder.path(), &[options, &out].concat());
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(status), "{options:?}: {error}");
+        assert!(error.starts_with("error: ") && error.contains(words), "{options:?}: {error}");
+        assert!(!folder.path().join("x.png").exists(), "{options:?}");
+    }
+    let nothing = shade(folder.path(), &["--shader", "flat"]);
+    assert_eq!(nothing.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&nothing.stderr).contains("nothing to write"));
+}
+
+/// A quad, a polygon, relative indices and given normals make a picture.
+#[test]
+fn an_obj_file_makes_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let text =
+        "o roof\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf -5 -4 -1\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 4 3 2 1\n";
+    fs::write(folder.path().join("roof.obj"), text).unwrap();
+    let found = metrics(folder.path(), &["--mesh", "roof.obj", "--shader", "exact", "--depth", "2"]);
+    assert_eq!(found["triangles"], 6);
+    assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
+    // With creases at every edge nothing is left to be smooth with.
+    let creased = metrics(folder.path(), &["--mesh", "roof.obj", "--shader", "gouraud", "--crease", "10"]);
+    assert!(creased["edges"].as_u64().unwrap() < found["edges"].as_u64().unwrap(), "{creased}");
+}
