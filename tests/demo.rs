@@ -177,6 +177,34 @@ fn the_shader_changes_the_picture() {
     assert!(changed(width / 2 + 12..width) > 1000);
 }
 
+/// Where the window has a graphics adapter, of whatever kind.
+#[test]
+fn the_card_draws_what_the_cpu_draws_within_a_code() {
+    let Some(mut window) = open_with_pixels(1.0) else { return };
+    let by_cpu = pixels(&mut window);
+    if window.query_by_label("Drawn by").is_none() {
+        // A device that cannot read what the shaders read: the page says so.
+        window.get_by_label_contains("Shown by the CPU: ");
+        return;
+    }
+    scroll_to(&mut window, "Drawn by");
+    window.get_by_label("Drawn by").click();
+    window.run_steps(3);
+    let backends = [", Vulkan", ", Gl", ", Metal", ", Dx12"];
+    let card = backends.iter().find_map(|backend| window.query_by_label_contains(backend)).expect("the card's name");
+    card.click();
+    window.run_steps(30);
+    window.remove_cursor();
+    window.run_steps(2);
+    assert_ne!(value(&window, "Drawn by"), "CPU");
+    let by_card = pixels(&mut window);
+    let apart = by_cpu.iter().flatten().zip(by_card.iter().flatten()).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(apart <= Some(1), "{apart:?} codes");
+    window.get_by_label("Time both sides").click();
+    window.run_steps(2);
+    assert_eq!(window.query_all_by_label_contains("Mpix").count(), 2);
+}
+
 #[test]
 fn the_divider_moves() {
     let Some(mut window) = open_with_pixels(1.0) else { return };

@@ -128,10 +128,10 @@ impl Side {
 }
 
 impl Default for Comparison {
-    /// Gouraud with its bands on the left, *patch* on the right.
+    /// Gouraud with its bands on the left, *patch* on the right, with highlights on both.
     fn default() -> Self {
         Self {
-            mesh: MeshChoice::Named(Shape::Blob, 313),
+            mesh: MeshChoice::Named(Shape::Torus, 200),
             scene: Scene::default(),
             sides: [Side::new(Shade::new(Shader::Gouraud)), Side::new(Shade::new(Shader::Patch))],
             transfer: Transfer::Srgb,

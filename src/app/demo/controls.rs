@@ -7,8 +7,8 @@ use super::{
     canvas::COLORS,
     comparison::{Comparison, MeshChoice, Side, depth_text, title},
     look::Look,
+    painters::{DrawnBy, Painters},
     presets,
-    render::{DrawnBy, Painters},
 };
 use crate::{
     light::{Depth, Transfer},
@@ -43,8 +43,10 @@ pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison, look: &mut Look, cho
     let response = ComboBox::from_id_salt("preset")
         .selected_text(*chosen)
         .width(ui.available_width())
+        .truncate()
         .height(420.0)
         .show_ui(ui, |ui| {
+            compact(ui);
             for preset in &presets {
                 if ui.selectable_label(*chosen == preset.name, preset.name).clicked() {
                     look.divider = preset.apply(compared);
@@ -86,7 +88,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Side) {
         choice(ui, "reweight", &name("reweight"), &mut side.shade.reweight, Correction::ALL, words);
     }
     if side.can_be_naive() {
-        let response = ui.checkbox(&mut side.naive, "ignore gamma: blend codes, not light");
+        let response = ui.checkbox(&mut side.naive, "ignore gamma, blend codes");
         named(ui, &response, &name("ignores gamma"));
     }
 }
@@ -171,6 +173,21 @@ pub fn transfer(ui: &mut egui::Ui, compared: &mut Comparison) {
     });
 }
 
+/// How often the difference is amplified.
+pub fn factor(ui: &mut egui::Ui, factor: &mut u8, label: egui::Id) {
+    ComboBox::from_id_salt("factor")
+        .selected_text(factor.to_string())
+        .width(52.0)
+        .show_ui(ui, |ui| {
+            compact(ui);
+            for one in [1, 2, 4, 8, 16, 32, 64] {
+                ui.selectable_value(factor, one, one.to_string());
+            }
+        })
+        .response
+        .labelled_by(label);
+}
+
 /// Who draws, where both can.
 pub fn painter(ui: &mut egui::Ui, painters: &mut Painters) {
     if let Ok(card) = painters.card_name() {
@@ -247,8 +264,10 @@ fn choice<T: PartialEq + Clone>(
         let response = ComboBox::from_id_salt(name)
             .selected_text(words(value))
             .width(ui.available_width())
+            .truncate()
             .height(320.0)
             .show_ui(ui, |ui| {
+                compact(ui);
                 for one in all {
                     ui.selectable_value(value, one.clone(), words(one));
                 }

@@ -7,6 +7,7 @@ mod controls;
 mod export;
 mod look;
 mod metric;
+mod painters;
 mod presets;
 mod render;
 mod scan;
@@ -19,12 +20,13 @@ use eframe::{
 use super::{
     Go,
     dialog::{Ask, Dialog},
-    pixels, theme,
+    theme,
 };
 use crate::light::CodeImage;
 use look::{Hand, Look, Show};
 use metric::Metric;
-use render::{Model, Painters, Picture, Pictures};
+use painters::Painters;
+use render::{Difference, Model, Picture, Pictures};
 use scan::Scan;
 
 pub use comparison::{Comparison, MeshChoice, Side};
@@ -46,14 +48,8 @@ pub struct Demo {
     file: FileField,
     export: export::Export,
     dragging: bool,
-}
-
-/// The difference view, and what it was made from.
-struct Difference {
-    edition: u64,
-    factor: u8,
-    codes: CodeImage,
-    texture: egui::TextureHandle,
+    /// What the last timing found.
+    times: Vec<String>,
 }
 
 /// The OBJ file.
@@ -79,6 +75,7 @@ impl Default for Demo {
             file: FileField::default(),
             export: export::Export::default(),
             dragging: false,
+            times: Vec::new(),
         }
     }
 }
@@ -150,6 +147,14 @@ impl Demo {
         self.compared = compared;
         if let Some(painters) = &mut self.painters {
             controls::painter(ui, painters);
+            if ui.button("Time both sides").clicked()
+                && let Some(pictures) = &self.pictures
+            {
+                self.times = painters.time(&pictures.frame, pictures.compared());
+            }
+            for time in &self.times {
+                ui.add(egui::Label::new(theme::quiet(time)).wrap());
+            }
         }
         ui.separator();
         self.take_along(ui);
@@ -183,16 +188,14 @@ impl Demo {
     /// A mesh that cannot be read leaves the one before.
     fn open_file(&mut self, compared: &mut Comparison) {
         let choice = MeshChoice::File(self.file.path.trim().to_owned());
-        match &mut self.model {
-            Some(model) => match model.load(&choice) {
-                Ok(()) => {
-                    compared.mesh = choice;
-                    self.file.fault = None;
-                }
-                Err(fault) => self.file.fault = Some(fault),
-            },
-            // Not drawn yet: nothing to leave.
-            None => {}
+        // Before anything is drawn there is no mesh to leave, and nothing to choose.
+        let Some(model) = &mut self.model else { return };
+        match model.load(&choice) {
+            Ok(()) => {
+                compared.mesh = choice;
+                self.file.fault = None;
+            }
+            Err(fault) => self.file.fault = Some(fault),
         }
     }
 
@@ -237,19 +240,6 @@ impl Demo {
             for (show, name) in [(Show::Split, "Split"), (Show::Difference, "Difference"), (Show::Creases, "Creases")] {
                 ui.selectable_value(&mut self.look.show, show, name);
             }
-            if self.look.show == Show::Difference {
-                let label = ui.label(theme::quiet("amplified ×"));
-                egui::ComboBox::from_id_salt("factor")
-                    .selected_text(self.look.factor.to_string())
-                    .width(52.0)
-                    .show_ui(ui, |ui| {
-                        for factor in [1, 2, 4, 8, 16, 32, 64] {
-                            ui.selectable_value(&mut self.look.factor, factor, factor.to_string());
-                        }
-                    })
-                    .response
-                    .labelled_by(label.id);
-            }
             ui.separator();
             ui.label(theme::quiet("Drag moves"));
             for (hand, name) in [(Hand::Mesh, "the mesh"), (Hand::Light, "the light"), (Hand::Line, "a scan line")] {
@@ -265,19 +255,29 @@ impl Demo {
     }
 
     /// The shaders' names over their halves.
-    fn titles(&self, ui: &mut egui::Ui, titles: &[String; 2]) {
+    fn titles(&mut self, ui: &mut egui::Ui, titles: &[String; 2]) {
         let text = |i: usize| egui::RichText::new(&titles[i]).strong().color(canvas::COLORS[i]);
         ui.horizontal(|ui| {
+            ui.set_min_height(ui.spacing().interact_size.y);
             if self.look.show == Show::Difference {
-                let factor = self.look.factor;
-                ui.label(format!("|{} − {}| × {factor}, in codes", titles[0], titles[1]));
+                ui.label(text(0));
+                ui.label("minus");
+                ui.label(text(1));
+                let label = ui.label("in codes, amplified ×");
+                controls::factor(ui, &mut self.look.factor, label.id);
                 return;
             }
-            if self.look.divider > 0.0 {
-                ui.label(text(0));
-            }
-            if self.look.divider < 1.0 {
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.label(text(1)));
+            let half =
+                egui::vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, ui.spacing().interact_size.y);
+            let sides = [egui::Layout::left_to_right, egui::Layout::right_to_left];
+            let seen = [self.look.divider > 0.0, self.look.divider < 1.0];
+            for (i, layout) in sides.into_iter().enumerate() {
+                ui.allocate_ui_with_layout(half, layout(egui::Align::Center), |ui| {
+                    ui.set_min_width(half.x);
+                    if seen[i] {
+                        ui.add(egui::Label::new(text(i)).truncate());
+                    }
+                });
             }
         });
     }
@@ -362,22 +362,5 @@ impl Demo {
             });
         }
         self.export = export;
-    }
-}
-
-impl Difference {
-    fn refreshed(
-        ctx: &egui::Context,
-        before: Option<Difference>,
-        pictures: &Pictures,
-        factor: u8,
-    ) -> Option<Difference> {
-        if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
-            return Some(before);
-        }
-        let [left, right] = &pictures.sides;
-        let codes = render::difference(&*left.codes()?, &*right.codes()?, factor);
-        let texture = pixels::texture_of(ctx, "difference", &codes);
-        Some(Difference { edition: pictures.edition, factor, codes, texture })
     }
 }

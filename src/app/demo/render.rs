@@ -2,22 +2,17 @@
 
 use std::{borrow::Cow, rc::Rc, time::Instant};
 
-use eframe::{
-    egui::{self, TextureHandle, TextureId},
-    egui_wgpu::RenderState,
-};
+use eframe::egui::{self, TextureHandle, TextureId};
 
 use super::{
-    card::{Card, CardPicture},
-    comparison::{Comparison, MeshChoice, Side},
+    card::CardPicture,
+    comparison::{Comparison, MeshChoice},
+    painters::{DrawnBy, Painters},
 };
 use crate::{
     app::pixels,
-    light::{CodeImage, Samples, Transfer},
-    shading::{
-        Frame, Surface,
-        raster::{Encoder, Prepared, Rasterizer},
-    },
+    light::{CodeImage, Samples},
+    shading::{Frame, Surface},
 };
 
 /// The surface shown: the last that could be made.
@@ -134,6 +129,16 @@ impl Pictures {
 }
 
 impl Picture {
+    /// One that took `ms` milliseconds, in memory and as a texture.
+    pub fn here(codes: CodeImage, texture: TextureHandle, ms: f64) -> Picture {
+        Picture { image: Image::Here(codes, texture), ms }
+    }
+
+    /// One that took `ms` milliseconds, on the card.
+    pub fn on_card(picture: CardPicture, ms: f64) -> Picture {
+        Picture { image: Image::OnCard(picture), ms }
+    }
+
     /// What egui knows it by.
     pub fn id(&self) -> TextureId {
         match &self.image {
@@ -151,99 +156,32 @@ impl Picture {
     }
 }
 
-/// Who draws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DrawnBy {
-    /// The rasteriser.
-    Cpu,
-    /// The graphics card.
-    Card,
+/// The difference view, and what it was made from.
+pub struct Difference {
+    edition: u64,
+    factor: u8,
+    /// Its codes.
+    pub codes: CodeImage,
+    /// The same on the screen.
+    pub texture: TextureHandle,
 }
 
-/// The two that can draw.
-pub struct Painters {
-    rasterizer: Rasterizer,
-    encoder: Option<(Transfer, Encoder)>,
-    card: Result<Card, String>,
-    /// Who is to draw, if both can.
-    pub wanted: DrawnBy,
-}
-
-impl Painters {
-    /// The machine's threads, and the window's graphics card if it has one. A card that is a program is no faster: the
-    /// rasteriser goes first.
-    pub fn new(state: Option<&RenderState>) -> Painters {
-        let card = match state {
-            Some(state) => Card::new(state).map_err(|error| error.to_string()),
-            None => Err("no graphics adapter".to_owned()),
-        };
-        let fast = card.as_ref().is_ok_and(|card| !card.is_software());
-        Painters {
-            rasterizer: Rasterizer::new(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
-            encoder: None,
-            card,
-            wanted: if fast { DrawnBy::Card } else { DrawnBy::Cpu },
+impl Difference {
+    /// That of `pictures`; `before` where it is the same still. `None` where the card does not give pictures back.
+    pub fn refreshed(
+        ctx: &egui::Context,
+        before: Option<Difference>,
+        pictures: &Pictures,
+        factor: u8,
+    ) -> Option<Difference> {
+        if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
+            return Some(before);
         }
+        let [left, right] = &pictures.sides;
+        let codes = difference(&*left.codes()?, &*right.codes()?, factor);
+        let texture = pixels::texture_of(ctx, "difference", &codes);
+        Some(Difference { edition: pictures.edition, factor, codes, texture })
     }
-
-    /// Who draws.
-    pub fn by(&self) -> DrawnBy {
-        if self.card.is_ok() { self.wanted } else { DrawnBy::Cpu }
-    }
-
-    /// The card's name, or why it does not draw.
-    pub fn card_name(&self) -> Result<String, &str> {
-        self.card.as_ref().map(Card::name).map_err(String::as_str)
-    }
-
-    /// Who draws, by name.
-    pub fn drawn_by(&self) -> String {
-        match (self.by(), &self.card) {
-            (DrawnBy::Card, Ok(card)) => card.name(),
-            _ => "CPU".to_owned(),
-        }
-    }
-
-    /// Who draws, and why.
-    pub fn sentence(&self) -> String {
-        match &self.card {
-            Err(reason) => format!("Shown by the CPU: {reason}."),
-            Ok(_) => {
-                format!("Shown by {}.", if self.by() == DrawnBy::Cpu { "the CPU".to_owned() } else { self.drawn_by() })
-            }
-        }
-    }
-
-    fn draw(&mut self, ctx: &egui::Context, frame: &Frame, side: &Side, transfer: &Transfer) -> Picture {
-        let shown = side.frame(frame, transfer);
-        let transfer = side.transfer(transfer);
-        if self.by() == DrawnBy::Card
-            && let Ok(card) = &mut self.card
-        {
-            match card.draw(&shown, &side.shade, &transfer) {
-                Ok((picture, ms)) => return Picture { image: Image::OnCard(picture), ms },
-                // From here on the rasteriser draws, and the page says why.
-                Err(fault) => self.card = Err(fault.to_string()),
-            }
-        }
-        let begun = Instant::now();
-        let prepared = Prepared::new(&shown, &side.shade);
-        let mut rgba = vec![0; 4 * frame.width as usize * frame.height as usize];
-        self.rasterizer.draw_codes(&prepared, encoder(&mut self.encoder, &transfer), &mut rgba);
-        let ms = ms_since(begun);
-        let codes = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-        let codes = CodeImage { width: frame.width, height: frame.height, samples: Samples::Eight(codes) };
-        let texture = pixels::texture_of(ctx, "demo", &codes);
-        Picture { image: Image::Here(codes, texture), ms }
-    }
-}
-
-/// The encoder for `transfer`, made anew only when it is another.
-fn encoder<'a>(kept: &'a mut Option<(Transfer, Encoder)>, transfer: &Transfer) -> &'a Encoder {
-    if kept.as_ref().is_some_and(|(known, _)| known != transfer) {
-        *kept = None;
-    }
-    &kept.get_or_insert_with(|| (transfer.clone(), Encoder::new(transfer))).1
 }
 
 /// The part of two pictures of one size on either side of the divider, its column given: what the split view shows.
@@ -252,7 +190,7 @@ pub fn split(left: &CodeImage, right: &CodeImage, column: u32) -> CodeImage {
 }
 
 /// How far two pictures are apart, in codes, times `factor`.
-pub fn difference(left: &CodeImage, right: &CodeImage, factor: u8) -> CodeImage {
+fn difference(left: &CodeImage, right: &CodeImage, factor: u8) -> CodeImage {
     combine(left, right, |_, left, right| left.abs_diff(right).saturating_mul(factor))
 }
 

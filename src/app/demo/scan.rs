@@ -46,8 +46,9 @@ impl Scan {
         let spacing = ui.spacing().item_spacing.x;
         let size = egui::vec2((ui.available_width() - spacing) / 2.0, ui.available_height());
         ui.horizontal(|ui| {
-            plot(ui, "scan light", "light", size, titles, &self.light);
-            plot(ui, "scan slope", "slope, light per pixel", size, titles, &self.slope);
+            for (what, curves) in [("light", &self.light), ("slope, light per pixel", &self.slope)] {
+                ui.allocate_ui(size, |ui| plot(ui, what, titles, curves));
+            }
         });
     }
 }
@@ -113,33 +114,27 @@ fn slopes(piece: &[[f64; 2]]) -> Vec<[f64; 2]> {
     piece.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()
 }
 
-fn plot(
-    ui: &mut egui::Ui,
-    id: &str,
-    what: &str,
-    size: egui::Vec2,
-    titles: &[String; 2],
-    curves: &[Vec<Vec<[f64; 2]>>; 2],
-) {
-    let heading = ui.painter().layout_no_wrap(what.to_owned(), egui::FontId::proportional(13.0), theme::QUIET);
-    let plot = Plot::new(id)
-        .width(size.x)
-        .height(size.y)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .y_axis_min_width(44.0)
-        .show(ui, |plot| {
-            for ((pieces, color), title) in curves.iter().zip(COLORS).zip(titles) {
-                for piece in pieces {
-                    plot.line(Line::new(title.clone(), piece.clone()).color(color).width(1.5));
+fn plot(ui: &mut egui::Ui, what: &str, titles: &[String; 2], curves: &[Vec<Vec<[f64; 2]>>; 2]) {
+    ui.vertical(|ui| {
+        ui.label(theme::quiet(format!("{what}, along the scan line from its ring")));
+        let plot = Plot::new(what)
+            .width(ui.available_width())
+            .height(ui.available_height())
+            .allow_drag(false)
+            .allow_zoom(false)
+            .allow_scroll(false)
+            .allow_boxed_zoom(false)
+            .allow_double_click_reset(false)
+            .y_axis_min_width(44.0)
+            .show(ui, |plot| {
+                for ((pieces, color), title) in curves.iter().zip(COLORS).zip(titles) {
+                    for piece in pieces {
+                        plot.line(Line::new(title.clone(), piece.clone()).color(color).width(1.5));
+                    }
                 }
-            }
+            });
+        plot.response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Plot: {what} along the scan line"))
         });
-    ui.painter().galley(plot.response.rect.left_top() + egui::vec2(52.0, 4.0), heading, theme::QUIET);
-    plot.response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Plot: {what} along the scan line"))
     });
 }
