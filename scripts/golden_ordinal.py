@@ -3,8 +3,9 @@
     python3 scripts/golden_ordinal.py data        # simulates tests/golden/ordinal/data_*.csv
     Rscript scripts/golden_ordinal.R              # models.csv, tests.csv, by R's ordinal
     python3 scripts/golden_ordinal.py statsmodels # statsmodels.csv
+    python3 scripts/golden_ordinal.py ranks       # ranks.csv: rank tests and agreement
 
-Needs numpy, pandas, scipy and statsmodels; the versions that were used are in the files' headers.
+Needs numpy, pandas, scipy, statsmodels, krippendorff and scikit-learn; the versions that were used are in the files' headers.
 """
 
 import csv
@@ -138,6 +139,17 @@ def large():
                     out.writerow([f"S{subject}", year, rating, count])
 
 
+def coders():
+    rng = np.random.default_rng(9)
+    rows = []
+    for unit in range(30):
+        truth = rng.integers(0, 5)
+        for subject in range(5):
+            if rng.random() < 0.8:
+                rows.append((f"C{subject}", f"u{unit}", int(np.clip(truth + rng.choice([-1, 0, 0, 0, 1, 2]), 0, 4))))
+    write("coders", ["unit"], rows, "Five coders rate 30 units once, with a fifth of the ratings missing")
+
+
 def data():
     FOLDER.mkdir(parents=True, exist_ok=True)
     bangay("bangay", 1, 0.6, "The design of bangay2003, 8 subjects, sd 0.6")
@@ -148,6 +160,7 @@ def data():
     strong()
     spread()
     large()
+    coders()
 
 
 def read(name):
@@ -213,5 +226,73 @@ def statsmodels_values():
                 row("coefficient_se", label, np.sqrt(covariance[j, j]))
 
 
+def alpha_by_pairs(frame, factors):
+    """Ordinal alpha from every pair of ratings of different subjects, one by one."""
+    ratings = sorted(frame["rating"].astype(int).unique())
+    coincidences = np.zeros((len(ratings), len(ratings)))
+    for _, unit in frame.groupby(factors):
+        rows = list(zip(unit["subject"], unit["rating"].astype(int).map(ratings.index)))
+        pairs = [(a, b) for (s, a), (t, b) in itertools.product(rows, rows) if s != t]
+        if pairs:
+            for a, b in pairs:
+                coincidences[a, b] += len(rows) / len(pairs)
+    n_c = coincidences.sum(axis=0)
+    n = n_c.sum()
+    delta = lambda c, k: (n_c[min(c, k) : max(c, k) + 1].sum() - (n_c[c] + n_c[k]) / 2) ** 2
+    cells = list(itertools.product(range(len(ratings)), repeat=2))
+    observed = sum(coincidences[c, k] * delta(c, k) for c, k in cells) / n
+    expected = sum(n_c[c] * n_c[k] * delta(c, k) for c, k in cells) / (n * (n - 1))
+    return 1 - observed / expected
+
+
+def rank_values():
+    from importlib.metadata import version
+
+    import krippendorff
+    import scipy
+    from scipy.stats import PermutationMethod, friedmanchisquare, wilcoxon
+    from sklearn.metrics import cohen_kappa_score
+
+    with (FOLDER / "ranks.csv").open("w", newline="") as file:
+        file.write(f"# SciPy {scipy.__version__} (friedmanchisquare, wilcoxon), krippendorff {version('krippendorff')}, scikit-learn ")
+        file.write(f"{version('scikit-learn')} (cohen_kappa_score), by scripts/golden_ordinal.py. alpha_pairs: from its definition, pair by pair.\n")
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(["test", "data", "name", "value", "p"])
+        row = lambda test, data, name, value, p="": out.writerow([test, data, name, f"{value:.12g}", p if p == "" else f"{p:.12g}"])
+        for name, factor in [("bangay", "width"), ("bangay", "depth"), ("alike", "orientation_deg"), ("spread", "x"), ("binary", "contrast")]:
+            frame = read(name)
+            values = natural(frame["rating"])
+            frame["value"] = frame["rating"].map(lambda r: float(r) if r.lstrip("-").isdigit() else values.index(r))
+            means = frame.pivot_table(index="subject", columns=factor, values="value", aggfunc="mean")[natural(frame[factor])]
+            result = friedmanchisquare(*[means[level] for level in means])
+            row("friedman", name, factor, result.statistic, result.pvalue)
+            for a, b in itertools.combinations(means, 2):
+                differences = (means[a] - means[b]).round(12)
+                if (differences != 0).any():
+                    # All 2^n signs, ties and all.
+                    exact = wilcoxon(differences, zero_method="wilcox", method=PermutationMethod(n_resamples=10**9))
+                    nonzero = differences[differences != 0]
+                    v = scipy.stats.rankdata(nonzero.abs())[nonzero > 0].sum()
+                    row("wilcoxon", name, f"{factor} {a} {b}", v, exact.pvalue)
+        differences = np.array([((i * 37) % 101 - 45) / 4 for i in range(70)])
+        approximate = wilcoxon(differences, zero_method="wilcox", correction=True, method="asymptotic")
+        nonzero = differences[differences != 0]
+        row("wilcoxon_normal", "", "", scipy.stats.rankdata(abs(nonzero))[nonzero > 0].sum(), approximate.pvalue)
+        differences = differences[:45] + np.arange(45) / 1000
+        exact = wilcoxon(differences, method="exact")
+        row("wilcoxon_exact", "", "", scipy.stats.rankdata(abs(differences))[differences > 0].sum(), exact.pvalue)
+        frame = read("coders")
+        table = frame.assign(rating=frame["rating"].astype(float)).pivot(index="subject", columns="unit", values="rating")
+        row("alpha", "coders", "unit", krippendorff.alpha(table.to_numpy(), level_of_measurement="ordinal"))
+        row("alpha_pairs", "coders", "unit", alpha_by_pairs(frame, ["unit"]))
+        row("alpha_pairs", "bangay", "", alpha_by_pairs(read("bangay"), ["width", "depth", "orientation_deg"]))
+        frame = read("spread")
+        row("alpha_pairs", "spread", "", alpha_by_pairs(frame, ["group", "x"]))
+        first = [(i * 7 + i * i) % 5 for i in range(60)]
+        second = [min(4, max(0, value + (i * 5) % 3 - 1)) for i, value in enumerate(first)]
+        for weights in ["linear", "quadratic"]:
+            row("kappa", "", weights, cohen_kappa_score(first, second, weights=weights))
+
+
 if __name__ == "__main__":
-    {"data": data, "statsmodels": statsmodels_values}[sys.argv[1]]()
+    {"data": data, "statsmodels": statsmodels_values, "ranks": rank_values}[sys.argv[1]]()

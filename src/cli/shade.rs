@@ -9,7 +9,7 @@ use super::{UsageError, options::TransferOptions, say};
 use crate::{
     light::{Bits, Depth, Quantizer, Transfer},
     shading::{
-        Correction, Creases, Gradients, Reference, Scene, Shade, Shader, Surface, crease,
+        Correction, Creases, Gradients, Highlight, Reference, Scene, Shade, Shader, Surface, crease,
         shapes::{self, Shape},
     },
     stimulus::{StimulusColor, Triple},
@@ -68,6 +68,9 @@ pub(super) struct Arguments {
     /// Light that the middle of a highlight adds, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().specular)]
     specular: f64,
+    /// Shape of the highlight.
+    #[arg(long, default_value = "phong", value_parser = clap::builder::PossibleValuesParser::new(Highlight::NAMES))]
+    highlight: String,
     /// Exponent of the highlight.
     #[arg(long, value_name = "M", default_value_t = Scene::default().shininess)]
     shininess: f64,
@@ -178,6 +181,7 @@ impl Arguments {
             ambient: self.ambient,
             diffuse: self.diffuse,
             specular: self.specular,
+            highlight: self.highlight.parse()?,
             shininess: self.shininess,
             background: self.background,
             distance: self.distance,
@@ -218,6 +222,7 @@ impl Arguments {
             "ambient": self.ambient,
             "diffuse": self.diffuse,
             "specular": self.specular,
+            "highlight": self.highlight,
             "shininess": self.shininess,
             "background": self.background,
             "distance": if self.distance.is_finite() { json!(self.distance) } else { json!("inf") },

@@ -38,7 +38,7 @@ pub use mesh::{Mesh, MeshError, Polygons, Vertex};
 pub use patch::Patches;
 pub use reference::Reference;
 pub use refraction::Refraction;
-pub use scene::Scene;
+pub use scene::{Highlight, Scene};
 pub use shader::{Correction, Gradients, Shade, Shader};
 pub use surface::Surface;
 pub use transparency::{Transparency, TransparencyError};

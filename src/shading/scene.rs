@@ -4,10 +4,28 @@ use glam::DVec3;
 
 use super::{
     frame::Frame,
-    illumination::{Lamp, LampPlace, Lighting},
+    illumination::{Facets, Lamp, LampPlace, Lighting, Microfacets, Specular},
+    shader::named,
     surface::Surface,
     view::View,
 };
+
+/// Index of refraction of the small mirrors: a quarter of the light is reflected straight on.
+const MIRROR_INDEX: f64 = 3.0;
+
+named! {
+    /// The shape of the highlight.
+    Highlight, HighlightError {
+        /// (R·V)^m.
+        Phong = "phong",
+        /// (N·H)^m.
+        Blinn = "blinn",
+        /// Small mirrors of Gaussian tilt.
+        TorranceSparrow = "torrance-sparrow",
+        /// Small mirrors of Beckmann's distribution.
+        CookTorrance = "cook-torrance",
+    }
+}
 
 /// A surface of one colour, turned before one lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +42,9 @@ pub struct Scene {
     pub diffuse: f64,
     /// Light of the highlight's middle, k_s·I_p.
     pub specular: f64,
-    /// m, the exponent of the highlight.
+    /// The shape of the highlight.
+    pub highlight: Highlight,
+    /// m, the exponent of the highlight. Small mirrors have the slope √(2/(m + 2)), as sharp as Blinn's.
     pub shininess: f64,
     /// Light around the surface, in its colour.
     pub background: f64,
@@ -44,6 +64,7 @@ impl Default for Scene {
             ambient: 0.1,
             diffuse: 0.6,
             specular: 0.2,
+            highlight: Highlight::Phong,
             shininess: 20.0,
             background: 0.05,
             fill: 0.9,
@@ -64,10 +85,23 @@ impl Scene {
         lighting.material.diffuse = self.diffuse;
         lighting.material.specular = self.specular;
         lighting.material.shininess = self.shininess;
+        lighting.material.specular_model = self.specular_model();
         lighting.ambient = DVec3::ONE;
         lighting.lamps =
             vec![Lamp { place: LampPlace::Direction(self.light.normalize_or(DVec3::Z)), intensity: DVec3::ONE }];
         lighting
+    }
+
+    fn specular_model(&self) -> Specular {
+        let slope = (2.0 / (self.shininess + 2.0)).sqrt();
+        let mirrors = |facets| Specular::CookTorrance(Microfacets { facets, slope, index: DVec3::splat(MIRROR_INDEX) });
+        match self.highlight {
+            Highlight::Phong => Specular::Phong,
+            Highlight::Blinn => Specular::Blinn,
+            // As many mirrors face the normal as in Beckmann's distribution.
+            Highlight::TorranceSparrow => mirrors(Facets::Gaussian { c1: 1.0 / (slope * slope) }),
+            Highlight::CookTorrance => mirrors(Facets::Beckmann),
+        }
     }
 
     /// From where it is seen, in a window of `width` × `height` pixels.

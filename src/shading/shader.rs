@@ -1,7 +1,5 @@
 //! Which shader, with which options.
 
-use std::{fmt, str::FromStr};
-
 use crate::light::Depth;
 
 /// Makes an enum whose values have a name in commands and files.
@@ -33,13 +31,13 @@ macro_rules! named {
             }
         }
 
-        impl fmt::Display for $enum {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        impl std::fmt::Display for $enum {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.pad(self.name())
             }
         }
 
-        impl FromStr for $enum {
+        impl std::str::FromStr for $enum {
             type Err = $error;
 
             fn from_str(text: &str) -> Result<Self, Self::Err> {

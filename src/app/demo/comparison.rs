@@ -196,6 +196,7 @@ impl Comparison {
             "ambient": scene.ambient,
             "diffuse": scene.diffuse,
             "specular": scene.specular,
+            "highlight": scene.highlight.name(),
             "shininess": scene.shininess,
             "background": scene.background,
             "fill": scene.fill,

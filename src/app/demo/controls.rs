@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     light::{Depth, Transfer},
-    shading::{Correction, Gradients, Scene, Shader, shapes::Shape},
+    shading::{Correction, Gradients, Highlight, Scene, Shader, shapes::Shape},
 };
 
 /// Width of the labels, points.
@@ -152,6 +152,9 @@ pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
     slider(ui, "diffuse", "Diffuse", &mut scene.diffuse, 0.0..=1.0, 0.01);
     slider(ui, "specular", "Specular", &mut scene.specular, 0.0..=1.0, 0.01);
     if scene.specular > 0.0 {
+        choice(ui, "highlight", "Shape of the highlight", &mut scene.highlight, Highlight::ALL, |shape| {
+            shape.name().replace('-', "–")
+        });
         slider(ui, "exponent", "Exponent of the highlight", &mut scene.shininess, 1.0..=200.0, 1.0);
     }
     slider(ui, "ground", "Light around the surface", &mut scene.background, 0.0..=1.0, 0.01);

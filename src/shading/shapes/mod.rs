@@ -9,8 +9,6 @@ mod hull;
 mod round;
 mod solids;
 
-use std::{fmt, str::FromStr};
-
 use super::{
     mesh::{Mesh, MeshError},
     shader::named,
