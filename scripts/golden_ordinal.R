@@ -116,7 +116,8 @@ record <- function(name, link, terms, nodes = 0, scale = "", drop = TRUE, assump
     put("sd", "", sd)
     # The last parameter is log(sd).
     put("sd_se", "", sd * se[length(se)])
-    effects <- ranef(m)$subject
+    # The modes of many ratings are found to the tolerance above only.
+    effects <- if (sum(d$count) > 1e4) data.frame() else ranef(m)$subject
     variances <- condVar(m)$subject
     for (j in seq_len(min(3, nrow(effects)))) {
       put("mode", rownames(effects)[j], effects[j, 1])

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's pictures anew, from the program itself: docs/pictures/{home,categories,trial,finish,dither}.png.
+# Makes the README's pictures anew, from the program itself: docs/pictures/{home,shaders,categories,trial,finish,dither}.png.
 #
 #   scripts/pictures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/pictures.sh
@@ -103,6 +103,13 @@ home=$!
 until_so has_window
 rest
 picture "$(window)" home.png
+
+# The shading demo, as a first visitor meets it: by its button in Home.
+before=$(screen)
+xdotool mousemove --window "$(window)" 662 621 click 1
+until_so changed_from "$before"
+rest
+picture "$(window)" shaders.png
 kill "$home"
 wait "$home" 2>/dev/null || true
 
@@ -156,4 +163,4 @@ done
 convert "$work/none.png" "$work/blue-noise.png" -normalize -crop 400x160+0+0 +repage -bordercolor white -border 4 \
     +append -strip "$pictures/dither.png"
 
-echo "$pictures: home.png, categories.png, trial.png, finish.png, dither.png"
+echo "$pictures: home.png, shaders.png, categories.png, trial.png, finish.png, dither.png"

@@ -245,6 +245,11 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
         })
         .transpose()?;
     let palette = info.palette.as_deref().unwrap_or_default().to_vec();
+    if let Some(parameters) = text(SHADED_KEYWORD) {
+        return Err(fail(format!(
+            "is a shaded mesh, which cannot be proved; expected an image of `stimulus` or `stimuli`. It was made with {parameters}"
+        )));
+    }
     let recipe = text(KEYWORD)
         .ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
     let recipe: Recipe = serde_json::from_str(&recipe)

@@ -5,6 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::{
     lanes::{Lanes, MOST_LANES},
     outline::{Outline, ROWS},
+    plane::Planes,
     prepared::Prepared,
 };
 
@@ -151,7 +152,8 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
         let planes = [&mut a[..], &mut b[..], &mut c[..]];
         let mut spans = spans.iter();
         for &triangle in triangles {
-            let depths = if overlap { Some(prepared.depths(triangle)) } else { None };
+            // Zeros, not nothing: a compiler may compute with what is not there, and what lies in its place can be slow.
+            let depths = if overlap { prepared.depths(triangle) } else { Planes::ZERO };
             let (first, end) = band.rows(&prepared.outlines[triangle as usize]);
             for y in first..end {
                 let Some(&(left, right)) = spans.next() else { return };
@@ -166,12 +168,11 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
                     let at = from + first as usize;
                     let count = if rest < S::F32_LANES as u32 { rest } else { S::F32_LANES as u32 };
                     let chunk = Chunk { steps: Lanes::steps(simd) + first as f32, first, count };
-                    let wanted = match &depths {
-                        Some(depths) => {
-                            let nearer = nearer(depths.precise(left + first, y), count, &mut depth[at..]);
-                            Lanes::load(simd, &nearer).below(Lanes::splat(simd, 0.0))
-                        }
-                        None => chunk.steps.below(Lanes::splat(simd, (right - left) as f32)),
+                    let wanted = if overlap {
+                        let nearer = nearer(depths.precise(left + first, y), count, &mut depth[at..]);
+                        Lanes::load(simd, &nearer).below(Lanes::splat(simd, 0.0))
+                    } else {
+                        chunk.steps.below(Lanes::splat(simd, (right - left) as f32))
                     };
                     let values: [Lanes<S>; C] = shader.light(&row, chunk);
                     for c in 0..C {

@@ -30,13 +30,12 @@ const POWERS: [(usize, usize); TERMS] =
 
 #[derive(Clone, Copy, Debug)]
 struct Triangle<const C: usize> {
+    /// Of the middle corner, the top one and the bottom one.
     weights: WeightPlanes,
-    /// Which corner is the middle one.
-    middle: usize,
     /// The top's row, and 1/height.
     top: f64,
     per_height: f64,
-    /// Terms of each channel of each part. A fourth part of zeros fills a vector.
+    /// Terms of each channel of each part, the parts in the order of the weights that are smallest there. A fourth part of zeros fills a vector.
     terms: [[[f32; 4]; C]; TERMS],
 }
 
@@ -57,18 +56,19 @@ fn triangle<const C: usize>(frame: &Frame, t: u32, channels: Channels, patches: 
     (along_y[top], along_y[bottom]) = (-1.0, 1.0);
     (along_w[middle], along_w[bottom], along_w[top]) = (1.0, -down, down - 1.0);
     let mut terms = [[[0.0; 4]; C]; TERMS];
-    for k in 0..3 {
+    let order = [middle, top, bottom];
+    for (part, k) in order.into_iter().enumerate() {
         let (i, j) = others(k);
         let local = |w: [f64; 3]| [w[i] - w[k], w[j] - w[k], 3.0 * w[k]];
         let polynomial = polynomial(&patches.cubic(t as usize, k), local(origin), local(along_y), local(along_w));
         for (terms, coefficient) in terms.iter_mut().zip(polynomial) {
             for (channel, term) in terms.iter_mut().zip(channels.pick::<C>(coefficient)) {
-                channel[k] = term as f32;
+                channel[part] = term as f32;
             }
         }
     }
-    let weights = WeightPlanes::new(&Slopes::of_triangle(frame, t));
-    Triangle { weights, middle, top: corners[top].y - 0.5, per_height, terms }
+    let weights = WeightPlanes::ordered(&Slopes::of_triangle(frame, t), order);
+    Triangle { weights, top: corners[top].y - 0.5, per_height, terms }
 }
 
 /// The cubic with the Bézier ordinates `b` in powers of Y and w, given the local weights (u, v, s) at the origin and
@@ -105,7 +105,6 @@ fn blossom(b: &[DVec3; 10], x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> DVec3 {
 #[derive(Clone, Copy)]
 pub(super) struct Row<const C: usize> {
     weights: Weights,
-    middle: usize,
     /// Coefficients of w⁰…w³ of each channel of each part.
     terms: [[[f32; 4]; C]; 4],
 }
@@ -127,30 +126,29 @@ impl<const C: usize> Rows<C> for Cubics<C> {
                 terms[3][c][k] = t[9][c][k];
             }
         }
-        Row { weights: triangle.weights.row(x, y), middle: triangle.middle, terms }
+        Row { weights: triangle.weights.row(x, y), terms }
     }
 
     #[inline(always)]
     fn light<S: Simd>(&self, row: &Row<C>, chunk: Chunk<S>) -> [Lanes<S>; C] {
         let w = row.weights.along(&chunk);
-        let middle = w[row.middle % 3];
+        let middle = w[0];
         let second = w[1].below(w[0]);
         let third = w[2].below(second.select(w[1], w[0]));
         each(
             chunk.steps.simd(),
             #[inline(always)]
             |c| {
-                let parts: [Lanes<S>; 3] = each(
-                    chunk.steps.simd(),
-                    #[inline(always)]
-                    |k| {
-                        let [a, b, c, d] =
-                            [row.terms[0][c][k], row.terms[1][c][k], row.terms[2][c][k], row.terms[3][c][k]];
-                        ((middle * d + c) * middle + b) * middle + a
-                    },
-                );
-                third.select(parts[2], second.select(parts[1], parts[0]))
+                let second = second.select(cubic::<S, C, 1>(row, c, middle), cubic::<S, C, 0>(row, c, middle));
+                third.select(cubic::<S, C, 2>(row, c, middle), second)
             },
         )
     }
+}
+
+/// Channel `c` of part `K` at the weights `w` of the middle corner.
+#[inline(always)]
+fn cubic<S: Simd, const C: usize, const K: usize>(row: &Row<C>, c: usize, w: Lanes<S>) -> Lanes<S> {
+    let [a, b, c, d] = [row.terms[0][c][K], row.terms[1][c][K], row.terms[2][c][K], row.terms[3][c][K]];
+    ((w * d + c) * w + b) * w + a
 }

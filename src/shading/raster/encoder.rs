@@ -15,6 +15,9 @@ pub struct Encoder {
 /// Entries of a table: enough for sRGB and exponents around 2.
 const ENTRIES: usize = 1 << 13;
 
+/// Where an f32's exponent begins.
+const EXPONENT: u32 = f32::MANTISSA_DIGITS - 1;
+
 /// Lower bits of an f32 that do not find an entry: what is left is the exponent and 8 bits of the mantissa.
 const LOWER: u32 = 15;
 
@@ -45,12 +48,12 @@ impl Encoder {
     /// RGBA codes, opaque, of gray light in the channels that are `lit` and darkness in the others.
     #[inline(always)]
     pub(super) fn encode_gray(&self, light: &[f32], lit: [bool; 3], pixels: &mut [[u8; 4]]) {
-        let spread = u32::from(lit[0]) | u32::from(lit[1]) << 8 | u32::from(lit[2]) << 16;
+        let spread = u32::from_le_bytes([u8::from(lit[0]), u8::from(lit[1]), u8::from(lit[2]), 0]);
         let mut codes = [0; BLOCK];
         for (light, pixels) in light.chunks(BLOCK).zip(pixels.chunks_mut(BLOCK)) {
             self.codes(light, &mut codes);
             for (pixel, code) in pixels.iter_mut().zip(&codes) {
-                *pixel = (code * spread | OPAQUE).to_le_bytes();
+                *pixel = ((code * spread) | OPAQUE).to_le_bytes();
             }
         }
     }
@@ -103,8 +106,8 @@ impl Table {
     /// The table of `quantizer`; `None` if two thresholds share an entry, or if there are too many entries.
     fn new(quantizer: &Quantizer) -> Option<Table> {
         // The largest power of two below the first threshold, or less.
-        let first = quantizer.threshold(1).to_bits() >> f32::MANTISSA_DIGITS - 1;
-        let least = f32::from_bits(first.checked_sub(1).filter(|e| *e > 0)? << f32::MANTISSA_DIGITS - 1);
+        let first = quantizer.threshold(1).to_bits() >> EXPONENT;
+        let least = f32::from_bits(first.checked_sub(1).filter(|e| *e > 0)? << EXPONENT);
         let (base, last) = (least.to_bits() >> LOWER, 1f32.to_bits() >> LOWER);
         let mut entries = Box::new([u32::from(u8::MAX) << 16; ENTRIES]);
         if (last - base) as usize >= ENTRIES {

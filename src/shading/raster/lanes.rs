@@ -146,3 +146,13 @@ pub(super) fn each<S: Simd, const N: usize>(simd: S, of: impl Fn(usize) -> Lanes
     }
     array
 }
+
+/// `to` and `term` together, number by number.
+#[inline(always)]
+pub(super) fn add<S: Simd, const N: usize>(to: [Lanes<S>; N], term: impl Fn(usize) -> Lanes<S>) -> [Lanes<S>; N] {
+    let mut sum = to;
+    for (i, sum) in sum.iter_mut().enumerate() {
+        *sum = *sum + term(i);
+    }
+    sum
+}

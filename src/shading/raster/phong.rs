@@ -6,7 +6,7 @@ use pulp::Simd;
 use super::{
     band::{Chunk, Rows},
     channels::Channels,
-    lanes::{Lanes, each},
+    lanes::{Lanes, add, each},
     plane::{Line, Planes, Slopes},
 };
 use crate::shading::{Frame, LampPlace, Specular};
@@ -64,6 +64,9 @@ impl<const C: usize> Phong<C> {
         if shines && !(exponent.fract() == 0.0 && (1.0..=LARGEST_EXPONENT).contains(&exponent)) {
             return None;
         }
+        if frame.encoding.is_some() {
+            return None;
+        }
         let eye = frame.view.distance.is_finite().then_some(frame.view.distance as f32);
         let lamps: Vec<Lamp<C>> = lighting
             .lamps
@@ -113,10 +116,7 @@ impl<const C: usize> Rows<C> for Phong<C> {
     #[inline(always)]
     fn row(&self, triangle: u32, x: u32, y: u32) -> Row {
         let normal = self.normals[triangle as usize].line(x, y);
-        let place = match self.places.get(triangle as usize) {
-            Some(place) => Some(place.line(x, y)),
-            None => None,
-        };
+        let place = self.places.get(triangle as usize).map(|place| place.line(x, y));
         Row { normal, place }
     }
 
@@ -145,7 +145,7 @@ impl<const C: usize> Rows<C> for Phong<C> {
             }
         }
         for lamp in &self.lamps {
-            let mut strength = None;
+            let mut strength = steps.all(1.0);
             let (toward, halfway) = match &lamp.place {
                 Place::Far { toward, halfway } => {
                     let toward = each(
@@ -168,7 +168,7 @@ impl<const C: usize> Rows<C> for Phong<C> {
                     );
                     let (toward, distance) = unit(&offset);
                     let weaker = (distance * *c3 + *c2) * distance + *c1;
-                    strength = Some((steps.all(1.0) / weaker).min(steps.all(1.0)));
+                    strength = (steps.all(1.0) / weaker).min(steps.all(1.0));
                     (toward, None)
                 }
             };
@@ -194,13 +194,14 @@ impl<const C: usize> Rows<C> for Phong<C> {
                 highlight = power(shine.max(steps.all(0.0)), self.exponent);
             }
             let lit = steps.all(0.0).below(cosine);
-            for c in 0..C {
-                let mut light = cosine * lamp.diffuse[c] + highlight * lamp.specular[c];
-                if let Some(strength) = strength {
-                    light = light * strength;
-                }
-                sum[c] = lit.select(sum[c] + light, sum[c]);
-            }
+            sum = add(
+                sum,
+                #[inline(always)]
+                |c| {
+                    let light = cosine * lamp.diffuse[c] + highlight * lamp.specular[c];
+                    lit.select(light * strength, steps.all(0.0))
+                },
+            );
         }
         sum
     }

@@ -61,6 +61,9 @@ impl Slopes {
 }
 
 impl<const Q: usize> Planes<Q> {
+    /// 0 everywhere.
+    pub const ZERO: Self = Planes { x: 0.0, y: 0.0, at: [0.0; Q], right: [0.0; Q], down: [0.0; Q] };
+
     /// The numbers along `row` from the centre of pixel `x` on.
     #[inline(always)]
     pub fn line(&self, x: u32, row: u32) -> Line<Q> {

@@ -220,8 +220,7 @@ impl<'f> Made<'_, 'f> {
         let (b, depth) = (shade.strip(), shade.depth);
         let printed = |sign| Kind::Printed(Printed::new(frame, seen, channels, sign, b, depth));
         Some(match shade.shader {
-            // Also for NaN.
-            _ if !(b > 0.0) => self.gouraud(channels),
+            _ if b <= 0.0 => self.gouraud(channels),
             Shader::Fixed => printed(None),
             Shader::Gradient => printed(Some(Sign::Printed)),
             Shader::GradientRepaired => printed(Some(Sign::Repaired)),

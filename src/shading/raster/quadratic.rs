@@ -5,7 +5,7 @@ use pulp::Simd;
 use super::{
     band::{Chunk, Rows},
     channels::Channels,
-    lanes::Lanes,
+    lanes::{Lanes, add},
     plane::{Line, Planes, Slopes},
     strips::{WeightPlanes, Weights},
 };
@@ -62,9 +62,11 @@ impl<const C: usize> Rows<C> for Quadratic<C> {
         for k in 0..3 {
             let (i, j) = others(k);
             let bulge = w[i] * w[j];
-            for c in 0..C {
-                light[c] = light[c] + bulge * row.excess[k][c];
-            }
+            light = add(
+                light,
+                #[inline(always)]
+                |c| bulge * row.excess[k][c],
+            );
         }
         light
     }

@@ -6,7 +6,7 @@ use super::{
     band::{Chunk, Rows},
     channels::Channels,
     curve::Curve,
-    lanes::Lanes,
+    lanes::{Lanes, add},
     plane::{Line, Planes, Slopes},
 };
 use crate::{
@@ -31,7 +31,7 @@ pub(super) struct Weights(Line<3>);
 impl Weights {
     #[inline(always)]
     pub fn along<S: Simd>(&self, chunk: &Chunk<S>) -> [Lanes<S>; 3] {
-        self.0.along(chunk.steps)
+        [self.0.one(0, chunk.steps), self.0.one(1, chunk.steps), self.0.one(2, chunk.steps)]
     }
 
     /// The smallest and the largest that each weight is within the wanted part of `chunk`.
@@ -54,7 +54,12 @@ pub(super) struct WeightPlanes(Planes<3>);
 
 impl WeightPlanes {
     pub fn new(slopes: &Slopes) -> WeightPlanes {
-        WeightPlanes(slopes.planes([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+        WeightPlanes::ordered(slopes, [0, 1, 2])
+    }
+
+    /// With the weight of corner `order[i]` in place i.
+    pub fn ordered(slopes: &Slopes, order: [usize; 3]) -> WeightPlanes {
+        WeightPlanes(slopes.planes([0, 1, 2].map(|k| order.map(|of| if of == k { 1.0 } else { 0.0 }))))
     }
 
     #[inline(always)]
@@ -75,6 +80,7 @@ fn ease<S: Simd>(x: Lanes<S>) -> Lanes<S> {
 pub(super) struct Exact<const C: usize> {
     triangles: Vec<ExactTriangle<C>>,
     strip: f32,
+    per_strip: f32,
     curve: Curve,
 }
 
@@ -102,7 +108,8 @@ impl<const C: usize> Exact<C> {
                 c: edges[*t as usize].map(|edge| channels.pick_f32(edge.c)),
             }
         };
-        Exact { triangles: seen.iter().map(triangle).collect(), strip: b as f32, curve: Curve::blend(depth) }
+        let triangles = seen.iter().map(triangle).collect();
+        Exact { triangles, strip: b as f32, per_strip: (1.0 / b) as f32, curve: Curve::blend(depth) }
     }
 }
 
@@ -124,37 +131,46 @@ impl<const C: usize> Rows<C> for Exact<C> {
 
     #[inline(always)]
     fn light<S: Simd>(&self, row: &ExactRow<C>, chunk: Chunk<S>) -> [Lanes<S>; C] {
-        let mut light: [Lanes<S>; C] = row.light.along(chunk.steps);
+        let light: [Lanes<S>; C] = row.light.along(chunk.steps);
         let (low, high) = row.weights.range(&chunk);
         let outside = self.strip * (1.0 + MARGIN);
-        if low[0] >= outside && low[1] >= outside && low[2] >= outside {
+        let near = [low[0] < outside, low[1] < outside, low[2] < outside];
+        if !(near[0] | near[1] | near[2]) {
             return light;
         }
         let w = row.weights.along(&chunk);
-        let per_strip = 1.0 / self.strip;
         let corner = 1.0 - 4.0 * self.strip - MARGIN;
-        let near_corner = high[0] > corner || high[1] > corner || high[2] > corner;
-        let mut eased = [chunk.steps.all(1.0); 3];
-        if near_corner {
-            for k in 0..3 {
-                eased[k] = ease((w[k].all(1.0) - w[k]) * (0.5 * per_strip));
-            }
+        let one = chunk.steps.all(1.0);
+        let mut eased = [one; 3];
+        if (high[0] > corner) | (high[1] > corner) | (high[2] > corner) {
+            let per_strip = 0.5 * self.per_strip;
+            eased = [ease((one - w[0]) * per_strip), ease((one - w[1]) * per_strip), ease((one - w[2]) * per_strip)];
         }
-        for k in 0..3 {
-            if low[k] >= outside {
-                continue;
-            }
-            let (i, j) = others(k);
-            let mut u = w[k] * per_strip;
-            if near_corner {
-                u = u / (eased[i] * eased[j]).max(u.all(NARROWEST));
-            }
-            let bump = w[k] * self.curve.value((u.all(1.0) - u).max(u.all(0.0)));
-            for c in 0..C {
-                light[c] = light[c] + bump * row.c[k][c];
-            }
-        }
-        light
+        let light = if near[0] { self.bent::<S, 0>(light, row, &w, &eased) } else { light };
+        let light = if near[1] { self.bent::<S, 1>(light, row, &w, &eased) } else { light };
+        if near[2] { self.bent::<S, 2>(light, row, &w, &eased) } else { light }
+    }
+}
+
+impl<const C: usize> Exact<C> {
+    /// `light` with strip `K`.
+    #[inline(always)]
+    fn bent<S: Simd, const K: usize>(
+        &self,
+        light: [Lanes<S>; C],
+        row: &ExactRow<C>,
+        w: &[Lanes<S>; 3],
+        eased: &[Lanes<S>; 3],
+    ) -> [Lanes<S>; C] {
+        let (i, j) = others(K);
+        let (zero, one) = (w[K].all(0.0), w[K].all(1.0));
+        let u = w[K] * self.per_strip / (eased[i] * eased[j]).max(one.all(NARROWEST));
+        let bump = w[K] * self.curve.value((one - u).max(zero).min(one));
+        add(
+            light,
+            #[inline(always)]
+            |c| bump * row.c[K][c],
+        )
     }
 }
 
@@ -227,23 +243,30 @@ impl<const C: usize> Rows<C> for Cut<C> {
 
     #[inline(always)]
     fn light<S: Simd>(&self, row: &CutRow<C>, chunk: Chunk<S>) -> [Lanes<S>; C] {
-        let mut light: [Lanes<S>; C] = row.light.along(chunk.steps);
+        let light: [Lanes<S>; C] = row.light.along(chunk.steps);
         let w = row.weights.along(&chunk);
         let (low, _) = row.weights.range(&chunk);
-        for k in 0..3 {
-            if low[k] >= self.strip * (1.0 + MARGIN) {
-                continue;
-            }
-            let (i, j) = others(k);
-            let from_start = w[j] + w[k] * row.foot[k];
-            let from_end = w[i] + w[k] * (1.0 - row.foot[k]);
-            let width = ease(from_start * row.reach[k][0]) * ease(from_end * row.reach[k][1]) * self.strip;
-            let u = w[k] / width.max(width.all(NARROWEST));
-            let corner = width * self.curve.value((u.all(1.0) - u).max(u.all(0.0)));
-            for c in 0..C {
-                light[c] = light[c] - corner * row.c[k][c];
-            }
-        }
-        light
+        let outside = self.strip * (1.0 + MARGIN);
+        let light = if low[0] < outside { self.bent::<S, 0>(light, row, &w) } else { light };
+        let light = if low[1] < outside { self.bent::<S, 1>(light, row, &w) } else { light };
+        if low[2] < outside { self.bent::<S, 2>(light, row, &w) } else { light }
+    }
+}
+
+impl<const C: usize> Cut<C> {
+    /// `light` with the corner at edge `K` cut.
+    #[inline(always)]
+    fn bent<S: Simd, const K: usize>(&self, light: [Lanes<S>; C], row: &CutRow<C>, w: &[Lanes<S>; 3]) -> [Lanes<S>; C] {
+        let (i, j) = others(K);
+        let from_start = w[j] + w[K] * row.foot[K];
+        let from_end = w[i] + w[K] * (1.0 - row.foot[K]);
+        let width = ease(from_start * row.reach[K][0]) * ease(from_end * row.reach[K][1]) * self.strip;
+        let u = w[K] / width.max(width.all(NARROWEST));
+        let corner = width * self.curve.value((u.all(1.0) - u).max(u.all(0.0)).min(u.all(1.0)));
+        add(
+            light,
+            #[inline(always)]
+            |c| corner * -row.c[K][c],
+        )
     }
 }

@@ -1,0 +1,131 @@
+//! What one shaded frame costs: 1024 × 1024 pixels as 8-bit RGBA in sRGB, 28 × 28 × 2 jittered triangles that cover the
+//! whole window.
+//!
+//! Peer, measured beside it by `benches/shading_llvmpipe.py`: Mesa's llvmpipe. Others, as reported and not measured here:
+//! euc 0.5.3, one thread, Gouraud 50 and Phong 29 Mpix/s. Results and how to repeat them: `benches/README.md`.
+
+use std::fmt;
+
+use divan::counter::ItemsCount;
+use divan::{Bencher, black_box};
+use glam::DVec3;
+use machband::light::{LinearImage, Transfer};
+use machband::shading::raster::{Encoder, Prepared, Rasterizer};
+use machband::shading::{Frame, Lighting, Shade, Shader, Surface, View, shapes};
+
+const SIZE: u32 = 1024;
+const PIXELS: usize = SIZE as usize * SIZE as usize;
+
+fn main() {
+    divan::main();
+}
+
+/// A jittered grid of `columns` × `rows` × 2 triangles over the whole window, its normals those of gentle hills.
+fn grid(columns: usize, rows: usize, color: DVec3) -> Frame {
+    let mut mesh = shapes::jittered_grid(columns, rows, 0.24, |_, _| 0.0).expect("a grid");
+    for vertex in &mut mesh.vertices {
+        let p = vertex.position;
+        vertex.normal = DVec3::new(0.5 * (4.0 * p.x).sin(), 0.5 * (3.0 * p.y + p.x).sin(), 1.0).normalize();
+    }
+    // The square's corners are on the bounding sphere.
+    let view = View { fill: std::f64::consts::SQRT_2, ..View::square(SIZE) };
+    Frame::new(&Surface::new(mesh), &view, &Lighting::standard().with_color(color), DVec3::ZERO)
+}
+
+const GRAY: DVec3 = DVec3::ONE;
+const COLOR: DVec3 = DVec3::new(0.9, 0.6, 0.3);
+
+#[derive(Clone, Copy)]
+struct Case {
+    shader: Shader,
+    threads: usize,
+    color: DVec3,
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Case { shader, threads, color } = self;
+        write!(f, "{shader}, {}, {threads} thr.", if *color == GRAY { "gray" } else { "color" })
+    }
+}
+
+fn cases() -> Vec<Case> {
+    let shaders = Shader::ALL.iter();
+    shaders
+        .flat_map(|&shader| [GRAY, COLOR].map(|color| [1, 2].map(|threads| Case { shader, threads, color })))
+        .flatten()
+        .collect()
+}
+
+/// The defaults, but for *exact* the narrow strip that the marks are about.
+fn shade(shader: Shader) -> Shade {
+    let shade = Shade::new(shader);
+    if shader == Shader::Exact { Shade { boundary: 0.05, ..shade } } else { shade }
+}
+
+fn bench_codes(bencher: Bencher<'_, '_>, frame: &Frame, shade: &Shade, threads: usize) {
+    let prepared = Prepared::new(frame, shade);
+    let encoder = Encoder::new(&Transfer::Srgb);
+    let mut rasterizer = Rasterizer::new(threads);
+    let mut pixels = vec![1; 4 * PIXELS];
+    bencher.counter(ItemsCount::new(PIXELS)).bench_local(|| {
+        rasterizer.draw_codes(black_box(&prepared), &encoder, black_box(&mut pixels));
+    });
+}
+
+/// All that is done once a pixel, into memory that is already there.
+#[divan::bench_group(sample_count = 100, sample_size = 1)]
+mod pixels {
+    use super::*;
+
+    #[divan::bench(args = cases())]
+    fn rgba8(bencher: Bencher<'_, '_>, case: Case) {
+        bench_codes(bencher, &grid(28, 28, case.color), &shade(case.shader), case.threads);
+    }
+
+    #[divan::bench(args = [1, 2])]
+    fn linear_f32_gouraud(bencher: Bencher<'_, '_>, threads: usize) {
+        let frame = grid(28, 28, COLOR);
+        let prepared = Prepared::new(&frame, &shade(Shader::Gouraud));
+        let mut rasterizer = Rasterizer::new(threads);
+        let mut image = LinearImage::new(SIZE, SIZE);
+        bencher.counter(ItemsCount::new(PIXELS)).bench_local(|| {
+            rasterizer.draw_linear(black_box(&prepared), black_box(&mut image));
+        });
+    }
+}
+
+/// Gouraud and *exact* from huge triangles to those of a few pixels.
+#[divan::bench_group(sample_count = 40, sample_size = 1)]
+mod triangles {
+    use super::*;
+
+    const GRIDS: [(usize, usize); 7] = [(3, 2), (6, 6), (14, 14), (28, 28), (70, 70), (160, 160), (316, 316)];
+
+    #[divan::bench(args = GRIDS)]
+    fn gouraud(bencher: Bencher<'_, '_>, (columns, rows): (usize, usize)) {
+        bench_codes(bencher, &grid(columns, rows, GRAY), &shade(Shader::Gouraud), 1);
+    }
+
+    #[divan::bench(args = GRIDS)]
+    fn exact(bencher: Bencher<'_, '_>, (columns, rows): (usize, usize)) {
+        bench_codes(bencher, &grid(columns, rows, GRAY), &shade(Shader::Exact), 1);
+    }
+}
+
+/// What is done once a frame: the constants of 1568 triangles.
+#[divan::bench_group(sample_count = 40, sample_size = 1)]
+mod prepare {
+    use super::*;
+
+    #[divan::bench(args = Shader::ALL)]
+    fn gray(bencher: Bencher<'_, '_>, shader: Shader) {
+        let frame = grid(28, 28, GRAY);
+        bencher.bench_local(|| Prepared::new(black_box(&frame), &shade(shader)));
+    }
+
+    #[divan::bench]
+    fn encoder(bencher: Bencher<'_, '_>) {
+        bencher.bench_local(|| Encoder::new(black_box(&Transfer::Srgb)));
+    }
+}
