@@ -4,7 +4,7 @@
 //   x  c, how much the light bends across the edge; 0 at borders, creases and silhouettes
 //   y  where the perpendicular from the opposite corner meets the edge, 0…1
 //   z, w  how near to the edge's two ends the strip at it may go
-// Edge k lies opposite corner k. Weights are those of the screen: linear there, not perspective-corrected.
+// `strip` is b, the width of the strips, above 0: b = 1/3 or more. Edge k lies opposite corner k. Weights are those of the screen: linear there, not perspective-corrected.
 
 fn ease(x: f32) -> f32 {
     let t = clamp(x, 0.0, 2.0);

@@ -1,6 +1,9 @@
 //! `machband shade`
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Write as _,
+    path::{Path, PathBuf},
+};
 
 use glam::DVec3;
 use serde_json::json;
@@ -9,7 +12,7 @@ use super::{UsageError, options::TransferOptions, say};
 use crate::{
     light::{Bits, Depth, Quantizer, Transfer},
     shading::{
-        Correction, Creases, Gradients, Highlight, Reference, Scene, Shade, Shader, Surface, crease,
+        Correction, Creases, EdgeKind, Gradients, Highlight, Reference, Scene, Shade, Shader, Surface, crease,
         shapes::{self, Shape},
     },
     stimulus::{StimulusColor, Triple},
@@ -19,13 +22,14 @@ use crate::{
 /// Shade a mesh: write its picture, and how far its edges are from smooth.
 #[derive(clap::Args)]
 #[command(
+    allow_negative_numbers = true,
     after_help = "Example: machband shade --mesh blob --vertices 313 --shader exact --depth 3 --boundary 0.2 --out exact.png --metrics exact.json"
 )]
 pub(super) struct Arguments {
     /// cube, pyramid, sphere, torus, blob, or an OBJ file.
     #[arg(long, value_name = "MESH", default_value = "blob")]
     mesh: String,
-    /// Number of vertices of a sphere, torus or blob.
+    /// Number of vertices of a blob; about so many of a sphere or torus.
     #[arg(long, value_name = "N", default_value_t = 313)]
     vertices: usize,
     /// Faces of an OBJ file that meet at more than this many degrees make a crease.
@@ -34,10 +38,10 @@ pub(super) struct Arguments {
     /// How light is spread over the triangles.
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(Shader::NAMES))]
     shader: String,
-    /// Continuity depth n of the strips at the edges, 1 to 32 or inf.
+    /// Continuity depth n of the strips at the edges, 1 to 32 or inf; for fixed, gradient, exact, cut and corrections.
     #[arg(long, value_name = "N", default_value = "1")]
     depth: Depth,
-    /// Width b of the strips at the edges, as a barycentric weight, 0 to 1; above 1/3 only cut differs [default: 1/3
+    /// Width b of those strips, as a barycentric weight, 0 to 1; above 1/3 only cut differs [default: 1/3
     /// for cut, else 0.2].
     #[arg(long, value_name = "B")]
     boundary: Option<f64>,
@@ -56,7 +60,7 @@ pub(super) struct Arguments {
     /// Direction toward the lamp: right, up, toward the viewer.
     #[arg(long, value_name = "X,Y,Z", default_value = "0.36,0.48,0.8", allow_hyphen_values = true)]
     light: Triple,
-    /// Color of the surface: gray, yellow, R,G,B or another that `stimulus` takes.
+    /// Color of the surface: gray, yellow, red, green, blue, R,G,B (linear weights), hsv:H,S,V or xyY:x,y,Y.
     #[arg(long, default_value = "gray")]
     color: StimulusColor,
     /// Light where the lamp does not reach, 0 to 1.
@@ -77,7 +81,7 @@ pub(super) struct Arguments {
     /// Light around the surface, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().background)]
     background: f64,
-    /// Distance of the eye in radii of the mesh, above 1; inf for a parallel projection.
+    /// Distance of the eye in radii of the mesh, 1.05 to 1e6; inf for a parallel projection.
     #[arg(long, value_name = "R", default_value_t = f64::INFINITY)]
     distance: f64,
     /// Interpolate encoded values, as a renderer does that knows nothing of gamma.
@@ -103,10 +107,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if arguments.out.is_none() && arguments.metrics.is_none() && arguments.creases.is_none() {
-        let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
-        return Err(UsageError(message.to_owned()).into());
-    }
+    arguments.check_files()?;
     let (shade, scene) = (arguments.shade()?, arguments.scene()?);
     let transfer = arguments.transfer.transfer()?;
     let surface = Surface::new(arguments.mesh()?);
@@ -114,36 +115,83 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if frame.triangles.is_empty() {
         anyhow::bail!("{}: no triangle has an area that faces the viewer; expected at least one", arguments.mesh);
     }
+    let several = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
+    if several > 0 {
+        note(&format!(
+            "{}: {several} edges have more than two triangles, or two wound against each other; light is not joined across them",
+            arguments.mesh
+        ));
+    }
+    let shown = if arguments.naive { frame.clone().encoded(&transfer) } else { frame.clone() };
     if let Some(out) = &arguments.out {
-        let (shown, codes_of) = if arguments.naive {
-            (frame.clone().encoded(&transfer), Transfer::Linear)
-        } else {
-            (frame.clone(), transfer.clone())
-        };
         let image = Reference::new(&shown, &shade).image();
+        let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
+        if clipped > 0 {
+            note(&format!(
+                "{clipped} pixels are brighter than the screen can be and are clipped, which makes edges of its own"
+            ));
+        }
+        let codes_of = if arguments.naive { Transfer::Linear } else { transfer.clone() };
         let codes = Quantizer::new(&codes_of, arguments.bits.parse::<Bits>()?).quantize(&image);
         store::image::write_shaded(out, &codes, &transfer, &arguments.describe(&shade))?;
     }
-    if arguments.metrics.is_some() || arguments.creases.is_some() {
-        let creases = Creases::of(&frame, &shade);
-        if let Some(path) = &arguments.metrics {
-            arguments.write_metrics(path, &surface, &frame, &shade, &creases)?;
-        }
-        if let Some(path) = &arguments.creases {
-            let gouraud = Creases::of_gouraud(&frame);
-            let picture = crease::picture(&frame, &creases, gouraud.p95);
-            let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture);
-            store::image::write_shaded(path, &codes, &Transfer::Srgb, &arguments.describe(&shade))?;
-        }
+    if arguments.metrics.is_none() && arguments.creases.is_none() {
+        return Ok(());
+    }
+    let creases = if arguments.naive {
+        let decode = |l: DVec3| DVec3::from_array(l.to_array().map(|l| transfer.linear_from_encoded(l)));
+        Creases::of_encoded(&shown, &shade, decode)
+    } else {
+        Creases::of(&frame, &shade)
+    };
+    let gouraud = Creases::of_gouraud(&frame);
+    if let Some(path) = &arguments.metrics {
+        arguments.write_metrics(path, &surface, &frame, &shade, &creases, &gouraud)?;
+    }
+    if let Some(path) = &arguments.creases {
+        let picture = crease::picture(&frame, &creases, gouraud.p95);
+        let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture);
+        store::image::write_shaded(path, &codes, &Transfer::Srgb, &arguments.describe(&shade))?;
     }
     Ok(())
 }
 
+/// Something to know that is no fault.
+fn note(text: &str) {
+    // Where nobody listens, nothing is lost.
+    let _ = writeln!(std::io::stderr(), "note: {text}");
+}
+
 impl Arguments {
+    /// That there is something to write, and that nothing is written over what is read or written.
+    fn check_files(&self) -> Result<(), UsageError> {
+        let files = [("--out", &self.out), ("--metrics", &self.metrics), ("--creases", &self.creases)];
+        let given: Vec<(&str, &PathBuf)> =
+            files.iter().filter_map(|(option, path)| Some((*option, path.as_ref()?))).collect();
+        if given.is_empty() {
+            let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
+            return Err(UsageError(message.to_owned()));
+        }
+        for (i, (option, path)) in given.iter().enumerate() {
+            if let Some((other, _)) = given[..i].iter().find(|(_, other)| other == path) {
+                return Err(UsageError(format!("{option} {} is {other}'s file; expected another", path.display())));
+            }
+            if Path::new(&self.mesh) == path.as_path() {
+                return Err(UsageError(format!("{option} {} is the mesh; expected another file", path.display())));
+            }
+        }
+        Ok(())
+    }
+
     fn shade(&self) -> anyhow::Result<Shade> {
         let shader: Shader = self.shader.parse()?;
         let boundary = self.boundary.unwrap_or(Shade::new(shader).boundary);
         within("--boundary", boundary, 0.0, 1.0)?;
+        let corrected = self.vertex != "off" || self.reweight != "off";
+        if corrected && matches!(shader, Shader::Flat | Shader::Phong) {
+            let message = format!("--vertex and --reweight correct interpolated light; expected off for {shader}");
+            return Err(UsageError(message).into());
+        }
         Ok(Shade {
             shader,
             depth: self.depth,
@@ -165,18 +213,18 @@ impl Arguments {
         }
         within("--shininess", self.shininess, 1.0, 1000.0)?;
         within("--crease", self.crease, 0.0, 180.0)?;
-        if self.light.0 == [0.0; 3] {
-            return Err(
-                UsageError(format!("--light {} is no direction; expected one that is not 0,0,0", self.light)).into()
-            );
-        }
-        if self.distance.is_nan() || self.distance <= 1.0 {
-            let message = format!("--distance {} is inside the mesh; expected more than 1, or inf", self.distance);
+        let light = DVec3::from_array(self.light.0);
+        if !(1e-6..=1e6).contains(&light.length()) {
+            let message = format!("--light {} is no direction; expected a length from 1e-6 to 1e6", self.light);
             return Err(UsageError(message).into());
+        }
+        if self.distance.is_finite() || self.distance.is_nan() {
+            within("--distance", self.distance, 1.05, 1e6)
+                .map_err(|error| UsageError(format!("{error}, or inf (the mesh has the radius 1)")))?;
         }
         Ok(Scene {
             rotate_deg: self.rotate.0,
-            light: DVec3::from_array(self.light.0),
+            light,
             color: DVec3::from_array(self.color.rgb()),
             ambient: self.ambient,
             diffuse: self.diffuse,
@@ -238,12 +286,17 @@ impl Arguments {
         frame: &crate::shading::Frame,
         shade: &Shade,
         creases: &Creases,
+        gouraud: &Creases,
     ) -> anyhow::Result<()> {
-        let gouraud = Creases::of_gouraud(frame);
-        let over = |value: f64, of: f64| if of > 0.0 { json!(value / of) } else { json!(null) };
+        // Where Gouraud has no crease there is nothing to compare with.
+        let over = |value: f64, of: f64| if of > crease::NOISE { json!(value / of) } else { json!(null) };
         let mut metrics = self.describe(shade);
         if let Some(fields) = metrics.as_object_mut() {
             for (name, value) in [
+                (
+                    "sites",
+                    json!(surface.mesh.vertices.iter().map(|v| v.site).collect::<std::collections::HashSet<_>>().len()),
+                ),
                 ("triangles", json!(surface.mesh.triangles.len())),
                 ("triangles_seen", json!(frame.triangles.len())),
                 ("edges", json!(creases.edges.len())),
@@ -262,13 +315,11 @@ impl Arguments {
             }
         }
         store::dataset::write_json(path, &metrics)?;
-        say(&format!(
-            "{}: crease rms {:.3e} a pixel over {} edges, {:.4} of Gouraud's",
-            shade.shader,
-            creases.rms,
-            creases.edges.len(),
-            creases.rms / gouraud.rms
-        ))
+        let over = creases
+            .over(gouraud)
+            .map_or_else(|| "Gouraud has none".to_owned(), |over| format!("{over:.4} of Gouraud's"));
+        let edges = creases.edges.len();
+        say(&format!("{}: crease rms {:.3e} a pixel over {edges} edges, {over}", shade.shader, creases.rms))
     }
 }
 

@@ -87,8 +87,7 @@ impl Scene {
         lighting.material.shininess = self.shininess;
         lighting.material.specular_model = self.specular_model();
         lighting.ambient = DVec3::ONE;
-        lighting.lamps =
-            vec![Lamp { place: LampPlace::Direction(self.light.normalize_or(DVec3::Z)), intensity: DVec3::ONE }];
+        lighting.lamps = vec![Lamp { place: LampPlace::Direction(direction(self.light)), intensity: DVec3::ONE }];
         lighting
     }
 
@@ -115,4 +114,9 @@ impl Scene {
     pub fn frame(&self, surface: &Surface, width: u32, height: u32) -> Frame {
         Frame::new(surface, &self.view(width, height), &self.lighting(), self.color * self.background)
     }
+}
+
+/// The unit vector along `v`, however long or short; toward the eye if it has no direction.
+fn direction(v: DVec3) -> DVec3 {
+    (v / v.abs().max_element()).normalize_or(DVec3::Z)
 }

@@ -83,9 +83,9 @@ kind! {
         reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
         gradients: Gradients = Gradients::Curvature, Range::Any, "", "Where patch has its slopes from: curvature, ring or quadric", "curvature, ring or quadric", ["curvature", "ring"];
         mesh: Shape = Shape::Blob, Range::Any, "", "Which mesh: cube, pyramid, sphere, torus or blob", "cube, pyramid, sphere, torus or blob", ["cube", "sphere", "blob"];
-        vertices: u32 = 313, Range::Within(4.0, 20_000.0), "1", "Number of vertices of a sphere, torus or blob", "a whole number from 4 to 20000", ["313", "771"];
+        vertices: u32 = 313, Range::Within(4.0, 20_000.0), "1", "Number of vertices of a blob; about so many of a sphere or torus", "a whole number from 4 to 20000", ["313", "771"];
         rotate: Triple = Triple([25.0, -35.0, 0.0]), Range::Any, "°", "Turned about x, then y, then z", "three angles in degrees, such as 25,-35,0", ["25,-35,0"];
-        light: Triple = Triple([0.36, 0.48, 0.8]), Range::Any, "", "Direction toward the lamp: right, up, toward the viewer", "three numbers that are not all 0, such as 0.36,0.48,0.8", ["0.36,0.48,0.8"];
+        light: Triple = Triple([0.36, 0.48, 0.8]), Range::Any, "", "Direction toward the lamp: right, up, toward the viewer", "three numbers of a length from 1e-6 to 1e6, such as 0.36,0.48,0.8", ["0.36,0.48,0.8"];
         highlight: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Relative luminance that the middle of a highlight adds", "a relative luminance", ["0", "0.2"];
         background: f64 = 0.05, Range::Within(0.0, 1.0), "1", "Relative luminance around the surface", "a relative luminance", ["0.05"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp does not reach", "the relative luminance where the lamp does not reach", ["0.1"];
@@ -97,8 +97,27 @@ kind! {
 impl ShadedMesh {
     fn contradictions(&self) -> Option<ParameterError> {
         let parameter = |name| Self::PARAMETERS.iter().find(|parameter| parameter.name == name);
-        if self.light.0 == [0.0; 3] {
+        if !(1e-6..=1e6).contains(&DVec3::from_array(self.light.0).length()) {
             return Some(parameter("light")?.error(self.light, "is no direction"));
+        }
+        if self.mesh.has_vertices() && (self.vertices as usize) < self.mesh.least_vertices() {
+            let least = self.mesh.least_vertices();
+            return Some(
+                parameter("vertices")?.error(self.vertices, format!("is below the {least} of a {}", self.mesh)),
+            );
+        }
+        let corrected = [("vertex", self.vertex), ("reweight", self.reweight)];
+        if let Some((name, correction)) = corrected.into_iter().find(|(_, correction)| *correction != Correction::Off)
+            && matches!(self.shader, Shader::Flat | Shader::Phong)
+        {
+            let problem = format!("corrects interpolated light, which {} has not", self.shader);
+            return Some(parameter(name)?.error(correction, problem));
+        }
+        if self.high + self.highlight > 1.0 {
+            return Some(
+                parameter("highlight")?
+                    .error(self.highlight, "and high are above 1 together: clipped light has edges of its own"),
+            );
         }
         low_above_high(Self::PARAMETERS, self.low, self.high)
     }

@@ -59,10 +59,16 @@ impl Creases {
     /// frame at barycentric weights of it, all of them at least 0.
     #[must_use]
     pub fn of_field(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
+        Creases::of_field_at(frame, STEP, light)
+    }
+
+    /// The same with steps that change no weight by more than `step`, 0…1, of the smaller weight at the edge: for
+    /// strips that are narrow.
+    fn of_field_at(frame: &Frame, step: f64, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
         let edges = shared_edges(frame)
             .into_par_iter()
             .map(|edge| {
-                let (jump, step) = edge.measure(frame, &light);
+                let (jump, step) = edge.measure(frame, step, &light);
                 EdgeCrease { triangles: edge.triangles, ends: edge.ends, length: edge.length(frame), jump, step }
             })
             .collect();
@@ -73,7 +79,7 @@ impl Creases {
     #[must_use]
     pub fn of(frame: &Frame, shade: &Shade) -> Creases {
         let reference = Reference::new(frame, shade);
-        Creases::of_field(frame, |triangle, weights| reference.light(triangle, weights))
+        Creases::of_field_at(frame, step_within(shade), |triangle, weights| reference.light(triangle, weights))
     }
 
     /// Those that Gouraud's shader leaves in `frame`, to compare with.
@@ -85,10 +91,17 @@ impl Creases {
         })
     }
 
-    /// This rms in units of the `other`'s; `None` where that has no creases.
+    /// Those of a picture that shows the light of `shade` through the `decode` of a frame whose lights were encoded.
+    #[must_use]
+    pub fn of_encoded(frame: &Frame, shade: &Shade, decode: impl Fn(DVec3) -> DVec3 + Sync) -> Creases {
+        let reference = Reference::new(frame, shade);
+        Creases::of_field_at(frame, step_within(shade), |triangle, weights| decode(reference.light(triangle, weights)))
+    }
+
+    /// This rms in units of the `other`'s; `None` where that has no creases but those of rounding, [`NOISE`].
     #[must_use]
     pub fn over(&self, other: &Creases) -> Option<f64> {
-        (other.rms > 0.0).then(|| self.rms / other.rms)
+        (other.rms > NOISE).then(|| self.rms / other.rms)
     }
 
     fn summed(edges: Vec<EdgeCrease>) -> Creases {
@@ -150,7 +163,7 @@ pub fn jump_at(
     light: impl Fn(usize, [f64; 3]) -> DVec3,
 ) -> Option<DVec3> {
     let edge = shared_edge(frame, triangle, k)?;
-    Some(edge.one_sided(frame, 0, s, &light).1 + edge.one_sided(frame, 1, s, &light).1)
+    Some(edge.one_sided(frame, 0, s, STEP, &light).1 + edge.one_sided(frame, 1, s, STEP, &light).1)
 }
 
 /// At how many points along an edge the slopes are compared.
@@ -160,6 +173,14 @@ const POINTS: usize = 6;
 /// steps wide; rounding is still ten digits below the slope.
 const STEP: f64 = 1e-5;
 
+/// Jumps that are none: what rounding makes of a field without creases, linear light per pixel.
+pub const NOISE: f64 = 1e-9;
+
+/// A step that fits into the strips of `shade` many times. Below b = 1e-6 rounding would take over.
+fn step_within(shade: &Shade) -> f64 {
+    if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP }
+}
+
 impl SharedEdge {
     fn length(&self, frame: &Frame) -> f64 {
         let [a, b] = self.ends.map(|v| frame.vertices[v as usize].screen);
@@ -167,11 +188,11 @@ impl SharedEdge {
     }
 
     /// Root mean squares, along the edge and over the channels, of the jump of the slope and of the light.
-    fn measure(&self, frame: &Frame, light: &impl Fn(usize, [f64; 3]) -> DVec3) -> (f64, f64) {
+    fn measure(&self, frame: &Frame, step: f64, light: &impl Fn(usize, [f64; 3]) -> DVec3) -> (f64, f64) {
         let (mut jump2, mut step2) = (0.0, 0.0);
         for point in 0..POINTS {
             let s = (point as f64 + 0.5) / POINTS as f64;
-            let [own, theirs] = [0, 1].map(|side| self.one_sided(frame, side, s, light));
+            let [own, theirs] = [0, 1].map(|side| self.one_sided(frame, side, s, step, light));
             step2 += (own.0 - theirs.0).length_squared();
             // Each is the slope into its own triangle: against each other, their sum is the jump.
             jump2 += (own.1 + theirs.1).length_squared();
@@ -186,6 +207,7 @@ impl SharedEdge {
         frame: &Frame,
         side: usize,
         s: f64,
+        step: f64,
         light: &impl Fn(usize, [f64; 3]) -> DVec3,
     ) -> (DVec3, DVec3) {
         let (t, k) = (self.triangles[side] as usize, self.opposite[side]);
@@ -199,7 +221,7 @@ impl SharedEdge {
         // Per pixel along the normal: w_k grows by 1/height, and the others pay according to where its foot is.
         let rates = (-(1.0 - foot) / height, -foot / height);
         let fastest = rates.0.abs().max(rates.1.abs()).max(1.0 / height);
-        let h = STEP * s.min(1.0 - s) / fastest;
+        let h = step * s.min(1.0 - s) / fastest;
         let at = |steps: f64| {
             let mut w = [0.0; 3];
             w[k] = steps * h / height;
