@@ -16,9 +16,9 @@ use offscreen::{CORNERS, TRIANGLES};
 fn gradient(v: usize) -> [f32; 2] {
     let (place, light) = CORNERS[v];
     let (mut xx, mut xy, mut yy, mut xl, mut yl) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for n in 0..CORNERS.len() {
+    for (n, (other, their_light)) in CORNERS.iter().enumerate() {
         let joined = n != v && TRIANGLES.iter().any(|triangle| triangle.contains(&n) && triangle.contains(&v));
-        let (x, y, l) = (CORNERS[n].0[0] - place[0], CORNERS[n].0[1] - place[1], CORNERS[n].1 - light);
+        let (x, y, l) = (other[0] - place[0], other[1] - place[1], their_light - light);
         let weight = if joined { 1.0 / (x * x + y * y) } else { 0.0 };
         xx += weight * x * x;
         xy += weight * x * y;
