@@ -17,12 +17,14 @@
 //! | 1 | [`shading`] | meshes, illumination, the shaders on CPU and graphics card, how far their slopes jump |
 //! | 2 | [`stimulus`] | a validated description becomes an image |
 //! | 3 | [`experiment`] | definition, order, session, record, observers |
+//! | 4 | [`analysis`] | counts of ratings in, ordinal models and tests out |
 //! | 4 | [`store`] | every file format |
 //! | 6 | [`app`], [`cli`] | the window; the commands |
 //!
 //! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,
 //! *Color, Illumination Models, and Shading*.
 
+pub mod analysis;
 pub mod app;
 pub mod cli;
 pub mod display;

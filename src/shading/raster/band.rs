@@ -3,7 +3,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::{
-    lanes::{Lanes, MOST_LANES},
+    lanes::{Lanes, MOST_LANES, Mask},
     outline::{Outline, ROWS},
     plane::Planes,
     prepared::Prepared,
@@ -17,6 +17,8 @@ pub(super) struct Chunk<S: Simd> {
     /// The same for the first of them.
     pub first: u32,
     pub count: u32,
+    /// Which are wanted and belong to the row.
+    pub wanted: Mask<S>,
 }
 
 /// A shader: the light along a row of pixels of a triangle.
@@ -25,7 +27,7 @@ pub(super) trait Rows<const C: usize>: Sync {
     type Row: Copy;
 
     /// The row of `triangle` whose first pixel is in column `x` of row `y`.
-    fn row(&self, triangle: u32, x: u32, y: u32) -> Self::Row;
+    fn row<S: Simd>(&self, simd: S, triangle: u32, x: u32, y: u32) -> Self::Row;
 
     /// The light of a few of its pixels; whatever it likes for those not wanted.
     fn light<S: Simd>(&self, row: &Self::Row, chunk: Chunk<S>) -> [Lanes<S>; C];
@@ -65,6 +67,8 @@ pub(super) struct Work<'a> {
     pub prepared: &'a Prepared<'a>,
     pub band: Band,
     pub triangles: &'a [u32],
+    /// The vectors to do it with.
+    pub arch: Arch,
 }
 
 impl Scratch {
@@ -73,7 +77,7 @@ impl Scratch {
     /// Returns whether any pixel is covered twice: if not, nothing is hidden and depth need not be looked at.
     #[inline(always)]
     fn begin<const C: usize>(&mut self, work: Work<'_>) -> bool {
-        let Work { prepared, band, triangles } = work;
+        let Work { prepared, band, triangles, .. } = work;
         let width = prepared.width();
         let pixels = (band.end - band.first) as usize * width as usize;
         for (light, background) in self.light.iter_mut().zip(prepared.background).take(C) {
@@ -130,7 +134,7 @@ fn cover(bits: &mut [u64], left: u32, right: u32) -> u64 {
 
 /// Draws the triangles of a band: their light comes to lie in `scratch.light`.
 pub(super) fn paint<const C: usize, R: Rows<C>>(shader: &R, work: Work<'_>, scratch: &mut Scratch) {
-    Arch::new().dispatch(Paint { shader, work, scratch });
+    work.arch.dispatch(Paint { shader, work, scratch });
 }
 
 struct Paint<'a, const C: usize, R> {
@@ -145,7 +149,7 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Paint { shader, work, scratch } = self;
-        let Work { prepared, band, triangles } = work;
+        let Work { prepared, band, triangles, .. } = work;
         let width = prepared.width() as usize;
         let overlap = scratch.begin::<C>(work);
         let Scratch { light: [a, b, c], depth, spans, .. } = scratch;
@@ -160,24 +164,27 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
                 if left >= right {
                     continue;
                 }
-                let row = shader.row(triangle, left, y);
+                let row = shader.row(simd, triangle, left, y);
                 let from = (y - band.first) as usize * width + left as usize;
                 let mut first = 0;
                 while first < right - left {
                     let rest = right - left - first;
                     let at = from + first as usize;
                     let count = if rest < S::F32_LANES as u32 { rest } else { S::F32_LANES as u32 };
-                    let chunk = Chunk { steps: Lanes::steps(simd) + first as f32, first, count };
+                    let steps = Lanes::steps(simd) + first as f32;
                     let wanted = if overlap {
                         let nearer = nearer(depths.precise(left + first, y), count, &mut depth[at..]);
                         Lanes::load(simd, &nearer).below(Lanes::splat(simd, 0.0))
                     } else {
-                        chunk.steps.below(Lanes::splat(simd, (right - left) as f32))
+                        steps.below(Lanes::splat(simd, (right - left) as f32))
                     };
-                    let values: [Lanes<S>; C] = shader.light(&row, chunk);
-                    for c in 0..C {
-                        let pixels = &mut planes[c][at..at + S::F32_LANES];
-                        wanted.select(values[c], Lanes::load(simd, pixels)).store(pixels);
+                    // Hidden pixels are not even shaded.
+                    if !overlap || wanted.any(wanted) {
+                        let values: [Lanes<S>; C] = shader.light(&row, Chunk { steps, first, count, wanted });
+                        for c in 0..C {
+                            let pixels = &mut planes[c][at..at + S::F32_LANES];
+                            wanted.select(values[c], Lanes::load(simd, pixels)).store(pixels);
+                        }
                     }
                     first += S::F32_LANES as u32;
                 }

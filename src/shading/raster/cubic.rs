@@ -8,8 +8,7 @@ use super::{
     channels::Channels,
     lanes::{Lanes, each},
     outline::Heights,
-    plane::Slopes,
-    strips::{WeightPlanes, Weights},
+    weights::{WeightPlanes, Weights},
 };
 use crate::shading::{Frame, Patches, boundary::others};
 
@@ -21,22 +20,24 @@ use crate::shading::{Frame, Patches, boundary::others};
 #[derive(Clone, Debug)]
 pub(super) struct Cubics<const C: usize>(Vec<Triangle<C>>);
 
-/// Terms of a cubic of two variables.
-const TERMS: usize = 10;
+/// Four numbers for each of four parts, the fourth without meaning: a whole vector.
+type Block = [f32; 16];
 
-/// Exponents of Y and w: the terms in w⁰, w¹, w² and w³, each in rising powers of Y.
-const POWERS: [(usize, usize); TERMS] =
-    [(0, 0), (1, 0), (2, 0), (3, 0), (0, 1), (1, 1), (2, 1), (0, 2), (1, 2), (0, 3)];
+/// Where the coefficient of w^q of part `part` is.
+const fn place(part: usize, q: usize) -> usize {
+    4 * q + part
+}
 
 #[derive(Clone, Copy, Debug)]
 struct Triangle<const C: usize> {
     /// Of the middle corner, the top one and the bottom one.
-    weights: WeightPlanes,
+    weights: WeightPlanes<4>,
     /// The top's row, and 1/height.
     top: f64,
     per_height: f64,
-    /// Terms of each channel of each part, the parts in the order of the weights that are smallest there. A fourth part of zeros fills a vector.
-    terms: [[[f32; 4]; C]; TERMS],
+    /// Of each channel, the coefficients of Y⁰…Y³, each of which has those of w⁰…w³ of each part, the parts in the
+    /// order of the weights that are smallest there.
+    terms: [[Block; 4]; C],
 }
 
 impl<const C: usize> Cubics<C> {
@@ -55,39 +56,40 @@ fn triangle<const C: usize>(frame: &Frame, t: u32, channels: Channels, patches: 
     origin[top] = 1.0;
     (along_y[top], along_y[bottom]) = (-1.0, 1.0);
     (along_w[middle], along_w[bottom], along_w[top]) = (1.0, -down, down - 1.0);
-    let mut terms = [[[0.0; 4]; C]; TERMS];
+    let mut terms = [[[0.0; 16]; 4]; C];
     let order = [middle, top, bottom];
     for (part, k) in order.into_iter().enumerate() {
         let (i, j) = others(k);
         let local = |w: [f64; 3]| [w[i] - w[k], w[j] - w[k], 3.0 * w[k]];
-        let polynomial = polynomial(&patches.cubic(t as usize, k), local(origin), local(along_y), local(along_w));
-        for (terms, coefficient) in terms.iter_mut().zip(polynomial) {
-            for (channel, term) in terms.iter_mut().zip(channels.pick::<C>(coefficient)) {
-                channel[part] = term as f32;
+        let (origin, along_y, along_w) = (local(origin), local(along_y), local(along_w));
+        let cubic = patches.cubic(t as usize, k);
+        for p in 0..4 {
+            for q in 0..4 - p {
+                let term = coefficient(&cubic, (p, along_y), (q, along_w), origin);
+                for (terms, term) in terms.iter_mut().zip(channels.pick::<C>(term)) {
+                    terms[p][place(part, q)] = term as f32;
+                }
             }
         }
     }
-    let weights = WeightPlanes::ordered(&Slopes::of_triangle(frame, t), order);
+    let weights = WeightPlanes::ordered(frame, t, order);
     Triangle { weights, top: corners[top].y - 0.5, per_height, terms }
 }
 
-/// The cubic with the Bézier ordinates `b` in powers of Y and w, given the local weights (u, v, s) at the origin and
-/// their change with Y and w. Its blossom B is multilinear: the coefficient of Y^p·w^q is 3!/(p!q!r!)·B(Y^p, w^q, o^r).
-fn polynomial(b: &[DVec3; 10], origin: [f64; 3], along_y: [f64; 3], along_w: [f64; 3]) -> [DVec3; TERMS] {
-    POWERS.map(|(p, q)| {
-        let direction = |n: usize| {
-            if n < p {
-                along_y
-            } else if n < p + q {
-                along_w
-            } else {
-                origin
-            }
-        };
-        let factorial = |n: usize| [1.0, 1.0, 2.0, 6.0][n];
-        let count = 6.0 / (factorial(p) * factorial(q) * factorial(3 - p - q));
-        blossom(b, direction(0), direction(1), direction(2)) * count
-    })
+/// The coefficient of Y^p·w^q of the cubic with the Bézier ordinates `b`, given the local weights (u, v, s) at the
+/// origin and their change with Y and w: 3!/(p!·q!·r!) times its multilinear form at p times Y, q times w and the rest
+/// the origin.
+fn coefficient(
+    b: &[DVec3; 10],
+    (p, along_y): (usize, [f64; 3]),
+    (q, along_w): (usize, [f64; 3]),
+    origin: [f64; 3],
+) -> DVec3 {
+    let mut at = [origin; 3];
+    at[..p].fill(along_y);
+    at[p..p + q].fill(along_w);
+    let factorial = [1.0, 1.0, 2.0, 6.0];
+    blossom(b, at[0], at[1], at[2]) * (6.0 / (factorial[p] * factorial[q] * factorial[3 - p - q]))
 }
 
 /// The multilinear form of the cubic with ordinates as in [`Patches::cubic`].
@@ -104,26 +106,24 @@ fn blossom(b: &[DVec3; 10], x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> DVec3 {
 
 #[derive(Clone, Copy)]
 pub(super) struct Row<const C: usize> {
-    weights: Weights,
-    /// Coefficients of w⁰…w³ of each channel of each part.
-    terms: [[[f32; 4]; C]; 4],
+    weights: Weights<4>,
+    /// Coefficients of w⁰…w³ of each part.
+    terms: [Block; C],
 }
 
 impl<const C: usize> Rows<C> for Cubics<C> {
     type Row = Row<C>;
 
     #[inline(always)]
-    fn row(&self, triangle: u32, x: u32, y: u32) -> Row<C> {
+    fn row<S: Simd>(&self, simd: S, triangle: u32, x: u32, y: u32) -> Row<C> {
         let triangle = &self.0[triangle as usize];
-        let height = ((f64::from(y) - triangle.top) * triangle.per_height) as f32;
-        let t = &triangle.terms;
-        let mut terms = [[[0.0; 4]; C]; 4];
-        for c in 0..C {
-            for k in 0..4 {
-                terms[0][c][k] = ((t[3][c][k] * height + t[2][c][k]) * height + t[1][c][k]) * height + t[0][c][k];
-                terms[1][c][k] = (t[6][c][k] * height + t[5][c][k]) * height + t[4][c][k];
-                terms[2][c][k] = t[8][c][k] * height + t[7][c][k];
-                terms[3][c][k] = t[9][c][k];
+        let height = Lanes::splat(simd, ((f64::from(y) - triangle.top) * triangle.per_height) as f32);
+        let mut terms = [[0.0; 16]; C];
+        for (row, [a, b, c, d]) in terms.iter_mut().zip(&triangle.terms) {
+            for at in (0..16).step_by(S::F32_LANES) {
+                let load = |of: &Block| Lanes::load(simd, &of[at..]);
+                let sum = ((load(d) * height + load(c)) * height + load(b)) * height + load(a);
+                sum.store(&mut row[at..]);
             }
         }
         Row { weights: triangle.weights.row(x, y), terms }
@@ -149,6 +149,7 @@ impl<const C: usize> Rows<C> for Cubics<C> {
 /// Channel `c` of part `K` at the weights `w` of the middle corner.
 #[inline(always)]
 fn cubic<S: Simd, const C: usize, const K: usize>(row: &Row<C>, c: usize, w: Lanes<S>) -> Lanes<S> {
-    let [a, b, c, d] = [row.terms[0][c][K], row.terms[1][c][K], row.terms[2][c][K], row.terms[3][c][K]];
+    let terms = &row.terms[c];
+    let [a, b, c, d] = [terms[place(K, 0)], terms[place(K, 1)], terms[place(K, 2)], terms[place(K, 3)]];
     ((w * d + c) * w + b) * w + a
 }

@@ -11,8 +11,8 @@ use crate::{
 /// A function on 0…1, within 5e-7.
 #[derive(Clone, Debug)]
 pub(super) enum Curve {
-    /// Coefficients of v, v² … v⁶.
-    Polynomial([f32; 6]),
+    /// v^power·(c₀ + c₁v + c₂v²), power 1…4.
+    Polynomial { power: u8, c: [f32; 3] },
     /// Straight lines between values at equal distances.
     Table(Box<[f32; ENTRIES]>),
 }
@@ -27,9 +27,9 @@ impl Curve {
     /// I_n as [`Blend`] has it.
     pub fn blend(depth: Depth) -> Curve {
         match depth {
-            Depth::Finite(1) => Curve::Polynomial([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
-            Depth::Finite(2) => Curve::Polynomial([0.0, 3.0, -2.0, 0.0, 0.0, 0.0]),
-            Depth::Finite(3) => Curve::Polynomial([0.0, 0.0, 10.0, -15.0, 6.0, 0.0]),
+            Depth::Finite(1) => Curve::Polynomial { power: 1, c: [1.0, 0.0, 0.0] },
+            Depth::Finite(2) => Curve::Polynomial { power: 2, c: [3.0, -2.0, 0.0] },
+            Depth::Finite(3) => Curve::Polynomial { power: 3, c: [10.0, -15.0, 6.0] },
             _ => {
                 let blend = Blend::new(depth);
                 Curve::table(|v| blend.value(v))
@@ -40,9 +40,9 @@ impl Curve {
     /// ∫₀ᵛ I_n, which is Ψ_n(1−v) of [`Blend::rest`].
     pub fn rest(depth: Depth) -> Curve {
         match depth {
-            Depth::Finite(1) => Curve::Polynomial([0.0, 0.5, 0.0, 0.0, 0.0, 0.0]),
-            Depth::Finite(2) => Curve::Polynomial([0.0, 0.0, 1.0, -0.5, 0.0, 0.0]),
-            Depth::Finite(3) => Curve::Polynomial([0.0, 0.0, 0.0, 2.5, -3.0, 1.0]),
+            Depth::Finite(1) => Curve::Polynomial { power: 2, c: [0.5, 0.0, 0.0] },
+            Depth::Finite(2) => Curve::Polynomial { power: 3, c: [1.0, -0.5, 0.0] },
+            Depth::Finite(3) => Curve::Polynomial { power: 4, c: [2.5, -3.0, 1.0] },
             _ => {
                 let blend = Blend::new(depth);
                 Curve::table(|v| blend.rest(1.0 - v))
@@ -62,9 +62,15 @@ impl Curve {
     #[inline(always)]
     pub fn value<S: Simd>(&self, v: Lanes<S>) -> Lanes<S> {
         match self {
-            Curve::Polynomial([c1, c2, c3, c4, c5, c6]) => {
-                let upper = (v * *c6 + *c5) * v + *c4;
-                (((upper * v + *c3) * v + *c2) * v + *c1) * v
+            Curve::Polynomial { power, c } => {
+                let square = v * v;
+                let lead = match power {
+                    1 => v,
+                    2 => square,
+                    3 => square * v,
+                    _ => square * square,
+                };
+                lead * (square * c[2] + v * c[1] + c[0])
             }
             Curve::Table(table) => {
                 let mut at = [0.0; MOST_LANES];

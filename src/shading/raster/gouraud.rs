@@ -16,7 +16,7 @@ impl<const C: usize> Rows<C> for Flat<C> {
     type Row = [f32; C];
 
     #[inline(always)]
-    fn row(&self, triangle: u32, _: u32, _: u32) -> [f32; C] {
+    fn row<S: Simd>(&self, _: S, triangle: u32, _: u32, _: u32) -> [f32; C] {
         self.0[triangle as usize]
     }
 
@@ -38,7 +38,7 @@ impl<const C: usize> Rows<C> for Gouraud<C> {
     type Row = Line<C>;
 
     #[inline(always)]
-    fn row(&self, triangle: u32, x: u32, y: u32) -> Line<C> {
+    fn row<S: Simd>(&self, _: S, triangle: u32, x: u32, y: u32) -> Line<C> {
         self.0[triangle as usize].line(x, y)
     }
 

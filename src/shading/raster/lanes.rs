@@ -100,6 +100,14 @@ impl Aligned {
 }
 
 impl<S: Simd> Mask<S> {
+    /// Whether any is a yes that is also one in `wanted`.
+    #[inline(always)]
+    pub fn any(self, wanted: Self) -> bool {
+        // Masks are lanes of all ones on some machines and bits on others.
+        let both = self.simd.and_m32s(self.m, wanted.m);
+        bytemuck::bytes_of(&both) != &[0; size_of::<f32>() * MOST_LANES][..size_of::<S::m32s>()]
+    }
+
     /// `yes` where this says so, `no` elsewhere.
     #[inline(always)]
     pub fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {

@@ -26,11 +26,13 @@ mod printed;
 mod quadratic;
 mod strips;
 mod target;
+mod weights;
 
 use std::sync::{Mutex, PoisonError};
 
 pub use encoder::Encoder;
 pub use prepared::Prepared;
+use pulp::Arch;
 
 use self::{
     band::{Band, Scratch, Work, paint},
@@ -45,6 +47,8 @@ pub struct Rasterizer {
     /// `None` for a single thread.
     pool: Option<rayon::ThreadPool>,
     scratches: Vec<Scratch>,
+    /// The vectors of this machine.
+    arch: Arch,
 }
 
 impl Rasterizer {
@@ -54,7 +58,7 @@ impl Rasterizer {
     pub fn new(threads: usize) -> Rasterizer {
         let pool = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()).flatten();
         let count = if pool.is_some() { threads } else { 1 };
-        Rasterizer { pool, scratches: (0..count).map(|_| Scratch::default()).collect() }
+        Rasterizer { pool, scratches: (0..count).map(|_| Scratch::default()).collect(), arch: Arch::new() }
     }
 
     /// Draws linear light into `image`, which takes the size of the frame.
@@ -80,9 +84,13 @@ impl Rasterizer {
         let rows = (samples.len() / row).min(prepared.height() as usize);
         let bands = Mutex::new(samples[..rows * row].chunks_mut(row * prepared.band_rows as usize).enumerate());
         let next = || bands.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let arch = self.arch;
         let work = |scratch: &mut Scratch| {
             while let Some((index, samples)) = next() {
-                draw_band(prepared, target, index, scratch, samples);
+                let first = index as u32 * prepared.band_rows;
+                let band = Band { first, end: (first + prepared.band_rows).min(prepared.height()) };
+                let work = Work { prepared, band, triangles: prepared.triangles(index), arch };
+                draw_band(work, target, scratch, samples);
             }
         };
         match &self.pool {
@@ -96,25 +104,17 @@ impl Rasterizer {
     }
 }
 
-fn draw_band<T: Target>(
-    prepared: &Prepared<'_>,
-    target: &T,
-    index: usize,
-    scratch: &mut Scratch,
-    samples: &mut [T::Sample],
-) {
-    let first = index as u32 * prepared.band_rows;
-    let band = Band { first, end: (first + prepared.band_rows).min(prepared.height()) };
-    let work = Work { prepared, band, triangles: prepared.triangles(index) };
+fn draw_band<T: Target>(work: Work<'_>, target: &T, scratch: &mut Scratch, samples: &mut [T::Sample]) {
+    let prepared = work.prepared;
     match &prepared.kind {
         Kinds::Gray(kind) => shade(kind, work, scratch),
         Kinds::Color(kind) => shade(kind, work, scratch),
         Kinds::Pixels(shader) => paint(&**shader, work, scratch),
     }
-    finish(target, scratch.light.each_ref().map(|light| &light[..]), prepared.channels, samples);
+    finish(work.arch, target, scratch.light.each_ref().map(|light| &light[..]), prepared.channels, samples);
 }
 
-fn shade<const C: usize>(kind: &Kind<C>, work: Work<'_>, scratch: &mut Scratch) {
+fn shade<const C: usize, const Q: usize>(kind: &Kind<C, Q>, work: Work<'_>, scratch: &mut Scratch) {
     match kind {
         Kind::Flat(shader) => paint(shader, work, scratch),
         Kind::Gouraud(shader) => paint(shader, work, scratch),
@@ -124,5 +124,47 @@ fn shade<const C: usize>(kind: &Kind<C>, work: Work<'_>, scratch: &mut Scratch) 
         Kind::Exact(shader) => paint(shader, work, scratch),
         Kind::Cut(shader) => paint(shader, work, scratch),
         Kind::Cubics(shader) => paint(shader, work, scratch),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::{
+        light::Depth,
+        shading::{Frame, Lighting, Shade, Shader, Surface, View, shapes},
+    };
+
+    /// The bits of a picture drawn with the vectors of `arch`.
+    fn bits(frame: &Frame, shade: &Shade, arch: Arch) -> Vec<u32> {
+        let mut image = LinearImage::new(0, 0);
+        let mut rasterizer = Rasterizer { arch, ..Rasterizer::new(1) };
+        rasterizer.draw_linear(&Prepared::new(frame, shade), &mut image);
+        image.data.iter().map(|light| light.to_bits()).collect()
+    }
+
+    #[test]
+    fn vectors_of_any_width_make_the_same_picture() {
+        let mut machines = vec![("none", Arch::Scalar)];
+        #[cfg(target_arch = "x86_64")]
+        machines.extend(pulp::x86::V3::try_new().map(|v3| ("AVX2", Arch::V3(v3))));
+        let lighting = Lighting::standard().with_color(DVec3::new(0.9, 0.6, 0.3));
+        for mesh in [shapes::cube(), shapes::torus(16, 8), shapes::blob(200).unwrap()] {
+            let view = View { width: 190, height: 150, ..View::square(1).rotated([20.0, 40.0, 10.0]) };
+            let frame = Frame::new(&Surface::new(mesh), &view, &lighting, DVec3::ZERO);
+            for shader in Shader::ALL {
+                for depth in [Depth::Finite(1), Depth::Finite(3), Depth::Finite(7), Depth::Infinite] {
+                    for boundary in [0.05, 0.25] {
+                        let shade = Shade { depth, boundary, ..Shade::new(*shader) };
+                        let own = bits(&frame, &shade, Arch::new());
+                        for (name, arch) in &machines {
+                            assert!(bits(&frame, &shade, *arch) == own, "{shade:?}, {name}");
+                        }
+                    }
+                }
+            }
+        }
     }
 }

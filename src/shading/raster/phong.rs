@@ -114,7 +114,7 @@ impl<const C: usize> Rows<C> for Phong<C> {
     type Row = Row;
 
     #[inline(always)]
-    fn row(&self, triangle: u32, x: u32, y: u32) -> Row {
+    fn row<S: Simd>(&self, _: S, triangle: u32, x: u32, y: u32) -> Row {
         let normal = self.normals[triangle as usize].line(x, y);
         let place = self.places.get(triangle as usize).map(|place| place.line(x, y));
         Row { normal, place }

@@ -30,7 +30,7 @@ impl Rows<3> for Pixels<'_> {
     type Row = Row;
 
     #[inline(always)]
-    fn row(&self, triangle: u32, x: u32, y: u32) -> Row {
+    fn row<S: Simd>(&self, _: S, triangle: u32, x: u32, y: u32) -> Row {
         Row { triangle: self.seen[triangle as usize] as usize, x, y }
     }
 

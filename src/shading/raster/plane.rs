@@ -17,6 +17,8 @@ pub(super) struct Planes<const Q: usize> {
     at: [f64; Q],
     right: [f64; Q],
     down: [f64; Q],
+    /// `right` in f32.
+    step: [f32; Q],
 }
 
 /// The numbers along a row: at its first pixel, and the step to the next.
@@ -50,11 +52,12 @@ impl Slopes {
     pub fn planes<const Q: usize>(&self, values: [[f64; Q]; 3]) -> Planes<Q> {
         let [a, b, c] = values;
         let [_, to_b, to_c] = self.weights;
-        let mut planes = Planes { x: self.origin.x, y: self.origin.y, at: a, right: [0.0; Q], down: [0.0; Q] };
+        let mut planes = Planes { x: self.origin.x, y: self.origin.y, at: a, ..Planes::ZERO };
         for q in 0..Q {
             let slope = to_b * (b[q] - a[q]) + to_c * (c[q] - a[q]);
             planes.right[q] = slope.x;
             planes.down[q] = slope.y;
+            planes.step[q] = slope.x as f32;
         }
         planes
     }
@@ -62,18 +65,17 @@ impl Slopes {
 
 impl<const Q: usize> Planes<Q> {
     /// 0 everywhere.
-    pub const ZERO: Self = Planes { x: 0.0, y: 0.0, at: [0.0; Q], right: [0.0; Q], down: [0.0; Q] };
+    pub const ZERO: Self = Planes { x: 0.0, y: 0.0, at: [0.0; Q], right: [0.0; Q], down: [0.0; Q], step: [0.0; Q] };
 
     /// The numbers along `row` from the centre of pixel `x` on.
     #[inline(always)]
     pub fn line(&self, x: u32, row: u32) -> Line<Q> {
         let (x, y) = (f64::from(x) - self.x, f64::from(row) - self.y);
-        let mut line = Line { at: [0.0; Q], step: [0.0; Q] };
-        for q in 0..Q {
-            line.at[q] = (self.at[q] + self.right[q] * x + self.down[q] * y) as f32;
-            line.step[q] = self.right[q] as f32;
+        let mut at = [0.0; Q];
+        for (q, at) in at.iter_mut().enumerate() {
+            *at = (self.at[q] + self.right[q] * x + self.down[q] * y) as f32;
         }
-        line
+        Line { at, step: self.step }
     }
 }
 

@@ -40,23 +40,23 @@ pub struct Prepared<'f> {
     binned: Vec<u32>,
 }
 
-/// The constants of every triangle.
+/// The constants of every triangle; see [`WeightPlanes`](super::weights::WeightPlanes) for Q.
 #[derive(Clone, Debug)]
 pub(super) enum Kinds<'f> {
-    Gray(Kind<1>),
-    Color(Kind<3>),
+    Gray(Kind<1, 4>),
+    Color(Kind<3, 8>),
     Pixels(Box<Pixels<'f>>),
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Kind<const C: usize> {
+pub(super) enum Kind<const C: usize, const Q: usize> {
     Flat(Flat<C>),
     Gouraud(Gouraud<C>),
     Phong(Phong<C>),
-    Quadratic(Quadratic<C>),
-    Printed(Printed<C>),
-    Exact(Exact<C>),
-    Cut(Cut<C>),
+    Quadratic(Quadratic<C, Q>),
+    Printed(Printed<C, Q>),
+    Exact(Exact<C, Q>),
+    Cut(Cut<C, Q>),
     Cubics(Cubics<C>),
 }
 
@@ -201,8 +201,8 @@ impl<'f> Made<'_, 'f> {
     fn either(
         self,
         channels: Channels,
-        gray: impl FnOnce(Channels) -> Option<Kind<1>>,
-        color: impl FnOnce(Channels) -> Option<Kind<3>>,
+        gray: impl FnOnce(Channels) -> Option<Kind<1, 4>>,
+        color: impl FnOnce(Channels) -> Option<Kind<3, 8>>,
     ) -> (Channels, Kinds<'f>) {
         let kinds = match channels {
             Channels::Gray(_) => gray(channels).map(Kinds::Gray),
@@ -215,7 +215,7 @@ impl<'f> Made<'_, 'f> {
     }
 
     /// The shaders that need no light but the vertices'.
-    fn lit<const C: usize>(self, channels: Channels) -> Option<Kind<C>> {
+    fn lit<const C: usize, const Q: usize>(self, channels: Channels) -> Option<Kind<C, Q>> {
         let Made { frame, shade, seen } = self;
         let (b, depth) = (shade.strip(), shade.depth);
         let printed = |sign| Kind::Printed(Printed::new(frame, seen, channels, sign, b, depth));
@@ -230,7 +230,7 @@ impl<'f> Made<'_, 'f> {
         })
     }
 
-    fn gouraud<const C: usize>(self, channels: Channels) -> Kind<C> {
+    fn gouraud<const C: usize, const Q: usize>(self, channels: Channels) -> Kind<C, Q> {
         let planes = |t: &u32| channels.planes(&Slopes::of_triangle(self.frame, *t), self.frame, *t);
         Kind::Gouraud(Gouraud(self.seen.iter().map(planes).collect()))
     }

@@ -7,8 +7,7 @@ use super::{
     channels::Channels,
     curve::Step,
     lanes::{Lanes, each},
-    plane::{Line, Planes, Slopes},
-    strips::{WeightPlanes, Weights},
+    weights::{WeightPlanes, Weights},
 };
 use crate::{
     light::Depth,
@@ -17,17 +16,16 @@ use crate::{
 
 /// *fixed*, and with a sign *gradient*; see [`shaders`](crate::shading::shaders).
 #[derive(Clone, Debug)]
-pub(super) struct Printed<const C: usize> {
-    triangles: Vec<Triangle<C>>,
+pub(super) struct Printed<const C: usize, const Q: usize> {
+    triangles: Vec<Triangle<C, Q>>,
     sign: Option<Sign>,
     strip: f32,
     step: Step,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Triangle<const C: usize> {
-    light: Planes<C>,
-    weights: WeightPlanes,
+struct Triangle<const C: usize, const Q: usize> {
+    weights: WeightPlanes<Q>,
     corners: Corners<C>,
 }
 
@@ -39,10 +37,9 @@ struct Corners<const C: usize> {
     apexes: [Option<[f32; C]>; 3],
 }
 
-impl<const C: usize> Printed<C> {
+impl<const C: usize, const Q: usize> Printed<C, Q> {
     pub fn new(frame: &Frame, seen: &[u32], channels: Channels, sign: Option<Sign>, b: f64, depth: Depth) -> Self {
         let triangle = |t: &u32| {
-            let slopes = Slopes::of_triangle(frame, *t);
             let apexes = frame.triangles[*t as usize].across.map(|across| match across {
                 Across::Triangle { apex, .. } if sign.is_some() => {
                     Some(channels.pick_f32(frame.vertices[apex as usize].light))
@@ -50,11 +47,7 @@ impl<const C: usize> Printed<C> {
                 _ => None,
             });
             let own = frame.corners(*t as usize).map(|v| channels.pick_f32(v.light));
-            Triangle {
-                light: channels.planes(&slopes, frame, *t),
-                weights: WeightPlanes::new(&slopes),
-                corners: Corners { own, apexes },
-            }
+            Triangle { weights: WeightPlanes::lit::<C>(frame, *t, channels), corners: Corners { own, apexes } }
         };
         Printed { triangles: seen.iter().map(triangle).collect(), sign, strip: b as f32, step: Step::new(depth) }
     }
@@ -99,24 +92,23 @@ impl<const C: usize> Printed<C> {
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct Row<const C: usize> {
-    light: Line<C>,
-    weights: Weights,
+pub(super) struct Row<const C: usize, const Q: usize> {
+    weights: Weights<Q>,
     corners: Corners<C>,
 }
 
-impl<const C: usize> Rows<C> for Printed<C> {
-    type Row = Row<C>;
+impl<const C: usize, const Q: usize> Rows<C> for Printed<C, Q> {
+    type Row = Row<C, Q>;
 
     #[inline(always)]
-    fn row(&self, triangle: u32, x: u32, y: u32) -> Row<C> {
+    fn row<S: Simd>(&self, _: S, triangle: u32, x: u32, y: u32) -> Row<C, Q> {
         let triangle = &self.triangles[triangle as usize];
-        Row { light: triangle.light.line(x, y), weights: triangle.weights.row(x, y), corners: triangle.corners }
+        Row { weights: triangle.weights.row(x, y), corners: triangle.corners }
     }
 
     #[inline(always)]
-    fn light<S: Simd>(&self, row: &Row<C>, chunk: Chunk<S>) -> [Lanes<S>; C] {
-        let plain: [Lanes<S>; C] = row.light.along(chunk.steps);
+    fn light<S: Simd>(&self, row: &Row<C, Q>, chunk: Chunk<S>) -> [Lanes<S>; C] {
+        let plain: [Lanes<S>; C] = row.weights.light(&chunk);
         let (low, _) = row.weights.range(&chunk);
         let w = row.weights.along(&chunk);
         let mut strips = [plain; 3];

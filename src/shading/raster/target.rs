@@ -56,8 +56,14 @@ impl Target for Encoder {
 }
 
 /// Writes as many pixels of `light` as `samples` has room for.
-pub(super) fn finish<T: Target>(target: &T, light: [&[f32]; 3], channels: Channels, samples: &mut [T::Sample]) {
-    Arch::new().dispatch(Finish { target, light, channels, samples });
+pub(super) fn finish<T: Target>(
+    arch: Arch,
+    target: &T,
+    light: [&[f32]; 3],
+    channels: Channels,
+    samples: &mut [T::Sample],
+) {
+    arch.dispatch(Finish { target, light, channels, samples });
 }
 
 struct Finish<'a, T: Target> {

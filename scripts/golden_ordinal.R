@@ -1,0 +1,184 @@
+# Reference values of the ordinal models by R's ordinal package: tests/golden/ordinal/models.csv and tests.csv.
+#
+#   apt-get install --no-install-recommends r-base-core r-cran-ordinal
+#   Rscript scripts/golden_ordinal.R
+#
+# The data come from scripts/golden_ordinal.py. clmm stops early; here Newton steps on its own likelihood follow.
+suppressPackageStartupMessages(library(ordinal))
+folder <- "tests/golden/ordinal"
+
+natural <- function(values) {
+  values <- unique(values[values != ""])
+  numbers <- suppressWarnings(as.numeric(values))
+  if (anyNA(numbers)) sort(values, method = "radix") else values[order(numbers)]
+}
+read <- function(name) {
+  d <- read.csv(file.path(folder, paste0("data_", name, ".csv")), comment.char = "#", colClasses = "character")
+  d$count <- as.numeric(d$count)
+  d <- d[d$count > 0, ]
+  d$rating <- factor(d$rating, levels = natural(d$rating), ordered = TRUE)
+  for (v in setdiff(names(d), c("count", "rating"))) {
+    d[[paste0("num_", v)]] <- suppressWarnings(as.numeric(d[[v]]))
+    d[[v]] <- factor(d[[v]], levels = natural(d[[v]]))
+  }
+  if ("depth" %in% names(d)) d$num_inv_n <- 1 / d$num_depth
+  d
+}
+# "num:x" of --terms is the column num_x here; R's name of its coefficient is x.
+sides <- function(terms) if (terms == "") "1" else gsub(",", " + ", gsub("num:", "num_", terms))
+tidy <- function(names) gsub("num_", "", names)
+back <- function(term) gsub("num_", "num:", term)
+
+models <- file(file.path(folder, "models.csv"), "w")
+tests <- file(file.path(folder, "tests.csv"), "w")
+versions <- paste0("# R's ordinal ", packageVersion("ordinal"), ", ", R.version.string, ", by scripts/golden_ordinal.R.")
+writeLines(c(versions, "# nodes: 0 is clm, 1 is clmm by Laplace's approximation, more are adaptive Gauss-Hermite nodes. gradient: the largest that R ended with.",
+             "data,link,terms,scale,nodes,quantity,name,value"), models)
+writeLines(c(versions, "# location: likelihood ratio against the model without the term; nominal: nominal_test; scale: scale_test.",
+             "data,link,terms,scale,nodes,test,term,lr,df,p"), tests)
+
+# Newton steps on the package's own likelihood, with its own numerical derivatives, from where clmm ended. With one
+# random intercept clmm takes the curvature of Laplace's approximation one step before the mode; its code for any random
+# effects (useMatrix) takes it at the mode, and is used here.
+finish <- function(m, rho) {
+  laplace <- rho$nAGQ == 1
+  likelihood <- function(par) {
+    n <- length(par)
+    if (laplace) ordinal:::getNLA(rho, c(par[-n], exp(par[n]))) else ordinal:::getNAGQ.ssr(rho, par)
+  }
+  par <- unname(c(m$alpha, m$beta, log(as.numeric(m$ST[[1]]))))
+  for (step in 1:4) {
+    d <- ordinal:::deriv12(likelihood, x = par, delta = 5e-4)
+    if (step < 4) par <- par - solve(d$Hessian, d$gradient)
+  }
+  n <- length(m$alpha)
+  sd <- exp(par[length(par)])
+  m$alpha[] <- par[1:n]
+  if (length(m$beta)) m$beta[] <- par[n + seq_along(m$beta)]
+  m$ST[[1]][] <- sd
+  m$logLik <- -likelihood(par)
+  m$gradient[] <- d$gradient
+  m$Hessian[] <- d$Hessian
+  # The modes and their variances at these parameters.
+  m$ranef <- rho$u * sd
+  m$condVar <- sd^2 * if (laplace) as.numeric(Matrix::diag(Matrix::solve(rho$L))) else 1 / rho$D
+  m
+}
+fit_once <- function(d, link, terms, scale, nodes) {
+  location <- paste("rating ~", sides(terms))
+  if (nodes == 0) {
+    arguments <- list(as.formula(location), data = d, weights = d$count, link = link,
+                      control = clm.control(gradTol = 1e-10, maxIter = 200))
+    if (scale != "") arguments$scale <- as.formula(paste("~", sides(scale)))
+    do.call(clm, arguments)
+  } else {
+    control <- function(matrix) clmm.control(gradTol = 1e-8, maxIter = 200, maxLineIter = 100, method = "nlminb", useMatrix = matrix)
+    arguments <- list(as.formula(paste(location, "+ (1 | subject)")), data = d, weights = d$count, link = link, nAGQ = nodes)
+    rho <- do.call(clmm, c(arguments, doFit = FALSE, control = list(control(nodes == 1))))
+    rho$nAGQ <- nodes
+    finish(do.call(clmm, c(arguments, control = list(control(FALSE)))), rho)
+  }
+}
+record <- function(name, link, terms, nodes = 0, scale = "", drop = TRUE, assumptions = nodes == 0) {
+  d <- read(name)
+  factors <- unique(unlist(strsplit(paste(terms, scale, sep = ","), "[,:]")))
+  for (v in intersect(factors, names(d))) d <- d[!is.na(d[[v]]), ]
+  d <- droplevels(d)
+  m <- fit_once(d, link, terms, scale, nodes)
+  key <- paste0(name, ",", link, ",\"", terms, "\",\"", scale, "\",", nodes)
+  put <- function(quantity, label, value) writeLines(sprintf("%s,%s,%s,%.15g", key, quantity, label, signif(value, if (quantity == "loglik") 14 else 10)), models)
+  put("loglik", "", as.numeric(m$logLik))
+  put("gradient", "", max(abs(m$gradient)))
+  v <- vcov(m)
+  # Parameters that vcov names: thresholds, coefficients, scale, then the log of the standard deviation.
+  se <- sqrt(diag(v))
+  thresholds <- m$alpha
+  for (j in seq_along(thresholds)) {
+    put("threshold", names(thresholds)[j], thresholds[j])
+    put("threshold_se", names(thresholds)[j], se[j])
+  }
+  beta <- m$beta[!is.na(m$beta)]
+  for (j in seq_along(beta)) {
+    put("coefficient", tidy(names(beta)[j]), beta[j])
+    put("coefficient_se", tidy(names(beta)[j]), se[length(thresholds) + j])
+  }
+  zeta <- m$zeta[!is.na(m$zeta)]
+  for (j in seq_along(zeta)) {
+    put("scale", tidy(names(zeta)[j]), zeta[j])
+    put("scale_se", tidy(names(zeta)[j]), se[length(thresholds) + length(beta) + j])
+  }
+  if (nodes > 0) {
+    sd <- as.numeric(m$ST[[1]])
+    put("sd", "", sd)
+    # The last parameter is log(sd).
+    put("sd_se", "", sd * se[length(se)])
+    effects <- ranef(m)$subject
+    variances <- condVar(m)$subject
+    for (j in seq_len(min(3, nrow(effects)))) {
+      put("mode", rownames(effects)[j], effects[j, 1])
+      put("mode_sd", rownames(effects)[j], sqrt(variances[j, 1]))
+    }
+  }
+  test <- function(kind, term, lr, df) {
+    writeLines(sprintf("%s,%s,\"%s\",%.10g,%d,%.10g", key, kind, back(term), lr, as.integer(df), pchisq(lr, df, lower.tail = FALSE)), tests)
+  }
+  if (drop && terms != "") for (term in strsplit(terms, ",")[[1]]) {
+    all <- strsplit(terms, ",")[[1]]
+    inside <- function(other) other != term && all(strsplit(term, "(?<!num):", perl = TRUE)[[1]] %in% strsplit(other, "(?<!num):", perl = TRUE)[[1]])
+    if (any(sapply(all, inside))) next
+    rest <- paste(all[all != term], collapse = ",")
+    without <- fit_once(d, link, rest, scale, nodes)
+    test("location", term, 2 * as.numeric(m$logLik - without$logLik), m$edf - without$edf)
+  }
+  if (assumptions && length(thresholds) > 1) {
+    environment(m$formula) <- environment()
+    plain <- strsplit(terms, ",")[[1]]
+    for (term in plain) {
+      larger <- try(clm(as.formula(paste("rating ~", sides(terms))), nominal = as.formula(paste("~", sides(term))), data = d,
+                        weights = d$count, link = link, control = clm.control(convergence = "silent", gradTol = 1e-8, maxIter = 200)), silent = TRUE)
+      if (!inherits(larger, "try-error") && larger$convergence$code >= 0)
+        test("nominal", term, 2 * as.numeric(larger$logLik - m$logLik), larger$edf - m$edf)
+      wider <- try(fit_once(d, link, terms, term, 0), silent = TRUE)
+      if (!inherits(wider, "try-error")) test("scale", term, 2 * as.numeric(wider$logLik - m$logLik), wider$edf - m$edf)
+    }
+  }
+}
+
+record("bangay", "logit", "width,depth,orientation_deg")
+record("bangay", "probit", "width,depth")
+record("bangay", "logit", "num:width,num:inv_n,num:width:num:inv_n")
+record("bangay", "logit", "width,num:inv_n,width:num:inv_n")
+record("bangay", "logit", "depth:orientation_deg", assumptions = FALSE)
+record("bangay", "logit", "width,width:num:inv_n", assumptions = FALSE)
+record("bangay", "logit", "width,depth,orientation_deg", 1)
+record("bangay", "logit", "width,depth,orientation_deg", 10, drop = FALSE)
+record("bangay", "probit", "num:width,depth", 5)
+record("alike", "logit", "width,depth,orientation_deg")
+record("alike", "probit", "depth")
+record("unbalanced", "logit", "shader,size")
+record("unbalanced", "probit", "shader,num:size")
+record("unbalanced", "probit", "shader,num:size", 1)
+record("unbalanced", "probit", "shader,num:size", 10)
+record("unbalanced", "logit", "size", 7)
+record("unbalanced", "logit", "", 3)
+record("binary", "logit", "num:contrast,side")
+record("binary", "probit", "contrast")
+record("binary", "logit", "num:contrast,side", 1)
+record("binary", "probit", "num:contrast,side", 15)
+record("gaps", "logit", "width,depth")
+record("gaps", "logit", "depth,bound", assumptions = FALSE)
+record("gaps", "logit", "width,depth,width:depth", assumptions = FALSE)
+record("gaps", "probit", "width,num:inv_n", 6)
+record("strong", "logit", "num:x")
+record("strong", "logit", "x", 1)
+record("strong", "logit", "x", 2)
+record("strong", "logit", "x", 20)
+record("strong", "probit", "num:x", 20)
+record("spread", "logit", "group,num:x")
+record("spread", "logit", "group,num:x", scale = "group", assumptions = FALSE)
+record("spread", "probit", "group,x", scale = "num:x,group", assumptions = FALSE)
+record("large", "logit", "num:year")
+record("large", "probit", "year")
+close(models)
+close(tests)
+warnings()

@@ -1,0 +1,368 @@
+//! The cumulative-link model P(Y ≤ j) = F((θ_j + w·α_j − x·β) / exp(z·ζ)), fitted by Newton's method on counts.
+//!
+//! β shifts the scale (McCullagh 1980), α lets a term have an effect of its own at every threshold (partial
+//! proportional odds), ζ is the log of a scale that depends on terms. The sign is that of R's `ordinal` and of
+//! `statsmodels`: a positive β means higher ratings. Without ζ the log-likelihood is concave (Pratt 1981).
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::link::Link;
+
+/// Counts by design row and category, with the rows of the three design matrices.
+#[derive(Clone, Debug)]
+pub(super) struct ClmData {
+    pub link: Link,
+    /// Location, one row a distinct condition.
+    pub x: DMatrix<f64>,
+    /// Terms with an effect at every threshold.
+    pub nominal: DMatrix<f64>,
+    /// Terms of the scale.
+    pub scale: DMatrix<f64>,
+    /// Ratings in each category.
+    pub counts: DMatrix<f64>,
+}
+
+/// How an iteration ended.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum End {
+    /// The gradient is small and the last step was.
+    Converged,
+    /// The likelihood rises for ever in this direction: the ratings are separated.
+    Separated(DVector<f64>),
+    /// The iteration could not go on.
+    Stalled,
+}
+
+/// A maximum of the likelihood.
+#[derive(Clone, Debug)]
+pub(super) struct ClmFit {
+    /// θ (then α, threshold by threshold within a column), β, ζ.
+    pub parameters: DVector<f64>,
+    pub loglik: f64,
+    /// Largest absolute element of the gradient.
+    pub gradient: f64,
+    /// Observed information.
+    pub information: DMatrix<f64>,
+    pub iterations: usize,
+    pub end: End,
+}
+
+/// Log-likelihood, gradient and negative Hessian.
+struct Derivatives {
+    loglik: f64,
+    gradient: DVector<f64>,
+    information: DMatrix<f64>,
+}
+
+/// Ratings up to which the gradient can and must fall below 1e-9; above, rounding grows with them.
+const EXACT_RATINGS: f64 = 1e4;
+
+impl ClmData {
+    pub fn categories(&self) -> usize {
+        self.counts.ncols()
+    }
+
+    pub fn thresholds(&self) -> usize {
+        self.categories() - 1
+    }
+
+    /// Index of the first β.
+    pub fn first_beta(&self) -> usize {
+        self.thresholds() * (1 + self.nominal.ncols())
+    }
+
+    fn first_zeta(&self) -> usize {
+        self.first_beta() + self.x.ncols()
+    }
+
+    pub fn parameters(&self) -> usize {
+        self.first_zeta() + self.scale.ncols()
+    }
+
+    pub fn ratings(&self) -> f64 {
+        self.counts.sum()
+    }
+
+    /// The gradient that counts as zero.
+    pub fn tolerance(&self) -> f64 {
+        1e-9 * (self.ratings() / EXACT_RATINGS).max(1.0)
+    }
+
+    /// Thresholds that give the pooled ratings, everything else 0.
+    pub fn start(&self) -> DVector<f64> {
+        let mut parameters = DVector::zeros(self.parameters());
+        let total = self.ratings();
+        let mut below = 0.0;
+        for j in 0..self.thresholds() {
+            below += self.counts.column(j).sum();
+            parameters[j] = self.link.quantile(below / total);
+        }
+        parameters
+    }
+
+    /// The bounds η_1 … η_(K−1) of a row, and what its scale divides by.
+    fn bounds(&self, parameters: &DVector<f64>, row: usize, bounds: &mut [f64]) -> f64 {
+        let dot = |matrix: &DMatrix<f64>, first: usize, stride: usize| -> f64 {
+            (0..matrix.ncols()).map(|c| matrix[(row, c)] * parameters[first + c * stride]).sum()
+        };
+        let thresholds = self.thresholds();
+        let location = dot(&self.x, self.first_beta(), 1);
+        let scale = dot(&self.scale, self.first_zeta(), 1).exp();
+        for (j, bound) in bounds.iter_mut().enumerate() {
+            *bound = (parameters[j] + dot(&self.nominal, thresholds + j, thresholds) - location) / scale;
+        }
+        scale
+    }
+
+    /// The gradient of bound j of a row by the parameters.
+    fn bound_gradient(&self, row: usize, j: usize, bound: f64, scale: f64, gradient: &mut [f64]) {
+        gradient.fill(0.0);
+        let thresholds = self.thresholds();
+        gradient[j] = 1.0 / scale;
+        for c in 0..self.nominal.ncols() {
+            gradient[thresholds * (1 + c) + j] = self.nominal[(row, c)] / scale;
+        }
+        for c in 0..self.x.ncols() {
+            gradient[self.first_beta() + c] = -self.x[(row, c)] / scale;
+        }
+        for c in 0..self.scale.ncols() {
+            gradient[self.first_zeta() + c] = -bound * self.scale[(row, c)];
+        }
+    }
+
+    /// The log-likelihood, −∞ where a rating that occurs has no probability.
+    pub fn loglik(&self, parameters: &DVector<f64>) -> f64 {
+        let mut bounds = vec![0.0; self.thresholds()];
+        let mut sum = 0.0;
+        for row in 0..self.counts.nrows() {
+            self.bounds(parameters, row, &mut bounds);
+            for k in 0..self.categories() {
+                let count = self.counts[(row, k)];
+                if count > 0.0 {
+                    let (a, b) = category_bounds(&bounds, k);
+                    sum += count * if a > b { self.link.first(a, b).0 } else { f64::NEG_INFINITY };
+                }
+            }
+        }
+        if sum.is_nan() { f64::NEG_INFINITY } else { sum }
+    }
+
+    fn derivatives(&self, parameters: &DVector<f64>) -> Derivatives {
+        let (size, thresholds) = (self.parameters(), self.thresholds());
+        let mut sum =
+            Derivatives { loglik: 0.0, gradient: DVector::zeros(size), information: DMatrix::zeros(size, size) };
+        let mut bounds = vec![0.0; thresholds];
+        let mut gradients = vec![vec![0.0; size]; thresholds];
+        for row in 0..self.counts.nrows() {
+            let scale = self.bounds(parameters, row, &mut bounds);
+            let (mut first, mut second, mut mixed) =
+                (vec![0.0; thresholds], vec![0.0; thresholds], vec![0.0; thresholds]);
+            for k in 0..self.categories() {
+                let count = self.counts[(row, k)];
+                if count <= 0.0 {
+                    continue;
+                }
+                let (a, b) = category_bounds(&bounds, k);
+                let cell = self.link.cell(a, b);
+                sum.loglik += count * cell.log_p;
+                if k < thresholds {
+                    first[k] += count * cell.a;
+                    second[k] += count * cell.aa;
+                }
+                if k > 0 {
+                    first[k - 1] += count * cell.b;
+                    second[k - 1] += count * cell.bb;
+                }
+                if k > 0 && k < thresholds {
+                    mixed[k] += count * cell.ab;
+                }
+            }
+            for (j, gradient) in gradients.iter_mut().enumerate() {
+                self.bound_gradient(row, j, bounds[j], scale, gradient);
+                add_scaled(&mut sum.gradient, first[j], gradient);
+            }
+            for j in 0..thresholds {
+                add_product(&mut sum.information, -second[j], &gradients[j], &gradients[j]);
+                if j > 0 {
+                    add_product(&mut sum.information, -mixed[j], &gradients[j], &gradients[j - 1]);
+                    add_product(&mut sum.information, -mixed[j], &gradients[j - 1], &gradients[j]);
+                }
+                self.add_scale_curvature(&mut sum.information, row, -first[j], bounds[j], &gradients[j]);
+            }
+        }
+        sum
+    }
+
+    /// The second derivative of a bound, which only a scale bends: times z against every other parameter.
+    fn add_scale_curvature(&self, sum: &mut DMatrix<f64>, row: usize, factor: f64, bound: f64, gradient: &[f64]) {
+        let first = self.first_zeta();
+        for c in 0..self.scale.ncols() {
+            let z = factor * self.scale[(row, c)];
+            for other in 0..first {
+                sum[(first + c, other)] -= z * gradient[other];
+                sum[(other, first + c)] -= z * gradient[other];
+            }
+            for d in 0..self.scale.ncols() {
+                sum[(first + c, first + d)] += z * self.scale[(row, d)] * bound;
+            }
+        }
+    }
+
+    /// The largest change of a bound of any rating that a step makes.
+    fn reach(&self, parameters: &DVector<f64>, step: &DVector<f64>) -> f64 {
+        let mut bounds = vec![0.0; self.thresholds()];
+        let mut gradient = vec![0.0; self.parameters()];
+        let mut most: f64 = 0.0;
+        for row in 0..self.counts.nrows() {
+            let scale = self.bounds(parameters, row, &mut bounds);
+            for (j, &bound) in bounds.iter().enumerate() {
+                self.bound_gradient(row, j, bound, scale, &mut gradient);
+                most = most.max(dot(&gradient, step).abs());
+            }
+        }
+        most
+    }
+
+    /// Whether the likelihood rises for ever along a direction: no rating's upper bound falls, no lower bound rises,
+    /// and one of them moves (Albert & Anderson 1984, for ordered categories).
+    fn is_recession(&self, direction: &DVector<f64>) -> bool {
+        const SLACK: f64 = 1e-3;
+        let mut gradient = vec![0.0; self.parameters()];
+        let (mut least, mut most): (f64, f64) = (0.0, 0.0);
+        for row in 0..self.counts.nrows() {
+            for k in 0..self.categories() {
+                if self.counts[(row, k)] <= 0.0 {
+                    continue;
+                }
+                for (j, sign) in [(k.wrapping_sub(1), -1.0), (k, 1.0)] {
+                    if j < self.thresholds() {
+                        self.bound_gradient(row, j, 0.0, 1.0, &mut gradient);
+                        let moved = sign * dot(&gradient, direction);
+                        (least, most) = (least.min(moved), most.max(moved));
+                    }
+                }
+            }
+        }
+        most > 0.1 && least > -SLACK * most
+    }
+
+    /// The direction of a step where it is one of recession, its largest element ±1.
+    fn recession(&self, step: &DVector<f64>) -> Option<DVector<f64>> {
+        let mut direction = step / step.amax();
+        direction.apply(|element| {
+            if element.abs() < 1e-2 {
+                *element = 0.0;
+            }
+        });
+        (self.scale.ncols() == 0 && self.is_recession(&direction)).then_some(direction)
+    }
+
+    /// The maximum of the likelihood, by Newton's method with step halving.
+    pub fn fit(&self, start: DVector<f64>) -> ClmFit {
+        const MOST_ITERATIONS: usize = 200;
+        let tolerance = self.tolerance();
+        let mut parameters = start;
+        let mut current = self.derivatives(&parameters);
+        let mut end = End::Stalled;
+        let mut iterations = 0;
+        while iterations < MOST_ITERATIONS && current.loglik.is_finite() {
+            let step = newton_step(&current);
+            let (gradient, reach) = (current.gradient.amax(), self.reach(&parameters, &step));
+            if gradient <= tolerance && reach < 1e-6 {
+                end = End::Converged;
+                break;
+            }
+            if gradient < 10.0 * tolerance
+                && reach > 1e-3
+                && let Some(direction) = self.recession(&step)
+            {
+                end = End::Separated(direction);
+                break;
+            }
+            let Some(next) = self.halve(&parameters, &current, &step) else {
+                // Rounding is reached: as good as it gets.
+                if gradient < 1e3 * tolerance {
+                    end = End::Converged;
+                }
+                break;
+            };
+            parameters = next;
+            current = self.derivatives(&parameters);
+            iterations += 1;
+        }
+        ClmFit {
+            loglik: current.loglik,
+            gradient: current.gradient.amax(),
+            information: current.information,
+            parameters,
+            iterations,
+            end,
+        }
+    }
+
+    /// The first of the step and its halves that does not lower the likelihood.
+    fn halve(&self, from: &DVector<f64>, at: &Derivatives, step: &DVector<f64>) -> Option<DVector<f64>> {
+        let slack = 1e-13 * at.loglik.abs();
+        let mut factor = 1.0;
+        for _ in 0..40 {
+            let candidate = from + step * factor;
+            if candidate == *from {
+                return None;
+            }
+            if self.loglik(&candidate) >= at.loglik - slack {
+                return Some(candidate);
+            }
+            factor /= 2.0;
+        }
+        None
+    }
+}
+
+/// Upper and lower bound of a category.
+#[inline]
+pub(super) fn category_bounds(bounds: &[f64], category: usize) -> (f64, f64) {
+    let upper = bounds.get(category).copied().unwrap_or(f64::INFINITY);
+    let lower = if category == 0 { f64::NEG_INFINITY } else { bounds[category - 1] };
+    (upper, lower)
+}
+
+fn dot(left: &[f64], right: &DVector<f64>) -> f64 {
+    left.iter().zip(right.iter()).map(|(l, r)| l * r).sum()
+}
+
+fn add_scaled(sum: &mut DVector<f64>, factor: f64, vector: &[f64]) {
+    for (element, value) in sum.iter_mut().zip(vector) {
+        *element += factor * value;
+    }
+}
+
+/// Adds the outer product of two vectors, leaving out the zeros that treatment contrasts are full of.
+pub(super) fn add_product(sum: &mut DMatrix<f64>, factor: f64, left: &[f64], right: &[f64]) {
+    for (column, &r) in right.iter().enumerate().filter(|(_, r)| **r != 0.0) {
+        for (element, &l) in sum.column_mut(column).iter_mut().zip(left) {
+            *element += factor * r * l;
+        }
+    }
+}
+
+/// Newton's step, with the curvature raised where the likelihood is not concave or too flat to invert.
+fn newton_step(at: &Derivatives) -> DVector<f64> {
+    match positive_definite(&at.information) {
+        Some(factor) => factor.solve(&at.gradient),
+        None => at.gradient.clone(),
+    }
+}
+
+/// The factor of a matrix, or of the least raised one that has a factor; None where an element is not a number.
+pub(super) fn positive_definite(matrix: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    let largest = matrix.diagonal().amax().max(f64::MIN_POSITIVE);
+    let mut ridge = 0.0;
+    while ridge <= 10.0 * largest {
+        let raised = matrix + DMatrix::identity(matrix.nrows(), matrix.nrows()) * ridge;
+        if let Some(factor) = raised.cholesky() {
+            return Some(factor);
+        }
+        ridge = if ridge == 0.0 { 1e-14 * largest } else { ridge * 10.0 };
+    }
+    None
+}

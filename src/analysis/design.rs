@@ -1,0 +1,207 @@
+//! The design matrix of some terms, without an intercept: the thresholds stand for it.
+//!
+//! Columns are coded and named as R's `model.matrix` does with treatment contrasts. A factor's column is called by the
+//! factor and the level (`width0.05`); within an interaction a factor has contrasts where the term without it is in
+//! the model too, and a column for every level where it is not.
+
+use nalgebra::DMatrix;
+
+use super::{
+    frame::{Frame, Resolved},
+    outcome::ModelError,
+    terms::{Term, Terms, Variable},
+};
+
+/// One column of a design matrix.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Column {
+    /// R's name of the coefficient.
+    pub name: String,
+    /// Index of the term in [`Design::terms`].
+    pub term: usize,
+    /// The value for every condition of the table; 0 for those that are not in the frame.
+    values: Vec<f64>,
+}
+
+/// The columns of some terms.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Design {
+    pub terms: Terms,
+    pub columns: Vec<Column>,
+    /// Columns that were left out because others say the same.
+    pub dropped: Vec<Column>,
+}
+
+impl Design {
+    /// The columns of these terms for the conditions of a frame.
+    ///
+    /// # Errors
+    /// A variable that is unknown or not a number.
+    pub fn new(frame: &Frame, terms: &Terms) -> Result<Self, ModelError> {
+        let mut columns = Vec::new();
+        for (index, term) in terms.iter().enumerate() {
+            columns.extend(term_columns(frame, terms, term, index)?);
+        }
+        Ok(Self { terms: terms.clone(), columns, dropped: Vec::new() })
+    }
+
+    /// No columns.
+    pub fn empty() -> Self {
+        Self { terms: Terms::default(), columns: Vec::new(), dropped: Vec::new() }
+    }
+
+    /// Names of the columns.
+    #[cfg(test)]
+    pub fn names(&self) -> Vec<String> {
+        self.columns.iter().map(|column| column.name.clone()).collect()
+    }
+
+    /// A row for each of these conditions.
+    pub fn matrix(&self, conditions: &[u32]) -> DMatrix<f64> {
+        DMatrix::from_fn(conditions.len(), self.columns.len(), |row, column| {
+            self.columns[column].values[conditions[row] as usize]
+        })
+    }
+
+    /// Whether two conditions have the same row.
+    pub fn key(&self, condition: u32) -> Vec<u64> {
+        self.columns.iter().map(|column| (column.values[condition as usize] + 0.0).to_bits()).collect()
+    }
+
+    /// The columns that do not follow from an intercept and those before them.
+    #[must_use]
+    pub fn independent(self, frame: &Frame) -> Self {
+        self.independent_of(&Self::empty(), frame)
+    }
+
+    /// The columns that do not follow from an intercept, those of another design and those before them.
+    #[must_use]
+    pub fn independent_of(&self, other: &Self, frame: &Frame) -> Self {
+        let conditions = frame.conditions();
+        let (theirs, ours) = (other.matrix(&conditions), self.matrix(&conditions));
+        let first = theirs.ncols();
+        let mut both = theirs.resize_horizontally(first + ours.ncols(), 0.0);
+        both.columns_mut(first, ours.ncols()).copy_from(&ours);
+        let kept = independent_columns(&both);
+        let (columns, dropped): (Vec<_>, Vec<_>) =
+            self.columns.iter().cloned().enumerate().partition(|(index, _)| kept.contains(&(first + index)));
+        let plain = |columns: Vec<(usize, Column)>| columns.into_iter().map(|(_, column)| column).collect();
+        Self { terms: self.terms.clone(), columns: plain(columns), dropped: plain(dropped) }
+    }
+}
+
+/// One variable's part of a column: its name and its value for every condition.
+struct Part {
+    name: String,
+    values: Vec<f64>,
+}
+
+fn term_columns(frame: &Frame, terms: &Terms, term: &Term, index: usize) -> Result<Vec<Column>, ModelError> {
+    let mut columns: Vec<Part> = Vec::new();
+    for (position, variable) in term.variables.iter().enumerate() {
+        let mut rest = term.clone();
+        rest.variables.remove(position);
+        let contrasts = rest.variables.is_empty() || terms.has(&rest);
+        let parts = variable_parts(frame, variable, contrasts)?;
+        columns = if position == 0 { parts } else { products(&columns, &parts) };
+    }
+    Ok(columns.into_iter().map(|part| Column { name: part.name, term: index, values: part.values }).collect())
+}
+
+/// All products, the first factor's levels varying fastest.
+fn products(left: &[Part], right: &[Part]) -> Vec<Part> {
+    let pairs = right.iter().flat_map(|r| left.iter().map(move |l| (l, r)));
+    pairs
+        .map(|(l, r)| Part {
+            name: format!("{}:{}", l.name, r.name),
+            values: l.values.iter().zip(&r.values).map(|(a, b)| a * b).collect(),
+        })
+        .collect()
+}
+
+fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result<Vec<Part>, ModelError> {
+    let conditions = &frame.counts.conditions;
+    Ok(match frame.resolve(variable)? {
+        Resolved::Number { index, values } => {
+            let values = conditions.iter().map(|c| c[index].map_or(0.0, |level| values[level as usize])).collect();
+            vec![Part { name: variable.name().to_owned(), values }]
+        }
+        Resolved::Factor { index, levels } => (levels.iter().skip(usize::from(contrasts)))
+            .map(|&level| Part {
+                name: format!("{}{}", variable.name(), frame.counts.factors[index].levels[level as usize]),
+                values: conditions.iter().map(|c| f64::from(u8::from(c[index] == Some(level)))).collect(),
+            })
+            .collect(),
+    })
+}
+
+/// Indices of the columns that are not linear combinations of an intercept and the columns before them, to R's
+/// tolerance: what remains of a dependent column is shorter than 1e-7 of it.
+pub(super) fn independent_columns(x: &DMatrix<f64>) -> Vec<usize> {
+    const TOLERANCE: f64 = 1e-7;
+    let rows = x.nrows();
+    let mut basis = vec![nalgebra::DVector::from_element(rows, 1.0 / (rows as f64).sqrt())];
+    let mut kept = Vec::new();
+    for (index, column) in x.column_iter().enumerate() {
+        let length = column.norm();
+        let mut rest = column.clone_owned();
+        // Twice, because one pass of Gram and Schmidt loses orthogonality where columns are nearly dependent.
+        for _ in 0..2 {
+            for direction in &basis {
+                let along = direction.dot(&rest);
+                rest.axpy(-along, direction, 1.0);
+            }
+        }
+        let left = rest.norm();
+        if length > 0.0 && left >= TOLERANCE * length {
+            kept.push(index);
+            basis.push(rest / left);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::counts::CountsBuilder;
+
+    fn columns(terms: &str) -> Vec<String> {
+        let mut builder = CountsBuilder::new(&["a", "b", "depth"]);
+        for (a, b, depth) in [("x", "1", "1"), ("y", "2", "2"), ("z", "1", "inf"), ("x", "2", "4")] {
+            for rating in ["0", "1"] {
+                builder.add("s", &[a, b, depth], rating, 1).unwrap();
+            }
+        }
+        let counts = builder.finish();
+        let terms = Terms::parse(terms).unwrap();
+        let (frame, _) = Frame::new(&counts, &[&terms]).unwrap();
+        Design::new(&frame, &terms).unwrap().names()
+    }
+
+    /// Names from `colnames(model.matrix(~ ..., data))[-1]`, R 4.2.2.
+    #[test]
+    fn columns_are_coded_and_named_as_in_r() {
+        assert_eq!(columns("a,b"), ["ay", "az", "b2"]);
+        assert_eq!(columns("a*b"), ["ay", "az", "b2", "ay:b2", "az:b2"]);
+        assert_eq!(columns("a,a:b"), ["ay", "az", "ax:b2", "ay:b2", "az:b2"]);
+        assert_eq!(columns("a:b"), ["ax:b1", "ay:b1", "az:b1", "ax:b2", "ay:b2", "az:b2"]);
+        assert_eq!(columns("num:b,a:num:b"), ["b", "b:ay", "b:az"]);
+        assert_eq!(columns("num:inv_n,depth"), ["inv_n", "depth2", "depth4", "depthinf"]);
+    }
+
+    #[test]
+    fn a_column_that_follows_from_others_is_found() {
+        let x = DMatrix::from_row_slice(
+            4,
+            4,
+            &[
+                0.0, 0.0, 1.0, 5.0, //
+                1.0, 1.0, 0.0, 5.0, //
+                0.0, 0.0, 1.0, 5.0, //
+                3.0, 0.0, 1.0, 5.0,
+            ],
+        );
+        assert_eq!(independent_columns(&x), [0, 1]);
+    }
+}

@@ -1,0 +1,229 @@
+//! From a table of counts to the maxima of its likelihoods.
+
+use std::collections::HashMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{
+    clm::{ClmData, ClmFit, End},
+    clmm::ClmmData,
+    counts::Counts,
+    design::Design,
+    frame::Frame,
+    kernel::Observation,
+    link::Link,
+    mixed::{self, MixedFit},
+    model::{ModelSpec, Random},
+    outcome::{ModelError, Note},
+    quadrature,
+    standard::Standard,
+    terms::{Terms, Variable},
+};
+
+/// Everything about a fit that the tests need again.
+pub(super) struct Fitted<'a> {
+    pub frame: Frame<'a>,
+    pub spec: ModelSpec,
+    pub notes: Vec<Note>,
+    pub x: Design,
+    pub scale: Design,
+    pub clm: ClmFit,
+    /// Standardisation of the location and of the scale.
+    pub standards: (Standard, Standard),
+    pub mixed: Option<MixedFit>,
+}
+
+/// Fits a model, with another baseline where the first has no finite estimates.
+pub(super) fn fit_frame<'a>(counts: &'a Counts, spec: &ModelSpec) -> Result<Fitted<'a>, ModelError> {
+    if spec.random == Random::Subject && !(1..=quadrature::MOST_NODES).contains(&spec.quadrature) {
+        return Err(ModelError::Quadrature { nodes: spec.quadrature, most: quadrature::MOST_NODES });
+    }
+    let mut spec = spec.clone();
+    let (frame, mut notes) = Frame::new(counts, &[&spec.terms, &spec.scale])?;
+    if spec.random == Random::Subject && frame.subjects.len() < 2 {
+        notes.push(Note::OneSubject);
+        spec.random = Random::None;
+    }
+    if spec.random == Random::Subject && !spec.scale.is_empty() {
+        notes.push(Note::ScaleIgnored);
+        spec.scale = Terms::default();
+    }
+    let fitted = fit_terms(frame, spec, notes, true)?;
+    Ok(match rebased(&fitted) {
+        Some((frame, note)) => {
+            let mut notes = fitted.notes.clone();
+            notes.push(note);
+            fit_terms(frame, fitted.spec.clone(), notes, true)?
+        }
+        None => fitted,
+    })
+}
+
+/// Fits the terms of a specification on a frame; `notes` are those of the frame. A mixed model needs `errors` for its
+/// standard errors; its likelihood comes without.
+pub(super) fn fit_terms(
+    frame: Frame<'_>,
+    spec: ModelSpec,
+    notes: Vec<Note>,
+    errors: bool,
+) -> Result<Fitted<'_>, ModelError> {
+    let x = Design::new(&frame, &spec.terms)?.independent(&frame);
+    let scale = Design::new(&frame, &spec.scale)?.independent(&frame);
+    let (data, standards) = clm_data(&frame, spec.link, &x, &Design::empty(), &scale);
+    let clm = fit_clm(&data)?;
+    let mut fitted = Fitted { frame, spec, notes, x, scale, clm, standards, mixed: None };
+    if fitted.spec.random == Random::Subject {
+        fitted.mixed = fit_mixed(&fitted, errors);
+    }
+    Ok(fitted)
+}
+
+pub(super) fn fit_clm(data: &ClmData) -> Result<ClmFit, ModelError> {
+    let start = data.start();
+    if !data.loglik(&start).is_finite() {
+        return Err(ModelError::NoLikelihood);
+    }
+    if data.scale.ncols() == 0 {
+        return Ok(data.fit(start));
+    }
+    // The scale bends the likelihood: begin where the location is settled.
+    let plain = ClmData { scale: DMatrix::zeros(data.x.nrows(), 0), ..data.clone() };
+    let location = plain.fit(plain.start()).parameters;
+    Ok(data.fit(location.resize_vertically(data.parameters(), 0.0)))
+}
+
+/// Counts by distinct rows of three designs.
+pub(super) fn clm_data(
+    frame: &Frame,
+    link: Link,
+    x: &Design,
+    nominal: &Design,
+    scale: &Design,
+) -> (ClmData, (Standard, Standard)) {
+    let (conditions, row_of) = distinct_rows(frame, &[x, nominal, scale]);
+    let mut counts = DMatrix::zeros(conditions.len(), frame.categories.len());
+    for row in &frame.rows {
+        counts[(row_of[&row.condition], usize::from(row.rating))] += row.count as f64;
+    }
+    let (x, location) = Standard::of(x.matrix(&conditions));
+    let (nominal, _) = Standard::of(nominal.matrix(&conditions));
+    let (scale, spread) = Standard::scaled(scale.matrix(&conditions));
+    (ClmData { link, x, nominal, scale, counts }, (location, spread))
+}
+
+/// A condition for every distinct row of some designs, and the index of each condition's row.
+fn distinct_rows(frame: &Frame, designs: &[&Design]) -> (Vec<u32>, HashMap<u32, usize>) {
+    let mut rows: HashMap<Vec<u64>, usize> = HashMap::new();
+    let mut conditions = Vec::new();
+    let mut row_of = HashMap::new();
+    for row in &frame.rows {
+        row_of.entry(row.condition).or_insert_with(|| {
+            let key = designs.iter().flat_map(|design| design.key(row.condition)).collect();
+            *rows.entry(key).or_insert_with(|| {
+                conditions.push(row.condition);
+                conditions.len() - 1
+            })
+        });
+    }
+    (conditions, row_of)
+}
+
+/// The mixed model from the estimates of the model without a random intercept. Coefficients without a finite estimate
+/// stay where they are: their ratings are predicted perfectly whoever gives them.
+fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
+    let frame = &fitted.frame;
+    let (conditions, row_of) = distinct_rows(frame, &[&fitted.x]);
+    let (x, _) = Standard::of(fitted.x.matrix(&conditions));
+    let mut observations = Vec::new();
+    let mut subjects = Vec::new();
+    // Rows are sorted by subject; conditions that share a design row are added up.
+    for rows in frame.rows.chunk_by(|l, r| l.subject == r.subject) {
+        let mut cells: HashMap<(usize, usize), f64> = HashMap::new();
+        for row in rows {
+            *cells.entry((row_of[&row.condition], usize::from(row.rating))).or_insert(0.0) += row.count as f64;
+        }
+        let mut cells: Vec<_> = cells.into_iter().collect();
+        cells.sort_unstable_by_key(|(key, _)| *key);
+        let first = observations.len();
+        observations.extend(cells.into_iter().map(|((row, category), count)| Observation { row, category, count }));
+        subjects.push(first..observations.len());
+    }
+    let nodes = quadrature::gauss_hermite(fitted.spec.quadrature);
+    let data =
+        ClmmData { link: fitted.spec.link, categories: frame.categories.len(), x, observations, subjects, nodes };
+    let free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
+    if fitted.infinite_thresholds().next().is_some() {
+        return None;
+    }
+    let tolerance = 1e-9 * (data.ratings() / 1e4).max(1.0);
+    mixed::fit(&data, &fitted.clm.parameters, &free, tolerance, errors)
+}
+
+impl Fitted<'_> {
+    pub fn direction(&self) -> Option<&DVector<f64>> {
+        match &self.clm.end {
+            End::Separated(direction) => Some(direction),
+            _ => None,
+        }
+    }
+
+    /// Whether a parameter has no finite estimate.
+    pub fn is_infinite(&self, index: usize) -> bool {
+        self.direction().is_some_and(|direction| direction.get(index).is_some_and(|element| *element != 0.0))
+    }
+
+    pub fn infinite_thresholds(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.frame.categories.len() - 1).filter(|&index| self.is_infinite(index))
+    }
+
+    pub fn term_name(&self, design: &Design, column: usize) -> String {
+        design.terms.iter().nth(design.columns[column].term).map(ToString::to_string).unwrap_or_default()
+    }
+
+    /// The log-likelihood that the tests compare.
+    pub fn loglik(&self) -> f64 {
+        self.mixed.as_ref().map_or(self.clm.loglik, |mixed| mixed.loglik)
+    }
+
+    /// Parameters of location and scale that can be estimated.
+    pub fn rank(&self) -> usize {
+        self.x.columns.len() + self.scale.columns.len()
+    }
+}
+
+/// Where thresholds run away because all ratings at a factor's first level are the same extreme, the frame with
+/// another baseline.
+fn rebased<'a>(fitted: &Fitted<'a>) -> Option<(Frame<'a>, Note)> {
+    fitted.infinite_thresholds().next()?;
+    let frame = &fitted.frame;
+    let mut rebased = frame.clone();
+    for variable in fitted.spec.terms.iter().flat_map(|term| &term.variables) {
+        let Variable::Factor(name) = variable else { continue };
+        let (factor, description) = frame.counts.factor(name)?;
+        let levels = frame.levels(factor);
+        let extreme = |level: u32| extreme_category(frame, factor, level);
+        let (Some(first), Some(category)) = (levels.first(), levels.first().and_then(|first| extreme(*first))) else {
+            continue;
+        };
+        if let Some(&level) = levels.iter().find(|level| extreme(**level).is_none()) {
+            rebased.set_baseline(factor, level);
+            let note = Note::Rebased {
+                factor: name.clone(),
+                baseline: description.levels[level as usize].clone(),
+                separated: description.levels[*first as usize].clone(),
+                category: frame.categories[category].clone(),
+            };
+            return Some((rebased, note));
+        }
+    }
+    None
+}
+
+/// The lowest or highest category where all ratings at a level are in it.
+fn extreme_category(frame: &Frame, factor: usize, level: u32) -> Option<usize> {
+    let mut ratings = (frame.rows.iter())
+        .filter(|row| frame.counts.conditions[row.condition as usize][factor] == Some(level))
+        .map(|row| usize::from(row.rating));
+    let first = ratings.next()?;
+    ((first == 0 || first == frame.categories.len() - 1) && ratings.all(|rating| rating == first)).then_some(first)
+}

@@ -1,0 +1,177 @@
+//! The rows that a model is fitted on: complete, with the categories and levels that occur among them.
+
+use std::collections::BTreeSet;
+
+use super::{
+    counts::{CountRow, Counts},
+    outcome::{ModelError, Note},
+    terms::{Terms, Variable},
+};
+
+/// What a variable of a term means in a table.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Resolved {
+    /// A factor by its index, with the levels that occur, the baseline first.
+    Factor { index: usize, levels: Vec<u32> },
+    /// A number for every level of a factor.
+    Number { index: usize, values: Vec<f64> },
+}
+
+/// The rows of a table that have all the values the terms need.
+#[derive(Clone, Debug)]
+pub(super) struct Frame<'a> {
+    pub counts: &'a Counts,
+    /// The rows, `subject` and `rating` renumbered to what occurs.
+    pub rows: Vec<CountRow>,
+    /// Names of the subjects that occur.
+    pub subjects: Vec<String>,
+    /// Names of the categories that occur, the lowest first.
+    pub categories: Vec<String>,
+    /// For every factor, the levels that occur, in natural order.
+    levels: Vec<Vec<u32>>,
+    /// For every factor, a baseline that replaces the first level.
+    baselines: Vec<Option<u32>>,
+}
+
+impl<'a> Frame<'a> {
+    /// The complete rows for these terms, and notes on what was left out.
+    ///
+    /// # Errors
+    /// An unknown name, a text where a number is asked, no rows, ratings that are all the same.
+    pub fn new(counts: &'a Counts, terms: &[&Terms]) -> Result<(Self, Vec<Note>), ModelError> {
+        let needed = needed_factors(counts, terms)?;
+        let mut notes = Vec::new();
+        let mut rows = counts.rows.clone();
+        rows.retain(|row| row.count > 0);
+        for &factor in &needed {
+            let missing = |row: &CountRow| counts.conditions[row.condition as usize][factor].is_none();
+            let lost: u64 = rows.iter().filter(|row| missing(row)).map(|row| row.count).sum();
+            if lost > 0 {
+                rows.retain(|row| !missing(row));
+                notes.push(Note::MissingValues { factor: counts.factors[factor].name.clone(), ratings: lost });
+            }
+        }
+        if rows.is_empty() {
+            return Err(ModelError::NoRatings);
+        }
+        let subjects = renumber(&mut rows, |row| &mut row.subject);
+        let categories = used_categories(counts, &mut rows, &mut notes)?;
+        let levels = (0..counts.factors.len()).map(|factor| present_levels(counts, &rows, factor)).collect();
+        let frame = Self {
+            counts,
+            rows,
+            subjects: subjects.into_iter().map(|index| counts.subjects[index as usize].clone()).collect(),
+            categories,
+            levels,
+            baselines: vec![None; counts.factors.len()],
+        };
+        Ok((frame, notes))
+    }
+
+    /// Ratings in the frame.
+    pub fn total(&self) -> u64 {
+        self.rows.iter().map(|row| row.count).sum()
+    }
+
+    /// The conditions that occur.
+    pub fn conditions(&self) -> Vec<u32> {
+        let conditions: BTreeSet<u32> = self.rows.iter().map(|row| row.condition).collect();
+        conditions.into_iter().collect()
+    }
+
+    /// Makes a level that occurs the baseline of a factor.
+    pub fn set_baseline(&mut self, factor: usize, level: u32) {
+        self.baselines[factor] = Some(level);
+    }
+
+    /// The levels of a factor that occur, the baseline first.
+    pub fn levels(&self, factor: usize) -> Vec<u32> {
+        let mut levels = self.levels[factor].clone();
+        if let Some(position) = self.baselines[factor].and_then(|level| levels.iter().position(|l| *l == level)) {
+            levels[..=position].rotate_right(1);
+        }
+        levels
+    }
+
+    /// What a variable means here.
+    pub fn resolve(&self, variable: &Variable) -> Result<Resolved, ModelError> {
+        let (index, inverse) = find_factor(self.counts, variable)?;
+        match variable {
+            Variable::Factor(_) => Ok(Resolved::Factor { index, levels: self.levels(index) }),
+            Variable::Number(_) => Ok(Resolved::Number { index, values: self.values(index, inverse)? }),
+        }
+    }
+
+    /// The numbers of a factor's levels; 0 for those that do not occur.
+    fn values(&self, index: usize, inverse: bool) -> Result<Vec<f64>, ModelError> {
+        let factor = &self.counts.factors[index];
+        let mut values = vec![0.0; factor.levels.len()];
+        for &level in &self.levels[index] {
+            let text = &factor.levels[level as usize];
+            let number = super::levels::number_of(text);
+            let value = if inverse { number.map(f64::recip) } else { number };
+            values[level as usize] = match value {
+                Some(value) if value.is_finite() => value,
+                Some(_) if !inverse && factor.name == "depth" => {
+                    return Err(ModelError::InfiniteDepth { name: factor.name.clone() });
+                }
+                _ => return Err(ModelError::NotANumber { factor: factor.name.clone(), level: text.clone() }),
+            };
+        }
+        Ok(values)
+    }
+}
+
+/// The factor a variable names, and whether its inverse is meant.
+fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize, bool), ModelError> {
+    if let Some((index, _)) = counts.factor(variable.name()) {
+        return Ok((index, false));
+    }
+    if let (Variable::Number(name), Some((index, _))) = (variable, counts.factor("depth"))
+        && name == "inv_n"
+    {
+        return Ok((index, true));
+    }
+    let names: Vec<String> = counts.factors.iter().map(|factor| factor.name.clone()).collect();
+    let near = |name: &&String| strsim::damerau_levenshtein(name, variable.name());
+    let nearest = names.iter().min_by_key(near).filter(|name| near(name) <= 2).cloned();
+    Err(ModelError::UnknownFactor { name: variable.name().to_owned(), nearest, known: names })
+}
+
+fn needed_factors(counts: &Counts, terms: &[&Terms]) -> Result<BTreeSet<usize>, ModelError> {
+    let variables = terms.iter().flat_map(|terms| terms.iter()).flat_map(|term| &term.variables);
+    variables.map(|variable| find_factor(counts, variable).map(|(index, _)| index)).collect()
+}
+
+/// Renumbers an index to the values that occur, and returns these in order.
+fn renumber(rows: &mut [CountRow], field: impl Fn(&mut CountRow) -> &mut u32) -> Vec<u32> {
+    let present: BTreeSet<u32> = rows.iter_mut().map(|row| *field(row)).collect();
+    let present: Vec<u32> = present.into_iter().collect();
+    for row in rows {
+        let value = field(row);
+        *value = present.partition_point(|other| other < value) as u32;
+    }
+    present
+}
+
+/// Merges the categories that have no ratings into their neighbours, and says so.
+fn used_categories(counts: &Counts, rows: &mut [CountRow], notes: &mut Vec<Note>) -> Result<Vec<String>, ModelError> {
+    let used: BTreeSet<u8> = rows.iter().map(|row| row.rating).collect();
+    let used: Vec<u8> = used.into_iter().collect();
+    let names: Vec<String> = used.iter().map(|&index| counts.categories[index as usize].clone()).collect();
+    if used.len() < 2 {
+        return Err(ModelError::NoVariation { category: names.concat() });
+    }
+    for row in rows {
+        row.rating = used.partition_point(|other| *other < row.rating) as u8;
+    }
+    let empty = (0..counts.categories.len()).filter(|index| !used.contains(&(*index as u8)));
+    notes.extend(empty.map(|index| Note::EmptyCategory { category: counts.categories[index].clone() }));
+    Ok(names)
+}
+
+fn present_levels(counts: &Counts, rows: &[CountRow], factor: usize) -> Vec<u32> {
+    let levels: BTreeSet<u32> =
+        rows.iter().filter_map(|row| counts.conditions[row.condition as usize][factor]).collect();
+    levels.into_iter().collect()
+}

@@ -1,0 +1,45 @@
+//! Analysis: from counts of ratings to description, ordinal models, tests and agreement.
+//!
+//! Everything works on [`counts::Counts`], the sufficient statistic subject × condition × rating, so that its cost does
+//! not grow with the number of rows. Conventions, which are those of R's `ordinal` where it has them:
+//!
+//! - P(Y ≤ j) = F(θ_j − xβ − σu): a positive coefficient, and a positive intercept of a subject, mean higher ratings.
+//!   `statsmodels` has the same signs; its thresholds are the first one and the logarithms of the differences.
+//! - Levels and categories come in natural order, numbers ascending with `inf` last, texts by their bytes. The first
+//!   level is the baseline of treatment contrasts; coefficients are named as in R (`width0.05`, `width0.05:depth2`).
+//! - Standard errors come from the observed information of the likelihood that was maximised: for a mixed model its
+//!   Laplace or Gauss–Hermite approximation. The log-likelihood has no constant for the order of the ratings.
+//! - What the data cannot answer is a [`Note`] of a model, or a [`ModelError`] where nothing can be said.
+//!
+//! Sources: McCullagh (1980), J. R. Stat. Soc. B 42, 109; Pratt (1981), J. Am. Stat. Assoc. 76, 103; Christensen (2022),
+//! `ordinal`, R package 2022.11-16; Liu & Pierce (1994), Biometrika 81, 624; Albert & Anderson (1984), Biometrika 71, 1.
+
+pub mod agreement;
+pub mod bootstrap;
+mod clm;
+mod clmm;
+pub mod counts;
+mod design;
+mod estimates;
+mod fitting;
+mod frame;
+mod kernel;
+mod levels;
+mod link;
+mod mixed;
+mod model;
+mod outcome;
+mod predictions;
+pub mod quadrature;
+pub mod rank_tests;
+mod standard;
+pub mod summary;
+mod term_tests;
+pub mod terms;
+
+pub use levels::{number_of, numbers_of};
+pub use link::Link;
+pub use model::{Coefficient, Model, ModelSpec, Random, RandomEffect, SubjectMode, Threshold, fit};
+pub use outcome::{ModelError, Note};
+pub use predictions::{Prediction, predictions};
+pub use term_tests::{ModelReport, Part, TermTest, fit_with_tests, proportional_odds, scale_tests, term_tests};

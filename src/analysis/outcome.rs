@@ -1,0 +1,149 @@
+//! What a model may say besides numbers: notes on what was recognised in the data, and errors where nothing can be
+//! said.
+
+use serde::Serialize;
+use thiserror::Error;
+
+/// Something in the data that the reader of a model must know.
+#[derive(Clone, Debug, Error, PartialEq, Serialize)]
+#[serde(tag = "note", rename_all = "snake_case")]
+pub enum Note {
+    /// Ratings without a value of a factor that the model needs.
+    #[error("{ratings} ratings have no {factor} and are left out")]
+    MissingValues {
+        /// The factor.
+        factor: String,
+        /// Ratings left out.
+        ratings: u64,
+    },
+    /// A category that nobody used: it has no probability to estimate and is merged with its neighbours.
+    #[error("no rating is {category}: the category is left out of the scale")]
+    EmptyCategory {
+        /// The category.
+        category: String,
+    },
+    /// A column that other columns already say: dropped, as R does.
+    #[error("{column} follows from the terms before it and is left out")]
+    Aliased {
+        /// The coefficient's name.
+        column: String,
+    },
+    /// A term of which no column is left.
+    #[error("the term {term} says nothing that the terms before it do not say")]
+    AliasedTerm {
+        /// The term.
+        term: String,
+    },
+    /// Ratings that a term predicts perfectly: its coefficient has no finite estimate.
+    #[error("{coefficient} has no finite estimate: it grows without end {}, because the ratings are separated ({term})",
+            if *.positive { "upwards" } else { "downwards" })]
+    Separation {
+        /// The coefficient's name.
+        coefficient: String,
+        /// The term it belongs to.
+        term: String,
+        /// Whether the estimate is +∞.
+        positive: bool,
+    },
+    /// A threshold that runs away together with coefficients.
+    #[error("the threshold {threshold} has no finite estimate, because the ratings are separated")]
+    SeparatedThreshold {
+        /// The threshold's name, such as `0|1`.
+        threshold: String,
+    },
+    /// The first level of a factor has no finite effect of its own, so another one became the baseline.
+    #[error(
+        "{factor} is compared with {baseline}: all ratings at {separated} are {category}, and a comparison with it would have no finite estimate"
+    )]
+    Rebased {
+        /// The factor.
+        factor: String,
+        /// The level that all others are compared with now.
+        baseline: String,
+        /// The level whose ratings are all the same.
+        separated: String,
+        /// Their category.
+        category: String,
+    },
+    /// One subject: nothing can be said about other people.
+    #[error("only one subject: no random intercept, and no inference to other people")]
+    OneSubject,
+    /// Ratings were not repeated within subjects, or subjects do not differ: the variance between subjects is 0.
+    #[error("the estimated variance between subjects is 0: the mixed model is the model without it")]
+    NoSubjectVariance,
+    /// Every subject keeps to their own category: the variance between subjects, or an effect within them, has no finite
+    /// estimate.
+    #[error(
+        "the mixed model has no finite estimates: hardly any subject uses more than one category under the same conditions; what is reported ignores that ratings of a subject belong together, and its standard errors are too small"
+    )]
+    RunawayVariance,
+    /// The ratings are separated in a way that leaves no mixed model to fit.
+    #[error(
+        "no mixed model could be fitted: what is reported ignores that ratings of a subject belong together, and its standard errors are too small"
+    )]
+    NoMixedModel,
+    /// The iteration ended before the gradient was small.
+    #[error("not converged: the largest gradient is {gradient:.1e}")]
+    NotConverged {
+        /// Largest absolute gradient element.
+        gradient: f64,
+    },
+    /// The information matrix cannot be inverted: standard errors are missing.
+    #[error("no standard errors: the likelihood is flat in some direction")]
+    Flat,
+    /// A random intercept together with scale terms.
+    #[error("scale terms are used in the model without a random intercept only: they are left out")]
+    ScaleIgnored,
+}
+
+/// Why there is no model.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ModelError {
+    /// The table is empty, or no row has all the values the terms need.
+    #[error("no ratings; expected at least two different ones")]
+    NoRatings,
+    /// Every rating is the same.
+    #[error("every rating is {category}; expected at least two different ones")]
+    NoVariation {
+        /// The category.
+        category: String,
+    },
+    /// A term names no factor of the table.
+    #[error("--terms {name}: no such factor{}; expected one of {}",
+            .nearest.as_ref().map(|near| format!(" (did you mean {near}?)")).unwrap_or_default(), .known.join(", "))]
+    UnknownFactor {
+        /// The name.
+        name: String,
+        /// The nearest factor.
+        nearest: Option<String>,
+        /// All factors.
+        known: Vec<String>,
+    },
+    /// A factor used as a number has a level that is none.
+    #[error("--terms num:{factor}: the level {level} is not a finite number; expected numbers, or the factor {factor}")]
+    NotANumber {
+        /// The factor.
+        factor: String,
+        /// The level.
+        level: String,
+    },
+    /// The depth as a number, with `inf` among its levels.
+    #[error(
+        "--terms num:{name}: the depth inf is not a finite number; expected num:inv_n (1/depth, 0 for inf), or the factor {name}"
+    )]
+    InfiniteDepth {
+        /// The factor.
+        name: String,
+    },
+    /// Too many or no quadrature nodes.
+    #[error("--quadrature {nodes}; expected 1 (Laplace) to {most}")]
+    Quadrature {
+        /// Nodes asked for.
+        nodes: usize,
+        /// The most there can be.
+        most: usize,
+    },
+    /// The iteration found no likelihood at all.
+    #[error("the likelihood cannot be computed at the starting values")]
+    NoLikelihood,
+}

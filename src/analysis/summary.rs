@@ -1,0 +1,216 @@
+//! Description: number, mean, median and proportions of the ratings of each cell, factor level and subject.
+
+use serde::Serialize;
+
+use super::{
+    bootstrap::{Bootstrap, Interval},
+    counts::Counts,
+    levels,
+};
+
+/// The ratings of one group.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Ratings.
+    pub n: u64,
+    /// Subjects who gave them.
+    pub subjects: usize,
+    /// Mean rating, in the numbers of the categories, or their positions from 0 where they are texts.
+    pub mean: f64,
+    /// Median rating; halfway between the two in the middle.
+    pub median: f64,
+    /// Proportion of each category.
+    pub proportions: Vec<f64>,
+    /// Bootstrap interval of the mean over subjects; none from a single subject.
+    pub interval: Option<Interval>,
+}
+
+/// The ratings at one combination of levels, or of one subject.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Group {
+    /// Names of the levels, in the order of the factors; empty where the value is missing. For a subject, the name.
+    pub names: Vec<String>,
+    /// Their ratings.
+    pub summary: Summary,
+}
+
+/// The number that each category means.
+pub fn category_values(counts: &Counts) -> Vec<f64> {
+    levels::numbers_of(&counts.categories)
+        .filter(|numbers| numbers.iter().all(|number| number.is_finite()))
+        .unwrap_or_else(|| (0..counts.categories.len()).map(|index| index as f64).collect())
+}
+
+/// Every cell of the design that has ratings.
+pub fn by_cell(counts: &Counts, bootstrap: &Bootstrap) -> Vec<Group> {
+    let name = |group: usize| -> Vec<String> {
+        let levels = counts.conditions[group].iter().zip(&counts.factors);
+        levels.map(|(level, factor)| level_name(&factor.levels, *level)).collect()
+    };
+    groups(counts, counts.conditions.len(), |row| Some(row.condition as usize), name, Some(bootstrap))
+}
+
+/// Every level of a factor, over everything else.
+pub fn by_factor(counts: &Counts, factor: usize, bootstrap: &Bootstrap) -> Vec<Group> {
+    let levels = &counts.factors[factor].levels;
+    let level = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
+    groups(counts, levels.len(), |row| level(row.condition), |group| vec![levels[group].clone()], Some(bootstrap))
+}
+
+/// Every subject. There is no interval: the bootstrap draws subjects.
+pub fn by_subject(counts: &Counts) -> Vec<Group> {
+    let name = |group: usize| vec![counts.subjects[group].clone()];
+    groups(counts, counts.subjects.len(), |row| Some(row.subject as usize), name, None)
+}
+
+fn level_name(levels: &[String], level: Option<u32>) -> String {
+    level.map(|level| levels[level as usize].clone()).unwrap_or_default()
+}
+
+/// One subject's ratings in one group.
+#[derive(Clone, Copy)]
+struct Share {
+    subject: usize,
+    n: f64,
+    sum: f64,
+}
+
+fn groups(
+    counts: &Counts,
+    number: usize,
+    group_of: impl Fn(&super::counts::CountRow) -> Option<usize>,
+    name: impl Fn(usize) -> Vec<String>,
+    bootstrap: Option<&Bootstrap>,
+) -> Vec<Group> {
+    let values = category_values(counts);
+    let mut tallies = vec![vec![0_u64; values.len()]; number];
+    let mut shares: Vec<Vec<Share>> = vec![Vec::new(); number];
+    // Rows are sorted by subject: a group's last share is the subject's own or a new one is needed.
+    for row in &counts.rows {
+        let Some(group) = group_of(row) else { continue };
+        tallies[group][row.rating as usize] += row.count;
+        let (subject, n) = (row.subject as usize, row.count as f64);
+        if shares[group].last().is_none_or(|share| share.subject != subject) {
+            shares[group].push(Share { subject, n: 0.0, sum: 0.0 });
+        }
+        if let Some(share) = shares[group].last_mut() {
+            share.n += n;
+            share.sum += n * values[row.rating as usize];
+        }
+    }
+    let mut means: Vec<Vec<f64>> = vec![Vec::new(); number];
+    if let Some(bootstrap) = bootstrap {
+        for weights in bootstrap.weights(counts.subjects.len()) {
+            for (means, shares) in means.iter_mut().zip(&shares) {
+                means.push(resampled_mean(shares, &weights));
+            }
+        }
+    }
+    (tallies.iter().zip(shares).zip(means).enumerate())
+        .filter(|(_, ((tally, _), _))| tally.iter().any(|count| *count > 0))
+        .map(|(group, ((tally, shares), means))| {
+            let interval = bootstrap.and_then(|bootstrap| bootstrap.interval(shares.len(), means));
+            Group { names: name(group), summary: summarise(tally, &values, shares.len(), interval) }
+        })
+        .collect()
+}
+
+fn resampled_mean(shares: &[Share], weights: &[u32]) -> f64 {
+    let (n, sum) = shares.iter().fold((0.0, 0.0), |(n, sum), share| {
+        let weight = f64::from(weights[share.subject]);
+        (n + weight * share.n, sum + weight * share.sum)
+    });
+    sum / n
+}
+
+fn summarise(tally: &[u64], values: &[f64], subjects: usize, interval: Option<Interval>) -> Summary {
+    let n: u64 = tally.iter().sum();
+    let share = |count: u64| count as f64 / n as f64;
+    Summary {
+        n,
+        subjects,
+        mean: tally.iter().zip(values).map(|(&count, value)| count as f64 * value).sum::<f64>() / n as f64,
+        median: (value_at(tally, values, (n - 1) / 2) + value_at(tally, values, n / 2)) / 2.0,
+        proportions: tally.iter().map(|&count| share(count)).collect(),
+        interval,
+    }
+}
+
+/// The value at a position of the sorted ratings.
+fn value_at(tally: &[u64], values: &[f64], position: u64) -> f64 {
+    let mut below = 0;
+    for (&count, &value) in tally.iter().zip(values) {
+        below += count;
+        if position < below {
+            return value;
+        }
+    }
+    f64::NAN
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::counts::CountsBuilder;
+
+    fn counts() -> Counts {
+        let mut builder = CountsBuilder::new(&["width", "depth"]).with_categories(&["0", "1", "2", "3"]);
+        for (subject, width, depth, rating, count) in [
+            ("S1", "0.1", "1", "0", 2),
+            ("S1", "0.1", "inf", "3", 1),
+            ("S2", "0.1", "1", "2", 1),
+            ("S2", "0.4", "1", "1", 4),
+            ("S3", "", "1", "3", 1),
+        ] {
+            builder.add(subject, &[width, depth], rating, count).unwrap();
+        }
+        builder.finish()
+    }
+
+    #[test]
+    fn cells_factors_and_subjects_are_described() {
+        let counts = counts();
+        let bootstrap = Bootstrap::default();
+        let cells = by_cell(&counts, &bootstrap);
+        assert_eq!(cells.len(), 4);
+        assert_eq!(cells[0].names, ["", "1"]);
+        let cell = &cells[1];
+        assert_eq!((cell.names.join(","), cell.summary.n, cell.summary.subjects), ("0.1,1".to_owned(), 3, 2));
+        assert!((cell.summary.mean - 2.0 / 3.0).abs() < 1e-15 && cell.summary.median == 0.0);
+        assert_eq!(cell.summary.proportions, [2.0 / 3.0, 0.0, 1.0 / 3.0, 0.0]);
+        // Resampled means go from S1's 0 to S2's 2.
+        assert_eq!(cell.summary.interval, Some(Interval { low: 0.0, high: 2.0 }));
+        assert_eq!(cells[3].summary.interval, None);
+        let widths = by_factor(&counts, 0, &bootstrap);
+        assert_eq!(
+            widths.iter().map(|g| (g.names[0].as_str(), g.summary.n)).collect::<Vec<_>>(),
+            [("0.1", 4), ("0.4", 4)]
+        );
+        assert_eq!(widths[0].summary.median, 1.0);
+        assert_eq!(by_subject(&counts).iter().map(|g| g.summary.mean).collect::<Vec<_>>(), [1.0, 1.2, 3.0]);
+    }
+
+    /// Over many studies the interval of a mean covers it about as often as it says; percentile intervals of 20
+    /// subjects are a little short.
+    #[test]
+    fn intervals_cover_the_mean() {
+        use rand::{RngExt, SeedableRng};
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let mut covered = 0;
+        for seed in 0..300 {
+            let mut builder = CountsBuilder::new(&["width"]);
+            for subject in 0..20 {
+                let bias: f64 = rng.random();
+                for _ in 0..10 {
+                    // Mean 1.5 over subjects.
+                    let rating = (3.0 * (0.5 * bias + 0.5 * rng.random::<f64>()) + 0.5).floor();
+                    builder.add(&subject.to_string(), &["1"], &rating.to_string(), 1).unwrap();
+                }
+            }
+            let bootstrap = Bootstrap { replicates: 400, seed, level: 0.95 };
+            let interval = by_cell(&builder.finish(), &bootstrap)[0].summary.interval.unwrap();
+            covered += usize::from(interval.low <= 1.5 && 1.5 <= interval.high);
+        }
+        assert!((265..=292).contains(&covered), "{covered} of 300");
+    }
+}

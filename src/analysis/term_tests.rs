@@ -1,0 +1,159 @@
+//! Likelihood-ratio tests: of each term, of proportional odds, of scale effects.
+
+use serde::Serialize;
+
+use super::{
+    clm::End,
+    counts::Counts,
+    design::Design,
+    estimates,
+    fitting::{Fitted, clm_data, fit_clm, fit_frame, fit_terms},
+    mixed::MixedEnd,
+    model::{Model, ModelSpec, Random},
+    outcome::ModelError,
+    terms::{Term, Terms},
+};
+
+/// Which part of a model a test is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Part {
+    /// What shifts the ratings.
+    Location,
+    /// What spreads them.
+    Scale,
+    /// Effects that differ between the thresholds.
+    Nominal,
+}
+
+/// A likelihood-ratio test of one term.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TermTest {
+    /// The term.
+    pub term: String,
+    /// Where it is, or would be.
+    pub part: Part,
+    /// Twice the difference of the log-likelihoods; none where the other model has no maximum.
+    pub lr: Option<f64>,
+    /// Parameters more or less.
+    pub df: usize,
+    /// Probability of a larger ratio if the smaller model were true, by the χ² distribution.
+    pub p: Option<f64>,
+}
+
+/// A model with its tests.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModelReport {
+    /// The model.
+    pub model: Model,
+    /// Likelihood ratios against the model without each term.
+    pub terms: Vec<TermTest>,
+    /// Tests of proportional odds.
+    pub proportional_odds: Vec<TermTest>,
+}
+
+/// Fits a model and makes its tests: [`fit`](super::fit), [`term_tests`] and [`proportional_odds`] at the cost of one
+/// fit less.
+///
+/// # Errors
+/// As [`fit`](super::fit).
+pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
+    let full = fit_frame(counts, spec)?;
+    Ok(ModelReport {
+        model: estimates::report(&full),
+        terms: without_terms(&full)?,
+        proportional_odds: nominal_tests(&full)?,
+    })
+}
+
+/// Likelihood-ratio tests against the model without each term. A term that is part of an interaction of the model is
+/// not tested: the model without it would be the same one (R's `drop1`).
+///
+/// # Errors
+/// As [`fit`](super::fit).
+pub fn term_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
+    without_terms(&fit_frame(counts, spec)?)
+}
+
+fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
+    let mut tests = Vec::new();
+    for part in [Part::Location, Part::Scale] {
+        let terms = if part == Part::Location { &full.spec.terms } else { &full.spec.scale };
+        for term in terms.iter().filter(|term| !terms.is_marginal(term)) {
+            let mut spec = full.spec.clone();
+            match part {
+                Part::Location => spec.terms = spec.terms.without(term),
+                _ => spec.scale = spec.scale.without(term),
+            }
+            let reduced = fit_terms(full.frame.clone(), spec, Vec::new(), false)?;
+            let difference = comparable(full, &reduced).then(|| full.loglik() - reduced.loglik());
+            tests.push(TermTest::new(term, part, difference, full.rank().saturating_sub(reduced.rank())));
+        }
+    }
+    Ok(tests)
+}
+
+/// Whether both have a maximum, of the same kind of likelihood.
+fn comparable(one: &Fitted, other: &Fitted) -> bool {
+    let fine = |fitted: &Fitted| {
+        fitted.clm.end != End::Stalled
+            && !matches!(fitted.mixed.as_ref().map(|mixed| mixed.end), Some(MixedEnd::Runaway | MixedEnd::Stalled))
+    };
+    fine(one) && fine(other) && one.mixed.is_some() == other.mixed.is_some()
+}
+
+/// Tests of proportional odds: each term in turn has an effect of its own at every threshold, against the one common
+/// effect (R's `nominal_test`). The random intercept is left out: this is a check of the scale, not of the effects.
+///
+/// # Errors
+/// As [`fit`](super::fit).
+pub fn proportional_odds(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
+    nominal_tests(&fit_frame(counts, &ModelSpec { random: Random::None, ..spec.clone() })?)
+}
+
+fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
+    let mut tests = Vec::new();
+    for term in &full.spec.terms {
+        let own = Terms::new([term.clone()]);
+        let nominal = Design::new(&full.frame, &own)?.independent(&full.frame);
+        let x = full.x.independent_of(&nominal, &full.frame);
+        let (data, _) = clm_data(&full.frame, full.spec.link, &x, &nominal, &full.scale);
+        let thresholds = data.thresholds();
+        let df = (thresholds * nominal.columns.len() + x.columns.len()).saturating_sub(full.x.columns.len());
+        let difference = fit_clm(&data).ok().filter(|fit| fit.end != End::Stalled && full.clm.end != End::Stalled);
+        tests.push(TermTest::new(term, Part::Nominal, difference.map(|fit| fit.loglik - full.clm.loglik), df));
+    }
+    Ok(tests)
+}
+
+/// Tests of scale effects: each term of the location in turn also spreads the ratings (R's `scale_test`). The random
+/// intercept is left out.
+///
+/// # Errors
+/// As [`fit`](super::fit).
+pub fn scale_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
+    let spec = ModelSpec { random: Random::None, ..spec.clone() };
+    let full = fit_frame(counts, &spec)?;
+    let mut tests = Vec::new();
+    for term in full.spec.terms.iter().filter(|term| !full.spec.scale.has(term)) {
+        let mut spec = full.spec.clone();
+        spec.scale = Terms::new(spec.scale.iter().cloned().chain([term.clone()]));
+        let larger = fit_terms(full.frame.clone(), spec, Vec::new(), false)?;
+        let difference = comparable(&larger, &full).then(|| larger.loglik() - full.loglik());
+        tests.push(TermTest::new(term, Part::Scale, difference, larger.rank().saturating_sub(full.rank())));
+    }
+    Ok(tests)
+}
+
+impl TermTest {
+    /// A test from the difference of two log-likelihoods.
+    fn new(term: &Term, part: Part, difference: Option<f64>, df: usize) -> Self {
+        let lr = difference.filter(|_| df > 0).map(|difference| (2.0 * difference).max(0.0));
+        Self { term: term.to_string(), part, lr, df, p: lr.map(|lr| chi_squared_tail(lr, df)) }
+    }
+}
+
+/// P(χ² > x).
+pub(super) fn chi_squared_tail(x: f64, df: usize) -> f64 {
+    if x <= 0.0 { 1.0 } else { statrs::function::gamma::gamma_ur(df as f64 / 2.0, x / 2.0) }
+}

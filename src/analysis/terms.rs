@@ -1,0 +1,232 @@
+//! The grammar of `--terms`: `width,depth` are factors, `num:width` a number, `a:b` an interaction, `a*b` is
+//! `a,b,a:b`. `num:inv_n` is 1/depth, and 0 for `inf`.
+
+use std::fmt;
+
+use thiserror::Error;
+
+/// One variable of a term.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Variable {
+    /// A factor: treatment contrasts against its first level.
+    Factor(String),
+    /// A number: one column, the value itself.
+    Number(String),
+}
+
+/// A main effect, or an interaction of several variables.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Term {
+    /// The variables, at least one, none twice.
+    pub variables: Vec<Variable>,
+}
+
+/// The terms of a model, main effects first, then interactions by order, as R arranges them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Terms(Vec<Term>);
+
+/// What is wrong with a list of terms.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum TermError {
+    /// A name is missing between commas, colons or stars.
+    #[error("--terms {text}: an empty name; expected a factor, num:NAME, or such names joined by : or *")]
+    Empty {
+        /// The list as it was given.
+        text: String,
+    },
+}
+
+impl Variable {
+    /// The column's name, without `num:`.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Factor(name) | Self::Number(name) => name,
+        }
+    }
+}
+
+impl fmt::Display for Variable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Factor(name) => f.write_str(name),
+            Self::Number(name) => write!(f, "num:{name}"),
+        }
+    }
+}
+
+impl fmt::Display for Term {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, variable) in self.variables.iter().enumerate() {
+            write!(f, "{}{variable}", if index > 0 { ":" } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Terms {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, term) in self.0.iter().enumerate() {
+            write!(f, "{}{term}", if index > 0 { "," } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
+impl Term {
+    /// A main effect of a factor.
+    pub fn factor(name: &str) -> Self {
+        Self { variables: vec![Variable::Factor(name.to_owned())] }
+    }
+
+    /// Whether both have the same variables, in any order.
+    pub fn same(&self, other: &Self) -> bool {
+        self.variables.len() == other.variables.len() && other.contains(self)
+    }
+
+    /// Whether every variable of `part` is one of this term's.
+    pub fn contains(&self, part: &Self) -> bool {
+        part.variables.iter().all(|variable| self.variables.contains(variable))
+    }
+}
+
+impl Terms {
+    /// Reads a list such as `width,depth,num:inv_n,width:depth`. An empty text is the model without terms.
+    ///
+    /// # Errors
+    /// An empty name.
+    pub fn parse(text: &str) -> Result<Self, TermError> {
+        if text.trim().is_empty() {
+            return Ok(Self::default());
+        }
+        let mut terms = Vec::new();
+        for item in text.split(',') {
+            terms.extend(expand(item).ok_or_else(|| TermError::Empty { text: text.to_owned() })?);
+        }
+        Ok(Self::new(terms))
+    }
+
+    /// These terms, each once, main effects first, and the variables of each in the order of their first appearance.
+    pub fn new(terms: impl IntoIterator<Item = Term>) -> Self {
+        let mut seen: Vec<Variable> = Vec::new();
+        let mut distinct: Vec<Term> = Vec::new();
+        for mut term in terms {
+            for variable in &term.variables {
+                if !seen.contains(variable) {
+                    seen.push(variable.clone());
+                }
+            }
+            term.variables.sort_by_key(|variable| seen.iter().position(|other| other == variable));
+            if !distinct.contains(&term) {
+                distinct.push(term);
+            }
+        }
+        distinct.sort_by_key(|term| term.variables.len());
+        Self(distinct)
+    }
+
+    /// The main effects of these factors.
+    pub fn factors<S: AsRef<str>>(names: &[S]) -> Self {
+        Self::new(names.iter().map(|name| Term::factor(name.as_ref())))
+    }
+
+    /// The terms in order.
+    pub fn iter(&self) -> std::slice::Iter<'_, Term> {
+        self.0.iter()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether one of them has these variables.
+    pub fn has(&self, term: &Term) -> bool {
+        self.0.iter().any(|other| other.same(term))
+    }
+
+    /// All but one.
+    #[must_use]
+    pub fn without(&self, term: &Term) -> Self {
+        Self(self.0.iter().filter(|other| !other.same(term)).cloned().collect())
+    }
+
+    /// Whether a term is part of a larger one, so that leaving it out alone would not make a smaller model.
+    pub fn is_marginal(&self, term: &Term) -> bool {
+        self.0.iter().any(|other| other.variables.len() > term.variables.len() && other.contains(term))
+    }
+}
+
+impl<'a> IntoIterator for &'a Terms {
+    type Item = &'a Term;
+    type IntoIter = std::slice::Iter<'a, Term>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// The terms of `a*b*c`: every combination of its parts.
+fn expand(item: &str) -> Option<Vec<Term>> {
+    let parts: Vec<Term> = item.split('*').map(interaction).collect::<Option<_>>()?;
+    let mut terms: Vec<Term> = Vec::new();
+    for part in parts {
+        let joined: Vec<Term> = (terms.iter())
+            .map(|term| {
+                let mut variables = term.variables.clone();
+                variables.extend(part.variables.iter().filter(|v| !term.variables.contains(v)).cloned());
+                Term { variables }
+            })
+            .collect();
+        terms.push(part);
+        terms.extend(joined);
+    }
+    Some(terms)
+}
+
+/// One term of the form `a:num:b`.
+fn interaction(text: &str) -> Option<Term> {
+    let mut variables: Vec<Variable> = Vec::new();
+    let mut names = text.split(':').map(str::trim);
+    while let Some(name) = names.next() {
+        let variable = match name {
+            "num" => Variable::Number(names.next().filter(|name| !name.is_empty())?.to_owned()),
+            "" => return None,
+            name => Variable::Factor(name.to_owned()),
+        };
+        if !variables.contains(&variable) {
+            variables.push(variable);
+        }
+    }
+    Some(Term { variables })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terms_are_read_in_the_order_of_their_size() {
+        let read = |text: &str| Terms::parse(text).unwrap().to_string();
+        assert_eq!(read("width, depth"), "width,depth");
+        assert_eq!(read("width:num:inv_n,depth,width"), "depth,width,width:num:inv_n");
+        assert_eq!(read("num:inv_n,width:num:inv_n"), "num:inv_n,num:inv_n:width");
+        assert_eq!(read("a*b*num:c"), "a,b,num:c,a:b,a:num:c,b:num:c,a:b:num:c");
+        assert_eq!(read("a:b,b:a,a:a"), "a,a:b");
+        assert_eq!(read(""), "");
+    }
+
+    #[test]
+    fn an_empty_name_is_an_error() {
+        for text in ["width,,depth", "width:", "num:", ":a", "a*", "num::a"] {
+            assert_eq!(Terms::parse(text), Err(TermError::Empty { text: text.to_owned() }), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_main_effect_is_marginal_to_its_interaction() {
+        let terms = Terms::parse("a*b,c").unwrap();
+        assert!(terms.is_marginal(&Term::factor("a")));
+        assert!(!terms.is_marginal(&Term::factor("c")));
+        assert_eq!(terms.without(&Term::factor("c")).to_string(), "a,b,a:b");
+    }
+}

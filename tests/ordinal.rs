@@ -1,0 +1,193 @@
+//! Ordinal models against R's `ordinal` and `statsmodels`, on simulated data. The values and the scripts that made
+//! them, with versions, are in `tests/golden/ordinal` and `scripts/golden_ordinal.*`.
+
+use std::{collections::BTreeMap, fs, path::PathBuf};
+
+use machband::analysis::{
+    Coefficient, Link, Model, ModelSpec, Part, Random, TermTest,
+    counts::{Counts, CountsBuilder},
+    fit, proportional_odds, scale_tests, term_tests,
+    terms::Terms,
+};
+
+type Record = BTreeMap<String, String>;
+
+fn read(name: &str) -> (Vec<String>, Vec<Record>) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ordinal").join(name);
+    let text = fs::read_to_string(&path).unwrap();
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let header: Vec<String> = reader.headers().unwrap().iter().map(ToOwned::to_owned).collect();
+    let records = reader
+        .records()
+        .map(|record| header.iter().cloned().zip(record.unwrap().iter().map(ToOwned::to_owned)).collect());
+    let records = records.collect();
+    (header, records)
+}
+
+fn counts(name: &str) -> Counts {
+    let (header, records) = read(&format!("data_{name}.csv"));
+    let factors: Vec<&str> =
+        header.iter().map(String::as_str).filter(|n| !["subject", "rating", "count"].contains(n)).collect();
+    let mut builder = CountsBuilder::new(&factors);
+    for record in records {
+        let values: Vec<&str> = factors.iter().map(|factor| record[*factor].as_str()).collect();
+        builder.add(&record["subject"], &values, &record["rating"], record["count"].parse().unwrap()).unwrap();
+    }
+    builder.finish()
+}
+
+fn spec(record: &Record) -> ModelSpec {
+    let nodes: usize = record.get("nodes").map_or(0, |nodes| nodes.parse().unwrap());
+    ModelSpec {
+        terms: Terms::parse(&record["terms"]).unwrap(),
+        scale: Terms::parse(record.get("scale").map_or("", String::as_str)).unwrap(),
+        link: record["link"].parse::<Link>().unwrap(),
+        random: if nodes == 0 { Random::None } else { Random::Subject },
+        quadrature: nodes.max(1),
+    }
+}
+
+fn coefficient(coefficients: &[Coefficient], name: &str, se: bool) -> f64 {
+    let found = coefficients.iter().find(|c| c.name == name).unwrap_or_else(|| panic!("no coefficient {name}"));
+    if se { found.se.unwrap() } else { found.estimate }
+}
+
+fn value(model: &Model, quantity: &str, name: &str) -> f64 {
+    let threshold = || model.thresholds.iter().find(|t| t.name == name).unwrap();
+    let subject = || model.random.as_ref().unwrap().subjects.iter().find(|s| s.subject == name).unwrap();
+    match quantity {
+        "loglik" => model.loglik,
+        "threshold" => threshold().estimate,
+        "threshold_se" => threshold().se.unwrap(),
+        "coefficient" => coefficient(&model.coefficients, name, false),
+        "coefficient_se" => coefficient(&model.coefficients, name, true),
+        "scale" => coefficient(&model.scale, name, false),
+        "scale_se" => coefficient(&model.scale, name, true),
+        "sd" => model.random.as_ref().unwrap().sd,
+        "sd_se" => model.random.as_ref().unwrap().se.unwrap(),
+        "mode" => subject().mode,
+        "mode_sd" => subject().sd,
+        other => panic!("{other}"),
+    }
+}
+
+/// The records of one fit after the other.
+fn fits(records: &[Record]) -> impl Iterator<Item = &[Record]> {
+    let key = |record: &Record| {
+        ["data", "link", "terms", "scale", "nodes"].map(|name| record.get(name).cloned().unwrap_or_default())
+    };
+    records.chunk_by(move |l, r| key(l) == key(r))
+}
+
+/// Compares every value of a file; the greatest differences of every fit go to the test's output.
+fn compare(file: &str, fewest: usize) {
+    let (_, records) = read(file);
+    let mut compared = 0;
+    for records in fits(&records) {
+        let first = &records[0];
+        let model = fit(&counts(&first["data"]), &spec(first)).unwrap();
+        let label = format!(
+            "{} {} {:?} {:?} {:?}",
+            first["data"],
+            first["link"],
+            first["terms"],
+            first.get("scale"),
+            first.get("nodes")
+        );
+        let mut worst: BTreeMap<&str, f64> = BTreeMap::new();
+        let mut coefficients = 0;
+        for record in records.iter().filter(|record| record["quantity"] != "gradient") {
+            let expected: f64 = record["value"].parse().unwrap();
+            let quantity = record["quantity"].as_str();
+            let difference = (value(&model, quantity, &record["name"]) - expected).abs();
+            let worst = worst.entry(quantity).or_insert(0.0);
+            *worst = worst.max(difference);
+            coefficients += usize::from(quantity == "coefficient");
+            compared += 1;
+        }
+        let shown: Vec<String> = worst.iter().map(|(quantity, worst)| format!("{quantity} {worst:.1e}")).collect();
+        println!("{label}: {}, gradient {:.0e}, {} iterations", shown.join(", "), model.gradient, model.iterations);
+        assert!(model.gradient < 1e-6, "{label}");
+        assert_eq!(coefficients, model.coefficients.len(), "{label}: {:?}", model.coefficients);
+        for (quantity, difference) in worst {
+            let most = if quantity == "loglik" { 1e-5 } else { 1e-4 };
+            assert!(difference < most, "{label}: {quantity} differs by {difference:e}");
+        }
+    }
+    assert!(compared >= fewest, "only {compared} values");
+}
+
+#[test]
+fn estimates_errors_and_likelihoods_are_those_of_r() {
+    compare("models.csv", 600);
+}
+
+#[test]
+fn estimates_errors_and_likelihoods_are_those_of_statsmodels() {
+    compare("statsmodels.csv", 60);
+}
+
+#[test]
+fn likelihood_ratio_tests_are_those_of_r() {
+    let (_, records) = read("tests.csv");
+    for records in fits(&records) {
+        let (counts, spec) = (counts(&records[0]["data"]), spec(&records[0]));
+        let mut tests: Vec<TermTest> = term_tests(&counts, &spec).unwrap();
+        tests.extend(proportional_odds(&counts, &spec).unwrap());
+        tests.extend(scale_tests(&counts, &spec).unwrap());
+        let mut worst: f64 = 0.0;
+        for record in records {
+            let location = record["test"] == "location";
+            let part = match record["test"].as_str() {
+                "location" => Part::Location,
+                "nominal" => Part::Nominal,
+                _ => Part::Scale,
+            };
+            let what = format!("{record:?}");
+            let test = tests.iter().find(|test| test.term == record["term"] && test.part == part);
+            let test = test.unwrap_or_else(|| panic!("{what}: {tests:?}"));
+            assert_eq!(test.df.to_string(), record["df"], "{what}");
+            if test.df == 0 {
+                assert_eq!((test.lr, test.p), (None, None), "{what}");
+                continue;
+            }
+            let number = |name: &str| record[name].parse::<f64>().unwrap();
+            let (lr, p) = (test.lr.unwrap() - number("lr"), test.p.unwrap() - number("p"));
+            worst = worst.max(lr.abs());
+            // Without a finite maximum R stops on the way to it.
+            assert!(lr.abs() < 1e-4 * (1.0 + number("lr")) || (!location && lr > 0.0 && lr < 0.05), "{what}: {test:?}");
+            assert!(p.abs() < 1e-4 || (!location && p.abs() < 5e-3), "{what}: {test:?}");
+        }
+        println!("{} {:?}: {worst:.1e}", records[0]["data"], records[0]["terms"]);
+    }
+}
+
+/// With ever more ratings a subject's intercept is known, and the errors are those of a normal sample of the subjects:
+/// sd/√n for the thresholds, sd/√(2n) for the sd.
+#[test]
+fn errors_of_many_ratings_are_those_of_a_sample_of_subjects() {
+    let mut counts = counts("large");
+    for times in [100, 1000] {
+        for row in &mut counts.rows {
+            row.count *= times;
+        }
+        for (link, nodes) in [(Link::Logit, 1), (Link::Probit, 1), (Link::Logit, 8), (Link::Probit, 8)] {
+            let terms = Terms::parse("num:year").unwrap();
+            let spec = ModelSpec { link, random: Random::Subject, quadrature: nodes, ..ModelSpec::new(terms) };
+            let model = fit(&counts, &spec).unwrap();
+            assert!(model.notes.is_empty(), "{:?}", model.notes);
+            let random = model.random.unwrap();
+            let subjects = counts.subjects.len() as f64;
+            let close = |found: f64, expected: f64| {
+                assert!((found / expected - 1.0).abs() < 2e-4, "{link} {nodes} {times}: {found}, expected {expected}");
+            };
+            close(random.se.unwrap(), random.sd / (2.0 * subjects).sqrt());
+            // Thresholds at the mean year: those at year 0 lean on the slope too.
+            let (theta, slope) = (0, model.thresholds.len());
+            let year = 2007.0;
+            let v = |i: usize, j: usize| model.covariance[(i, j)];
+            let error = v(theta, theta) - 2.0 * year * v(theta, slope) + year * year * v(slope, slope);
+            close(error.sqrt(), random.sd / subjects.sqrt());
+        }
+    }
+}

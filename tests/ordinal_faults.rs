@@ -1,0 +1,247 @@
+//! What ordinal models say about data that they cannot fully answer: named, and answered with what can still be said.
+
+use machband::analysis::{
+    Link, Model, ModelError, ModelSpec, Note, Random,
+    counts::{Counts, CountsBuilder},
+    fit, fit_with_tests, proportional_odds, scale_tests, term_tests,
+    terms::Terms,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// One row: subject, width, depth, rating.
+type Row = (String, &'static str, &'static str, u8);
+
+const WIDTHS: [&str; 3] = ["0.1", "0.2", "0.4"];
+const DEPTHS: [&str; 3] = ["1", "2", "inf"];
+
+fn rows(subjects: usize, repetitions: usize, sd: f64, seed: u64) -> Vec<Row> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rows = Vec::new();
+    for subject in 0..subjects {
+        // Uniform with this standard deviation: nothing here needs a normal one.
+        let intercept = sd * 12.0_f64.sqrt() * (rng.random::<f64>() - 0.5);
+        for (w, width) in WIDTHS.into_iter().enumerate() {
+            for (d, depth) in DEPTHS.into_iter().enumerate() {
+                for _ in 0..repetitions {
+                    let p: f64 = rng.random();
+                    let latent = intercept + 0.4 * w as f64 - 0.8 * d as f64 + (p / (1.0 - p)).ln();
+                    let rating = [-2.0, -0.5, 1.0].iter().filter(|threshold| latent > **threshold).count() as u8;
+                    rows.push((format!("S{subject}"), width, depth, rating));
+                }
+            }
+        }
+    }
+    rows
+}
+
+fn counts(rows: &[Row]) -> Counts {
+    let mut builder = CountsBuilder::new(&["width", "depth"]).with_categories(&["0", "1", "2", "3"]);
+    for (subject, width, depth, rating) in rows {
+        builder.add(subject, &[width, depth], &rating.to_string(), 1).unwrap();
+    }
+    builder.finish()
+}
+
+fn spec(terms: &str, random: Random) -> ModelSpec {
+    ModelSpec { random, ..ModelSpec::new(Terms::parse(terms).unwrap()) }
+}
+
+fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-5 * (1.0 + expected.abs()), "{found}, expected {expected}");
+}
+
+/// The finite estimates of a model are those of another, and their errors.
+fn same_finite_part(model: &Model, other: &Model) {
+    for (threshold, expected) in model.thresholds.iter().zip(&other.thresholds) {
+        close(threshold.estimate, expected.estimate);
+        close(threshold.se.unwrap(), expected.se.unwrap());
+    }
+    for coefficient in model.coefficients.iter().filter(|coefficient| coefficient.estimate.is_finite()) {
+        let expected = other.coefficients.iter().find(|other| other.name == coefficient.name).unwrap();
+        close(coefficient.estimate, expected.estimate);
+        close(coefficient.se.unwrap(), expected.se.unwrap());
+    }
+    close(model.loglik, other.loglik);
+    if let (Some(random), Some(expected)) = (&model.random, &other.random) {
+        close(random.sd, expected.sd);
+        close(random.se.unwrap(), expected.se.unwrap());
+    }
+}
+
+/// A level whose ratings are all the same extreme predicts them perfectly: everything else is as without them.
+#[test]
+fn separation_is_named_and_the_rest_is_as_without_the_separated_ratings() {
+    for (link, random) in [
+        (Link::Logit, Random::None),
+        (Link::Probit, Random::None),
+        (Link::Logit, Random::Subject),
+        (Link::Probit, Random::Subject),
+    ] {
+        for (level, extreme, positive) in [("0.4", 3, true), ("0.2", 0, false)] {
+            let mut rows = rows(8, 6, 1.0, 1);
+            rows.iter_mut().filter(|row| row.1 == level).for_each(|row| row.3 = extreme);
+            let spec = ModelSpec { link, quadrature: 5, ..spec("width,depth", random) };
+            let model = fit(&counts(&rows), &spec).unwrap();
+            let expected = Note::Separation { coefficient: format!("width{level}"), term: "width".into(), positive };
+            assert_eq!(model.notes, [expected]);
+            let separated = model.coefficients.iter().find(|c| c.name == format!("width{level}")).unwrap();
+            assert_eq!(separated.estimate, if positive { f64::INFINITY } else { f64::NEG_INFINITY });
+            assert_eq!((separated.se, separated.z, separated.p), (None, None, None));
+            rows.retain(|row| row.1 != level);
+            same_finite_part(&model, &fit(&counts(&rows), &spec).unwrap());
+        }
+    }
+}
+
+#[test]
+fn a_separated_baseline_gives_way_to_another_level() {
+    for random in [Random::None, Random::Subject] {
+        let mut rows = rows(8, 6, 1.0, 2);
+        rows.iter_mut().filter(|row| row.1 == "0.1").for_each(|row| row.3 = 3);
+        let spec = spec("width,depth", random);
+        let report = fit_with_tests(&counts(&rows), &spec).unwrap();
+        let rebased = Note::Rebased {
+            factor: "width".into(),
+            baseline: "0.2".into(),
+            separated: "0.1".into(),
+            category: "3".into(),
+        };
+        let separated = Note::Separation { coefficient: "width0.1".into(), term: "width".into(), positive: true };
+        assert_eq!(report.model.notes, [rebased, separated]);
+        assert!(report.terms.iter().all(|test| test.p.is_some_and(|p| p < 1e-6)), "{:?}", report.terms);
+        rows.retain(|row| row.1 != "0.1");
+        same_finite_part(&report.model, &fit(&counts(&rows), &spec).unwrap());
+    }
+}
+
+/// Ratings that follow a number exactly leave nothing finite.
+#[test]
+fn complete_separation_leaves_no_finite_estimate() {
+    let rows: Vec<Row> =
+        (0..6).flat_map(|s| WIDTHS.iter().enumerate().map(move |(r, w)| (format!("S{s}"), *w, "1", r as u8))).collect();
+    for random in [Random::None, Random::Subject] {
+        let model = fit(&counts(&rows), &spec("num:width", random)).unwrap();
+        assert_eq!(model.coefficients[0].estimate, f64::INFINITY);
+        assert!(model.notes.iter().any(|note| matches!(note, Note::Separation { .. })), "{:?}", model.notes);
+        assert!(model.notes.iter().any(|note| matches!(note, Note::SeparatedThreshold { .. })), "{:?}", model.notes);
+        assert!(model.loglik > -1e-4, "{}", model.loglik);
+    }
+}
+
+#[test]
+fn empty_categories_leave_the_scale_and_are_named() {
+    let mut rows = rows(6, 4, 0.5, 3);
+    rows.iter_mut().filter(|row| row.3 == 1).for_each(|row| row.3 = 2);
+    let model = fit(&counts(&rows), &spec("width", Random::Subject)).unwrap();
+    assert_eq!(model.notes, [Note::EmptyCategory { category: "1".into() }]);
+    assert_eq!(model.thresholds.iter().map(|t| t.name.as_str()).collect::<Vec<_>>(), ["0|2", "2|3"]);
+}
+
+#[test]
+fn one_subject_has_no_random_intercept() {
+    let counts = counts(&rows(1, 8, 0.0, 4));
+    let mixed = fit(&counts, &spec("width", Random::Subject)).unwrap();
+    assert_eq!(mixed.notes, [Note::OneSubject]);
+    assert_eq!((mixed.method.as_str(), &mixed.random), ("clm", &None));
+    assert_eq!(mixed.coefficients, fit(&counts, &spec("width", Random::None)).unwrap().coefficients);
+}
+
+#[test]
+fn terms_that_say_the_same_are_named_and_left_out() {
+    let counts = counts(&rows(8, 6, 1.5, 5));
+    let model = fit(&counts, &spec("width,num:width,depth", Random::Subject)).unwrap();
+    assert_eq!(model.notes, [Note::AliasedTerm { term: "num:width".into() }]);
+    let other = fit(&counts, &spec("num:width,width", Random::None)).unwrap();
+    assert_eq!(other.notes, [Note::Aliased { column: "width0.4".into() }]);
+    let names: Vec<&str> = other.coefficients.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["width", "width0.2"]);
+    let tests = term_tests(&counts, &spec("width,num:width,depth", Random::None)).unwrap();
+    assert_eq!((tests[1].df, tests[1].p), (0, None));
+}
+
+#[test]
+fn subjects_who_do_not_differ_have_no_variance() {
+    // The same ratings from everyone: less than chance would let them differ.
+    let one = rows(1, 6, 0.0, 6);
+    let rows: Vec<Row> =
+        (0..6).flat_map(|s| one.iter().map(move |row| (format!("S{s}"), row.1, row.2, row.3))).collect();
+    for nodes in [1, 7] {
+        let mixed = ModelSpec { quadrature: nodes, ..spec("width,depth", Random::Subject) };
+        let model = fit(&counts(&rows), &mixed).unwrap();
+        assert_eq!(model.notes, [Note::NoSubjectVariance]);
+        let random = model.random.unwrap();
+        assert_eq!((random.sd, random.se), (0.0, None));
+        let plain = fit(&counts(&rows), &spec("width,depth", Random::None)).unwrap();
+        assert_eq!(model.coefficients, plain.coefficients);
+        close(model.loglik, plain.loglik);
+    }
+}
+
+#[test]
+fn subjects_who_keep_to_one_category_have_no_finite_variance() {
+    let rows: Vec<Row> =
+        rows(8, 3, 0.0, 7).into_iter().map(|row| (row.0.clone(), row.1, row.2, row.0.as_bytes()[1] % 4)).collect();
+    let model = fit(&counts(&rows), &spec("width", Random::Subject)).unwrap();
+    assert_eq!(model.notes, [Note::RunawayVariance]);
+    assert_eq!(model.random, None);
+}
+
+#[test]
+fn ratings_that_never_vary_are_an_error() {
+    let error = |rows: &[Row], terms: &str| fit(&counts(rows), &spec(terms, Random::Subject)).unwrap_err();
+    let mut rows = rows(3, 2, 0.0, 8);
+    assert!(matches!(error(&rows, "widht"), ModelError::UnknownFactor { nearest: Some(near), .. } if near == "width"));
+    assert!(matches!(error(&rows, "num:depth"), ModelError::InfiniteDepth { .. }));
+    rows.iter_mut().for_each(|row| row.3 = 2);
+    assert_eq!(error(&rows, "width"), ModelError::NoVariation { category: "2".into() });
+    assert_eq!(error(&[], "width"), ModelError::NoRatings);
+}
+
+#[test]
+fn a_factor_with_one_level_says_nothing() {
+    let mut rows = rows(4, 6, 0.5, 9);
+    rows.retain(|row| row.1 == "0.2");
+    let model = fit(&counts(&rows), &spec("width,depth", Random::Subject)).unwrap();
+    assert_eq!(model.notes, [Note::AliasedTerm { term: "width".into() }]);
+    assert_eq!(model.coefficients.len(), 2);
+}
+
+/// Whatever small tables of ratings there are, a model or an error comes out, and every number in it is finite or
+/// announced by a note.
+#[test]
+fn no_small_table_breaks_a_model() {
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    let (mut models, mut separated, mut boundary) = (0, 0, 0);
+    for _ in 0..400 {
+        let mut builder = CountsBuilder::new(&["width", "depth"]).with_categories(&["0", "1", "2", "3"]);
+        let (subjects, categories) = (rng.random_range(1..5), rng.random_range(1..5_u32));
+        for _ in 0..rng.random_range(1..25) {
+            let values = [WIDTHS[rng.random_range(0..3)], DEPTHS[rng.random_range(0..3)]];
+            let rating = rng.random_range(0..categories).to_string();
+            let subject = rng.random_range(0..subjects).to_string();
+            builder.add(&subject, &values, &rating, rng.random_range(1..4)).unwrap();
+        }
+        let counts = builder.finish();
+        let link = if rng.random() { Link::Logit } else { Link::Probit };
+        let terms = ["width", "width,depth", "num:width,num:inv_n", "width*depth", ""][rng.random_range(0..5)];
+        let random = if rng.random() { Random::Subject } else { Random::None };
+        let spec = ModelSpec { link, quadrature: rng.random_range(1..6), ..spec(terms, random) };
+        let Ok(model) = fit(&counts, &spec) else { continue };
+        models += 1;
+        let what = format!("{spec:?} {model:?} {counts:?}");
+        let noted = !model.notes.is_empty();
+        separated += usize::from(model.notes.iter().any(|note| matches!(note, Note::Separation { .. })));
+        boundary += usize::from(model.notes.contains(&Note::NoSubjectVariance));
+        assert!(model.loglik.is_finite() && model.converged(), "{what}");
+        for coefficient in &model.coefficients {
+            assert!(!coefficient.estimate.is_nan(), "{what}");
+            assert!(coefficient.estimate.abs() < 1e3 && coefficient.se.is_some() || noted, "{what}");
+            assert!(coefficient.se.is_none_or(|se| se.is_finite() && se > 0.0), "{what}");
+        }
+        for tests in [term_tests(&counts, &spec), proportional_odds(&counts, &spec), scale_tests(&counts, &spec)] {
+            assert!(tests.unwrap().iter().all(|test| test.p.is_none_or(|p| (0.0..=1.0).contains(&p))), "{what}");
+        }
+    }
+    assert!(models > 250 && separated > 30 && boundary > 20, "{models} {separated} {boundary}");
+}

@@ -1,0 +1,101 @@
+//! Rank tests and agreement against SciPy, `krippendorff` and scikit-learn; the values and the script that made them,
+//! with versions, are in `tests/golden/ordinal/ranks.csv` and `scripts/golden_ordinal.py`.
+
+use std::{fs, path::PathBuf};
+
+use machband::analysis::{
+    agreement::{KappaWeights, Retest, ordinal_alpha},
+    bootstrap::Bootstrap,
+    counts::{Counts, CountsBuilder},
+    rank_tests::{PMethod, SubjectMeans, friedman, pairs, wilcoxon},
+};
+
+fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ordinal").join(name);
+    let text = fs::read_to_string(&path).unwrap();
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let header = reader.headers().unwrap().iter().map(ToOwned::to_owned).collect();
+    let rows = reader.records().map(|record| record.unwrap().iter().map(ToOwned::to_owned).collect()).collect();
+    (header, rows)
+}
+
+fn counts(name: &str) -> Counts {
+    let (header, rows) = read(&format!("data_{name}.csv"));
+    let last = header.len() - 2;
+    let mut builder = CountsBuilder::new(&header[1..last]);
+    for row in rows {
+        builder.add(&row[0], &row[1..last], &row[last], row[last + 1].parse().unwrap()).unwrap();
+    }
+    builder.finish()
+}
+
+fn close(found: f64, expected: &str, what: &[String]) {
+    let expected: f64 = expected.parse().unwrap();
+    assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{what:?}: {found}");
+}
+
+#[test]
+fn friedman_and_wilcoxon_are_those_of_scipy() {
+    let (_, rows) = read("ranks.csv");
+    let mut compared = 0;
+    for row in rows.iter().filter(|row| ["friedman", "wilcoxon"].contains(&row[0].as_str())) {
+        let counts = counts(&row[1]);
+        let name: Vec<&str> = row[2].split(' ').collect();
+        let means = SubjectMeans::new(&counts, counts.factor(name[0]).unwrap().0);
+        assert!(means.incomplete.is_empty());
+        if row[0] == "friedman" {
+            let test = friedman(&means).unwrap();
+            close(test.chi_squared, &row[3], row);
+            close(test.p, &row[4], row);
+            assert!((test.w - test.chi_squared / (test.subjects * test.df) as f64).abs() < 1e-15);
+        } else {
+            let pairs = pairs(&means).pairs;
+            let pair = pairs.iter().find(|pair| pair.level == name[1] && pair.other == name[2]).unwrap();
+            close(pair.test.v, &row[3], row);
+            close(pair.test.p, &row[4], row);
+        }
+        compared += 1;
+    }
+    assert!(compared > 40, "{compared}");
+}
+
+#[test]
+fn many_differences_are_compared_exactly_and_normally() {
+    let (_, rows) = read("ranks.csv");
+    let row = |name: &str| rows.iter().find(|row| row[0] == name).unwrap();
+    let differences: Vec<f64> = (0..70).map(|i| f64::from((i * 37) % 101 - 45) / 4.0).collect();
+    let test = wilcoxon(&differences);
+    close(test.v, &row("wilcoxon_normal")[3], row("wilcoxon_normal"));
+    close(test.p, &row("wilcoxon_normal")[4], row("wilcoxon_normal"));
+    assert_eq!((test.method, test.n + test.zeros), (PMethod::Normal, 70));
+    let fewer: Vec<f64> = differences.iter().take(45).enumerate().map(|(i, d)| d + i as f64 / 1000.0).collect();
+    let test = wilcoxon(&fewer);
+    close(test.v, &row("wilcoxon_exact")[3], row("wilcoxon_exact"));
+    close(test.p, &row("wilcoxon_exact")[4], row("wilcoxon_exact"));
+    assert_eq!(test.method, PMethod::Exact);
+}
+
+#[test]
+fn agreement_is_that_of_krippendorff_and_scikit_learn() {
+    let (_, rows) = read("ranks.csv");
+    let mut alphas = 0;
+    for row in rows.iter().filter(|row| row[0].starts_with("alpha")) {
+        let alpha = ordinal_alpha(&counts(&row[1]), &Bootstrap { replicates: 200, ..Bootstrap::default() }).unwrap();
+        close(alpha.alpha, &row[3], row);
+        let interval = alpha.interval.unwrap();
+        assert!(interval.low < alpha.alpha && alpha.alpha < interval.high, "{row:?} {interval:?}");
+        alphas += 1;
+    }
+    assert_eq!(alphas, 4);
+    let mut retest = Retest::new(5);
+    for i in 0..60_usize {
+        let first = (i * 7 + i * i) % 5;
+        assert!(retest.add(first, (first + (i * 5) % 3).saturating_sub(1).min(4)));
+    }
+    assert!(!retest.add(5, 0));
+    for row in rows.iter().filter(|row| row[0] == "kappa") {
+        let weights = if row[2] == "linear" { KappaWeights::Linear } else { KappaWeights::Quadratic };
+        close(retest.kappa(weights).unwrap(), &row[3], row);
+    }
+    assert_eq!(Retest::new(4).kappa(KappaWeights::Linear), None);
+}
