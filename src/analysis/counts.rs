@@ -251,6 +251,24 @@ impl Counts {
         self.factors.iter().enumerate().find(|(_, factor)| factor.name == name)
     }
 
+    /// Names of a condition's levels, in the order of the factors; empty where a value is missing.
+    pub fn level_names(&self, condition: u32) -> Vec<&str> {
+        (self.conditions[condition as usize].iter().zip(&self.factors))
+            .map(|(level, factor)| level.map_or("", |level| factor.levels[level as usize].as_str()))
+            .collect()
+    }
+
+    /// For finding subjects, conditions and categories by their names.
+    pub(super) fn index(&self) -> Index<'_> {
+        let index = |names: &'_ [String]| names.iter().cloned().zip(0_u32..).collect::<HashMap<_, _>>();
+        Index {
+            counts: self,
+            subjects: index(&self.subjects),
+            levels: self.factors.iter().map(|factor| index(&factor.levels)).collect(),
+            conditions: self.conditions.iter().map(Vec::as_slice).zip(0..).collect(),
+        }
+    }
+
     /// Ratings in each category.
     pub fn category_totals(&self) -> Vec<u64> {
         let mut totals = vec![0; self.categories.len()];
@@ -259,6 +277,47 @@ impl Counts {
         }
         totals
     }
+}
+
+/// Finds what a table has by the names that were added.
+pub(super) struct Index<'a> {
+    counts: &'a Counts,
+    subjects: HashMap<String, u32>,
+    levels: Vec<HashMap<String, u32>>,
+    conditions: HashMap<&'a [Option<u32>], u32>,
+}
+
+impl Index<'_> {
+    /// Index of a subject.
+    pub fn subject(&self, name: &str) -> Option<u32> {
+        let number = || find_number(&self.counts.subjects, name);
+        self.subjects.get(name).copied().or_else(number)
+    }
+
+    /// Index of the condition with these levels.
+    pub fn condition(&self, values: &[&str]) -> Option<u32> {
+        let level = |factor: usize, text: &str| {
+            let levels = &self.counts.factors[factor].levels;
+            self.levels[factor].get(text).copied().or_else(|| find_number(levels, text))
+        };
+        let key: Option<Vec<Option<u32>>> = (values.iter().enumerate())
+            .map(|(factor, text)| if text.is_empty() { Some(None) } else { level(factor, text).map(Some) })
+            .collect();
+        self.conditions.get(key?.as_slice()).copied()
+    }
+
+    /// Index of a category.
+    pub fn category(&self, name: &str) -> Option<u8> {
+        let categories = &self.counts.categories;
+        let exact = categories.iter().position(|known| known == name).map(|index| index as u32);
+        exact.or_else(|| find_number(categories, name)).map(|index| index as u8)
+    }
+}
+
+/// Index of the name that means the same number.
+fn find_number(names: &[String], text: &str) -> Option<u32> {
+    let number = levels::number_of(text)?;
+    names.iter().position(|name| levels::number_of(name) == Some(number)).map(|index| index as u32)
 }
 
 #[cfg(test)]

@@ -35,6 +35,11 @@ pub(super) struct Fitted<'a> {
 
 /// Fits a model, with another baseline where the first has no finite estimates.
 pub(super) fn fit_frame<'a>(counts: &'a Counts, spec: &ModelSpec) -> Result<Fitted<'a>, ModelError> {
+    fit_counts(counts, spec, true)
+}
+
+/// [`fit_frame`], with or without the standard errors of a mixed model, which take as long as its estimates.
+pub(super) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
     if spec.random == Random::Subject && !(1..=quadrature::MOST_NODES).contains(&spec.quadrature) {
         return Err(ModelError::Quadrature { nodes: spec.quadrature, most: quadrature::MOST_NODES });
     }
@@ -48,12 +53,12 @@ pub(super) fn fit_frame<'a>(counts: &'a Counts, spec: &ModelSpec) -> Result<Fitt
         notes.push(Note::ScaleIgnored);
         spec.scale = Terms::default();
     }
-    let fitted = fit_terms(frame, spec, notes, true)?;
+    let fitted = fit_terms(frame, spec, notes, errors)?;
     Ok(match rebased(&fitted) {
         Some((frame, note)) => {
             let mut notes = fitted.notes.clone();
             notes.push(note);
-            fit_terms(frame, fitted.spec.clone(), notes, true)?
+            fit_terms(frame, fitted.spec.clone(), notes, errors)?
         }
         None => fitted,
     })

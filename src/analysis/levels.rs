@@ -22,6 +22,16 @@ pub(super) fn compare(left: &str, right: &str, all_numbers: bool) -> Ordering {
     }
 }
 
+/// Natural order of any two texts: numbers before texts.
+pub(super) fn compare_mixed(left: &str, right: &str) -> Ordering {
+    match (number_of(left), number_of(right)) {
+        (Some(l), Some(r)) => l.total_cmp(&r).then_with(|| left.cmp(right)),
+        (Some(_), None) => Ordering::Less,
+        (None, Some(_)) => Ordering::Greater,
+        (None, None) => left.cmp(right),
+    }
+}
+
 /// The distinct levels among some texts, in natural order, and for every text the index of its level. Texts that mean
 /// the same number (`0.1` and `0.10`) are one level where all of them are numbers, as in R; its name is the shortest
 /// of them. None stays None: a missing value.

@@ -33,15 +33,18 @@ pub struct Prediction {
 /// As [`fit`](super::fit).
 pub fn predictions(counts: &Counts, spec: &ModelSpec) -> Result<Vec<Prediction>, ModelError> {
     let fitted = fit_frame(counts, spec)?;
-    let model = estimates::report(&fitted);
+    Ok(of_fitted(&fitted, &estimates::report(&fitted)))
+}
+
+pub(super) fn of_fitted(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
     let values: Vec<f64> = levels::numbers_of(&model.categories)
         .unwrap_or_else(|| (0..model.categories.len()).map(|index| index as f64).collect());
     let conditions = fitted.frame.conditions();
     let (x, z) = (fitted.x.matrix(&conditions), fitted.scale.matrix(&conditions));
     let row = |matrix: &nalgebra::DMatrix<f64>, index: usize| matrix.row(index).iter().copied().collect::<Vec<f64>>();
-    Ok((conditions.iter().enumerate())
-        .map(|(index, &condition)| predict(&fitted, &model, &values, condition, &row(&x, index), &row(&z, index)))
-        .collect())
+    (conditions.iter().enumerate())
+        .map(|(index, &condition)| predict(fitted, model, &values, condition, &row(&x, index), &row(&z, index)))
+        .collect()
 }
 
 fn predict(fitted: &Fitted, model: &Model, values: &[f64], condition: u32, x: &[f64], z: &[f64]) -> Prediction {

@@ -11,6 +11,7 @@ use super::{
     mixed::MixedEnd,
     model::{Model, ModelSpec, Random},
     outcome::ModelError,
+    predictions::{self, Prediction},
     terms::{Term, Terms},
 };
 
@@ -50,19 +51,23 @@ pub struct ModelReport {
     pub terms: Vec<TermTest>,
     /// Tests of proportional odds.
     pub proportional_odds: Vec<TermTest>,
+    /// What the model expects of each condition it was fitted on.
+    pub predictions: Vec<Prediction>,
 }
 
-/// Fits a model and makes its tests: [`fit`](super::fit), [`term_tests`] and [`proportional_odds`] at the cost of one
-/// fit less.
+/// Fits a model once and makes its tests and predictions: [`fit`](super::fit), [`term_tests`], [`proportional_odds`] and
+/// [`predictions`](super::predictions()).
 ///
 /// # Errors
 /// As [`fit`](super::fit).
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
     let full = fit_frame(counts, spec)?;
+    let model = estimates::report(&full);
     Ok(ModelReport {
-        model: estimates::report(&full),
         terms: without_terms(&full)?,
         proportional_odds: nominal_tests(&full)?,
+        predictions: predictions::of_fitted(&full, &model),
+        model,
     })
 }
 
@@ -75,7 +80,8 @@ pub fn term_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, Mo
     without_terms(&fit_frame(counts, spec)?)
 }
 
-fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
+/// [`term_tests`] of a model that is fitted.
+pub(super) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let mut tests = Vec::new();
     for part in [Part::Location, Part::Scale] {
         let terms = if part == Part::Location { &full.spec.terms } else { &full.spec.scale };

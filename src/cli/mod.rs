@@ -6,6 +6,7 @@
 mod check;
 mod options;
 mod parallel;
+mod plan;
 mod run;
 mod shade;
 mod simulate;
@@ -36,6 +37,7 @@ enum Command {
     Run(run::Arguments),
     Simulate(simulate::Arguments),
     Check(check::Arguments),
+    Plan(plan::Arguments),
     Shade(shade::Arguments),
     Stimulus(stimulus::Arguments),
     Stimuli(stimuli::Arguments),
@@ -54,6 +56,7 @@ pub fn main() -> ExitCode {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Plan(arguments)) => plan::run(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments),
         Some(Command::Stimulus(arguments)) => stimulus::run(&arguments),
         Some(Command::Stimuli(arguments)) => stimuli::run(&arguments),

@@ -1,0 +1,217 @@
+//! What is tested, and how large the effect is that a test should find.
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+use super::{
+    super::{
+        design::Design,
+        frame::{Frame, Resolved},
+        terms::{Term, Terms},
+    },
+    PlanError,
+    scenario::Scenario,
+};
+
+/// How an effect is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Test {
+    /// Likelihood-ratio test of a term of the ordinal model: mixed, or of one subject without a random intercept.
+    LikelihoodRatio,
+    /// Friedman's test of a factor, on each subject's mean rating at each level.
+    Friedman,
+}
+
+/// An effect that is there: the most that the term moves the observer's linear predictor between two conditions.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Effect {
+    /// The difference, logits, positive; none where a level has no band at all and the predictor no finite value.
+    pub logits: Option<f64>,
+    /// The level that is rated higher; several, joined by `:`, of an interaction.
+    pub above: String,
+    /// The level that is rated lower.
+    pub below: String,
+}
+
+/// One effect and one test of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hypothesis {
+    /// The term, or the factor of Friedman's test.
+    pub term: String,
+    /// The test.
+    pub test: Test,
+    /// What there is to be found; none where the term has no effect, and finding one is a false alarm.
+    pub effect: Option<Effect>,
+    /// Index of the factor of Friedman's test.
+    pub(super) factor: Option<usize>,
+    /// What the fitted predictor is multiplied with, condition by condition, to give the estimate of the effect.
+    pub(super) contrast: Option<DVector<f64>>,
+}
+
+/// A predictor that stands for −∞: no rating but 0 has a probability worth the name.
+const NO_BAND: f64 = 30.0;
+
+/// Lays out the tests of some terms.
+pub(super) struct Layout<'a> {
+    scenario: &'a Scenario,
+    frame: &'a Frame<'a>,
+    terms: &'a Terms,
+    predictors: DVector<f64>,
+    /// Whether every condition has a finite predictor.
+    finite: bool,
+}
+
+impl<'a> Layout<'a> {
+    pub fn new(scenario: &'a Scenario, frame: &'a Frame<'a>, terms: &'a Terms) -> Self {
+        let floor = scenario.observer().thresholds[0] - NO_BAND;
+        let predictors = scenario.predictors.iter().map(|predictor| predictor.max(floor));
+        Self {
+            predictors: DVector::from_iterator(scenario.predictors.len(), predictors),
+            finite: scenario.predictors.iter().all(|predictor| predictor.is_finite()),
+            scenario,
+            frame,
+            terms,
+        }
+    }
+
+    /// Every testable term, each followed by Friedman's test of its factor; then the factors that are left.
+    pub fn hypotheses(&self) -> Result<Vec<Hypothesis>, PlanError> {
+        let mut hypotheses = Vec::new();
+        let mut factors = Vec::new();
+        for term in self.terms.iter().filter(|term| !self.terms.is_marginal(term)) {
+            hypotheses.push(self.of_term(term)?);
+            if let [factor] = self.factors(term)?[..] {
+                self.add_friedman(factor, &mut factors, &mut hypotheses);
+            }
+        }
+        for term in self.terms {
+            for factor in self.factors(term)? {
+                self.add_friedman(factor, &mut factors, &mut hypotheses);
+            }
+        }
+        Ok(hypotheses)
+    }
+
+    fn add_friedman(&self, factor: usize, seen: &mut Vec<usize>, hypotheses: &mut Vec<Hypothesis>) {
+        if !seen.contains(&factor) {
+            seen.push(factor);
+            hypotheses.extend(self.of_factor(factor));
+        }
+    }
+
+    /// Indices of the factors of a term.
+    fn factors(&self, term: &Term) -> Result<Vec<usize>, PlanError> {
+        let mut factors = Vec::new();
+        for variable in &term.variables {
+            let (Resolved::Factor { index, .. } | Resolved::Number { index, .. }) = self.frame.resolve(variable)?;
+            if !factors.contains(&index) {
+                factors.push(index);
+            }
+        }
+        Ok(factors)
+    }
+
+    /// The part of the predictor that only this term of the model can say.
+    fn of_term(&self, term: &Term) -> Result<Hypothesis, PlanError> {
+        let whole = Span::of(&self.matrix(self.terms)?);
+        let rest = Span::of(&self.matrix(&self.terms.without(term))?);
+        if whole.0.len() == rest.0.len() {
+            return Err(PlanError::Untestable { term: term.to_string() });
+        }
+        let part = whole.project(&self.predictors) - rest.project(&self.predictors);
+        let extremes = self.extremes(&part);
+        let contrast = extremes.filter(|_| self.finite).map(|(above, below)| {
+            let mut contrast = DVector::zeros(part.len());
+            contrast[above] += 1.0;
+            contrast[below] -= 1.0;
+            &contrast - rest.project(&contrast)
+        });
+        let factors = self.factors(term)?;
+        let effect = extremes.map(|(above, below)| self.effect(&part, above, below, &factors));
+        Ok(Hypothesis { term: term.to_string(), test: Test::LikelihoodRatio, effect, factor: None, contrast })
+    }
+
+    /// The mean predictor at each level of a factor; none for a factor of one level.
+    fn of_factor(&self, factor: usize) -> Option<Hypothesis> {
+        let conditions = &self.scenario.empty.conditions;
+        let description = &self.scenario.empty.factors[factor];
+        if description.levels.len() < 2 {
+            return None;
+        }
+        let means = (0..description.levels.len() as u32).map(|level| {
+            let here = conditions.iter().zip(&self.predictors).filter(|(levels, _)| levels[factor] == Some(level));
+            let (sum, number) = here.fold((0.0, 0.0), |(sum, number), (_, predictor)| (sum + predictor, number + 1.0));
+            sum / number
+        });
+        let means: Vec<f64> = means.collect();
+        let part = conditions.iter().map(|levels| levels[factor].map_or(0.0, |level| means[level as usize]));
+        let part = DVector::from_iterator(conditions.len(), part);
+        let extremes = self.extremes(&part);
+        Some(Hypothesis {
+            term: description.name.clone(),
+            test: Test::Friedman,
+            effect: extremes.map(|(above, below)| self.effect(&part, above, below, &[factor])),
+            factor: Some(factor),
+            contrast: None,
+        })
+    }
+
+    fn matrix(&self, terms: &Terms) -> Result<DMatrix<f64>, PlanError> {
+        Ok(Design::new(self.frame, terms)?.matrix(&self.scenario.conditions()))
+    }
+
+    /// The conditions where a part of the predictor is largest and smallest; none where it is the same everywhere.
+    fn extremes(&self, part: &DVector<f64>) -> Option<(usize, usize)> {
+        // Differences of rounding are none.
+        let slack = 1e-9 * (1.0 + self.predictors.amax());
+        let first = |better: &dyn Fn(f64, f64) -> bool| {
+            (0..part.len()).fold(0, |best, place| if better(part[place], part[best]) { place } else { best })
+        };
+        let above = first(&|value, best| value > best + slack);
+        let below = first(&|value, best| value < best - slack);
+        (part[above] - part[below] > slack).then_some((above, below))
+    }
+
+    fn effect(&self, part: &DVector<f64>, above: usize, below: usize, factors: &[usize]) -> Effect {
+        let name = |condition: usize| {
+            let names = self.scenario.empty.level_names(condition as u32);
+            factors.iter().map(|factor| names[*factor]).collect::<Vec<_>>().join(":")
+        };
+        Effect {
+            // Without the rounding of the projections.
+            logits: self.finite.then(|| ((part[above] - part[below]) * 1e9).round() / 1e9),
+            above: name(above),
+            below: name(below),
+        }
+    }
+}
+
+/// An orthonormal basis of a constant and the columns of a design.
+struct Span(Vec<DVector<f64>>);
+
+impl Span {
+    fn of(design: &DMatrix<f64>) -> Self {
+        let constant = DVector::from_element(design.nrows(), 1.0);
+        let mut span = Self(Vec::new());
+        for column in std::iter::once(constant).chain(design.column_iter().map(|column| column.clone_owned())) {
+            // Twice, as one pass loses orthogonality where columns are nearly dependent.
+            let once = &column - span.project(&column);
+            let rest = &once - span.project(&once);
+            // The tolerance of the models: a dependent column is left out.
+            if rest.norm() > 1e-7 * column.norm() {
+                span.0.push(rest.normalize());
+            }
+        }
+        span
+    }
+
+    /// The part of a vector within the span.
+    fn project(&self, vector: &DVector<f64>) -> DVector<f64> {
+        let mut part = DVector::zeros(vector.len());
+        for direction in &self.0 {
+            part.axpy(direction.dot(vector), direction, 1.0);
+        }
+        part
+    }
+}

@@ -1,0 +1,136 @@
+//! Who rates what: the cells of a definition, and how visible each of them is to the observer.
+
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
+use rand_distr::{Distribution as _, StandardNormal};
+
+use super::{
+    super::{
+        counts::{CountRow, Counts, CountsBuilder},
+        levels,
+    },
+    PlanError,
+};
+use crate::experiment::{Condition, OrderedLogit, Protocol, RATING_MAX};
+
+/// An effect that the observer's own parameters do not have: what a level of a factor adds to the linear predictor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shift {
+    /// A factor of the definition.
+    pub factor: String,
+    /// One of its levels.
+    pub level: String,
+    /// Logits; positive gives higher ratings.
+    pub logits: f64,
+}
+
+/// A definition and its observer.
+#[derive(Clone, Debug)]
+pub(super) struct Scenario {
+    /// Every condition of the definition, without subjects and ratings.
+    pub empty: Counts,
+    /// The observer's linear predictor for each condition, of a subject whose intercept is 0; −∞ where there is no band.
+    pub predictors: Vec<f64>,
+    observer: OrderedLogit,
+    repetitions: u32,
+}
+
+impl Scenario {
+    /// The conditions of a definition as an observer sees them.
+    pub fn new(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift]) -> Result<Self, PlanError> {
+        let conditions = protocol.conditions()?;
+        let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<Vec<_>, _>>()?;
+        let added = |condition: &Condition| -> f64 {
+            let here = shifts.iter().filter(|(factor, level, _)| condition.levels[*factor] == *level);
+            here.map(|(_, _, logits)| logits).sum()
+        };
+        let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
+        let categories: Vec<String> = (0..=RATING_MAX).map(|rating| rating.to_string()).collect();
+        let mut builder = CountsBuilder::new(&factors).with_categories(&categories);
+        let names: Vec<Vec<String>> = conditions.iter().map(|condition| level_names(protocol, condition)).collect();
+        for names in &names {
+            // A definition's levels are never empty and its ratings are those declared.
+            let _ = builder.add("S", names, "0", 1);
+        }
+        let mut empty = builder.finish();
+        let mut predictors = vec![0.0; empty.conditions.len()];
+        let index = empty.index();
+        for (condition, names) in conditions.iter().zip(&names) {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            if let Some(place) = index.condition(&names) {
+                predictors[place as usize] = observer.predictor(&condition.stimulus, 0.0) + added(condition);
+            }
+        }
+        empty.rows.clear();
+        empty.subjects.clear();
+        Ok(Self { empty, predictors, observer: observer.clone(), repetitions: protocol.design.repetitions })
+    }
+
+    /// Every condition, in order.
+    pub fn conditions(&self) -> Vec<u32> {
+        (0..self.empty.conditions.len() as u32).collect()
+    }
+
+    /// Ratings that each subject gives.
+    pub fn ratings(&self) -> u64 {
+        self.predictors.len() as u64 * u64::from(self.repetitions)
+    }
+
+    /// The observer's parameters.
+    pub fn observer(&self) -> &OrderedLogit {
+        &self.observer
+    }
+
+    /// Every condition rated both lowest and highest by one subject: what a design needs to be laid out.
+    pub fn outline(&self) -> Counts {
+        let ratings = [0, RATING_MAX];
+        let rows = self
+            .conditions()
+            .into_iter()
+            .flat_map(|condition| ratings.map(|rating| CountRow { subject: 0, condition, rating, count: 1 }));
+        Counts { subjects: vec!["S".to_owned()], rows: rows.collect(), ..self.empty.clone() }
+    }
+
+    /// One study. What a subject does depends on the seed, the study and the subject's number alone, so that a larger
+    /// study is a smaller one with more people.
+    pub fn study(&self, people: u32, study: u32, seed: u64) -> Counts {
+        let mut rows = Vec::new();
+        for subject in 0..people {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(u64::from(study) << 32 | u64::from(subject));
+            let deviate: f64 = StandardNormal.sample(&mut rng);
+            for (condition, predictor) in (0..).zip(&self.predictors) {
+                let mut counts = [0; RATING_MAX as usize + 1];
+                for _ in 0..self.repetitions {
+                    let rating = self.observer.rate_at(predictor + self.observer.subject_sd * deviate, &mut rng);
+                    counts[usize::from(rating)] += 1;
+                }
+                let given = (0..).zip(counts).filter(|(_, count)| *count > 0);
+                rows.extend(given.map(|(rating, count)| CountRow { subject, condition, rating, count }));
+            }
+        }
+        // The names sort as the numbers do.
+        let subjects = (1..=people).map(|number| format!("S{number:010}")).collect();
+        Counts { subjects, rows, ..self.empty.clone() }
+    }
+}
+
+fn level_names(protocol: &Protocol, condition: &Condition) -> Vec<String> {
+    let levels = protocol.factors.iter().zip(&condition.levels);
+    levels.map(|(factor, level)| factor.levels[*level].to_string()).collect()
+}
+
+/// Indices of a shift's factor and level.
+fn resolve(protocol: &Protocol, shift: &Shift) -> Result<(usize, usize, f64), PlanError> {
+    let known = || protocol.factors.iter().map(|factor| factor.name.clone()).collect();
+    let factor = (protocol.factors.iter().position(|factor| factor.name == shift.factor))
+        .ok_or_else(|| PlanError::UnknownFactor { name: shift.factor.clone(), known: known() })?;
+    let names: Vec<String> = protocol.factors[factor].levels.iter().map(ToString::to_string).collect();
+    let number = levels::number_of(&shift.level);
+    let same = |name: &String| *name == shift.level || (number.is_some() && levels::number_of(name) == number);
+    let level = names.iter().position(same).ok_or_else(|| PlanError::UnknownLevel {
+        factor: shift.factor.clone(),
+        level: shift.level.clone(),
+        known: names.clone(),
+    })?;
+    Ok((factor, level, shift.logits))
+}

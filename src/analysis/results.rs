@@ -1,0 +1,193 @@
+//! One analysis of one study: description, model, tests and agreement together.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{
+    Link, ModelError, ModelReport, ModelSpec, Prediction, Random, TermTest,
+    agreement::{Alpha, KappaWeights, mean_over_subjects, ordinal_alpha},
+    bootstrap::{Bootstrap, Interval},
+    fit_with_tests,
+    measured::Measured,
+    rank_tests::{Friedman, Pairs, SubjectMeans, friedman, pairs},
+    scale_tests,
+    summary::{Group, by_cell, by_factor, by_subject},
+    terms::Terms,
+    times::{Quartiles, Times},
+};
+
+/// What is to be computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Terms of the model; None for the main effects of all factors with two levels or more.
+    pub terms: Option<Terms>,
+    /// The link.
+    pub link: Link,
+    /// The random part; None for an intercept a subject where there are two subjects or more.
+    pub random: Option<Random>,
+    /// Quadrature nodes of a mixed model; 1 is Laplace's approximation.
+    pub quadrature: usize,
+    /// Whether terms are also tested for effects on the spread of the ratings.
+    pub scale: bool,
+    /// The bootstrap of all intervals that are not the model's.
+    pub bootstrap: Bootstrap,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { terms: None, link: Link::Logit, random: None, quadrature: 1, scale: false, bootstrap: Bootstrap::default() }
+    }
+}
+
+/// Everything that was computed.
+#[derive(Clone, Debug)]
+pub struct Results {
+    /// What it was computed from.
+    pub measured: Measured,
+    /// What was asked for.
+    pub options: Options,
+    /// Every cell of the design.
+    pub cells: Vec<Group>,
+    /// Every factor.
+    pub factors: Vec<FactorResults>,
+    /// Every subject.
+    pub subjects: Vec<SubjectResults>,
+    /// The model that was asked for.
+    pub spec: ModelSpec,
+    /// The model with its tests, or why there is none.
+    pub model: Result<ModelReport, ModelError>,
+    /// Tests of effects on the spread; empty unless asked for.
+    pub scale: Vec<TermTest>,
+    /// How far subjects agree with each other; none from one subject.
+    pub alpha: Option<Alpha>,
+    /// How far subjects agree with themselves: mean over subjects of weighted κ, and its bootstrap interval.
+    pub kappa: Option<(f64, Option<Interval>)>,
+    /// Response times of each category.
+    pub times: Vec<Option<Quartiles>>,
+}
+
+/// The levels of one factor.
+#[derive(Clone, Debug, Serialize)]
+pub struct FactorResults {
+    /// The factor.
+    pub name: String,
+    /// Each level, over everything else.
+    pub levels: Vec<Group>,
+    /// Subjects who did not rate every level, and so are not in the tests.
+    pub incomplete: Vec<String>,
+    /// Whether any level differs; none from one subject or level.
+    pub friedman: Option<Friedman>,
+    /// Which levels differ; none from one subject or level.
+    pub pairs: Option<Pairs>,
+    /// Response times of each level.
+    pub times: Vec<Option<Quartiles>>,
+}
+
+/// One subject.
+#[derive(Clone, Debug, Serialize)]
+pub struct SubjectResults {
+    /// Their ratings.
+    pub group: Group,
+    /// Conditions that they rated twice.
+    pub retests: u64,
+    /// Weighted κ (quadratic) of first and second rating; none without repetitions, or where all are the same.
+    pub kappa: Option<f64>,
+    /// Their response times.
+    pub times: Option<Quartiles>,
+}
+
+impl Results {
+    /// Subjects.
+    pub fn people(&self) -> usize {
+        self.measured.counts.subjects.len()
+    }
+
+    /// Whether anything can be said of other people than those who were measured.
+    pub fn is_inferential(&self) -> bool {
+        self.people() > 1
+    }
+
+    /// What the model expects of each condition; empty where there is no model.
+    pub fn predictions(&self) -> &[Prediction] {
+        self.model.as_ref().map_or(&[], |report| &report.predictions)
+    }
+}
+
+/// Analyses a study.
+///
+/// There is always a description; where there is no model, the reason is in its place.
+pub fn analyse(measured: Measured, options: &Options) -> Results {
+    let counts = &measured.counts;
+    let people = counts.subjects.len();
+    let spec = model_spec(&measured, options);
+    let bootstrap = &options.bootstrap;
+    let ((model, scale), ((cells, alpha), factors)) = rayon::join(
+        || {
+            let scale = if options.scale { scale_tests(counts, &spec).unwrap_or_default() } else { Vec::new() };
+            (fit_with_tests(counts, &spec), scale)
+        },
+        || {
+            rayon::join(
+                || (by_cell(counts, bootstrap), ordinal_alpha(counts, bootstrap)),
+                || (0..counts.factors.len()).into_par_iter().map(|f| factor(&measured, f, bootstrap)).collect::<Vec<_>>(),
+            )
+        },
+    );
+    let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
+        .zip(measured.retests())
+        .zip(measured.times_by(people, |row| Some(row.subject as usize)))
+        .map(|((group, retest), times)| SubjectResults {
+            group,
+            retests: retest.pairs(),
+            kappa: retest.kappa(KappaWeights::Quadratic),
+            times: times.quartiles(),
+        })
+        .collect();
+    let kappas: Vec<f64> = subjects.iter().filter_map(|subject| subject.kappa).collect();
+    let times = (measured.times_by(counts.categories.len(), |row| Some(row.rating.into())).iter())
+        .map(Times::quartiles)
+        .collect();
+    Results {
+        cells,
+        factors,
+        subjects,
+        spec,
+        model,
+        scale,
+        alpha: if people > 1 { alpha } else { None },
+        kappa: mean_over_subjects(&kappas, bootstrap),
+        times,
+        options: options.clone(),
+        measured,
+    }
+}
+
+fn model_spec(measured: &Measured, options: &Options) -> ModelSpec {
+    let counts = &measured.counts;
+    let varied: Vec<&str> =
+        counts.factors.iter().filter(|factor| factor.levels.len() > 1).map(|factor| factor.name.as_str()).collect();
+    let random = if counts.subjects.len() > 1 { Random::Subject } else { Random::None };
+    ModelSpec {
+        link: options.link,
+        random: options.random.unwrap_or(random),
+        quadrature: options.quadrature,
+        ..ModelSpec::new(options.terms.clone().unwrap_or_else(|| Terms::factors(&varied)))
+    }
+}
+
+fn factor(measured: &Measured, factor: usize, bootstrap: &Bootstrap) -> FactorResults {
+    let counts = &measured.counts;
+    let means = SubjectMeans::new(counts, factor);
+    let several = means.rows.len() > 1 && means.levels.len() > 1;
+    let levels = by_factor(counts, factor, bootstrap);
+    let level_of = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
+    let times = measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition));
+    FactorResults {
+        name: counts.factors[factor].name.clone(),
+        levels,
+        friedman: friedman(&means),
+        pairs: several.then(|| pairs(&means)),
+        incomplete: means.incomplete,
+        times: times.iter().map(Times::quartiles).collect(),
+    }
+}

@@ -1,0 +1,127 @@
+//! `machband plan`
+
+mod effects;
+mod telling;
+
+use std::path::PathBuf;
+
+use indicatif::ProgressBar;
+
+use super::{UsageError, progress_style};
+use crate::{
+    analysis::{
+        Link,
+        power::{ModelChoice, Plan, Power, Sampling},
+        quadrature::MOST_NODES,
+        terms::Terms,
+    },
+    store::{definition, observer, write_file},
+};
+use telling::Telling;
+
+/// Find how many participants a study needs: its power, by simulation.
+///
+/// Simulates studies with the ordered-logit observer of `simulate` and analyses each as `analyze` would. Reports, for each
+/// number of participants and each effect, the share of studies that find it, with exact 95 % intervals (Clopper and
+/// Pearson): by the likelihood-ratio test of the term in the ordinal mixed model, and by Friedman's test on each
+/// participant's means. Where there is no effect to be found, the share is that of false alarms, and is called so.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Effects: NAME=VALUE sets a parameter of the observer: depth, fall, narrow, oblique, contrast, \
+    infinite_as, strongest_width, subject_sd, lapse (see experiments/observers/paper.toml). FACTOR:LEVEL=LOGITS adds to \
+    one level of any factor of the experiment.\n\n\
+    Results depend on the seed, not on the number of threads (ChaCha8, a stream for each participant of each study).\n\n\
+    Examples:\n  machband plan orientation --participants 4,8,12 --effect oblique=0.5\n  \
+    machband plan shaders --participants 8 --effect shader:gouraud=1 --effect shader:flat=2"
+)]
+pub(super) struct Arguments {
+    /// Built-in definition or path of a .toml file.
+    experiment: String,
+    /// Participants of each study; several numbers to compare.
+    #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    participants: Vec<u32>,
+    /// An effect to be found: NAME=VALUE or FACTOR:LEVEL=LOGITS; may stand several times.
+    #[arg(long = "effect", value_name = "NAME=VALUE")]
+    effects: Vec<String>,
+    /// Studies simulated for each number of participants.
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    studies: u32,
+    /// An effect is found where p is below this.
+    #[arg(long, value_name = "P", default_value_t = 0.05, value_parser = proportion)]
+    alpha: f64,
+    /// The power that is enough.
+    #[arg(long, value_name = "P", default_value_t = 0.8, value_parser = proportion)]
+    target: f64,
+    /// Seed of all ratings.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Parameters of the observer; the documented default is experiments/observers/paper.toml.
+    #[arg(long, value_name = "FILE.toml")]
+    observer_file: Option<PathBuf>,
+    /// Terms of the model: factors by name, numbers with num:, interactions with : or *; unless given, every factor that
+    /// varies.
+    #[arg(long, value_name = "T,…")]
+    terms: Option<String>,
+    /// Link of the cumulative model.
+    #[arg(long, default_value = "logit", value_parser = ["logit", "probit"])]
+    link: String,
+    /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
+    quadrature: u16,
+    /// The table as CSV.
+    #[arg(long, value_name = "FILE.csv")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let protocol = definition::open(&arguments.experiment)?;
+    let observer = match &arguments.observer_file {
+        Some(path) => observer::open(path)?,
+        None => observer::parse("paper.toml", observer::PAPER)?,
+    };
+    let (observer, shifts) = effects::apply(observer, &arguments.effects, &protocol)?;
+    let terms = arguments.terms.as_deref().map(Terms::parse).transpose();
+    let model = ModelChoice {
+        terms: terms.map_err(|error| UsageError(error.to_string()))?,
+        link: if arguments.link == "probit" { Link::Probit } else { Link::Logit },
+        quadrature: arguments.quadrature.into(),
+    };
+    let plan = Plan::new(&protocol, &observer, &shifts, &model).map_err(|error| UsageError(error.to_string()))?;
+    let sampling = Sampling { studies: arguments.studies, alpha: arguments.alpha, seed: arguments.seed };
+    let mut participants = arguments.participants.clone();
+    participants.sort_unstable();
+    participants.dedup();
+    let powers = simulate(&plan, &participants, &sampling);
+    let telling = Telling {
+        protocol: &protocol,
+        effects: &arguments.effects,
+        plan: &plan,
+        sampling,
+        target: arguments.target,
+        powers: &powers,
+    };
+    let (table, sentences) = (telling.table(), telling.sentences());
+    let lines = [telling.heading(), String::new()].into_iter().chain(table).chain([String::new()]).chain(sentences);
+    lines.into_iter().try_for_each(|line| super::say(&line))?;
+    // Last, so that a path that cannot be written costs no result.
+    if let Some(path) = &arguments.out {
+        write_file(path, &telling.csv().csv())?;
+    }
+    Ok(())
+}
+
+/// Runs the studies with their progress, in participants, since a study takes as long as it has people.
+fn simulate(plan: &Plan, participants: &[u32], sampling: &Sampling) -> Vec<Power> {
+    let people: u64 = participants.iter().map(|people| u64::from(*people)).sum();
+    let total = people * u64::from(sampling.studies);
+    let bar = ProgressBar::new(total).with_style(progress_style("simulated participants"));
+    let powers = plan.run(participants, sampling, &|people| bar.inc(people));
+    bar.finish_and_clear();
+    powers
+}
+
+/// A proportion between 0 and 1, both excluded, for clap.
+fn proportion(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|number| *number > 0.0 && *number < 1.0);
+    number.ok_or_else(|| "expected a number between 0 and 1, such as 0.05".to_owned())
+}
