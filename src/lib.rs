@@ -19,6 +19,7 @@
 //! | 3 | [`experiment`] | definition, order, session, record, observers |
 //! | 4 | [`analysis`] | counts of ratings in, ordinal models and tests out |
 //! | 4 | [`store`] | every file format |
+//! | 5 | [`report`] | tables, figures and the report of a study |
 //! | 6 | [`app`], [`cli`] | the window; the commands |
 //!
 //! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,
@@ -30,6 +31,7 @@ pub mod cli;
 pub mod display;
 pub mod experiment;
 pub mod light;
+pub mod report;
 pub mod shading;
 pub mod stimulus;
 pub mod store;

@@ -113,7 +113,11 @@ impl Measured {
         };
         let retests = (self.retests.iter())
             .filter_map(|pair| {
-                moved(pair.subject, pair.condition).map(|(subject, condition)| RetestPair { subject, condition, ..*pair })
+                moved(pair.subject, pair.condition).map(|(subject, condition)| RetestPair {
+                    subject,
+                    condition,
+                    ..*pair
+                })
             })
             .collect();
         let times = (self.times.iter())
@@ -311,7 +315,8 @@ impl MeasuredBuilder {
     /// Everything in natural order.
     pub fn finish(self) -> Measured {
         let varied = self.varied();
-        let names: Vec<&str> = (self.factors.iter().zip(&varied)).filter(|(_, v)| **v).map(|(n, _)| n.as_str()).collect();
+        let names: Vec<&str> =
+            (self.factors.iter().zip(&varied)).filter(|(_, v)| **v).map(|(n, _)| n.as_str()).collect();
         let mut builder = CountsBuilder::new(&names);
         if let Some(declared) = &self.declared {
             builder = builder.with_categories(declared);

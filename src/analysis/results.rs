@@ -35,7 +35,14 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { terms: None, link: Link::Logit, random: None, quadrature: 1, scale: false, bootstrap: Bootstrap::default() }
+        Self {
+            terms: None,
+            link: Link::Logit,
+            random: None,
+            quadrature: 1,
+            scale: false,
+            bootstrap: Bootstrap::default(),
+        }
     }
 }
 
@@ -129,7 +136,12 @@ pub fn analyse(measured: Measured, options: &Options) -> Results {
         || {
             rayon::join(
                 || (by_cell(counts, bootstrap), ordinal_alpha(counts, bootstrap)),
-                || (0..counts.factors.len()).into_par_iter().map(|f| factor(&measured, f, bootstrap)).collect::<Vec<_>>(),
+                || {
+                    (0..counts.factors.len())
+                        .into_par_iter()
+                        .map(|f| factor(&measured, f, bootstrap))
+                        .collect::<Vec<_>>()
+                },
             )
         },
     );

@@ -76,7 +76,8 @@ mod tests {
     #[test]
     fn quantiles_are_near_those_of_the_times() {
         // 1 ms … 10 s, evenly on a logarithmic scale, in a scrambled order.
-        let seconds: Vec<f64> = (0..10_000).map(|i| 10_f64.powf(-1.0 + f64::from(i * 7919 % 10_000) / 5000.0)).collect();
+        let seconds: Vec<f64> =
+            (0..10_000).map(|i| 10_f64.powf(-1.0 + f64::from(i * 7919 % 10_000) / 5000.0)).collect();
         let mut times = Times::default();
         assert_eq!(times.quartiles(), None);
         for &time in &seconds {

@@ -15,6 +15,8 @@ pub enum Ask {
     Toml,
     /// An OBJ file.
     Obj,
+    /// CSV files, one or more.
+    Data,
     /// A folder.
     Folder,
 }
@@ -22,7 +24,7 @@ pub enum Ask {
 /// A dialog that may be open.
 #[derive(Default)]
 pub struct Dialog {
-    answer: Option<Receiver<Option<PathBuf>>>,
+    answer: Option<Receiver<Option<Vec<PathBuf>>>>,
     opened: Option<Instant>,
     missing: bool,
 }
@@ -37,13 +39,15 @@ impl Dialog {
         let ctx = ctx.clone();
         std::thread::spawn(move || {
             let dialog = rfd::FileDialog::new();
-            let path = match ask {
-                Ask::Toml => dialog.add_filter("TOML", &["toml"]).pick_file(),
-                Ask::Obj => dialog.add_filter("OBJ", &["obj"]).pick_file(),
-                Ask::Folder => dialog.pick_folder(),
+            let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
+            let paths = match ask {
+                Ask::Toml => one(dialog.add_filter("TOML", &["toml"]).pick_file()),
+                Ask::Obj => one(dialog.add_filter("OBJ", &["obj"]).pick_file()),
+                Ask::Data => dialog.add_filter("CSV", &["csv"]).add_filter("all files", &["*"]).pick_files(),
+                Ask::Folder => one(dialog.pick_folder()),
             };
             // The window may be gone; then nobody needs the answer.
-            let _ = send.send(path);
+            let _ = send.send(paths);
             ctx.request_repaint();
         });
         self.answer = Some(receive);
@@ -56,16 +60,21 @@ impl Dialog {
         self.missing
     }
 
-    /// The path chosen, once.
+    /// The path chosen, once; of several the first.
     pub fn take(&mut self) -> Option<PathBuf> {
+        self.take_all()?.into_iter().next()
+    }
+
+    /// All paths chosen, once.
+    pub fn take_all(&mut self) -> Option<Vec<PathBuf>> {
         let answer = self.answer.as_ref()?.try_recv();
         match answer {
-            Ok(path) => {
+            Ok(paths) => {
                 self.answer = None;
                 // Nobody closes a dialog this fast: there was none. The system does not say so itself.
                 let at_once = self.opened.is_some_and(|opened| opened.elapsed() < Duration::from_millis(400));
-                self.missing = path.is_none() && at_once;
-                path
+                self.missing = paths.is_none() && at_once;
+                paths
             }
             Err(std::sync::mpsc::TryRecvError::Disconnected) => {
                 self.answer = None;

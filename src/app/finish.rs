@@ -5,11 +5,11 @@ use std::{collections::BTreeMap, path::PathBuf};
 use eframe::egui::{self, Color32, Key};
 use egui_plot::{Corner, GridMark, Legend, Line, MarkerShape, Plot, Points};
 
-use super::{Go, theme};
+use super::{Go, Page, analysis::Analysis, theme};
 use crate::experiment::{Phase, Protocol, RATING_MAX, TrialRecord};
 
 /// Okabe and Ito's colours, told apart by colour-blind readers and on a dark page (2008, jfly.uni-koeln.de/color).
-const COLORS: [Color32; 7] = [
+pub(super) const COLORS: [Color32; 7] = [
     Color32::from_rgb(0xe6, 0x9f, 0x00),
     Color32::from_rgb(0x56, 0xb4, 0xe9),
     Color32::from_rgb(0x00, 0x9e, 0x73),
@@ -19,7 +19,7 @@ const COLORS: [Color32; 7] = [
     Color32::from_rgb(0xcc, 0x79, 0xa7),
 ];
 /// A marker of its own for each line, so that colour is not needed.
-const MARKERS: [MarkerShape; 7] = [
+pub(super) const MARKERS: [MarkerShape; 7] = [
     MarkerShape::Circle,
     MarkerShape::Square,
     MarkerShape::Diamond,
@@ -78,6 +78,7 @@ impl Finish {
     pub(super) fn show(&mut self, ui: &mut egui::Ui, direct: bool) -> Go {
         let texts = self.protocol.instructions.clone();
         let mut leave = false;
+        let mut analyse = false;
         theme::page(ui, |ui| {
             if self.complete {
                 ui.heading(&texts.thanks);
@@ -101,6 +102,8 @@ impl Finish {
                         .err()
                         .map(|error| format!("{}: cannot be opened: {error}", folder.display()));
                 }
+                // Someone who comes back must not have seen where the answers are heading.
+                analyse = self.complete && ui.button("Analyse these results…").clicked();
                 leave = theme::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             });
             if let Some(fault) = &self.opened {
@@ -109,7 +112,15 @@ impl Finish {
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());
         let entered = !focused && ui.input(|input| input.key_pressed(Key::Enter));
+        if let Some(data_set) = self.data_set().filter(|_| analyse) {
+            return Go::Aside(Page::Analysis(Box::new(Analysis::of(ui.ctx(), data_set))));
+        }
         if leave || entered { Go::Back } else { Go::Stay }
+    }
+
+    /// The folder of all sessions of the experiment.
+    fn data_set(&self) -> Option<PathBuf> {
+        Some(self.path.parent()?.parent()?.to_owned())
     }
 
     fn plot(&self, ui: &mut egui::Ui) {

@@ -1,9 +1,12 @@
 //! Home: what is to be run, for whom, on which screen.
 
+use std::path::Path;
+
 use eframe::egui::{self, Key, RichText, TextureHandle, ViewportCommand};
 
 use super::{
     Go, Monitor, Page,
+    analysis::Analysis,
     card::{CardHelper, CardOutcome},
     dialog::{Ask, Dialog},
     form::{Checked, Form},
@@ -84,6 +87,10 @@ impl Home {
                     }
                     if ui.button("Shading demo…").clicked() {
                         go = Go::To(Page::Demo(Box::default()));
+                    }
+                    if ui.button("Analyse results…").clicked() {
+                        let results = Path::new(self.form.results.trim());
+                        go = Go::To(Page::Analysis(Box::new(Analysis::new(results))));
                     }
                 });
             });

@@ -1,7 +1,9 @@
 //! Floor 6: the window. One page a file; the only place that makes a texture.
 //!
-//! Home → preflight → session → finish. `machband run` begins at the preflight. Home → gallery, demo.
+//! Home → preflight → session → finish. `machband run` begins at the preflight. Home → gallery, demo, analysis; finish →
+//! analysis.
 
+mod analysis;
 mod card;
 pub mod demo;
 mod dialog;
@@ -122,6 +124,7 @@ enum Page {
     Finish(Box<finish::Finish>),
     Gallery(Box<gallery::Gallery>),
     Demo(Box<demo::Demo>),
+    Analysis(Box<analysis::Analysis>),
 }
 
 /// Where a page leads.
@@ -132,11 +135,15 @@ enum Go {
     Back,
     /// On to a page.
     To(Page),
+    /// To a page that leads back here.
+    Aside(Page),
 }
 
 /// The program's window.
 pub struct App {
     page: Page,
+    /// Where the page leads back to, if not Home.
+    behind: Option<Page>,
     /// Started with a session: leaving it closes the window.
     direct: bool,
     monitors: Vec<Monitor>,
@@ -153,7 +160,7 @@ impl App {
             Some(request) => Page::Preflight(Box::new(preflight::Preflight::new(request))),
             None => Page::Home(Box::default()),
         };
-        Self { page, direct, monitors: Vec::new(), form: form::Form::default() }
+        Self { page, behind: None, direct, monitors: Vec::new(), form: form::Form::default() }
     }
 }
 
@@ -170,6 +177,7 @@ impl eframe::App for App {
             Page::Finish(finish) => finish.show(ui, self.direct),
             Page::Gallery(gallery) => gallery.show(ui),
             Page::Demo(demo) => demo.show(ui, frame.wgpu_render_state()),
+            Page::Analysis(analysis) => analysis.show(ui),
         };
         if let Page::Home(home) = &self.page {
             self.form = home.form().clone();
@@ -177,6 +185,15 @@ impl eframe::App for App {
         match go {
             Go::Stay => {}
             Go::To(page) => self.turn_to(ui.ctx(), page),
+            Go::Aside(page) => {
+                self.behind = Some(std::mem::replace(&mut self.page, page));
+                ui.ctx().request_repaint();
+            }
+            Go::Back if self.behind.is_some() => {
+                if let Some(page) = self.behind.take() {
+                    self.turn_to(ui.ctx(), page);
+                }
+            }
             Go::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             Go::Back => {
                 let mut form = self.form.clone();

@@ -52,6 +52,19 @@ pub fn apply(ctx: &egui::Context) {
     });
 }
 
+/// Smaller than on other pages: there is much to set and to see.
+pub fn compact(ui: &mut egui::Ui) {
+    let style = ui.style_mut();
+    for (name, size) in [(TextStyle::Body, 15.0), (TextStyle::Button, 15.0), (TextStyle::Small, 13.0)] {
+        if let Some(font) = style.text_styles.get_mut(&name) {
+            font.size = size;
+        }
+    }
+    style.spacing.item_spacing = Vec2::new(8.0, 5.0);
+    style.spacing.button_padding = Vec2::new(8.0, 3.0);
+    style.spacing.interact_size.y = 26.0;
+}
+
 /// The button that a page leads to, and a word about its keys beside it.
 pub fn primary(ui: &mut egui::Ui, text: &str, enabled: bool, hint: &str) -> bool {
     let button = egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))

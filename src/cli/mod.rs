@@ -3,10 +3,13 @@
 //! Exit status 0: done; 1: failed; 2: wrong usage. Errors go to stderr as `error: WHERE: what is wrong; what is
 //! expected`, data to stdout or the named files.
 
+mod analyze;
 mod check;
+mod counts;
 mod options;
 mod parallel;
 mod plan;
+mod ratings;
 mod run;
 mod shade;
 mod simulate;
@@ -38,6 +41,8 @@ enum Command {
     Simulate(simulate::Arguments),
     Check(check::Arguments),
     Plan(plan::Arguments),
+    Analyze(analyze::Arguments),
+    Counts(counts::Arguments),
     Shade(shade::Arguments),
     Stimulus(stimulus::Arguments),
     Stimuli(stimuli::Arguments),
@@ -57,6 +62,8 @@ pub fn main() -> ExitCode {
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Plan(arguments)) => plan::run(&arguments),
+        Some(Command::Analyze(arguments)) => analyze::run(&arguments),
+        Some(Command::Counts(arguments)) => counts::run(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments),
         Some(Command::Stimulus(arguments)) => stimulus::run(&arguments),
         Some(Command::Stimuli(arguments)) => stimuli::run(&arguments),
@@ -93,6 +100,13 @@ fn default_results() -> PathBuf {
 fn progress_style(what: &str) -> indicatif::ProgressStyle {
     let template = format!("{{bar:40}} {{pos}}/{{len}} {what}, {{eta}} to go");
     indicatif::ProgressStyle::with_template(&template).unwrap_or_else(|_| indicatif::ProgressStyle::default_bar())
+}
+
+/// Says on a terminal what is going on, where it cannot be counted.
+fn spinner(what: &'static str) -> indicatif::ProgressBar {
+    let spinner = indicatif::ProgressBar::new_spinner().with_message(what);
+    spinner.enable_steady_tick(std::time::Duration::from_millis(120));
+    spinner
 }
 
 /// A participant's identifier, for clap.

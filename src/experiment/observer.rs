@@ -29,8 +29,13 @@ pub struct UniformObserver;
 
 impl Observer for UniformObserver {
     fn rate(&self, _: &Stimulus, _: f64, rng: &mut ChaCha8Rng) -> u8 {
-        (rng.next_u64() >> 62) as u8
+        any_key(rng)
     }
+}
+
+/// Each rating with probability ¼.
+fn any_key(rng: &mut ChaCha8Rng) -> u8 {
+    (rng.next_u64() >> 62) as u8
 }
 
 /// An ordered-logit observer: P(rating ≤ j) = 1/(1+e^(η−θ_j)), with
@@ -109,17 +114,22 @@ impl OrderedLogit {
         };
         depth - loss + self.oblique * oblique + self.contrast * (contrast / 0.5).log2() + self.subject_sd * subject
     }
+
+    /// Rating 0…3 of anything with this linear predictor.
+    pub fn rate_at(&self, predictor: f64, rng: &mut ChaCha8Rng) -> u8 {
+        if unit(rng) < self.lapse {
+            return any_key(rng);
+        }
+        let u = unit(rng);
+        // Standard logistic noise by inversion.
+        let latent = predictor + (u / (1.0 - u)).ln();
+        self.thresholds.iter().filter(|threshold| latent > **threshold).count() as u8
+    }
 }
 
 impl Observer for OrderedLogit {
     fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
-        if unit(rng) < self.lapse {
-            return UniformObserver.rate(stimulus, subject, rng);
-        }
-        let u = unit(rng);
-        // Standard logistic noise by inversion.
-        let latent = self.predictor(stimulus, subject) + (u / (1.0 - u)).ln();
-        self.thresholds.iter().filter(|threshold| latent > **threshold).count() as u8
+        self.rate_at(self.predictor(stimulus, subject), rng)
     }
 }
 

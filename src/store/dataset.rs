@@ -92,6 +92,14 @@ pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreErr
     write_whole(path, &text, true)
 }
 
+/// Writes a file that can be made again, whole or not at all.
+///
+/// # Errors
+/// The system's refusal.
+pub fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> {
+    write_whole(path, content, false)
+}
+
 /// Writes a file so that a reader sees the old one or the new one and never half of either. `durable`: a power cut too
 /// leaves one of them; what can be made again need not wait for the disk.
 pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<(), StoreError> {

@@ -89,7 +89,14 @@ pub enum StoreError {
     Faults(#[from] FileFaults),
 }
 
+impl StoreError {
+    /// The system refused to do something with a path.
+    pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
+        Self::Io { path: path.to_owned(), action, source }
+    }
+}
+
 /// Attaches the path and the action to an I/O error.
 pub(super) fn io<'a>(path: &'a Path, action: &'static str) -> impl FnOnce(std::io::Error) -> StoreError + 'a {
-    move |source| StoreError::Io { path: path.to_owned(), action, source }
+    move |source| StoreError::io(path, action, source)
 }

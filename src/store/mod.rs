@@ -14,10 +14,12 @@ pub mod manifest;
 pub mod obj;
 pub mod observer;
 pub mod profile;
+pub mod ratings;
 pub mod results;
 pub mod session;
 pub mod sidecar;
 mod text;
 mod toml_reader;
 
+pub use dataset::write_file;
 pub use fault::{FileFault, FileFaults, StoreError};

@@ -1,6 +1,6 @@
 //! The panel of controls.
 
-use eframe::egui::{self, ComboBox, Response, RichText, Slider, TextStyle};
+use eframe::egui::{self, ComboBox, Response, RichText, Slider};
 use glam::DVec3;
 
 use super::{
@@ -11,6 +11,7 @@ use super::{
     presets,
 };
 use crate::{
+    app::theme::compact,
     light::{Depth, Transfer},
     shading::{Correction, Gradients, Highlight, Scene, Shader, shapes::Shape},
 };
@@ -22,19 +23,6 @@ const LABEL: f32 = 84.0;
 const MOST_VERTICES: f64 = 20_000.0;
 /// Distance of the eye in a perspective view, radii.
 const PERSPECTIVE: f64 = 3.0;
-
-/// Smaller than on other pages: there is much to set.
-pub fn compact(ui: &mut egui::Ui) {
-    let style = ui.style_mut();
-    for (name, size) in [(TextStyle::Body, 15.0), (TextStyle::Button, 15.0), (TextStyle::Small, 13.0)] {
-        if let Some(font) = style.text_styles.get_mut(&name) {
-            font.size = size;
-        }
-    }
-    style.spacing.item_spacing = egui::vec2(8.0, 5.0);
-    style.spacing.button_padding = egui::vec2(8.0, 3.0);
-    style.spacing.interact_size.y = 26.0;
-}
 
 /// Scenes by name.
 pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison, look: &mut Look, chosen: &mut &'static str) {

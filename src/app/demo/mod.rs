@@ -94,7 +94,7 @@ impl Demo {
             ui,
             |ui| {
                 egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    controls::compact(ui);
+                    theme::compact(ui);
                     // Room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 6.0);
                     ui.horizontal(|ui| {
@@ -107,7 +107,7 @@ impl Demo {
             },
         );
         egui::CentralPanel::default().frame(egui::Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-            controls::compact(ui);
+            theme::compact(ui);
             self.view(ui);
         });
         let typing = ui.ctx().memory(|memory| memory.focused().is_some());

@@ -1,0 +1,180 @@
+//! Which column of somebody else's CSV file says what.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{self, ComboBox, ScrollArea};
+
+use super::look;
+use crate::{app::theme, store::ratings::Reading};
+
+/// Names that a column of participants often has; the first that fits is suggested.
+const SUBJECTS: [&str; 6] = ["subject", "participant", "subj", "observer", "person", "id"];
+/// Of ratings.
+const RESPONSES: [&str; 5] = ["rating", "response", "score", "answer", "resp"];
+/// Of counts; these as a whole name.
+const COUNTS: [&str; 4] = ["count", "n", "freq", "frequency"];
+
+/// The form.
+#[derive(Clone, Debug)]
+pub struct Columns {
+    file: PathBuf,
+    header: Vec<String>,
+    subject: Option<usize>,
+    response: Option<usize>,
+    count: Option<usize>,
+    factors: Vec<bool>,
+}
+
+impl Columns {
+    /// A form about the first CSV file among these paths; none where there is no such file, or where it has a header of
+    /// ours and needs no form.
+    pub fn needed(paths: &[PathBuf], how: &Reading) -> Option<Self> {
+        let form = Self::of(paths, how)?;
+        let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
+        let known = has(&how.subject, "subject_id") && has(&how.response, "rating");
+        (!known).then_some(form)
+    }
+
+    /// A form about the first CSV file among these paths, as far as it was filled in before.
+    pub fn of(paths: &[PathBuf], how: &Reading) -> Option<Self> {
+        let file = paths.iter().find_map(|path| first_csv(path))?;
+        let header = header(&file)?;
+        let place = |name: &Option<String>| name.as_ref().and_then(|name| header.iter().position(|h| h == name));
+        let like =
+            |names: &[&str]| names.iter().find_map(|name| header.iter().position(|h| h.to_lowercase().contains(name)));
+        let count = header.iter().position(|h| COUNTS.contains(&h.to_lowercase().as_str()));
+        let chosen = how.factors.clone().unwrap_or_default();
+        Some(Self {
+            subject: place(&how.subject).or_else(|| like(&SUBJECTS)),
+            response: place(&how.response).or_else(|| like(&RESPONSES)),
+            count: place(&how.count).or(count),
+            factors: header.iter().map(|name| chosen.contains(name)).collect(),
+            file,
+            header,
+        })
+    }
+
+    /// Draws the form; how to read, when that is asked for.
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Reading> {
+        look::heading(ui, "Which column says what?");
+        let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
+        look::quiet(ui, format!("{name} is none of machband’s own files: name its columns."));
+        choice(ui, "Participant", &mut self.subject, &self.header, None);
+        choice(ui, "Rating", &mut self.response, &self.header, None);
+        choice(ui, "Number of trials", &mut self.count, &self.header, Some("one a row"));
+        ui.label("Factors");
+        look::quiet(ui, "Check the columns that say under which condition a rating was given.");
+        let taken = [self.subject, self.response, self.count];
+        ScrollArea::vertical().id_salt("factors").max_height(200.0).show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                for (index, (name, checked)) in self.header.iter().zip(&mut self.factors).enumerate() {
+                    // What a column is already used for it is not a factor for.
+                    if !taken.contains(&Some(index)) {
+                        let response = ui.checkbox(checked, name);
+                        look::named(ui, &response, &format!("Factor {name}"));
+                    }
+                }
+            });
+        });
+        ui.add_space(4.0);
+        let same = self.subject.is_some() && [self.response, self.count].contains(&self.subject)
+            || self.response.is_some() && self.response == self.count;
+        if same {
+            theme::fault(ui, "One column is chosen twice; expected a column of its own for each.");
+        }
+        let ready = self.subject.is_some() && self.response.is_some() && !same;
+        let hint = if ready { "" } else { "Choose at least the participant and the rating." };
+        theme::primary(ui, "Read these columns", ready, hint).then(|| self.reading())
+    }
+
+    fn reading(&self) -> Reading {
+        let name = |index: Option<usize>| index.map(|index| self.header[index].clone());
+        let taken = [self.subject, self.response, self.count];
+        let factors = (self.header.iter().zip(&self.factors).enumerate())
+            .filter(|(index, (_, checked))| **checked && !taken.contains(&Some(*index)))
+            .map(|(_, (name, _))| name.clone())
+            .collect();
+        Reading {
+            subject: name(self.subject),
+            response: name(self.response),
+            count: name(self.count),
+            factors: Some(factors),
+            ..Reading::default()
+        }
+    }
+}
+
+fn choice(ui: &mut egui::Ui, label: &str, chosen: &mut Option<usize>, header: &[String], none: Option<&str>) {
+    ui.horizontal(|ui| {
+        let label = ui
+            .allocate_ui_with_layout(egui::vec2(150.0, 32.0), egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.set_min_width(150.0);
+                ui.label(label)
+            })
+            .inner;
+        let text = chosen.map_or(none.unwrap_or("choose…"), |index| header[index].as_str());
+        ComboBox::from_id_salt(("column", label.id))
+            .selected_text(text)
+            .width((ui.available_width() - 20.0).clamp(80.0, 300.0))
+            .truncate()
+            .show_ui(ui, |ui| {
+                if let Some(none) = none {
+                    ui.selectable_value(chosen, None, none);
+                }
+                for (index, name) in header.iter().enumerate() {
+                    ui.selectable_value(chosen, Some(index), name);
+                }
+            })
+            .response
+            .labelled_by(label.id);
+    });
+}
+
+/// The file itself, or the first CSV file of a folder.
+fn first_csv(path: &Path) -> Option<PathBuf> {
+    if path.is_file() {
+        return Some(path.to_owned());
+    }
+    let is_csv = |path: &PathBuf| path.extension().is_some_and(|ext| ext.eq_ignore_ascii_case("csv"));
+    let mut files: Vec<PathBuf> = path
+        .read_dir()
+        .ok()?
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.is_file() && is_csv(path))
+        .collect();
+    files.sort();
+    files.into_iter().next()
+}
+
+/// The names in a file's first row; none where that is no row of names.
+fn header(file: &Path) -> Option<Vec<String>> {
+    let mut reader = csv::ReaderBuilder::new().flexible(true).from_path(file).ok()?;
+    let names: Vec<String> = reader.headers().ok()?.iter().map(|name| name.trim().to_owned()).collect();
+    (names.len() > 1 && names.iter().all(|name| !name.is_empty())).then_some(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_suggested_by_their_names_and_ours_need_no_form() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            vec![path]
+        };
+        let how = Reading::default();
+        let paths = file("b.csv", "Participant,contrast,Response_03,freq\nA,1,2,3\n");
+        let form = Columns::needed(&paths, &how).unwrap();
+        assert_eq!((form.subject, form.response, form.count), (Some(0), Some(2), Some(3)));
+        let reading = Columns { factors: vec![true; 4], ..form }.reading();
+        assert_eq!(reading.factors, Some(vec!["contrast".to_owned()]));
+        assert!(Columns::needed(&paths, &reading).is_none(), "named, and there");
+        assert!(Columns::needed(&file("c.csv", "subject_id,width,rating,count\n"), &how).is_none());
+        assert!(Columns::needed(&file("d.txt", "prose"), &how).is_none());
+        assert!(Columns::of(&[folder.path().to_owned()], &how).is_some());
+    }
+}

@@ -1,0 +1,145 @@
+//! The analysis as files: what `machband analyze` writes.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use eframe::egui;
+
+use super::{
+    look,
+    work::{Progress, Work},
+};
+use crate::{
+    analysis::Results,
+    app::{
+        dialog::{Ask, Dialog},
+        theme,
+    },
+    report::Study,
+};
+
+/// The field, and what was said of the last export.
+pub struct Export {
+    folder: String,
+    dialog: Dialog,
+    work: Option<(PathBuf, Work<Result<usize, String>>)>,
+    said: Option<Result<String, String>>,
+    /// A folder with files in it, which may be written into if asked again.
+    standing: Option<PathBuf>,
+}
+
+impl Export {
+    /// For the results of these files.
+    pub fn new(paths: &[PathBuf]) -> Self {
+        let name = paths.first().and_then(|path| path.file_stem()).map(|name| name.to_string_lossy().into_owned());
+        Self {
+            folder: format!(
+                "{}-analysis",
+                name.filter(|name| !name.is_empty()).unwrap_or_else(|| "machband".to_owned())
+            ),
+            dialog: Dialog::default(),
+            work: None,
+            said: None,
+            standing: None,
+        }
+    }
+
+    /// Draws it. `left_out` says what the filters left, and is empty where that is everything.
+    pub fn show(&mut self, ui: &mut egui::Ui, study: &Arc<Study>, results: Option<&Arc<Results>>, left_out: &str) {
+        self.take(ui.ctx());
+        let label = ui.label("Export to the folder");
+        let width = ui.available_width();
+        let field = ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(width)).labelled_by(label.id);
+        if field.changed() {
+            self.said = None;
+            self.standing = None;
+        }
+        let folder = PathBuf::from(self.folder.trim());
+        let again = self.standing.as_ref() == Some(&folder);
+        ui.horizontal_wrapped(|ui| {
+            let text = if again { "Write into it" } else { "Export" };
+            let ready = results.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
+            if ui.add_enabled(ready, egui::Button::new(text)).clicked()
+                && let Some(results) = results
+            {
+                self.start(ui.ctx(), folder, again, study, results);
+            }
+            let browse = ui.button("Browse…");
+            look::named(ui, &browse, "Choose the folder to export to…");
+            if browse.clicked() {
+                self.dialog.open(ui.ctx(), Ask::Folder);
+            }
+            if self.work.is_some() {
+                ui.spinner();
+                ui.label(theme::quiet("Writing…"));
+            }
+        });
+        if !left_out.is_empty() {
+            look::quiet(ui, format!("Exported is what is shown: {left_out}."));
+        }
+        if self.dialog.is_missing() {
+            theme::fault(ui, "No file dialog opened on this system: type the folder’s path.");
+        }
+        match &self.said {
+            Some(Ok(text)) => look::quiet(ui, text),
+            Some(Err(text)) => theme::fault(ui, text),
+            None => {}
+        }
+    }
+
+    fn take(&mut self, ctx: &egui::Context) {
+        if let Some(path) = self.dialog.take() {
+            self.folder = path.display().to_string();
+            self.said = None;
+            self.standing = None;
+        }
+        let Some((folder, work)) = &self.work else { return };
+        let said = match work.poll() {
+            Progress::Going => return,
+            Progress::Done(Ok(files)) => Ok(format!("{files} files written to {}", folder.display())),
+            Progress::Done(Err(fault)) => Err(fault),
+            Progress::Lost => Err("The export ended unexpectedly; expected files in the folder".to_owned()),
+        };
+        self.said = Some(said);
+        self.work = None;
+        ctx.request_repaint();
+    }
+
+    fn start(&mut self, ctx: &egui::Context, folder: PathBuf, again: bool, study: &Arc<Study>, results: &Arc<Results>) {
+        let occupied = folder.read_dir().is_ok_and(|mut entries| entries.next().is_some());
+        if occupied && !again {
+            let text = format!("{} has files in it, which may be replaced; expected a new folder", folder.display());
+            self.said = Some(Err(text));
+            self.standing = Some(folder);
+            return;
+        }
+        self.standing = None;
+        self.said = None;
+        let (study, results, to) = (study.clone(), results.clone(), folder.clone());
+        self.work = Some((folder, Work::start(ctx, move || write(&study, &results, &to))));
+    }
+}
+
+/// Writes everything; the number of files.
+fn write(study: &Study, results: &Results, folder: &Path) -> Result<usize, String> {
+    // The report is about the ratings that the results are of.
+    let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
+    let _ = shown;
+    use crate::report::tables;
+    let io = |error: std::io::Error| format!("{}: {error}; expected a folder that can be written", folder.display());
+    std::fs::create_dir_all(folder).map_err(io)?;
+    let mut files = vec![
+        ("cells.csv".to_owned(), tables::cells(results).csv()),
+        ("subjects.csv".to_owned(), tables::subjects(results).csv()),
+        ("tests.csv".to_owned(), tables::tests(results).csv()),
+    ];
+    for factor in &results.factors {
+        files.push((format!("by_{}.csv", factor.name), tables::by_factor(results, factor).csv()));
+    }
+    for (name, content) in &files {
+        std::fs::write(folder.join(name), content).map_err(io)?;
+    }
+    Ok(files.len())
+}

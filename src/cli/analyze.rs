@@ -1,0 +1,125 @@
+//! `machband analyze`
+
+use std::path::PathBuf;
+
+use super::{UsageError, ratings::RatingOptions};
+use crate::{
+    analysis::{Link, ModelError, Options, Random, Results, analyse, bootstrap::Bootstrap, quadrature, terms::Terms},
+    report::{Extent, Repetition, write_all},
+    store::ratings::Source,
+};
+
+/// Analyse ratings: description, ordinal model, tests, figures and a report.
+///
+/// Reads result files, folders of them, tables of counts, or any CSV whose columns are named. What is wrong with part of
+/// the input is named, the rest is analysed, and the exit status is 1.
+#[derive(clap::Args)]
+#[command(after_help = "Examples: machband analyze results/bangay2003 --out analysis\n          \
+    machband analyze ratings.csv --subject id --response score --terms width,num:inv_n --out analysis")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    ratings: RatingOptions,
+    /// Folder for tables, figures and report.html; an earlier analysis there is replaced.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Terms of the model: factors by name, numbers with num:, interactions with : or *; unless given, every factor that
+    /// varies.
+    #[arg(long, value_name = "T,…")]
+    terms: Option<String>,
+    /// Link of the cumulative model.
+    #[arg(long, default_value = "logit", value_parser = ["logit", "probit"])]
+    link: String,
+    /// Whether each subject has an intercept of their own; unless given, where there are two subjects or more.
+    #[arg(long, value_parser = ["none", "subject"])]
+    random: Option<String>,
+    /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=quadrature::MOST_NODES as i64))]
+    quadrature: u16,
+    /// Seed of the bootstrap.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Bootstrap samples.
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
+    replicates: u32,
+    /// Test each term for an effect on the spread of the ratings too.
+    #[arg(long)]
+    scale: bool,
+    /// Write tables and model.json alone.
+    #[arg(long)]
+    tables_only: bool,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let terms = arguments.terms.as_deref().map(Terms::parse).transpose();
+    let terms = terms.map_err(|error| UsageError(error.to_string()))?;
+    let names: Vec<String> =
+        terms.iter().flatten().flat_map(|term| &term.variables).map(|variable| variable.name().to_owned()).collect();
+    let progress = super::spinner("reading");
+    let study = arguments.ratings.read(&names, true)?;
+    progress.set_message("analysing");
+    let options = Options {
+        terms,
+        link: if arguments.link == "probit" { Link::Probit } else { Link::Logit },
+        random: arguments.random.as_deref().map(|random| match random {
+            "subject" => Random::Subject,
+            _ => Random::None,
+        }),
+        quadrature: arguments.quadrature.into(),
+        scale: arguments.scale,
+        bootstrap: Bootstrap {
+            replicates: arguments.replicates as usize,
+            seed: arguments.seed,
+            ..Bootstrap::default()
+        },
+    };
+    let results = analyse(study.measured.clone(), &options);
+    if let Err(error) = &results.model
+        && is_usage(error)
+    {
+        return Err(UsageError(error.to_string()).into());
+    }
+    progress.set_message("drawing and writing");
+    let extent = if arguments.tables_only { Extent::Tables } else { Extent::Everything };
+    let files = write_all(&study, &results, &Repetition::of_process(), &arguments.out, extent)?;
+    progress.finish_and_clear();
+    for line in sentences(&study.source, &results) {
+        super::say(&line)?;
+    }
+    let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
+    let place = report.unwrap_or(&arguments.out);
+    super::say(&format!("{} files written; see {}", files.len(), place.display()))?;
+    super::ratings::faults(&study.source)
+}
+
+/// Whether the terms are wrong, not the data.
+fn is_usage(error: &ModelError) -> bool {
+    matches!(
+        error,
+        ModelError::UnknownFactor { .. }
+            | ModelError::NotANumber { .. }
+            | ModelError::InfiniteDepth { .. }
+            | ModelError::Quadrature { .. }
+    )
+}
+
+fn sentences(source: &Source, results: &Results) -> Vec<String> {
+    let mut lines = vec![super::ratings::sentence(source, &results.measured.counts)];
+    lines.push(match &results.model {
+        Ok(report) => {
+            let model = &report.model;
+            let terms = results.spec.terms.to_string();
+            format!(
+                "model {} ({} {}): log-likelihood {:.3}",
+                if terms.is_empty() { "without terms" } else { &terms },
+                model.link,
+                model.method,
+                model.loglik
+            )
+        }
+        Err(error) => format!("no model: {error}"),
+    });
+    if let Ok(report) = &results.model {
+        lines.extend(report.model.notes.iter().map(|note| format!("note: {note}")));
+    }
+    lines
+}

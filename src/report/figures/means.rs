@@ -1,0 +1,187 @@
+//! Figure 4 of Bangay's paper: the mean rating by one factor, one line a level of the other, and the reverse.
+
+use plotters::style::text_anchor::HPos;
+
+use super::{
+    Figure,
+    axes::{EDGE, Levels, PANEL, Panel, Values, below},
+    canvas::{Canvas, Drawn, Setting, WIDTH, drawing},
+    regroup::{by_interest, project},
+    style::{Look, MARKER, MOST_SERIES, TEXT},
+    text,
+};
+use crate::analysis::{
+    Results,
+    counts::Factor,
+    summary::{Group, Summary, by_cell},
+};
+
+/// Longest name in the legend.
+const LONGEST_NAME: f64 = 150.0;
+
+/// `figure4a` and, of two factors, `figure4b`: width and depth where there are both.
+pub(super) fn figures(results: &Results) -> Vec<Figure> {
+    let counts = &results.measured.counts;
+    match by_interest(counts)[..] {
+        [] => Vec::new(),
+        [only] => Chart::of_one(results, only).figure("figure4a").into_iter().collect(),
+        [first, second, ..] => {
+            let pair = project(counts, &[first, second]);
+            let groups = if counts.factors.len() == 2 && (first, second) == (0, 1) {
+                results.cells.clone()
+            } else {
+                by_cell(&pair, &results.options.bootstrap)
+            };
+            let [first, second] = [0, 1].map(|index| &pair.factors[index]);
+            let charts = [("figure4a", first, second, 0), ("figure4b", second, first, 1)];
+            let chart = |(name, x, lines, column): (_, _, _, usize)| {
+                Chart::of_two(results, x, lines, &groups, column).figure(name)
+            };
+            charts.into_iter().filter_map(chart).collect()
+        }
+    }
+}
+
+/// A chart of means.
+struct Chart<'a> {
+    results: &'a Results,
+    x: &'a Factor,
+    lines: Vec<Line<'a>>,
+    /// What the lines are, and how many of its levels there are; none of a single line.
+    by: Option<&'a Factor>,
+}
+
+/// The means along a line, by level of the factor across.
+struct Line<'a> {
+    name: String,
+    look: Look,
+    means: Vec<Option<&'a Summary>>,
+}
+
+impl<'a> Chart<'a> {
+    fn of_one(results: &'a Results, factor: usize) -> Self {
+        let x = &results.measured.counts.factors[factor];
+        let groups = &results.factors[factor].levels;
+        let mean = |level: &String| groups.iter().find(|g| g.names.first() == Some(level)).map(|g| &g.summary);
+        let line = Line { name: String::new(), look: Look::only(), means: x.levels.iter().map(mean).collect() };
+        Self { results, x, lines: vec![line], by: None }
+    }
+
+    /// `groups` are cells of two factors, of which the one across has this column.
+    fn of_two(results: &'a Results, x: &'a Factor, by: &'a Factor, groups: &'a [Group], column: usize) -> Self {
+        let shown = evenly(by.levels.len(), MOST_SERIES);
+        let line = |(series, &level): (usize, &usize)| {
+            let name = &by.levels[level];
+            let of_line = |g: &&Group| g.names[1 - column] == *name;
+            let mean =
+                |level: &String| groups.iter().filter(of_line).find(|g| g.names[column] == *level).map(|g| &g.summary);
+            let look = if shown.len() == 1 { Look::only() } else { Look::of(series) };
+            Line { name: text::level(name), look, means: x.levels.iter().map(mean).collect() }
+        };
+        let lines = shown.iter().enumerate().map(line).collect();
+        Self { results, x, lines, by: Some(by) }
+    }
+
+    fn figure(&self, name: &'static str) -> Option<Figure> {
+        let (what, by) = (text::rating(self.results), text::word(&self.x.name));
+        let lines = match self.by {
+            Some(by) if self.lines.len() < by.levels.len() => {
+                let (shown, all) = (self.lines.len(), by.levels.len());
+                format!(", one line a level of {} ({shown} of {all} are drawn)", text::word(&by.name))
+            }
+            Some(by) => format!(", one line a level of {}", text::word(&by.name)),
+            None => String::new(),
+        };
+        let title = match self.by {
+            Some(second) => format!("{what} by {by} and {}", text::word(&second.name)),
+            None => format!("{what} by {by}"),
+        };
+        let caption = format!("{what} by {by}{lines}; {}.", text::bars(self.results));
+        let svg = self.svg(&title, &caption)?;
+        Some(Figure { name, title, caption, wide: false, svg })
+    }
+
+    fn svg(&self, title: &str, caption: &str) -> Option<String> {
+        let values = Values::ratings(&self.results.measured.counts);
+        let levels = Levels::of(self.x);
+        let left = values.margin();
+        let right = WIDTH - EDGE - self.legend_width();
+        let labels = levels.labels(right - left);
+        let bottom = EDGE + PANEL;
+        let panel = Panel { left, right, top: EDGE, bottom, low: values.low, high: values.high };
+        drawing(bottom + below(labels.height), title, caption, |canvas| {
+            values.draw(canvas, &panel, Some(text::rating(self.results)))?;
+            levels.draw(canvas, &panel, &labels, &text::axis(&self.x.name))?;
+            self.series(canvas, &panel, &levels)?;
+            self.legend(canvas, &panel)
+        })
+    }
+
+    fn series(&self, canvas: &Canvas<'_>, panel: &Panel, levels: &Levels) -> Drawn {
+        let count = self.lines.len() as f64;
+        // Beside each other, so that no interval hides another; lines allow less of it than points alone.
+        let most = if levels.ordered { 10.0 } else { 26.0 };
+        let step = (0.75 * levels.gap() * panel.width() / count).min(most);
+        for (index, line) in self.lines.iter().enumerate() {
+            let shift = (index as f64 - (count - 1.0) / 2.0) * step;
+            let points: Vec<Option<(f64, f64)>> = (levels.at.iter().zip(&line.means))
+                .map(|(&at, mean)| mean.map(|mean| (panel.x(at) + shift, panel.y(mean.mean))))
+                .collect();
+            if levels.ordered {
+                for run in points.split(Option::is_none).filter(|run| run.len() > 1) {
+                    canvas.line(&run.iter().flatten().copied().collect::<Vec<_>>(), line.look.stroke())?;
+                }
+            }
+            for (point, mean) in points.iter().zip(&line.means) {
+                let (Some((x, _)), Some(interval)) = (point, mean.and_then(|mean| mean.interval)) else { continue };
+                canvas.interval(*x, panel.y(interval.low), panel.y(interval.high), 5.0, line.look.bar())?;
+            }
+            for point in points.into_iter().flatten() {
+                canvas.marker(point, MARKER, line.look)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn legend_width(&self) -> f64 {
+        let Some(by) = self.by.filter(|_| self.lines.len() > 1) else { return 0.0 };
+        let widest = self.lines.iter().map(|line| text::width(&line.name, TEXT).min(LONGEST_NAME)).fold(0.0, f64::max);
+        let heading = text::width(&text::heading(&by.name), 1.05 * TEXT).min(56.0 + LONGEST_NAME);
+        24.0 + f64::max(56.0 + widest, heading)
+    }
+
+    fn legend(&self, canvas: &Canvas<'_>, panel: &Panel) -> Drawn {
+        let Some(by) = self.by.filter(|_| self.lines.len() > 1) else { return Ok(()) };
+        let x = panel.right + 24.0;
+        let pitch = (PANEL / (self.lines.len() as f64 + 1.0)).min(1.35 * TEXT);
+        let heading = text::fit(&text::heading(&by.name), 56.0 + LONGEST_NAME, TEXT);
+        canvas.text(&heading, (x, panel.top + 0.5 * TEXT), Setting::new(TEXT, HPos::Left).bold())?;
+        for (index, line) in self.lines.iter().enumerate() {
+            let y = panel.top + 0.5 * TEXT + (index as f64 + 1.0) * pitch;
+            let name = text::fit(&line.name, LONGEST_NAME, TEXT);
+            canvas.legend_entry((x, y), line.look, self.x.numbers.is_some(), &name, TEXT)?;
+        }
+        Ok(())
+    }
+}
+
+/// At most so many of the first numbers, evenly, the first and the last among them.
+pub(super) fn evenly(count: usize, most: usize) -> Vec<usize> {
+    if count <= most {
+        return (0..count).collect();
+    }
+    (0..most).map(|index| (index * (count - 1) + (most - 1) / 2) / (most - 1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::evenly;
+
+    #[test]
+    fn few_of_many_are_spread_to_both_ends() {
+        assert_eq!(evenly(3, 12), [0, 1, 2]);
+        let some = evenly(30, 12);
+        assert_eq!((some.len(), some[0], some[11]), (12, 0, 29));
+        assert!(some.windows(2).all(|pair| (2..=3).contains(&(pair[1] - pair[0]))), "{some:?}");
+    }
+}

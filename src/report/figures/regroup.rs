@@ -1,0 +1,72 @@
+//! Counts over fewer or other factors: what a chart shows of a larger design.
+
+use crate::analysis::counts::{CountRow, Counts, Factor};
+
+/// The same ratings under new factors. `levels` gives a condition's levels of these; none leaves its ratings out.
+pub(super) fn regroup(
+    counts: &Counts,
+    factors: Vec<Factor>,
+    levels: impl Fn(&[Option<u32>]) -> Option<Vec<u32>>,
+) -> Counts {
+    let new: Vec<Option<Vec<u32>>> = counts.conditions.iter().map(|condition| levels(condition)).collect();
+    let mut conditions: Vec<Vec<u32>> = new.iter().flatten().cloned().collect();
+    conditions.sort_unstable();
+    conditions.dedup();
+    let index: Vec<Option<u32>> =
+        (new.iter()).map(|levels| conditions.binary_search(levels.as_ref()?).ok().map(|index| index as u32)).collect();
+    let mut rows: Vec<CountRow> = (counts.rows.iter())
+        .filter_map(|row| index[row.condition as usize].map(|condition| CountRow { condition, ..*row }))
+        .collect();
+    rows.sort_unstable();
+    rows.dedup_by(|row, kept| {
+        let same = (row.subject, row.condition, row.rating) == (kept.subject, kept.condition, kept.rating);
+        if same {
+            kept.count += row.count;
+        }
+        same
+    });
+    Counts {
+        subjects: counts.subjects.clone(),
+        factors,
+        conditions: conditions.into_iter().map(|levels| levels.into_iter().map(Some).collect()).collect(),
+        categories: counts.categories.clone(),
+        rows,
+    }
+}
+
+/// Only some of the factors; ratings without a level of one of them are left out.
+pub(super) fn project(counts: &Counts, factors: &[usize]) -> Counts {
+    let kept = factors.iter().map(|&factor| counts.factors[factor].clone()).collect();
+    regroup(counts, kept, |condition| factors.iter().map(|&factor| condition[factor]).collect())
+}
+
+/// Indices of the factors in the order of their interest: those with several levels, width and depth before others.
+pub(super) fn by_interest(counts: &Counts) -> Vec<usize> {
+    let rank = |factor: &Factor| {
+        let known = ["width", "depth"].iter().position(|name| *name == factor.name).unwrap_or(2);
+        (factor.levels.len() < 2, known)
+    };
+    let mut order: Vec<usize> = (0..counts.factors.len()).filter(|&f| !counts.factors[f].levels.is_empty()).collect();
+    order.sort_by_key(|&factor| rank(&counts.factors[factor]));
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::counts::CountsBuilder;
+
+    /// What is left is what counting the same ratings without the other factors gives.
+    #[test]
+    fn a_projection_is_the_count_without_the_other_factors() {
+        let (mut whole, mut part) = (CountsBuilder::new(&["a", "b", "c"]), CountsBuilder::new(&["c", "a"]));
+        for i in 0..500_u32 {
+            let level = |n: u32| format!("{}", i * 7919 / 3 % n);
+            let (subject, a, b, c) = (level(4), level(3), level(5), level(2));
+            let rating = level(11).len().to_string();
+            whole.add(&subject, &[&a, &b, &c], &rating, u64::from(i % 3)).unwrap();
+            part.add(&subject, &[&c, &a], &rating, u64::from(i % 3)).unwrap();
+        }
+        assert_eq!(project(&whole.finish(), &[2, 0]), part.finish());
+    }
+}

@@ -1,0 +1,34 @@
+//! `report.html`: one file that opens anywhere without a network, from a summary in plain words down to what is needed
+//! to repeat the analysis.
+//!
+//! No sentence is fixed that could be false of some results: each is computed, in [`summary()`] and beside every table.
+//! Of one participant nothing is said that would hold for another: no test, no interval, no probability.
+
+mod agreement;
+mod description;
+mod design;
+mod effects;
+mod health;
+mod methods;
+mod model;
+mod names;
+mod numbers;
+mod page;
+mod ranks;
+mod references;
+mod repeat;
+mod sittings;
+mod summary;
+mod table;
+mod times;
+
+pub use repeat::Repetition;
+pub use summary::{Summary, summary};
+
+use super::{Study, figures::Figure};
+use crate::analysis::Results;
+
+/// The page, as HTML.
+pub fn report(study: &Study, results: &Results, figures: &[Figure], how: &Repetition) -> String {
+    page::page(&study.source, results, figures, how).into_string()
+}

@@ -1,0 +1,153 @@
+//! Numbers as a reader expects them: sensible digits, thousands apart, no leading zero before a probability.
+
+use crate::analysis::bootstrap::Interval;
+
+/// A space at which no line breaks.
+pub(super) const NBSP: &str = "\u{a0}";
+
+/// A whole number with its thousands apart: `1,920`.
+pub(super) fn whole(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A number with so many decimals, a true minus sign, and a dash for what is none.
+pub(super) fn fixed(number: f64, decimals: usize) -> String {
+    if number.is_nan() {
+        return "–".to_owned();
+    }
+    if number.is_infinite() {
+        return if number > 0.0 { "∞" } else { "−∞" }.to_owned();
+    }
+    let text = format!("{:.decimals$}", number.abs());
+    // A number that rounds to 0 has no sign.
+    if number < 0.0 && text.bytes().any(|byte| (b'1'..=b'9').contains(&byte)) { format!("−{text}") } else { text }
+}
+
+/// [`fixed`], and a dash for none.
+pub(super) fn maybe(number: Option<f64>, decimals: usize) -> String {
+    fixed(number.unwrap_or(f64::NAN), decimals)
+}
+
+/// A mean rating.
+pub(super) fn mean(number: f64) -> String {
+    fixed(number, 2)
+}
+
+/// A proportion or a coefficient that never exceeds 1: `.62`, `−.08`, `1.00`.
+pub(super) fn unit(number: f64) -> String {
+    fixed(number, 2).replacen("0.", ".", 1)
+}
+
+/// A probability: three decimals below .1 and two above, and never rounded across .05.
+pub(super) fn probability(p: f64) -> String {
+    if p.is_nan() {
+        return "–".to_owned();
+    }
+    if p < 0.001 {
+        return "< .001".to_owned();
+    }
+    if p > 0.995 {
+        return "> .99".to_owned();
+    }
+    let decimals = if p < 0.1 { 3 } else { 2 };
+    let rounded = format!("{p:.decimals$}");
+    let text = if p < 0.05 && rounded == "0.050" { format!("{:.4}", (p * 1e4).floor() / 1e4) } else { rounded };
+    text.trim_start_matches('0').to_owned()
+}
+
+/// In a sentence: `p = .043`, `p < .001`, never broken over two lines.
+pub(super) fn p_is(p: f64) -> String {
+    let text = probability(p);
+    let text = if text.starts_with(['<', '>']) { format!("p {text}") } else { format!("p = {text}") };
+    text.replace(' ', NBSP)
+}
+
+/// A ratio: about three significant digits.
+pub(super) fn ratio(number: f64) -> String {
+    match number {
+        n if !n.is_finite() => fixed(n, 0),
+        n if n >= 1e6 => "> 1,000,000".to_owned(),
+        n if n >= 999.5 => whole(n.round() as u64),
+        n if n >= 99.95 => fixed(n, 0),
+        n if n >= 9.995 => fixed(n, 1),
+        n if n >= 0.0995 => fixed(n, 2),
+        n if n >= 0.001 => fixed(n, 4),
+        0.0 => "0".to_owned(),
+        _ => "< 0.001".to_owned(),
+    }
+}
+
+/// An interval as `0.81 to 1.20`; a dash for none.
+pub(super) fn range(interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
+    interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", format(i.low), format(i.high)))
+}
+
+/// A proportion as a percentage: `95 %`.
+pub(super) fn percent(proportion: f64) -> String {
+    let percent = 100.0 * proportion;
+    let decimals = usize::from((percent - percent.round()).abs() > 1e-9);
+    format!("{}{NBSP}%", fixed(percent, decimals))
+}
+
+/// `1 session`, `2 sessions`.
+pub(super) fn count(number: u64, one: &str) -> String {
+    if number == 1 { format!("1 {one}") } else { format!("{} {one}s", whole(number)) }
+}
+
+/// `a, b and c`.
+pub(super) fn list<S: AsRef<str>>(items: &[S]) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.as_ref().to_owned(),
+        [rest @ .., last] => {
+            let rest: Vec<&str> = rest.iter().map(AsRef::as_ref).collect();
+            format!("{} and {}", rest.join(", "), last.as_ref())
+        }
+    }
+}
+
+/// A list that ends after so many items and says how many more there are.
+pub(super) fn short_list<S: AsRef<str>>(items: &[S], most: usize) -> String {
+    if items.len() <= most {
+        return list(items);
+    }
+    let shown: Vec<&str> = items[..most].iter().map(AsRef::as_ref).collect();
+    format!("{} and {} more", shown.join(", "), whole((items.len() - most) as u64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_of_a_paper() {
+        assert_eq!([0, 999, 1920, 1_000_000].map(whole), ["0", "999", "1,920", "1,000,000"]);
+        assert_eq!([-0.001, -1.25, f64::NAN, f64::NEG_INFINITY].map(|x| fixed(x, 1)), ["0.0", "−1.2", "–", "−∞"]);
+        assert_eq!([0.62, -0.08, 1.0].map(unit), [".62", "−.08", "1.00"]);
+        assert_eq!(
+            [0.0, 0.0009999, 0.001, 0.0434, 0.43, 1.0].map(p_is),
+            ["p < .001", "p < .001", "p = .001", "p = .043", "p = .43", "p > .99"].map(|text| text.replace(' ', NBSP))
+        );
+        assert_eq!([0.0497, 0.04996, 0.05].map(probability), [".0497", ".0499", ".050"]);
+        assert_eq!(
+            [0.0, 1e-9, 0.0123, 0.5, 12.34, 456.7, 9876.5, 1e9, f64::INFINITY].map(ratio),
+            ["0", "< 0.001", "0.0123", "0.50", "12.3", "457", "9,877", "> 1,000,000", "∞"]
+        );
+        assert_eq!([0.95, 0.999].map(percent), ["95\u{a0}%", "99.9\u{a0}%"]);
+    }
+
+    #[test]
+    fn words_are_joined() {
+        assert_eq!([count(1, "rating"), count(1200, "rating")], ["1 rating", "1,200 ratings"]);
+        assert_eq!([list::<&str>(&[]), list(&["a"]), list(&["a", "b", "c"])], ["", "a", "a, b and c"]);
+        assert_eq!(short_list(&["a", "b", "c", "d"], 2), "a, b and 2 more");
+    }
+}

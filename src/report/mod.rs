@@ -1,0 +1,14 @@
+//! Floor 5: from files to what a reader of a study sees.
+//!
+//! [`Study`] is what was read, [`analyse`](crate::analysis::analyse) makes results of it; [`tables`], [`figures`] and
+//! [`html`] show them, and [`write_all`] writes everything into a folder.
+
+pub mod figures;
+pub mod html;
+mod output;
+mod study;
+pub mod tables;
+
+pub use html::Repetition;
+pub use output::{Extent, write_all};
+pub use study::Study;

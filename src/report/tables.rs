@@ -1,0 +1,275 @@
+//! Results as CSV and JSON. Missing values are empty; numbers are written so that they read back the same.
+
+use serde_json::{Value, json};
+
+use crate::analysis::{
+    ModelReport, Results, TermTest,
+    bootstrap::Interval,
+    counts::Counts,
+    rank_tests::PMethod,
+    results::FactorResults,
+    summary::{Group, Summary},
+    times::Quartiles,
+};
+
+/// A table: its header and its rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// Cells, as many as columns.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn new(header: impl IntoIterator<Item = impl Into<String>>, rows: Vec<Vec<String>>) -> Self {
+        Self { header: header.into_iter().map(Into::into).collect(), rows }
+    }
+
+    /// As CSV, UTF-8.
+    pub fn csv(&self) -> Vec<u8> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for row in std::iter::once(&self.header).chain(&self.rows) {
+            // Writing to memory does not fail, and all rows have the header's length.
+            let _ = writer.write_record(row);
+        }
+        writer.into_inner().unwrap_or_default()
+    }
+}
+
+/// A number that reads back the same; tiny ones with an exponent.
+pub fn number(value: f64) -> String {
+    match value.abs() {
+        magnitude if magnitude > 0.0 && !(1e-4..1e15).contains(&magnitude) => format!("{value:e}"),
+        _ => value.to_string(),
+    }
+}
+
+fn maybe(value: Option<f64>) -> String {
+    value.map(number).unwrap_or_default()
+}
+
+fn ends(interval: Option<Interval>) -> [String; 2] {
+    [maybe(interval.map(|interval| interval.low)), maybe(interval.map(|interval| interval.high))]
+}
+
+/// `n, mean, median, p…, ci_low, ci_high, subjects`.
+fn summary_header(counts: &Counts) -> impl Iterator<Item = String> {
+    let names = |list: &[&str]| list.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    let proportions: Vec<String> = counts.categories.iter().map(|category| format!("p{category}")).collect();
+    names(&["n", "mean", "median"]).into_iter().chain(proportions).chain(names(&["ci_low", "ci_high", "subjects"]))
+}
+
+fn summary_cells(summary: &Summary) -> Vec<String> {
+    let mut cells = vec![summary.n.to_string(), number(summary.mean), number(summary.median)];
+    cells.extend(summary.proportions.iter().map(|&p| number(p)));
+    cells.extend(ends(summary.interval));
+    cells.push(summary.subjects.to_string());
+    cells
+}
+
+fn group_row(group: &Group) -> Vec<String> {
+    group.names.iter().cloned().chain(summary_cells(&group.summary)).collect()
+}
+
+/// Every cell of the design, by its factors.
+pub fn cells(results: &Results) -> Table {
+    let counts = &results.measured.counts;
+    let factors = counts.factors.iter().map(|factor| factor.name.clone());
+    Table::new(factors.chain(summary_header(counts)), results.cells.iter().map(group_row).collect())
+}
+
+/// The levels of a factor.
+pub fn by_factor(results: &Results, factor: &FactorResults) -> Table {
+    let header = std::iter::once(factor.name.clone()).chain(summary_header(&results.measured.counts));
+    let rows = (factor.levels.iter().zip(&factor.times))
+        .map(|(group, times)| [group_row(group), vec![median(*times)]].concat())
+        .collect();
+    Table::new(header.chain(["response_time_median_s".to_owned()]), rows)
+}
+
+/// Every subject.
+pub fn subjects(results: &Results) -> Table {
+    let header = std::iter::once("subject_id".to_owned()).chain(summary_header(&results.measured.counts));
+    let rows = (results.subjects.iter())
+        .map(|subject| {
+            let more = [subject.retests.to_string(), maybe(subject.kappa), median(subject.times)];
+            [group_row(&subject.group), more.to_vec()].concat()
+        })
+        .collect();
+    Table::new(header.chain(["retests", "kappa", "response_time_median_s"].map(str::to_owned)), rows)
+}
+
+fn median(times: Option<Quartiles>) -> String {
+    maybe(times.map(|times| times.median))
+}
+
+/// Friedman's and Wilcoxon's tests and the likelihood ratios; no rows from one subject, about whom there is nothing to
+/// test.
+pub fn tests(results: &Results) -> Table {
+    let header =
+        ["test", "term", "level", "other", "n", "statistic", "df", "p", "p_holm", "effect", "effect_is", "note"];
+    let mut rows = Vec::new();
+    if results.is_inferential() {
+        results.factors.iter().for_each(|factor| rank_rows(factor, &mut rows));
+        if let Ok(report) = &results.model {
+            let groups = [
+                ("likelihood-ratio", &report.terms),
+                ("proportional-odds", &report.proportional_odds),
+                ("scale", &results.scale),
+            ];
+            for (name, tests) in groups {
+                rows.extend(tests.iter().map(|test| likelihood_row(name, report, test)));
+            }
+        }
+    }
+    Table::new(header, rows)
+}
+
+fn rank_rows(factor: &FactorResults, rows: &mut Vec<Vec<String>>) {
+    let text = str::to_owned;
+    let left_out = match factor.incomplete.len() {
+        0 => String::new(),
+        n => format!("{n} subjects without ratings at every level are left out"),
+    };
+    if let Some(test) = &factor.friedman {
+        rows.push(vec![
+            text("friedman"),
+            factor.name.clone(),
+            String::new(),
+            String::new(),
+            test.subjects.to_string(),
+            number(test.chi_squared),
+            test.df.to_string(),
+            number(test.p),
+            String::new(),
+            number(test.w),
+            text("Kendall's W"),
+            left_out.clone(),
+        ]);
+    }
+    let Some(pairs) = &factor.pairs else { return };
+    let hopeless = if pairs.cannot_reach(0.05) {
+        format!("with so few subjects and {} pairs no p_holm below {:.3} is possible", pairs.pairs.len(), pairs.least_p)
+    } else {
+        String::new()
+    };
+    for pair in &pairs.pairs {
+        let method = match pair.test.method {
+            PMethod::Exact => "exact",
+            PMethod::Normal => "normal approximation",
+        };
+        let notes = [method, &hopeless, &left_out];
+        let note = notes.iter().filter(|note| !note.is_empty()).copied().collect::<Vec<_>>().join("; ");
+        rows.push(vec![
+            text("wilcoxon"),
+            factor.name.clone(),
+            pair.level.clone(),
+            pair.other.clone(),
+            pair.test.n.to_string(),
+            number(pair.test.v),
+            String::new(),
+            number(pair.test.p),
+            number(pair.p_holm),
+            number(pair.difference),
+            text("mean difference"),
+            note,
+        ]);
+    }
+}
+
+fn likelihood_row(name: &str, report: &ModelReport, test: &TermTest) -> Vec<String> {
+    let note = if test.lr.is_none() { "one of the two models has no maximum" } else { "" };
+    let empty = String::new;
+    vec![
+        name.to_owned(),
+        test.term.clone(),
+        empty(),
+        empty(),
+        report.model.nobs.to_string(),
+        maybe(test.lr),
+        test.df.to_string(),
+        maybe(test.p),
+        empty(),
+        empty(),
+        empty(),
+        note.to_owned(),
+    ]
+}
+
+/// Agreement between subjects (Krippendorff's α) and of each with themselves (weighted κ).
+pub fn agreement(results: &Results) -> Table {
+    let mut rows = Vec::new();
+    let mut row = |measure: &str, subject: &str, n: u64, estimate: Option<f64>, interval: Option<Interval>| {
+        let [low, high] = ends(interval);
+        rows.push(vec![measure.to_owned(), subject.to_owned(), n.to_string(), maybe(estimate), low, high]);
+    };
+    if let Some(alpha) = &results.alpha {
+        row("krippendorff_alpha_ordinal", "", alpha.ratings, Some(alpha.alpha), alpha.interval);
+    }
+    if let Some((mean, interval)) = results.kappa {
+        let pairs = results.subjects.iter().map(|subject| subject.retests).sum();
+        row("retest_kappa_quadratic_mean", "", pairs, Some(mean), interval);
+    }
+    for subject in results.subjects.iter().filter(|subject| subject.retests > 0) {
+        row("retest_kappa_quadratic", &subject.group.names[0], subject.retests, subject.kappa, None);
+    }
+    Table::new(["measure", "subject_id", "n", "estimate", "ci_low", "ci_high"], rows)
+}
+
+/// The sufficient statistic: subject, factors, rating and how often. `analyze` reads it again.
+pub fn counts(counts: &Counts) -> Table {
+    let factors = counts.factors.iter().map(|factor| factor.name.clone());
+    let header = std::iter::once("subject_id".to_owned()).chain(factors).chain(["rating", "count"].map(str::to_owned));
+    let rows = (counts.rows.iter())
+        .map(|row| {
+            let text = str::to_owned;
+            let levels = counts.level_names(row.condition).into_iter().map(text);
+            (std::iter::once(counts.subjects[row.subject as usize].clone()).chain(levels))
+                .chain([counts.categories[row.rating as usize].clone(), row.count.to_string()])
+                .collect()
+        })
+        .collect();
+    Table::new(header, rows)
+}
+
+/// What the model expects of each condition, of a subject in the middle.
+pub fn predictions(results: &Results) -> Option<Table> {
+    let report = results.model.as_ref().ok()?;
+    let factors = results.measured.counts.factors.iter().map(|factor| factor.name.clone());
+    let header = factors
+        .chain(report.model.categories.iter().map(|category| format!("p{category}")))
+        .chain(["mean", "ci_low", "ci_high"].map(str::to_owned));
+    let rows = (report.predictions.iter())
+        .map(|prediction| {
+            let numbers = prediction.probabilities.iter().chain([&prediction.mean]).map(|&value| number(value));
+            prediction.names.iter().cloned().chain(numbers).chain(ends(prediction.interval)).collect()
+        })
+        .collect();
+    Some(Table::new(header, rows))
+}
+
+/// The model, or why there is none.
+pub fn model(results: &Results) -> Value {
+    let spec = &results.spec;
+    let asked = json!({ "terms": spec.terms.to_string(), "scale": spec.scale.to_string(), "random": spec.random, "quadrature": spec.quadrature });
+    match &results.model {
+        Err(error) => json!({
+            "error": error.to_string(), "asked": asked, "link": spec.link, "method": null,
+            "nobs": results.measured.counts.total(), "loglik": null, "thresholds": [], "coefficients": [], "random": null,
+        }),
+        Ok(report) => {
+            let mut value = serde_json::to_value(&report.model).unwrap_or_default();
+            let sentences: Vec<String> = report.model.notes.iter().map(ToString::to_string).collect();
+            value["asked"] = asked;
+            value["aic"] = json!(report.model.aic());
+            value["sentences"] = json!(sentences);
+            if results.is_inferential() {
+                value["likelihood_ratio"] = json!(report.terms);
+                value["proportional_odds"] = json!(report.proportional_odds);
+                value["scale_tests"] = json!(results.scale);
+            }
+            value
+        }
+    }
+}

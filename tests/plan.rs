@@ -1,0 +1,298 @@
+//! Power planning: held against R, against Whitehead's formula and against what must be so; and `machband plan` as a
+//! user's script sees it.
+
+use std::{
+    path::Path,
+    process::{Command, Output, Stdio},
+};
+
+use machband::{
+    analysis::{
+        power::{ModelChoice, Plan, Power, Sampling, Shift, Test},
+        terms::Terms,
+    },
+    experiment::{OrderedLogit, Protocol},
+    store::definition,
+};
+
+const DESIGN: &str = include_str!("golden/power.toml");
+
+fn design() -> Protocol {
+    definition::parse("power.toml", DESIGN).unwrap()
+}
+
+fn oblique(oblique: f64) -> OrderedLogit {
+    OrderedLogit { oblique, ..OrderedLogit::default() }
+}
+
+fn plan(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift], terms: Option<&str>) -> Plan {
+    let terms = terms.map(|terms| Terms::parse(terms).unwrap());
+    Plan::new(protocol, observer, shifts, &ModelChoice { terms, quadrature: 1, ..ModelChoice::default() }).unwrap()
+}
+
+/// The powers of one test of one term, by number of participants.
+fn powers(plan: &Plan, term: &str, test: Test, participants: &[u32], sampling: &Sampling) -> Vec<Power> {
+    let mut powers = plan.run(participants, sampling, &|_| ());
+    powers.retain(|power| {
+        let hypothesis = &plan.hypotheses()[power.hypothesis];
+        hypothesis.term == term && hypothesis.test == test
+    });
+    powers
+}
+
+/// `tests/golden/power.csv`: another program, other random numbers, the same power.
+#[test]
+fn power_is_that_of_r() {
+    let plan = plan(&design(), &oblique(0.6), &[], None);
+    let sampling = Sampling { studies: 1000, ..Sampling::default() };
+    let mut compared = 0;
+    for line in include_str!("golden/power.csv").lines().skip(2) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |place: usize| cells[place].parse::<f64>().unwrap();
+        let test = if cells[1] == "friedman" { Test::Friedman } else { Test::LikelihoodRatio };
+        let ours = &powers(&plan, "orientation_deg", test, &[number(0) as u32], &sampling)[0];
+        let (share, theirs) = (ours.share(), number(3) / number(2));
+        let both = (share + theirs) / 2.0;
+        let error = (both * (1.0 - both) * (1.0 / 1000.0 + 1.0 / number(2))).sqrt();
+        assert!((share - theirs).abs() <= 3.5 * error, "{line}: {share}");
+        if let (Some(estimate), false) = (ours.estimate, cells[4].is_empty()) {
+            // The median of a thousand estimates, whose standard errors are some 0.4 and 0.3.
+            assert!((estimate - number(4)).abs() < 0.08, "{line}: {estimate}");
+        }
+        // Three people may well have tied means, and then there is no test by Friedman.
+        let most = if test == Test::Friedman { 5 } else { 0 };
+        assert!(ours.studies == 1000 && ours.untested <= most, "{ours:?}");
+        compared += 1;
+    }
+    assert_eq!(compared, 4);
+}
+
+/// Whitehead (1993), Statistics in Medicine 12, 2257: two groups of n/2 ordered ratings with the log odds ratio θ are
+/// told apart with probability Φ(|θ| √(n(1 − Σp̄³)/12) − 1.96), p̄ the mean proportions of the categories.
+#[test]
+fn power_is_that_of_whiteheads_formula() {
+    let repetitions = 150;
+    let text = format!(
+        "schema = 1\nname = \"two\"\n[stimulus]\nkind = \"mach-band\"\nwidth = 0.1\ndepth = 2\n[factors]\n\
+         orientation_deg = [0, 45]\n[design]\nrepetitions = {repetitions}\n"
+    );
+    let protocol = definition::parse("two.toml", &text).unwrap();
+    let observer = OrderedLogit { subject_sd: 0.0, lapse: 0.0, ..oblique(0.5) };
+    let sampling = Sampling { studies: 2000, ..Sampling::default() };
+    let plan = plan(&protocol, &observer, &[], None);
+    let found = powers(&plan, "orientation_deg", Test::LikelihoodRatio, &[1], &sampling)[0].share();
+
+    // 6/2 − 0.7 log₂(0.1/0.05) = 2.3 against the thresholds 0, 1.5, 3.5.
+    let below = |threshold: f64, predictor: f64| 1.0 / (1.0 + (predictor - threshold).exp());
+    let bounds = |predictor: f64| [0.0, below(0.0, predictor), below(1.5, predictor), below(3.5, predictor), 1.0];
+    let (one, other) = (bounds(2.3), bounds(2.8));
+    let cubes: f64 = (1..5).map(|j| ((one[j] - one[j - 1] + other[j] - other[j - 1]) / 2.0).powi(3)).sum();
+    let information = 2.0 * f64::from(repetitions) * (1.0 - cubes) / 12.0;
+    let z = 0.5 * information.sqrt() - 1.959_964;
+    // Φ by Simpson's rule.
+    let density = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
+    let step = z / 200.0;
+    let simpson: f64 = (0..100)
+        .map(|i| 2.0 * f64::from(i) * step)
+        .map(|x| (density(x) + 4.0 * density(x + step) + density(x + 2.0 * step)) * step / 3.0)
+        .sum();
+    let expected = 0.5 + simpson;
+    assert!((0.5..0.9).contains(&expected), "{expected}: a power that tells");
+    assert!((found - expected).abs() < 0.04, "{found}, expected {expected}");
+}
+
+#[test]
+fn without_an_effect_the_rate_is_alpha() {
+    let plan = plan(&design(), &OrderedLogit::default(), &[], None);
+    assert!(plan.hypotheses().iter().all(|h| h.effect.is_some() == (h.term != "orientation_deg")));
+    for alpha in [0.05, 0.3] {
+        let sampling = Sampling { studies: 1000, alpha, ..Sampling::default() };
+        let found = powers(&plan, "orientation_deg", Test::LikelihoodRatio, &[4], &sampling)[0].found as f64;
+        let sd = (1000.0 * alpha * (1.0 - alpha)).sqrt();
+        assert!((found - 1000.0 * alpha).abs() < 4.0 * sd, "alpha {alpha}: {found} of 1000");
+    }
+}
+
+#[test]
+fn power_grows_with_people_and_with_the_effect() {
+    let sampling = Sampling { studies: 200, ..Sampling::default() };
+    let found = |effect: f64, test: Test| -> Vec<usize> {
+        let plan = plan(&design(), &oblique(effect), &[], None);
+        let powers = powers(&plan, "orientation_deg", test, &[2, 5, 10, 20], &sampling);
+        powers.iter().map(|power| power.found).collect()
+    };
+    let (small, large) = (found(0.3, Test::LikelihoodRatio), found(0.8, Test::LikelihoodRatio));
+    assert!(small.is_sorted() && large.is_sorted(), "{small:?} {large:?}");
+    assert!(large[1] > large[0] + 20 && large[3] > 190, "{large:?}");
+    assert!(small.iter().zip(&large).all(|(small, large)| small + 10 < *large), "{small:?} {large:?}");
+    // Two people cannot convince Friedman of anything. Beyond them its p has few values, and its power goes up and down.
+    let (small, large) = (found(0.3, Test::Friedman), found(0.8, Test::Friedman));
+    assert!(large[0] == 0 && large[3] > large[1] && large[3] > 170, "{large:?}");
+    assert!(small[1..].iter().zip(&large[1..]).all(|(small, large)| small + 10 < *large), "{small:?} {large:?}");
+}
+
+/// A shift of one level is the effect that a parameter of the observer makes, to the last rating.
+#[test]
+fn a_shift_is_an_effect_of_its_level() {
+    let sampling = Sampling { studies: 20, ..Sampling::default() };
+    let shift = |level: &str| Shift { factor: "orientation_deg".to_owned(), level: level.to_owned(), logits: 0.75 };
+    let with = |observer: &OrderedLogit, shifts: &[Shift]| {
+        let plan = plan(&design(), observer, shifts, None);
+        (plan.run(&[3], &sampling, &|_| ()), plan.hypotheses()[0].effect.clone())
+    };
+    let (by_parameter, truth) = with(&oblique(0.75), &[]);
+    assert_eq!(with(&oblique(0.0), &[shift("45")]), (by_parameter, truth.clone()));
+    let truth = truth.unwrap();
+    assert_eq!((truth.logits, truth.above.as_str(), truth.below.as_str()), (Some(0.75), "45", "0"));
+    // Another spelling of the level, and the other direction.
+    let (_, other) = with(&oblique(0.0), &[shift("0.0")]);
+    assert_eq!(other.map(|effect| (effect.above, effect.below)), Some(("0".to_owned(), "45".to_owned())));
+}
+
+/// The truth by hand, from the doc comment of the observer.
+#[test]
+fn the_truth_is_what_the_term_adds_to_the_predictor() {
+    let bangay = definition::open("bangay2003").unwrap();
+    let truths = |protocol: &Protocol, terms: Option<&str>| -> Vec<_> {
+        let plan = plan(protocol, &OrderedLogit::default(), &[], terms);
+        let tell = |h: &machband::analysis::power::Hypothesis| {
+            (
+                h.term.clone(),
+                h.effect.as_ref().map(|effect| (effect.logits, format!("{}>{}", effect.above, effect.below))),
+            )
+        };
+        plan.hypotheses().iter().filter(|h| h.test == Test::LikelihoodRatio).map(tell).collect()
+    };
+    let named = |term: &str, logits: Option<f64>, levels: &str| (term.to_owned(), Some((logits, levels.to_owned())));
+    assert_eq!(
+        truths(&bangay, None),
+        [
+            named("width", Some(2.8), "0.05>0.8"),
+            named("depth", Some(4.8), "1>inf"),
+            ("orientation_deg".to_owned(), None)
+        ]
+    );
+    // The straight line through 6/n, and 6/5 at n = ∞ where 1/n is 0.
+    let (x, y) = ([1.0, 0.5, 1.0 / 3.0, 0.25, 0.0], [6.0, 3.0, 2.0, 1.5, 1.2]);
+    let mean = |values: &[f64; 5]| values.iter().sum::<f64>() / 5.0;
+    let (mx, my) = (mean(&x), mean(&y));
+    let products: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
+    let slope = products / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>();
+    let line = truths(&bangay, Some("num:inv_n,width"));
+    assert_eq!(line[0].1.as_ref().unwrap().1, "1>inf");
+    assert!((line[0].1.as_ref().unwrap().0.unwrap() - slope).abs() < 1e-8, "{line:?}, expected {slope}");
+    // Parameters add up: no interaction. A step has no band whatever its depth: one without a size.
+    assert_eq!(truths(&bangay, Some("width*depth")), [("width:depth".to_owned(), None)]);
+    let steps = definition::parse("steps.toml", &DESIGN.replace("[0.1, 0.4]", "[0, 0.4]")).unwrap();
+    let step = &truths(&steps, Some("width*depth"))[0];
+    assert!(step.1.as_ref().is_some_and(|(logits, _)| logits.is_none()), "{step:?}");
+}
+
+fn run(folder: &Path, arguments: &[&str], threads: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_machband"))
+        .arg("plan")
+        .args(arguments)
+        .current_dir(folder)
+        .env("RAYON_NUM_THREADS", threads)
+        .env_remove("DISPLAY")
+        .stdin(Stdio::null())
+        .output()
+        .unwrap()
+}
+
+fn succeeds(folder: &Path, arguments: &[&str], threads: &str) -> String {
+    let output = run(folder, arguments, threads);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.is_empty(), "{arguments:?}: {said}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn a_plan_is_the_same_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let asked = ["quick", "--participants", "4,2,4", "--studies", "30", "--effect", "oblique=1", "--out"];
+    let csv = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let with = |extra: &[&str], threads| succeeds(folder.path(), &[&asked[..], extra].concat(), threads);
+    let one = with(&["one.csv"], "1");
+    assert_eq!(one, with(&["three.csv"], "3"));
+    assert_eq!(csv("one.csv"), csv("three.csv"));
+    assert_ne!(one, with(&["other.csv", "--seed", "2"], "1"));
+    // What four participants find does not depend on what else is planned.
+    succeeds(
+        folder.path(),
+        &["quick", "--participants", "4", "--studies", "30", "--effect", "oblique=1", "--out", "4.csv"],
+        "2",
+    );
+    let rows = |name: &str| {
+        csv(name).lines().filter(|line| line.starts_with("quick,4,")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!((rows("4.csv"), rows("4.csv").len()), (rows("one.csv"), 6));
+}
+
+#[test]
+fn the_table_the_sentences_and_the_csv_say_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = succeeds(
+        folder.path(),
+        &["shaders", "--participants", "3", "--studies", "40", "--effect", "shader:gouraud=3", "--out", "p.csv"],
+        "2",
+    );
+    let mut reader = csv::Reader::from_path(folder.path().join("p.csv")).unwrap();
+    let header = reader.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let cell = |row: usize, name: &str| rows[row][header.iter().position(|column| column == name).unwrap()].to_owned();
+    assert_eq!(rows.len(), 6);
+    // Mixed model and Friedman's test of shader, then of mesh.
+    assert_eq!((cell(0, "term"), cell(0, "test")), ("shader".to_owned(), "likelihood-ratio".to_owned()));
+    assert_eq!(
+        (cell(0, "truth"), cell(0, "effect_logits"), cell(0, "above")),
+        ("effect".into(), "3".into(), "gouraud".into())
+    );
+    assert_eq!((cell(2, "truth"), cell(2, "power")), ("none".to_owned(), String::new()));
+    let share = |row, name| 100.0 * cell(row, name).parse::<f64>().unwrap();
+    let (power, alarms) = (share(0, "power"), share(2, "false_alarms"));
+    assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
+    assert!(said.contains("true effect, logits") && said.contains("false alarms"), "{said}");
+    let sentence =
+        format!("With 3 participants the effect of shader (3 logits between gouraud and cut) is found in {power} % (");
+    assert!(said.contains(&sentence), "{sentence}\n{said}");
+    assert!(said.contains("mesh has no effect on this observer: what is found are false alarms"), "{said}");
+    assert!(said.contains("Friedman's test of mesh cannot find anything with 3 participants"), "{said}");
+    // Nothing is asked of it and nothing of it is a factor: no power at all.
+    let said = succeeds(folder.path(), &["shaders", "--participants", "2", "--studies", "5"], "2");
+    assert!(said.contains("Nothing has an effect on this observer; --effect asks for one"), "{said}");
+    assert!(!said.contains("power  "), "{said}");
+}
+
+#[test]
+fn wrong_usage_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, expected) in [
+        (&["quick", "--participants", "2", "--effect", "oblik=1"][..], "did you mean oblique?"),
+        (&["quick", "--participants", "2", "--effect", "oblique"], "--effect oblique: no = in it; expected NAME=VALUE"),
+        (&["quick", "--participants", "2", "--effect", "oblique=much"], "the value is not a finite number"),
+        (&["quick", "--participants", "2", "--effect", "lapse=2"], "lapse 2 is outside 0…1"),
+        (&["quick", "--participants", "2", "--effect", "width=2"], "width is a factor; expected width:LEVEL=LOGITS"),
+        (&["quick", "--participants", "2", "--effect", "widht:0.1=2"], "no such factor; expected one of width, depth"),
+        (
+            &["quick", "--participants", "2", "--effect", "width:0.3=2"],
+            "--effect width:0.3: no such level; expected one of 0.02",
+        ),
+        (&["quick", "--participants", "2", "--effect", "fall=1", "--effect", "fall=2"], "fall stands twice"),
+        (&["quick", "--participants", "2", "--terms", "widht"], "did you mean width?"),
+        (&["quick", "--participants", "2", "--terms", "width,,depth"], "--terms width,,depth: an empty name"),
+        (&["quick", "--participants", "2", "--terms", "depth,num:inv_n"], "--terms num:inv_n: the other terms say all"),
+        (&["quick", "--participants", "0"], "0 is not in 1..=10000"),
+        (&["quick", "--participants", "2", "--alpha", "0"], "expected a number between 0 and 1"),
+        (&["quick"], "--participants"),
+    ] {
+        let output = run(folder.path(), arguments, "1");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{arguments:?}: {said}");
+        assert!(said.starts_with("error: ") && said.contains(expected), "{arguments:?}: {said}");
+    }
+    std::fs::write(folder.path().join("bad.toml"), "schema = 1\noblique = \"much\"\n").unwrap();
+    let output = run(folder.path(), &["quick", "--participants", "2", "--observer-file", "bad.toml"], "1");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(1) && said.starts_with("error: bad.toml:2:"), "{said}");
+}

@@ -1,0 +1,739 @@
+//! Ratings from files: what counts, what does not, and that every fault has its own message.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use jiff::Timestamp;
+use machband::{
+    experiment::{
+        FrameCount, Identity, OrderedLogit, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
+        TrialRecord, TrialResponse, columns, simulate,
+    },
+    report::Study,
+    store::{
+        dataset::SessionPaths,
+        definition,
+        ratings::{self, CountRow, Layout, Reading, Row, Shape, Sink, Source, write_counts},
+        results,
+        session::SessionStore,
+        sidecar::Sitting,
+    },
+};
+
+/// Three practice and twelve main trials; the colour needs quotes, `tanh_k` a column of its own.
+const TEXT: &str = "schema = 1\nname = \"small-one\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4, 0.8]\ntanh_k = [5, 7.5]\n[design]\npractice = 3\nrepetitions = 2\n";
+const PRACTICE: u64 = 3;
+const MAIN: u64 = 12;
+
+/// Keeps every row as a text.
+#[derive(Debug, Default)]
+struct Rows(Vec<String>);
+
+impl Rows {
+    fn new(_: &Shape) -> Self {
+        Self::default()
+    }
+
+    fn sorted(mut self) -> Vec<String> {
+        self.0.sort();
+        self.0
+    }
+}
+
+impl Sink for Rows {
+    fn row(&mut self, row: &Row<'_>) -> Result<(), String> {
+        let Row { subject, values, rating, count, place, response_time_s } = row;
+        let details = place.map(|place| format!(" {place:?} {response_time_s:?}")).unwrap_or_default();
+        self.0.push(format!("{subject} {} {rating} {count}{details}", values.join("|")));
+        Ok(())
+    }
+
+    fn absorb(&mut self, later: Self) -> Result<(), String> {
+        self.0.extend(later.0);
+        Ok(())
+    }
+}
+
+fn read(paths: &[&Path], how: &Reading) -> (Source, Rows) {
+    let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
+    ratings::read(&paths, how, Rows::new).unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+/// Every fault without its folder, or the error's.
+fn faults(paths: &[&Path], how: &Reading) -> Vec<String> {
+    let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
+    let faults = match ratings::read(&paths, how, Rows::new) {
+        Ok((source, _)) => source.faults,
+        Err(faults) => faults.0,
+    };
+    let mut texts: Vec<String> = faults.iter().map(ToString::to_string).collect();
+    for path in &paths {
+        for folder in path.ancestors().filter(|folder| folder.components().count() > 1) {
+            texts.iter_mut().for_each(|text| *text = text.replace(&format!("{}/", folder.display()), ""));
+        }
+    }
+    texts
+}
+
+fn small() -> Protocol {
+    definition::parse("small.toml", TEXT).unwrap()
+}
+
+/// A finished session, or one that ends after so many trials; gives its file.
+fn session(results: &Path, protocol: &Protocol, subject: &str, limit: usize) -> PathBuf {
+    let identity = Identity::new(subject, "1").unwrap();
+    let schedule = Schedule::new(protocol, &identity, 7).unwrap();
+    let sitting = Sitting { started_at: Timestamp::UNIX_EPOCH.to_string(), ..Sitting::default() };
+    let mut store = SessionStore::create(results, protocol, &identity, 7, sitting).unwrap();
+    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+    let mut session = Session::new(protocol.clone(), schedule.clone(), &Resumed::default(), options);
+    let mut left = limit;
+    let observer = OrderedLogit::default();
+    let _: Result<(), ()> = simulate(&mut session, &observer, &identity, Duration::ZERO, |response| {
+        left = left.checked_sub(1).ok_or(())?;
+        append(&mut store, protocol, &schedule, &identity, response);
+        // Every fourth rating is taken back.
+        if response.trial % 4 == 3 {
+            let again = TrialResponse { attempt: 2, rating: 3 - response.rating, ..response.clone() };
+            append(&mut store, protocol, &schedule, &identity, &again);
+        }
+        Ok(())
+    });
+    SessionPaths::new(results, protocol, &identity).csv
+}
+
+fn append(store: &mut SessionStore, protocol: &Protocol, schedule: &Schedule, who: &Identity, what: &TrialResponse) {
+    let context = RowContext { protocol, schedule, identity: who, sitting: 1 };
+    store.append(&TrialRecord::new(&context, what, Timestamp::UNIX_EPOCH + what.onset)).unwrap();
+}
+
+/// A folder with finished sessions of these participants, and their files.
+fn study(subjects: &[&str]) -> (tempfile::TempDir, Vec<PathBuf>) {
+    let folder = tempfile::tempdir().unwrap();
+    let files = subjects.iter().map(|subject| session(folder.path(), &small(), subject, usize::MAX)).collect();
+    (folder, files)
+}
+
+/// The rows that count, by the reader of running sessions: the last attempt of every main trial.
+fn expected(files: &[PathBuf], details: bool) -> Vec<String> {
+    let protocol = small();
+    let mut last = BTreeMap::new();
+    for file in files {
+        for row in results::parse("x", &fs::read(file).unwrap(), &columns(&protocol)).unwrap() {
+            if row.phase == Phase::Main {
+                last.insert((row.subject_id.clone(), row.trial), row);
+            }
+        }
+    }
+    let text = |row: &TrialRecord| {
+        let values: Vec<String> = ["width", "tanh_k"].iter().map(|name| row.level(&protocol, name).unwrap()).collect();
+        let place = (row.session_id.as_str(), row.repetition);
+        let details = if details { format!(" {place:?} {:?}", Some(row.response_time_s.0)) } else { String::new() };
+        format!("{} {} {} 1{details}", row.subject_id, values.join("|"), row.rating.0)
+    };
+    let mut rows: Vec<String> = last.values().map(text).collect();
+    rows.sort();
+    rows
+}
+
+fn edit(file: &Path, change: impl Fn(String) -> String) {
+    fs::write(file, change(fs::read_to_string(file).unwrap())).unwrap();
+}
+
+/// Replaces the cell of a line, from 1, under a header.
+fn set(file: &Path, line: usize, column: &str, cell: &str) {
+    edit(file, |text| {
+        let mut rows: Vec<Vec<String>> = csv_rows(&text);
+        let index = rows[0].iter().position(|name| name == column).unwrap();
+        rows[line - 1][index] = cell.to_owned();
+        csv_text(&rows)
+    });
+}
+
+fn csv_rows(text: &str) -> Vec<Vec<String>> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
+    reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect()
+}
+
+fn csv_text(rows: &[Vec<String>]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().for_each(|row| writer.write_record(row).unwrap());
+    String::from_utf8(writer.into_inner().unwrap()).unwrap()
+}
+
+fn file(folder: &tempfile::TempDir, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(&path, content).unwrap();
+    path
+}
+
+fn with_factors(names: &[&str]) -> Reading {
+    Reading { factors: Some(names.iter().map(|name| (*name).to_owned()).collect()), ..Reading::default() }
+}
+
+mod what_counts {
+    use super::*;
+
+    #[test]
+    fn the_last_attempt_of_every_main_trial_does() {
+        let (folder, files) = study(&["S2", "S10", "S1"]);
+        let how = Reading { details: true, ..Reading::default() };
+        let (source, rows) = read(&[folder.path()], &how);
+        assert_eq!(rows.sorted(), expected(&files, true));
+        assert_eq!(source.faults, []);
+        assert_eq!(source.shape.factors, ["width", "tanh_k"]);
+        assert_eq!(source.protocol, Some(small()));
+        assert_eq!(source.definition_sha256, Some(definition::hash(&small())));
+        let sessions: Vec<_> = source.sessions.iter().map(|s| (s.subject.as_str(), s.planned, s.rated)).collect();
+        assert_eq!(sessions, ["S1", "S2", "S10"].map(|subject| (subject, Some(MAIN), MAIN)));
+        for read in &source.files {
+            // Trials 3, 7 and 11 of 0…14: two of them in the main phase.
+            assert_eq!((read.rows, read.practice, read.superseded), (MAIN + PRACTICE + 3, PRACTICE, 3), "{read:?}");
+            assert_eq!((read.counted, read.ratings, read.faulty, read.layout), (MAIN, MAIN, 0, Layout::Results));
+        }
+    }
+
+    #[test]
+    fn the_order_of_rows_and_columns_does_not_matter() {
+        let (folder, files) = study(&["S1", "S2"]);
+        let expected = expected(&files, false);
+        let (before, _) = read(&[folder.path()], &Reading::default());
+        for seed in 0..20_usize {
+            edit(&files[0], |text| {
+                let mut rows = csv_rows(&text);
+                let body = rows.len() - 1;
+                // A full-period step through the rows, and columns turned round.
+                let step = [5, 7, 11, 13, 17][seed % 5];
+                let shuffled = (0..body).map(|i| rows[1 + (i * step + seed) % body].clone()).collect::<Vec<_>>();
+                rows.splice(1.., shuffled);
+                rows.iter_mut().for_each(|row| row.rotate_left(seed % 7));
+                csv_text(&rows)
+            });
+            let (source, rows) = read(&[folder.path()], &Reading::default());
+            assert_eq!(rows.sorted(), expected, "{seed}");
+            assert_eq!(source.faults, []);
+            let counts = |source: &Source| {
+                source.files.iter().map(|f| (f.counted, f.practice, f.superseded)).collect::<Vec<_>>()
+            };
+            assert_eq!(counts(&source), counts(&before));
+        }
+    }
+
+    #[test]
+    fn an_unfinished_session_does_unless_only_complete_ones_are_wanted() {
+        let (folder, mut files) = study(&["S1"]);
+        files.push(session(folder.path(), &small(), "S2", 9));
+        files.push(session(folder.path(), &small(), "S3", 0));
+        let (source, rows) = read(&[folder.path()], &Reading::default());
+        assert_eq!(rows.sorted(), expected(&files, false));
+        let rated: Vec<_> = source.sessions.iter().map(|s| (s.rated, s.is_unfinished())).collect();
+        assert_eq!(rated, [(12, false), (6, true), (0, true)]);
+        assert_eq!(source.faults, []);
+        let (source, rows) = read(&[folder.path()], &Reading { complete_only: true, ..Reading::default() });
+        assert_eq!(rows.sorted(), expected(&files[..1], false));
+        assert_eq!(source.files.iter().map(|file| file.unfinished).collect::<Vec<_>>(), [0, 6, 0]);
+    }
+
+    #[test]
+    fn dropped_frames_are_those_of_the_last_attempt() {
+        let (_folder, files) = study(&["S1"]);
+        edit(&files[0], |text| {
+            let mut rows = csv_rows(&text);
+            let place = |name: &str| rows[0].iter().position(|known| known == name).unwrap();
+            let (attempt, phase, dropped) = (place("attempt"), place("phase"), place("dropped_frames"));
+            let mut main = 0;
+            for row in rows.iter_mut().skip(1) {
+                main += u32::from(row[phase] == "main" && row[attempt] == "1");
+                // First attempts of trials 1 … 6; 1 and 5 were rated again, without dropped frames.
+                row[dropped] = u32::from(row[attempt] == "1" && (1..=6).contains(&main)).to_string();
+            }
+            csv_text(&rows)
+        });
+        let (source, _) = read(&[&files[0]], &Reading::default());
+        assert_eq!(source.sessions[0].dropped, Some(4));
+    }
+
+    /// Half a million rows are read in several parts, by several threads.
+    #[test]
+    fn large_files_are_read_as_small_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut text = String::from("row_id,subject_id,session_id,phase,trial,attempt,width,rating\n");
+        let mut lines = 1;
+        let mut row = |text: &mut String, subject: u32, trial: u32, attempt: u32, rating: &str| {
+            *text +=
+                &format!("S{subject}_1_main_{trial:04}_{attempt},S{subject},1,main,{trial},{attempt},0.4,{rating}\n");
+            lines += 1;
+            lines
+        };
+        for subject in 0..200 {
+            for trial in 1..=1000 {
+                row(&mut text, subject, trial, 1, "2");
+            }
+        }
+        let bad = row(&mut text, 1, 1001, 1, "4");
+        row(&mut text, 0, 17, 2, "1");
+        let again = row(&mut text, 150, 3, 1, "3");
+        let path = file(&folder, "all_data.csv", &text);
+        let (source, rows) = read(&[&path], &Reading::default());
+        let read = &source.files[0];
+        assert_eq!((read.rows, read.counted, read.superseded, read.faulty), (200_003, 200_000, 1, 2));
+        assert_eq!(rows.0.iter().filter(|row| **row == "S0 0.4 1 1").count(), 1);
+        assert_eq!(rows.0.iter().filter(|row| row.ends_with("3 1")).count(), 0);
+        assert_eq!(
+            faults(&[&path], &Reading::default()),
+            [
+                format!("all_data.csv:{bad}:39: rating is \"4\"; expected a rating from 0 to 3"),
+                format!(
+                    "all_data.csv:{again}:1: row_id \"S150_1_main_0003_1\" stands in all_data.csv:150004 already; expected every row once (this one is left out)"
+                ),
+            ]
+        );
+        assert_eq!((source.sessions.len(), source.sessions[1].rated), (200, 1000));
+    }
+}
+
+mod layouts {
+    use super::*;
+
+    const LONG: &str = "who,width,depth,answer,n\nA,0.1,1,2,1\nB,0.4,inf,0,3\nA,NA,1,3,2\n";
+    const LONG_ROWS: [&str; 3] = ["A 0.1|1 2 1", "B 0.4|inf 0 3", "A |1 3 2"];
+
+    fn long() -> Reading {
+        let named = |name: &str| Some(name.to_owned());
+        Reading {
+            subject: named("who"),
+            response: named("answer"),
+            count: named("n"),
+            ..with_factors(&["width", "depth"])
+        }
+    }
+
+    #[test]
+    fn any_csv_is_read_by_its_columns_however_it_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let quoted = csv_rows(LONG).iter().map(|row| format!("\"{}\"\n", row.join("\",\""))).collect::<String>();
+        let spaced = LONG.replace(',', " , ");
+        let stray =
+            LONG.replace("A,0.1", "\"A\",\"0.1\"").replace("n\n", "n,note\n").replace("1\nB", "1,\"two\nlines\"\nB");
+        let stray = stray.replace(",3\nA", ",3,\nA").replace("3,2\n", "3,2,\"say \"\"x\"\"\"\n");
+        for (name, text) in [
+            ("plain", LONG.to_owned()),
+            ("crlf", LONG.replace('\n', "\r\n")),
+            ("cr", LONG.replace('\n', "\r")),
+            ("bom", format!("\u{feff}{LONG}")),
+            ("blank", format!("\n{}\n\n\n", LONG.replace('\n', "\n\n"))),
+            ("unended", LONG.trim_end().to_owned()),
+            ("semicolon", LONG.replace(',', ";")),
+            ("tab", LONG.replace(',', "\t")),
+            ("spaced", spaced),
+            ("quoted", quoted.clone()),
+            ("quoted crlf bom", format!("\u{feff}{}", quoted.replace('\n', "\r\n"))),
+            ("stray", stray),
+        ] {
+            let path = file(&folder, "long.csv", text);
+            let (source, rows) = read(&[&path], &long());
+            assert_eq!(source.faults, [], "{name}");
+            assert_eq!(rows.0, LONG_ROWS, "{name}");
+            assert_eq!((source.files[0].counted, source.files[0].ratings), (3, 6), "{name}");
+            assert_eq!(source.shape.categories, None);
+        }
+    }
+
+    #[test]
+    fn columns_that_are_missing_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(&folder, "long.csv", LONG);
+        let of = |change: &dyn Fn(&mut Reading)| {
+            let mut how = long();
+            change(&mut how);
+            faults(&[&path], &how)
+        };
+        assert_eq!(
+            of(&|how| (how.factors, how.count) = (None, None)),
+            ["long.csv:1:1: no factors are named; expected --terms with some of the columns width, depth, n"]
+        );
+        assert_eq!(
+            of(&|how| how.factors = Some(vec!["widht".to_owned()])),
+            [
+                "long.csv:1:1: the column widht is missing; expected one of who, width, depth, answer, n; did you mean width?"
+            ]
+        );
+        assert_eq!(
+            of(&|how| how.subject = None),
+            ["long.csv:1:1: the column subject_id is missing; expected one of who, width, depth, answer, n"]
+        );
+        let twice = file(&folder, "twice.csv", "subject_id,width,rating,width\nA,1,2,1\n");
+        assert_eq!(
+            faults(&[&twice], &with_factors(&["width"])),
+            ["twice.csv:1:25: the column width stands twice; expected it once"]
+        );
+    }
+
+    #[test]
+    fn the_term_inv_n_is_of_the_column_depth() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(&folder, "long.csv", LONG);
+        let how = Reading { factors: None, also: vec!["width".to_owned(), "inv_n".to_owned()], ..long() };
+        let (source, rows) = read(&[&path], &how);
+        assert_eq!(
+            (source.shape.factors, rows.0),
+            (vec!["width".to_owned(), "depth".to_owned()], LONG_ROWS.map(str::to_owned).to_vec())
+        );
+    }
+
+    /// The columns of the stimulus stand in for a definition; the order of trials is not lost with it.
+    #[test]
+    fn result_files_without_sidecar_are_read_too() {
+        let (folder, files) = study(&["S1", "S2"]);
+        for file in &files {
+            fs::remove_file(file.with_extension("json")).unwrap();
+        }
+        let (source, rows) = read(&[folder.path()], &Reading::default());
+        assert!(source.shape.guessed && source.protocol.is_none());
+        assert_eq!(
+            source.shape.factors,
+            ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color", "tanh_k"]
+        );
+        assert!(rows.0.iter().all(|row| row.contains("mach-band|") && row.contains("|1,0.5,0|")), "{:?}", rows.0);
+        assert_eq!(rows.0.len() as u64, 2 * MAIN);
+        let (_, rows) = read(&[folder.path()], &with_factors(&["width", "tanh_k"]));
+        assert_eq!(rows.sorted(), expected(&files, false));
+        // One sidecar is enough to know the definition of all.
+        session(&folder.path().join("more"), &small(), "S3", usize::MAX);
+        let (source, _) = read(&[folder.path()], &Reading::default());
+        assert_eq!((source.files.len(), source.protocol, source.faults), (3, Some(small()), vec![]));
+        let planned: Vec<_> = source.sessions.iter().map(|session| session.planned).collect();
+        assert_eq!(planned, [None, None, Some(MAIN)]);
+    }
+
+    #[test]
+    fn counts_are_read_back_as_they_were_written() {
+        let (folder, _) = study(&["S1", "S2", "S10"]);
+        let study = Study::read(&[folder.path().to_owned()], &Reading::default()).unwrap();
+        let counts = study.measured.counts;
+        let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
+        let rows = counts.rows.iter().map(|row| CountRow {
+            subject: &counts.subjects[row.subject as usize],
+            values: counts.level_names(row.condition),
+            rating: &counts.categories[usize::from(row.rating)],
+            count: row.count,
+        });
+        let path = folder.path().join("counts.csv");
+        write_counts(fs::File::create(&path).unwrap(), &names, rows).unwrap();
+        assert!(fs::read_to_string(&path).unwrap().starts_with("subject_id,width,tanh_k,rating,count\nS1,0.1,5,"));
+        let again = Study::read(&[path], &Reading::default()).unwrap();
+        assert_eq!((again.measured.counts, again.source.files[0].layout), (counts, Layout::Counts));
+    }
+
+    #[test]
+    fn equal_rows_of_counts_add_up_and_row_numbers_are_no_factor() {
+        let folder = tempfile::tempdir().unwrap();
+        let a = file(&folder, "a.csv", ",subject_id,width,rating,count\n0,A,0.1,1,2.0\n1,A,0.1,1,3\n2,A,0.2,0,0\n");
+        let b = file(&folder, "b.csv", "count,width,rating,subject_id\n4,0.1,1,A\n");
+        let study = Study::read(&[a, b], &Reading::default()).unwrap();
+        assert_eq!(study.source.faults, []);
+        let rows: Vec<_> = study.measured.counts.rows.iter().map(|row| (row.rating, row.count)).collect();
+        assert_eq!((rows, study.measured.counts.factors.len()), (vec![(1, 9)], 1));
+    }
+}
+
+mod discovery {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_its_data_files_and_otherwise_its_csv_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let row = |subject: &str| format!("subject_id,width,rating,count\n{subject},0.1,1,1\n");
+        for (name, subject) in
+            [("b/S10_data.csv", "c"), ("b/S2_data.csv", "b"), ("a/x_data.csv", "a"), ("b/other.csv", "d")]
+        {
+            file(&folder, name, row(subject));
+        }
+        file(&folder, "a/._x_data.csv", [0xff, 0]);
+        file(&folder, ".git/y_data.csv", row("e"));
+        let subjects = |paths: &[&Path]| {
+            let (source, rows) = read(paths, &Reading::default());
+            assert_eq!(source.faults, []);
+            rows.0.iter().map(|row| row[..1].to_owned()).collect::<String>()
+        };
+        let b = folder.path().join("b");
+        assert_eq!(subjects(&[folder.path()]), "abc");
+        assert_eq!(
+            subjects(&[&b.join("other.csv"), &b.join("S10_data.csv"), folder.path(), &b.join("../b/other.csv")]),
+            "dcab"
+        );
+        fs::remove_file(b.join("S2_data.csv")).unwrap();
+        fs::remove_file(b.join("S10_data.csv")).unwrap();
+        assert_eq!(subjects(&[&b]), "d");
+    }
+
+    #[test]
+    fn what_is_not_there_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let good = file(&folder, "good.csv", "subject_id,width,rating,count\nA,0.1,1,1\n");
+        fs::create_dir(folder.path().join("void")).unwrap();
+        let said = faults(&[&folder.path().join("void"), &folder.path().join("lost.csv"), &good], &Reading::default());
+        assert_eq!(said.len(), 2, "{said:?}");
+        assert!(said[0].starts_with("void: has no CSV file; expected "), "{said:?}");
+        assert!(said[1].starts_with("lost.csv: cannot be opened: "), "{said:?}");
+        assert!(ratings::read(&[], &Reading::default(), Rows::new).is_err());
+    }
+}
+
+mod faults {
+    use super::*;
+
+    /// A study of two, the first of which is damaged; gives the faults and the rows that count.
+    fn damaged(change: impl Fn(&Path)) -> (Vec<String>, u64) {
+        let (folder, files) = study(&["S1", "S2"]);
+        change(&files[0]);
+        let (source, rows) = read(&[folder.path()], &Reading::default());
+        let counted: u64 = source.files.iter().map(|file| file.counted).sum();
+        assert_eq!(rows.0.len() as u64, counted);
+        assert_eq!(rows.0.iter().filter(|row| row.starts_with("S2 ")).count() as u64, MAIN, "{:?}", source.faults);
+        let faulty: u64 = source.files.iter().map(|file| file.faulty).sum();
+        let rows: u64 = source.files.iter().map(|f| f.counted + f.practice + f.superseded + f.faulty).sum();
+        assert_eq!(rows, source.files.iter().map(|file| file.rows).sum::<u64>(), "{faulty}");
+        let said = faults(&[folder.path()], &Reading::default());
+        (
+            said.iter()
+                .map(|text| text.replace("small-one/data/subject-", "").replace("_session-1_task-smallone_data", ""))
+                .collect(),
+            counted,
+        )
+    }
+
+    /// Each kind of bad cell, row or file: its message, its place, and how many of 24 ratings are left.
+    #[test]
+    fn each_kind_has_its_message_and_the_rest_counts() {
+        // Line 18 is trial 11 of the main phase, rated once.
+        let cell = |column: &'static str, cell: &'static str| move |file: &Path| set(file, 18, column, cell);
+        let cases: Vec<(Box<dyn Fn(&Path)>, &str, u64)> = vec![
+            (Box::new(cell("rating", "4")), "S1.csv:18:85: rating is \"4\"; expected a rating from 0 to 3", 23),
+            (Box::new(cell("rating", "")), "S1.csv:18:85: rating is empty; expected a rating from 0 to 3", 23),
+            (Box::new(cell("phase", "mian")), "S1.csv:18:33: phase is \"mian\"; expected practice or main", 23),
+            (
+                Box::new(cell("trial", "0")),
+                "S1.csv:18:40: trial is \"0\"; expected the number of a trial, from 1 to 1000000",
+                23,
+            ),
+            (
+                Box::new(cell("attempt", "x")),
+                "S1.csv:18:43: attempt is \"x\"; expected the number of an attempt, 1 or more",
+                23,
+            ),
+            (Box::new(cell("subject_id", "")), "S1.csv:18:28: subject_id is empty; expected a participant", 23),
+            (Box::new(cell("session_id", "")), "S1.csv:18:31: session_id is empty; expected a session", 23),
+            (
+                Box::new(cell("experiment", "ü,other")),
+                "S1.csv:18:18: experiment is \"ü,other\"; expected small-one, as in the first row",
+                23,
+            ),
+            (
+                Box::new(|file| edit(file, |text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1))),
+                "S1.csv:18:1: the row has 27 cells; expected 26, as the header has",
+                23,
+            ),
+            (
+                Box::new(|file| edit(file, |text| text[..text.len() - 30].to_owned())),
+                "S1.csv:19:1: the last row is cut in the middle, as after an interrupted writing; expected a whole row (it is left out)",
+                23,
+            ),
+            (
+                Box::new(|file| edit(file, |text| text + "S1_1_ma")),
+                "S1.csv:20:1: the last row is cut in the middle, as after an interrupted writing; expected a whole row (it is left out)",
+                24,
+            ),
+            (
+                Box::new(|file| edit(file, |text| text + &"\0".repeat(5000))),
+                "S1.csv:20:1: the last row has zero bytes, as after an interrupted writing; expected a whole row (it is left out)",
+                24,
+            ),
+            (
+                Box::new(|file| edit(file, |text| text.replace(",rating,", ",ratings,"))),
+                "S1.csv:1:1: the column rating is missing; expected one of row_id, experiment, subject_id, session_id, phase, block, trial, attempt, repetition, stimulus, width, depth, orientation_deg, low, high, color, ratings, response_time_s, onset_s, recovery_s, frames, dropped_frames, started_at, sitting, seed, tanh_k; did you mean ratings?",
+                12,
+            ),
+            (
+                Box::new(|file| edit(file, |text| text.replace(",trial,", ",number,"))),
+                "S1.csv:1:1: the column trial is missing; expected one of row_id,",
+                12,
+            ),
+            (Box::new(|file| fs::write(file, "").unwrap()), "S1.csv:1:1: the file is empty; expected a header row", 12),
+            (
+                Box::new(|file| fs::write(file, "\u{feff}\r\n").unwrap()),
+                "S1.csv:1:1: the file is empty; expected a header row",
+                12,
+            ),
+            (
+                Box::new(|file| fs::write(file, b"row_id,\xe9,").unwrap()),
+                "S1.csv:1:8: the header is not UTF-8 text; expected CSV in UTF-8",
+                12,
+            ),
+            (
+                Box::new(|file| fs::write(file, b"PK\x03\x04\0\0").unwrap()),
+                "S1.csv:1:1: is no CSV file: there are zero bytes in its first line; expected a header row",
+                12,
+            ),
+            (
+                Box::new(|file| fs::write(file, b"\xff\xfer\0o\0").unwrap()),
+                "S1.csv:1:1: is UTF-16 text; expected CSV in UTF-8",
+                12,
+            ),
+            (
+                Box::new(|file| fs::write(file, vec![b'x'; 2_000_000]).unwrap()),
+                "S1.csv:1:1: the first row has more than a million bytes; expected a header row",
+                12,
+            ),
+            (
+                Box::new(|file| fs::write(file.with_extension("json"), "{").unwrap()),
+                "S1.json:1:1: is no sidecar of a session: EOF while parsing an object at line 1 column 1",
+                24,
+            ),
+        ];
+        for (change, expected, left) in cases {
+            let (said, counted) = damaged(change);
+            assert_eq!(said.len(), 1, "{said:#?}");
+            assert!(said[0].starts_with(expected), "{}\nexpected\n{expected}", said[0]);
+            assert_eq!(counted, left, "{said:?}");
+        }
+    }
+
+    #[test]
+    fn a_row_that_is_not_text_is_one_fault() {
+        let (said, counted) = damaged(|file| {
+            let mut bytes = fs::read(file).unwrap();
+            let at = bytes.windows(16).position(|w| w == b"S1_1_main_0011_1").unwrap();
+            bytes[at + 3] = 0xff;
+            fs::write(file, bytes).unwrap();
+        });
+        assert_eq!((said, counted), (vec!["S1.csv:18:4: the row is not UTF-8 text; expected UTF-8".to_owned()], 23));
+    }
+
+    #[test]
+    fn a_row_that_stands_twice_counts_once() {
+        let again = |file: &Path| {
+            edit(file, |text| {
+                let line = text.lines().nth(17).unwrap().to_owned();
+                text + &line + "\n"
+            });
+        };
+        let (said, counted) = damaged(again);
+        assert_eq!((said, counted), (vec!["S1.csv:20:1: row_id \"S1_1_main_0011_1\" stands in S1.csv:18 already; expected every row once (this one is left out)".to_owned()], 24));
+        // In another file, under another name, with the participant's name mended: the name of the row tells.
+        let (folder, files) = study(&["S1", "S2"]);
+        let copy = file(&folder, "z_data.csv", fs::read(&files[0]).unwrap());
+        let said = super::faults(&[folder.path()], &Reading::default());
+        assert_eq!(
+            said,
+            [
+                "z_data.csv: all its 18 rows stand in small-one/data/subject-S1_session-1_task-smallone_data.csv already; expected every session once (it is left out)"
+            ]
+        );
+        for line in 2..=19 {
+            set(&copy, line, "subject_id", "S9");
+        }
+        let said = super::faults(&[folder.path()], &Reading::default());
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].starts_with("z_data.csv: all its 18 rows stand in "), "{said:?}");
+        let (source, rows) = read(&[folder.path()], &Reading::default());
+        assert_eq!((rows.sorted(), source.files[2].faulty), (expected(&files, false), 18));
+    }
+
+    #[test]
+    fn of_many_alike_the_first_are_told() {
+        let (said, counted) = damaged(|file| {
+            for line in 2..=19 {
+                set(file, line, "experiment", "x");
+            }
+        });
+        assert_eq!((said.len(), counted), (11, 12));
+        assert_eq!(said[9], "S1.csv:11:18: experiment is \"x\"; expected small-one, as in the first row");
+        assert_eq!(said[10], "S1.csv: 8 more rows are of another experiment; expected none");
+    }
+
+    #[test]
+    fn definitions_are_never_mixed() {
+        let (folder, files) = study(&["S1", "S2"]);
+        let other = definition::parse("x", &TEXT.replace("0.8]", "0.7]")).unwrap();
+        session(&folder.path().join("a"), &other, "S3", usize::MAX);
+        let hash = |protocol: &Protocol| definition::hash(protocol)[..12].to_owned();
+        let (source, rows) = read(&[folder.path()], &Reading::default());
+        assert_eq!(rows.sorted(), expected(&files, false));
+        assert_eq!((source.faults.len(), source.files.len()), (1, 2));
+        assert_eq!(
+            source.faults[0].message,
+            format!(
+                "is of the experiment small-one (definition {}) and is left out; expected of the experiment small-one (definition {}) as the other 2 files: only one is analysed at a time",
+                hash(&other),
+                hash(&small()),
+            )
+        );
+        for file in &files {
+            fs::remove_file(file.with_extension("json")).unwrap();
+            edit(file, |text| text.replace("small-one", "third"));
+        }
+        let said = super::faults(&[folder.path()], &Reading::default());
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(
+            said[0]
+                .contains("expected of the experiment third (no sidecar; further columns tanh_k) as the other 2 files"),
+            "{said:?}"
+        );
+    }
+
+    #[test]
+    fn rows_of_counts_are_checked() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,0.1,1,7";
+        let path = file(&folder, "counts.csv", text);
+        let (source, rows) = read(&[&path], &Reading::default());
+        assert_eq!((rows.0, source.files[0].faulty), (vec!["A 0.1 1 7".to_owned()], 7));
+        assert_eq!(
+            super::faults(&[&path], &Reading::default()),
+            [
+                "counts.csv:2:9: count is \"x\"; expected a count, a whole number",
+                "counts.csv:3:9: count is \"-2\"; expected a count, 0 or more",
+                "counts.csv:4:9: count is \"1.5\"; expected a count without fraction",
+                "counts.csv:5:9: count is \"1e30\"; expected a count of at most 10^12",
+                "counts.csv:6:1: subject_id is empty; expected a participant",
+                "counts.csv:7:7: rating is empty; expected a rating from 0 to 3",
+                "counts.csv:8:1: the row has 3 cells; expected 4, as the header has",
+            ]
+        );
+        let more = file(&folder, "more.csv", "subject_id,depth,rating,count\nA,1,1,1\n");
+        assert_eq!(
+            super::faults(&[&path, &more], &Reading::default())[7..],
+            [
+                "more.csv:1:1: is a table of counts by depth and is left out; expected a table of counts by width as the other file: only one is analysed at a time"
+            ]
+        );
+    }
+
+    #[test]
+    fn a_quote_that_is_never_closed_costs_its_row_only() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(&folder, "long.csv", "subject_id,width,rating\nA,0.1,1\n\"A,0.1,1\nA,0.1,2\nA,0.4,3\n");
+        let how = with_factors(&["width"]);
+        let (_, rows) = read(&[&path], &how);
+        assert_eq!(rows.0, ["A 0.1 1 1", "A 0.1 2 1", "A 0.4 3 1"]);
+        assert_eq!(super::faults(&[&path], &how), ["long.csv:3:1: the row has 1 cell; expected 3, as the header has"]);
+    }
+
+    #[test]
+    fn where_nothing_counts_there_is_no_study() {
+        let folder = tempfile::tempdir().unwrap();
+        session(folder.path(), &small(), "S1", 2);
+        let said = super::faults(&[folder.path()], &Reading::default());
+        assert!(ratings::read(&[folder.path().to_owned()], &Reading::default(), Rows::new).is_err());
+        assert!(
+            said[0].ends_with("none of the 2 rows counts: 2 of practice; expected ratings of main trials"),
+            "{said:?}"
+        );
+    }
+}
