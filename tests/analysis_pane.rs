@@ -15,9 +15,11 @@ use egui_kittest::{
 };
 use machband::{
     analysis::{Options, Results, analyse},
-    app::{App, Launch},
+    app::{App, Launch, Request},
+    display::DisplayProfile,
+    experiment::Identity,
     report::Study,
-    store::ratings::Reading,
+    store::{definition, ratings::Reading},
 };
 
 type Window = Harness<'static, App>;
@@ -105,7 +107,7 @@ fn wait_for(window: &mut Window, text: &str) {
 fn rest(window: &mut Window) {
     window.run_steps(2);
     for _ in 0..3000 {
-        if window.query_by_label("Analysing…").is_none() && window.query_by_label("Writing…").is_none() {
+        if ["Reading…", "Analysing…", "Writing…"].iter().all(|busy| window.query_by_label(busy).is_none()) {
             window.run_steps(2);
             return;
         }
@@ -192,7 +194,7 @@ fn what_is_shown_is_what_the_analysis_says() {
     window.get_by_label_contains("12 practice ratings");
     window.get_by_label_contains("Simulated");
     window.get_by_label("108 ratings of 6 participants.");
-    window.get_by_label("Plot: Figure 4 (a). Mean rating by width, one line a depth");
+    window.get_by_label("Plot: Figure 4 (a). Mean rating by width, one line a level of depth");
     for (sort, plot) in [
         ("Factors", "Plot: Mean rating by width"),
         ("Proportions", "Plot: Proportions of the ratings by width"),
@@ -229,7 +231,7 @@ fn what_is_shown_is_what_the_analysis_says() {
         &window,
         [vec!["depth".to_owned(), "6".to_owned(), "2".to_owned(), format!("{:.2}", friedman.chi_squared)]],
     );
-    window.get_by_label_contains(&format!("Krippendorff’s ordinal α {:.2}", results.alpha.as_ref().unwrap().alpha));
+    window.get_by_label_contains(&format!("Krippendorff's ordinal α {:.2}", results.alpha.as_ref().unwrap().alpha));
 
     // Another link is another model.
     window.get_by_label("Link").click();
@@ -252,6 +254,13 @@ fn what_is_shown_is_what_the_analysis_says() {
     window.get_by_label_contains("probit link, num:width");
     click(&mut window, "Copy as command");
     window.get_by_label_contains("--terms num:width --link probit");
+    // A column that is no factor of the design becomes one when the model needs it.
+    type_into(&mut window, "Terms", "width,repetition");
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    wait_for(&mut window, "repetition: 3 of 3 levels");
+    rest(&mut window);
+    window.get_by_label_contains("probit link, width, repetition");
 }
 
 /// What is filtered is analysed as if the rest had never been measured, and exported as it is shown.
@@ -282,6 +291,11 @@ fn filters_narrow_the_analysis_and_its_export() {
     click(&mut window, "Export");
     rest(&mut window);
     window.get_by_label_contains("files written to");
+    for file in ["report.html", "figure4a.svg", "figure4b.png", "by_width.csv", "tests.csv", "model.json"] {
+        assert!(out.join(file).is_file(), "{file}");
+    }
+    let report = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(report.contains("filtered in the window: 3 of 4 participants; width 0.1, 0.8"));
     let cells = std::fs::read_to_string(out.join("cells.csv")).unwrap();
     assert_eq!(cells.lines().count(), 1 + 4);
     assert!(cells.lines().skip(1).all(|line| line.contains(",9,")), "3 participants × 3 repetitions: {cells}");
@@ -328,7 +342,7 @@ fn one_participant_has_no_p_values() {
     drop_on(&mut window, &[&data_set]);
     wait_for(&mut window, "Participants: 2 of 2");
     rest(&mut window);
-    window.get_by_label_contains("Friedman’s test");
+    window.get_by_label_contains("Friedman's test");
     click(&mut window, "Participants: 2 of 2");
     click(&mut window, "Participant S001");
     rest(&mut window);
@@ -362,6 +376,17 @@ fn the_empty_pane_and_what_is_wrong_with_files() {
     let line = text.lines().count();
     window.get_by_label_contains(&format!("_data.csv:{line}:"));
     window.get_by_label("35 ratings of 2 participants.");
+
+    // Of two requests the newer one counts, whichever is read first.
+    let (_other_folder, other) = study(3);
+    drop_on(&mut window, &[&other]);
+    drop_on(&mut window, &[&data_set]);
+    wait_for(&mut window, "Participants: 2 of 2");
+    for _ in 0..30 {
+        rest(&mut window);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    window.get_by_label("Participants: 2 of 2");
 
     // Back to the page without data, and Home with its folder.
     click(&mut window, "Other data…");
@@ -401,6 +426,8 @@ fn columns_of_a_foreign_file_are_named() {
     window.get_by_label("contrast: 2 of 2 levels");
     click(&mut window, "Columns…");
     wait_for(&mut window, "Which column says what?");
+    click(&mut window, "Leave the columns as they are");
+    window.get_by_label("48 ratings of 4 participants.");
 }
 
 /// In a small window the data and filters are a view of their own, and every view is still there.
@@ -416,4 +443,43 @@ fn a_small_window_has_everything() {
     }
     click(&mut window, "Data");
     window.get_by_label_contains("Participants: 3 of 3");
+}
+
+/// From the end of a session to its analysis, and back.
+#[test]
+fn a_session_that_ends_can_be_analysed_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = DEFINITION.replace("repetitions = 3", "repetitions = 1").replace("practice = 2", "practice = 0");
+    let request = Request {
+        protocol: definition::parse("tiny", &text).unwrap(),
+        identity: Identity::new("P001", "1").unwrap(),
+        seed: Some(5),
+        results: folder.path().to_owned(),
+        display: DisplayProfile::default(),
+        distance_cm: 50.0,
+        screen_width_cm: Some(30.0),
+        resume: false,
+        windowed: true,
+    };
+    let mut window = Harness::builder()
+        .with_size([1280.0, 1000.0])
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(|cc| App::new(cc, Launch { request: Some(request) }));
+    for page in ["These findings are kept", "Welcome", "The four answers", "Now the main part"] {
+        wait_for(&mut window, page);
+        window.key_press(Key::Space);
+        window.step();
+    }
+    for key in [Key::Num0, Key::Num1, Key::Num2, Key::Num3, Key::Num0, Key::Num1] {
+        window.run_steps(12);
+        window.key_press(key);
+        window.step();
+    }
+    wait_for(&mut window, "Thank you!");
+    click(&mut window, "Analyse these results…");
+    wait_for(&mut window, "Participants: 1 of 1");
+    rest(&mut window);
+    window.get_by_label("6 ratings of 1 participant.");
+    window.key_press(Key::Escape);
+    wait_for(&mut window, "Thank you!");
 }

@@ -95,7 +95,7 @@ impl Finish {
             ui.add_space(8.0);
             ui.label(&texts.saved_in);
             ui.add(egui::Label::new(egui::RichText::new(self.path.display().to_string()).monospace()).wrap());
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 if ui.button(&texts.open_folder).clicked() {
                     let folder = self.path.parent().unwrap_or(&self.path);
                     self.opened = open::that_detached(folder)
@@ -104,8 +104,9 @@ impl Finish {
                 }
                 // Someone who comes back must not have seen where the answers are heading.
                 analyse = self.complete && ui.button("Analyse these results…").clicked();
-                leave = theme::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             });
+            ui.add_space(4.0);
+            leave = theme::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             if let Some(fault) = &self.opened {
                 theme::fault(ui, fault);
             }

@@ -82,6 +82,8 @@ impl Home {
             go = self.start(ui);
             row(ui, "", |ui, _| {
                 ui.horizontal_wrapped(|ui| {
+                    // Three beside each other, so that the example below needs no scrolling.
+                    ui.spacing_mut().button_padding.x = 8.0;
                     if ui.button("Gallery of stimuli…").clicked() {
                         go = Go::To(Page::Gallery(Box::default()));
                     }

@@ -75,9 +75,9 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let protocol = definition::open(&arguments.experiment)?;
-    let observer = match &arguments.observer_file {
-        Some(path) => observer::open(path)?,
-        None => observer::parse("paper.toml", observer::PAPER)?,
+    let (observer, name) = match &arguments.observer_file {
+        Some(path) => (observer::open(path)?, path.display().to_string()),
+        None => (observer::parse("paper.toml", observer::PAPER)?, "paper".to_owned()),
     };
     let (observer, shifts) = effects::apply(observer, &arguments.effects, &protocol)?;
     let terms = arguments.terms.as_deref().map(Terms::parse).transpose();
@@ -94,7 +94,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let powers = simulate(&plan, &participants, &sampling);
     let telling = Telling {
         protocol: &protocol,
-        effects: &arguments.effects,
+        observer: [vec![name], arguments.effects.clone()].concat().join(" "),
         plan: &plan,
         sampling,
         target: arguments.target,

@@ -96,7 +96,7 @@ pub enum PlanError {
         term: String,
     },
     /// No term.
-    #[error("no factor varies; expected a definition with a factor of two levels or more, and terms to test")]
+    #[error("nothing to test; expected a definition with a factor of two levels or more, and a term in --terms")]
     NothingVaries,
 }
 

@@ -116,7 +116,7 @@ impl Scenario {
 
 fn level_names(protocol: &Protocol, condition: &Condition) -> Vec<String> {
     let levels = protocol.factors.iter().zip(&condition.levels);
-    levels.map(|(factor, level)| factor.levels[*level].to_string()).collect()
+    levels.map(|(factor, level)| factor.levels[*level].to_string().trim().to_owned()).collect()
 }
 
 /// Indices of a shift's factor and level.

@@ -124,24 +124,25 @@ fn scale(counts: &Counts) -> Option<(f64, f64)> {
 /// two factors that vary.
 fn figures(results: &Results) -> Option<Sort> {
     let counts = &results.measured.counts;
-    let varied: Vec<usize> = (0..counts.factors.len()).filter(|&f| counts.factors[f].levels.len() > 1).collect();
-    let named = |name: &str| counts.factor(name).map(|(index, _)| index).filter(|index| varied.contains(index));
-    let original = named("width").zip(named("depth"));
-    let pair = original.or_else(|| varied.first().copied().zip(varied.get(1).copied()));
-    let (first, second) = pair?;
+    let mut varied: Vec<usize> = (0..counts.factors.len()).filter(|&f| counts.factors[f].levels.len() > 1).collect();
+    let known = ["width", "depth"];
+    let rank = |&factor: &usize| known.iter().position(|name| *name == counts.factors[factor].name).unwrap_or(2);
+    varied.sort_by_key(rank);
+    let (&first, &second) = varied.first().zip(varied.get(1))?;
+    let original = [first, second].map(|factor| counts.factors[factor].name.as_str()) == known;
     let charts = [("a", first, second), ("b", second, first)]
         .map(|(letter, along, lines)| {
             let (x, line) = (&counts.factors[along].name, &counts.factors[lines].name);
-            let figure = if original.is_some() { format!("Figure 4 ({letter}). ") } else { String::new() };
+            let figure = if original { format!("Figure 4 ({letter}). ") } else { String::new() };
             let chart = Chart {
-                title: format!("{figure}Mean rating by {x}, one line a {line}"),
+                title: format!("{figure}Mean rating by {x}, one line a level of {line}"),
                 about: about_intervals(results),
                 drawing: Drawing::Lines(crossed(results, along, lines)),
             };
             (format!("by {x}"), chart)
         })
         .into();
-    let name = if original.is_some() { "Figure 4".to_owned() } else { "Mean rating".to_owned() };
+    let name = if original { "Figure 4".to_owned() } else { "Mean rating".to_owned() };
     Some(Sort { name, charts })
 }
 

@@ -58,7 +58,7 @@ impl Columns {
     pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Reading> {
         look::heading(ui, "Which column says what?");
         let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
-        look::quiet(ui, format!("{name} is none of machband’s own files: name its columns."));
+        look::quiet(ui, format!("{name} is none of machband's own files: name its columns."));
         choice(ui, "Participant", &mut self.subject, &self.header, None);
         choice(ui, "Rating", &mut self.response, &self.header, None);
         choice(ui, "Number of trials", &mut self.count, &self.header, Some("one a row"));

@@ -52,8 +52,8 @@ impl Comparisons {
             self.text("No factor has several levels that were rated differently: there is nothing to test.");
             return;
         }
-        self.parts.push(Part::Heading("Friedman’s test of each factor".to_owned()));
-        self.text("Whether participants’ means differ between the levels, by ranks. Kendall’s W: 0 no common order, 1 the same order for all.");
+        self.parts.push(Part::Heading("Friedman's test of each factor".to_owned()));
+        self.text("Whether participants' means differ between the levels, by ranks. Kendall's W: 0 no common order, 1 the same order for all.");
         let rows = (tested.iter())
             .map(|(factor, test)| {
                 vec![
@@ -67,7 +67,7 @@ impl Comparisons {
                 ]
             })
             .collect();
-        self.grid("friedman", Grid::new(&["factor", "participants", "levels", "χ²", "df", "p", "Kendall’s W"], rows));
+        self.grid("friedman", Grid::new(&["factor", "participants", "levels", "χ²", "df", "p", "Kendall's W"], rows));
         for factor in results.factors.iter().filter(|factor| !factor.incomplete.is_empty()) {
             self.parts.push(Part::Note(format!(
                 "{}: {} without ratings at every level left out ({}).",
@@ -81,10 +81,10 @@ impl Comparisons {
     fn pairs(&mut self, factor: &FactorResults) {
         let Some(pairs) = factor.pairs.as_ref().filter(|pairs| !pairs.pairs.is_empty()) else { return };
         self.parts.push(Part::Heading(format!("Pairs of {}", factor.name)));
-        self.text("Wilcoxon’s signed-rank test of participants’ means, p corrected by Holm’s method.");
+        self.text("Wilcoxon's signed-rank test of participants' means, p corrected by Holm's method.");
         if pairs.cannot_reach(ALPHA) {
             self.parts.push(Part::Note(format!(
-                "With so few participants and {} no corrected p can be below {}: these comparisons cannot find anything.",
+                "With so few participants and {}, no p corrected by Holm's method can be below {}: these comparisons cannot find a difference.",
                 many(pairs.pairs.len() as u64, "pair"),
                 fixed(pairs.least_p, 3)
             )));
@@ -101,7 +101,7 @@ impl Comparisons {
         let ends = |i: Option<_>| i.map(|i| format!(" ({})", interval(i, 2))).unwrap_or_default();
         if let Some(alpha) = &results.alpha {
             self.text(&format!(
-                "Between participants: Krippendorff’s ordinal α {}{}, of {} in {} that two or more participants rated.",
+                "Between participants: Krippendorff's ordinal α {}{}, of {} in {} that two or more participants rated.",
                 fixed(alpha.alpha, 2),
                 ends(alpha.interval),
                 many(alpha.ratings, "rating"),

@@ -6,6 +6,7 @@ use std::{
 };
 
 use eframe::egui;
+use jiff::Timestamp;
 
 use super::{
     look,
@@ -17,7 +18,7 @@ use crate::{
         dialog::{Ask, Dialog},
         theme,
     },
-    report::Study,
+    report::{Extent, Repetition, Study, write_all},
 };
 
 /// The field, and what was said of the last export.
@@ -28,6 +29,18 @@ pub struct Export {
     said: Option<Result<String, String>>,
     /// A folder with files in it, which may be written into if asked again.
     standing: Option<PathBuf>,
+}
+
+/// What is to be written.
+pub struct Shown<'a> {
+    /// What was read.
+    pub study: &'a Arc<Study>,
+    /// What was made of it.
+    pub results: &'a Arc<Results>,
+    /// What the filters left, in words; empty where that is everything.
+    pub filter: String,
+    /// The command that does the same without filters.
+    pub command: String,
 }
 
 impl Export {
@@ -46,8 +59,13 @@ impl Export {
         }
     }
 
-    /// Draws it. `left_out` says what the filters left, and is empty where that is everything.
-    pub fn show(&mut self, ui: &mut egui::Ui, study: &Arc<Study>, results: Option<&Arc<Results>>, left_out: &str) {
+    /// The folder as it is typed.
+    pub fn folder(&self) -> &str {
+        self.folder.trim()
+    }
+
+    /// Draws it; there is nothing to write while nothing is shown.
+    pub fn show(&mut self, ui: &mut egui::Ui, shown: Option<Shown<'_>>) {
         self.take(ui.ctx());
         let label = ui.label("Export to the folder");
         let width = ui.available_width();
@@ -60,11 +78,11 @@ impl Export {
         let again = self.standing.as_ref() == Some(&folder);
         ui.horizontal_wrapped(|ui| {
             let text = if again { "Write into it" } else { "Export" };
-            let ready = results.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
+            let ready = shown.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
             if ui.add_enabled(ready, egui::Button::new(text)).clicked()
-                && let Some(results) = results
+                && let Some(shown) = &shown
             {
-                self.start(ui.ctx(), folder, again, study, results);
+                self.start(ui.ctx(), folder, again, shown);
             }
             let browse = ui.button("Browse…");
             look::named(ui, &browse, "Choose the folder to export to…");
@@ -76,11 +94,11 @@ impl Export {
                 ui.label(theme::quiet("Writing…"));
             }
         });
-        if !left_out.is_empty() {
-            look::quiet(ui, format!("Exported is what is shown: {left_out}."));
+        if let Some(Shown { filter, .. }) = shown.filter(|shown| !shown.filter.is_empty()) {
+            look::quiet(ui, format!("Exported is what is shown: {filter}."));
         }
         if self.dialog.is_missing() {
-            theme::fault(ui, "No file dialog opened on this system: type the folder’s path.");
+            theme::fault(ui, "No file dialog opened on this system: type the folder's path.");
         }
         match &self.said {
             Some(Ok(text)) => look::quiet(ui, text),
@@ -107,7 +125,7 @@ impl Export {
         ctx.request_repaint();
     }
 
-    fn start(&mut self, ctx: &egui::Context, folder: PathBuf, again: bool, study: &Arc<Study>, results: &Arc<Results>) {
+    fn start(&mut self, ctx: &egui::Context, folder: PathBuf, again: bool, shown: &Shown<'_>) {
         let occupied = folder.read_dir().is_ok_and(|mut entries| entries.next().is_some());
         if occupied && !again {
             let text = format!("{} has files in it, which may be replaced; expected a new folder", folder.display());
@@ -117,29 +135,21 @@ impl Export {
         }
         self.standing = None;
         self.said = None;
-        let (study, results, to) = (study.clone(), results.clone(), folder.clone());
-        self.work = Some((folder, Work::start(ctx, move || write(&study, &results, &to))));
+        let (study, results, to) = (shown.study.clone(), shown.results.clone(), folder.clone());
+        let mut command = shown.command.clone();
+        if !shown.filter.is_empty() {
+            // A comment of the shell: no command filters.
+            command += &format!(" # filtered in the window: {}", shown.filter);
+        }
+        self.work = Some((folder, Work::start(ctx, move || write(&study, &results, &command, &to))));
     }
 }
 
-/// Writes everything; the number of files.
-fn write(study: &Study, results: &Results, folder: &Path) -> Result<usize, String> {
+/// Writes everything that `machband analyze` writes; the number of files.
+fn write(study: &Study, results: &Results, command: &str, folder: &Path) -> Result<usize, String> {
     // The report is about the ratings that the results are of.
     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
-    let _ = shown;
-    use crate::report::tables;
-    let io = |error: std::io::Error| format!("{}: {error}; expected a folder that can be written", folder.display());
-    std::fs::create_dir_all(folder).map_err(io)?;
-    let mut files = vec![
-        ("cells.csv".to_owned(), tables::cells(results).csv()),
-        ("subjects.csv".to_owned(), tables::subjects(results).csv()),
-        ("tests.csv".to_owned(), tables::tests(results).csv()),
-    ];
-    for factor in &results.factors {
-        files.push((format!("by_{}.csv", factor.name), tables::by_factor(results, factor).csv()));
-    }
-    for (name, content) in &files {
-        std::fs::write(folder.join(name), content).map_err(io)?;
-    }
+    let made = Repetition::new(command, Timestamp::now());
+    let files = write_all(&shown, results, &made, folder, Extent::Everything).map_err(|error| error.to_string())?;
     Ok(files.len())
 }

@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, Align, Layout, Rect, RichText, ScrollArea, Sense, TextStyle, UiBuilder, Vec2};
 
+use super::words;
 use crate::{app::theme, report::tables::Table};
 
 /// Room within a column, points.
@@ -26,11 +27,13 @@ impl Grid {
 
     /// A table of the files, its numbers rounded to three decimals but for the first columns, which are names.
     pub fn rounded(table: &Table, names: usize) -> Self {
-        let cell = |(column, text): (usize, &String)| match text.parse::<f64>() {
-            Ok(number) if column >= names && text.contains(['.', 'e']) => super::words::fixed(number, 3),
+        let columns = 0..table.header.len();
+        let decimals: Vec<Option<usize>> = columns.map(|c| decimals(&table.rows, c).filter(|_| c >= names)).collect();
+        let cell = |(text, decimals): (&String, &Option<usize>)| match (text.parse::<f64>(), decimals) {
+            (Ok(number), Some(decimals)) => words::fixed(number, *decimals),
             _ => text.clone(),
         };
-        let rows = table.rows.iter().map(|row| row.iter().enumerate().map(cell).collect()).collect();
+        let rows = table.rows.iter().map(|row| row.iter().zip(&decimals).map(cell).collect()).collect();
         Self::of(table.header.clone(), rows)
     }
 
@@ -102,19 +105,29 @@ impl Grid {
     }
 }
 
+/// How many decimals, up to three, the numbers of a column have; none where none has any.
+fn decimals(rows: &[Vec<String>], column: usize) -> Option<usize> {
+    let of = |text: &String| match text.split_once('.') {
+        _ if text.contains('e') => 3,
+        Some((_, decimals)) => decimals.len(),
+        None => 0,
+    };
+    rows.iter().map(|row| of(&row[column]).min(3)).max().filter(|decimals| *decimals > 0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn what_is_computed_is_rounded_and_what_is_named_is_not() {
-        let text = |cells: [&str; 4]| cells.map(str::to_owned).to_vec();
+        let text = |cells: [&str; 5]| cells.map(str::to_owned).to_vec();
         let table = Table {
-            header: text(["width", "who", "n", "mean"]),
-            rows: vec![text(["0.0251", "S1", "96", "1.23456"]), text(["inf", "S2", "1", ""])],
+            header: text(["width", "who", "n", "mean", "median"]),
+            rows: vec![text(["0.0251", "S1", "96", "1.23456", "2"]), text(["inf", "S2", "1", "", "0.5"])],
         };
         let grid = Grid::rounded(&table, 2);
-        assert_eq!(grid.rows[0], ["0.0251", "S1", "96", "1.235"]);
-        assert_eq!(grid.numeric, [true, false, true, true]);
+        assert_eq!(grid.rows, [["0.0251", "S1", "96", "1.235", "2.0"], ["inf", "S2", "1", "", "0.5"]]);
+        assert_eq!(grid.numeric, [true, false, true, true, true]);
     }
 }

@@ -1,8 +1,14 @@
 //! Small things that the parts of the pane have in common.
 
-use eframe::egui::{self, Label, Response, RichText};
+use eframe::egui::{self, ComboBox, Label, Response, RichText};
 
 use crate::app::theme;
+
+/// Much on a page, and bars that show where there is more of it.
+pub fn dense(ui: &mut egui::Ui) {
+    theme::compact(ui);
+    ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
+}
 
 /// Tells what a control is to someone who does not see it.
 pub fn named(ui: &egui::Ui, response: &Response, name: &str) {
@@ -33,13 +39,23 @@ pub fn heading(ui: &mut egui::Ui, text: impl Into<String>) {
     ui.add(Label::new(RichText::new(text).strong().size(18.0)).wrap());
 }
 
-/// A choice of one among names, on as many lines as it needs; true where it changed.
-pub fn chips(ui: &mut egui::Ui, chosen: &mut usize, names: impl IntoIterator<Item = impl Into<String>>) {
-    ui.horizontal_wrapped(|ui| {
-        for (index, name) in names.into_iter().enumerate() {
-            if ui.selectable_label(*chosen == index, name.into()).clicked() {
-                *chosen = index;
+/// A choice of one among names: all of them beside each other, or a list where there is little room.
+pub fn choice(ui: &mut egui::Ui, name: &str, chosen: &mut usize, names: &[&str], narrow: bool) {
+    *chosen = (*chosen).min(names.len().saturating_sub(1));
+    if narrow {
+        let text = names.get(*chosen).copied().unwrap_or_default();
+        let list = ComboBox::from_id_salt(name).selected_text(text).width(150.0).truncate().show_ui(ui, |ui| {
+            theme::compact(ui);
+            for (index, name) in names.iter().enumerate() {
+                ui.selectable_value(chosen, index, *name);
             }
+        });
+        named(ui, &list.response, name);
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        for (index, name) in names.iter().enumerate() {
+            ui.selectable_value(chosen, index, *name);
         }
     });
 }

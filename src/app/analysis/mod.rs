@@ -3,6 +3,7 @@
 
 mod charts;
 mod columns;
+mod command;
 mod comparisons;
 mod export;
 mod filters;
@@ -57,6 +58,8 @@ pub struct Analysis {
 /// Files on their way.
 struct Pending {
     how: Reading,
+    /// The files that are open now, in another way.
+    again: bool,
     work: Work<Result<Study, FileFaults>>,
 }
 
@@ -88,7 +91,7 @@ impl Analysis {
         self.paths.clone_from(&paths);
         self.fault = None;
         let asked = how.clone();
-        self.reading = Some(Pending { how, work: Work::start(ctx, move || Study::read(&paths, &asked)) });
+        self.reading = Some(Pending { how, again: false, work: Work::start(ctx, move || Study::read(&paths, &asked)) });
     }
 
     /// Draws the page.
@@ -132,17 +135,26 @@ impl Analysis {
             Progress::Done(read) => read.map_err(|faults| faults.to_string()),
             Progress::Lost => Err("The files could not be read: the reading ended unexpectedly".to_owned()),
         };
-        let Some(Pending { how, .. }) = self.reading.take() else { return };
+        let Some(Pending { how, again, .. }) = self.reading.take() else { return };
         match read {
             Ok(study) => {
                 self.columns = None;
-                self.opened = Some(Box::new(Opened::new(study, self.paths.clone(), how)));
+                let before = self.opened.take().filter(|_| again);
+                self.opened = Some(Box::new(match before {
+                    Some(before) => Opened::again(study, how, *before),
+                    None => Opened::new(study, self.paths.clone(), how),
+                }));
             }
-            Err(fault) => {
-                self.opened = None;
-                self.columns = Columns::needed(&self.paths, &how);
-                self.fault = Some(fault);
-            }
+            Err(fault) => match self.opened.as_mut().filter(|_| again) {
+                Some(opened) => opened.refused(&how, fault),
+                None => {
+                    self.opened = None;
+                    self.columns = Columns::needed(&self.paths, &how);
+                    // Before any column is named there is nothing wrong with the names.
+                    let asked = self.columns.is_some() && how.subject.is_none();
+                    self.fault = (!asked).then_some(fault);
+                }
+            },
         }
     }
 
@@ -152,7 +164,12 @@ impl Analysis {
         match opened.take_wish() {
             Some(opened::Wish::Other) => self.opened = None,
             Some(opened::Wish::Columns) => self.columns = Columns::of(&self.paths, opened.how()),
-            Some(opened::Wish::Again(how)) => self.open(ctx, self.paths.clone(), how),
+            Some(opened::Wish::Again(how)) => {
+                self.open(ctx, self.paths.clone(), how);
+                if let Some(pending) = &mut self.reading {
+                    pending.again = true;
+                }
+            }
             None => {}
         }
     }
@@ -162,6 +179,7 @@ impl Analysis {
         let mut back = false;
         let mut wish = None;
         let mut named = None;
+        let mut keep = false;
         theme::page_from(ui, 0.02, |ui| {
             ui.horizontal(|ui| {
                 ui.heading("Analysis");
@@ -180,6 +198,7 @@ impl Analysis {
             }
             if let Some(columns) = &mut self.columns {
                 named = columns.show(ui);
+                keep = self.opened.is_some() && ui.button("Leave the columns as they are").clicked();
             }
             for line in self.fault.iter().flat_map(|fault| fault.lines()).take(20) {
                 theme::fault(ui, line);
@@ -190,6 +209,9 @@ impl Analysis {
             }
             wish = self.start.show(ui, self.dialog.is_missing());
         });
+        if keep {
+            self.columns = None;
+        }
         if let Some(how) = named {
             self.open(ui.ctx(), self.paths.clone(), how);
         }

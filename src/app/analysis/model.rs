@@ -110,7 +110,11 @@ impl ModelView {
 fn summary(model: &Model, terms: &str) -> String {
     let method = match model.method.as_str() {
         "clm" => "Cumulative-link model".to_owned(),
-        mixed => format!("Cumulative-link mixed model ({})", mixed.trim_start_matches("clmm-")),
+        "clmm-laplace" => "Cumulative-link mixed model (Laplace)".to_owned(),
+        mixed => match mixed.strip_prefix("clmm-aghq-") {
+            Some(nodes) => format!("Cumulative-link mixed model (Gauss–Hermite, {nodes} nodes)"),
+            None => mixed.to_owned(),
+        },
     };
     let terms = if terms.is_empty() { "no terms".to_owned() } else { terms.replace(',', ", ") };
     format!(

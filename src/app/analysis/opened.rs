@@ -7,8 +7,9 @@ use eframe::egui;
 use super::{
     NARROW,
     charts::{self, Sort},
+    command,
     comparisons::Comparisons,
-    export::Export,
+    export::{Export, Shown},
     filters::{self, Filters},
     look,
     model::ModelView,
@@ -64,6 +65,8 @@ pub struct Opened {
     /// The last one that finished.
     shown: Option<Outcome>,
     fault: Option<String>,
+    /// Why the files could not be read in another way.
+    refused: Option<String>,
     plot: plots::Chosen,
     table: usize,
     export: Export,
@@ -100,6 +103,7 @@ impl Opened {
             work: None,
             shown: None,
             fault: None,
+            refused: None,
             plot: plots::Chosen::default(),
             table: 0,
             export: Export::new(&paths),
@@ -109,6 +113,33 @@ impl Opened {
             copied: None,
             wish: None,
         }
+    }
+
+    /// The same files read in another way: what was chosen stays, as far as there still is a choice.
+    pub fn again(study: Study, how: Reading, before: Self) -> Self {
+        let (old, new) = (&before.study.measured.counts, &study.measured.counts);
+        let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
+        Self {
+            source: SourceView::new(&study.source),
+            filters: if same { before.filters } else { Filters::new(new) },
+            study: Arc::new(study),
+            how,
+            asked: None,
+            work: None,
+            shown: None,
+            fault: None,
+            wish: None,
+            copied: None,
+            refused: None,
+            ..before
+        }
+    }
+
+    /// The files could not be read in another way: what is here stays.
+    pub fn refused(&mut self, how: &Reading, why: String) {
+        // Not to be asked for again and again.
+        self.how.also.clone_from(&how.also);
+        self.refused = Some(why);
     }
 
     /// How it was read.
@@ -132,22 +163,23 @@ impl Opened {
             let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
             let panel = egui::Panel::left("analysis").resizable(false).exact_size(width);
             panel.frame(egui::Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
+                look::dense(ui);
                 egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    theme::compact(ui);
-                    // Room for the scroll bar.
-                    ui.set_max_width(ui.available_width() - 6.0);
                     back = head(ui);
                     self.controls(ui);
                 });
             });
         }
         egui::CentralPanel::default().frame(egui::Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-            theme::compact(ui);
-            if narrow {
-                back = head(ui);
-            }
-            self.tabs(ui, tab, narrow);
-            self.view(ui, *tab);
+            look::dense(ui);
+            ui.horizontal_wrapped(|ui| {
+                if narrow {
+                    back = ui.button("Back").clicked();
+                }
+                self.tabs(ui, tab, narrow);
+            });
+            ui.separator();
+            self.view(ui, *tab, narrow);
         });
         back
     }
@@ -177,11 +209,6 @@ impl Opened {
         self.work = Some(Work::start(ctx, move || Outcome::new(&study, query)));
     }
 
-    /// Whether something newer than what is shown is on its way.
-    fn is_busy(&self) -> bool {
-        self.work.is_some()
-    }
-
     fn tabs(&self, ui: &mut egui::Ui, tab: &mut Tab, narrow: bool) {
         let names = [
             (Tab::Data, "Data"),
@@ -190,22 +217,19 @@ impl Opened {
             (Tab::Model, "Model"),
             (Tab::Tests, "Tests"),
         ];
-        ui.horizontal_wrapped(|ui| {
-            for (one, name) in names.into_iter().skip(usize::from(!narrow)) {
-                let text = egui::RichText::new(name).size(17.0).strong();
-                if ui.selectable_label(*tab == one, text).clicked() {
-                    *tab = one;
-                }
+        for (one, name) in names.into_iter().skip(usize::from(!narrow)) {
+            let text = egui::RichText::new(name).size(17.0).strong();
+            if ui.selectable_label(*tab == one, text).clicked() {
+                *tab = one;
             }
-            if self.is_busy() {
-                ui.spinner();
-                ui.label(theme::quiet("Analysing…"));
-            }
-        });
-        ui.separator();
+        }
+        if self.work.is_some() {
+            ui.spinner();
+            ui.label(theme::quiet("Analysing…"));
+        }
     }
 
-    fn view(&mut self, ui: &mut egui::Ui, tab: Tab) {
+    fn view(&mut self, ui: &mut egui::Ui, tab: Tab, narrow: bool) {
         if tab == Tab::Data {
             egui::ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| self.controls(ui));
             return;
@@ -226,8 +250,8 @@ impl Opened {
         look::quiet(ui, format!("{ratings} of {people}.{shown}"));
         match tab {
             Tab::Data => {}
-            Tab::Plots => plots::show(ui, &outcome.sorts, &mut self.plot),
-            Tab::Tables => outcome.tables.show(ui, &mut self.table),
+            Tab::Plots => plots::show(ui, &outcome.sorts, &mut self.plot, narrow),
+            Tab::Tables => outcome.tables.show(ui, &mut self.table, narrow),
             Tab::Model => outcome.model.show(ui),
             Tab::Tests => outcome.comparisons.show(ui),
         }
@@ -241,6 +265,9 @@ impl Opened {
             if ui.checkbox(&mut complete, "Leave out unfinished sessions").changed() {
                 self.wish = Some(Wish::Again(Reading { complete_only: complete, ..self.how.clone() }));
             }
+        }
+        if let Some(why) = &self.refused {
+            theme::fault(ui, why);
         }
         ui.horizontal_wrapped(|ui| {
             if ui.button("Other data…").clicked() {
@@ -259,6 +286,7 @@ impl Opened {
         ui.separator();
         let error = self.shown.as_ref().and_then(|outcome| outcome.results.model.as_ref().err());
         self.settings.show(ui, counts, self.filters.people(), error);
+        self.read_columns_of_terms();
         ui.separator();
         self.take_along(ui);
     }
@@ -266,32 +294,39 @@ impl Opened {
     fn take_along(&mut self, ui: &mut egui::Ui) {
         // What is on the page, and nothing that is still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none());
-        let left = outcome.map(|outcome| outcome.left_out(&self.study)).unwrap_or_default();
-        self.export.show(ui, &self.study, outcome.map(|outcome| &outcome.results), &left);
-        let whole = !self.filters.is_narrowed();
-        let copy = ui.add_enabled(whole, egui::Button::new("Copy as command"));
+        let command =
+            |outcome: &Outcome, out: &str| command::analyze(&self.paths, &self.how, &outcome.query.options, out);
+        let shown = outcome.map(|outcome| Shown {
+            study: &self.study,
+            results: &outcome.results,
+            filter: outcome.left_out(&self.study),
+            command: command(outcome, self.export.folder()),
+        });
+        self.export.show(ui, shown);
+        let whole = outcome.filter(|_| !self.filters.is_narrowed());
+        let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));
         if copy.on_disabled_hover_text("The command analyses everything: check everything first.").clicked() {
-            let command = self.command();
-            ui.ctx().copy_text(command.clone());
-            self.copied = Some(command);
+            self.copied = whole.map(|outcome| command(outcome, self.export.folder()));
+            ui.ctx().copy_text(self.copied.clone().unwrap_or_default());
         }
-        if let Some(command) = self.copied.as_ref().filter(|_| whole) {
+        if let Some(command) = self.copied.as_ref().filter(|_| whole.is_some()) {
             look::quiet(ui, format!("Copied: {command}"));
         }
     }
 
-    /// The same analysis by command.
-    fn command(&self) -> String {
-        let mut words = vec!["machband".to_owned(), "analyze".to_owned()];
-        words.extend(self.paths.iter().map(|path| path.display().to_string()));
-        words.extend(["--out".to_owned(), "analysis".to_owned()]);
-        let columns =
-            [("--subject", &self.how.subject), ("--response", &self.how.response), ("--count", &self.how.count)];
-        for (name, column) in columns {
-            words.extend(column.iter().flat_map(|column| [name.to_owned(), column.clone()]));
+    /// Columns that the terms name and that nobody has read yet, or that they name no more: then the files are read
+    /// again.
+    fn read_columns_of_terms(&mut self) {
+        let counts = &self.study.measured.counts;
+        let usual = counts
+            .factors
+            .iter()
+            .map(|factor| factor.name.as_str())
+            .filter(|name| !self.how.also.iter().any(|also| also == name));
+        let also = self.settings.missing(usual);
+        if also != self.how.also && self.wish.is_none() {
+            self.wish = Some(Wish::Again(Reading { also, ..self.how.clone() }));
         }
-        words.extend(self.settings.arguments());
-        words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
     }
 }
 
@@ -328,14 +363,4 @@ fn head(ui: &mut egui::Ui) -> bool {
         back
     })
     .inner
-}
-
-/// A word for a shell.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=@%+".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
 }

@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-use eframe::egui::{self, Color32, Stroke, Vec2};
-use egui_plot::{Bar, BarChart, GridMark, HoverPosition, Line, MarkerShape, Plot, PlotUi, Points, VLine};
+use eframe::egui::{self, Color32, Rangef, Stroke, Vec2};
+use egui_plot::{AxisHints, Bar, BarChart, GridMark, HoverPosition, Line, MarkerShape, Plot, PlotUi, Points, VLine};
 
 use super::{
     charts::{Chart, Drawing, Lines, Series, Sort, Stacks},
-    look,
+    look, words,
 };
 use crate::app::{
     finish::{COLORS, MARKERS},
@@ -17,9 +17,11 @@ use crate::app::{
 /// Most points of a plot's sides.
 const LARGEST: Vec2 = Vec2::new(1200.0, 760.0);
 /// Least height; below it, the view scrolls.
-const LEAST: f32 = 240.0;
+const LEAST: f32 = 190.0;
 /// From this many series on a legend would be longer than the plot.
 const MOST_NAMED: usize = 24;
+/// Width of a bar, of the distance of two.
+const BAR: f64 = 0.8;
 /// Between the names of two places, points.
 const LABEL_GAP: f32 = 10.0;
 
@@ -31,22 +33,31 @@ pub struct Chosen {
 }
 
 /// Draws the choice and the chosen plot.
-pub fn show(ui: &mut egui::Ui, sorts: &[Sort], chosen: &mut Chosen) {
-    chosen.sort = chosen.sort.min(sorts.len().saturating_sub(1));
-    look::chips(ui, &mut chosen.sort, sorts.iter().map(|sort| sort.name.as_str()));
-    let Some(sort) = sorts.get(chosen.sort) else { return };
-    chosen.by = chosen.by.min(sort.charts.len().saturating_sub(1));
-    if sort.charts.len() > 1 {
-        look::chips(ui, &mut chosen.by, sort.charts.iter().map(|(by, _)| by.as_str()));
+pub fn show(ui: &mut egui::Ui, sorts: &[Sort], chosen: &mut Chosen, narrow: bool) {
+    let names: Vec<&str> = sorts.iter().map(|sort| sort.name.as_str()).collect();
+    let mut choices = |ui: &mut egui::Ui| {
+        look::choice(ui, "Plot", &mut chosen.sort, &names, narrow);
+        let Some(sort) = sorts.get(chosen.sort) else { return };
+        let by: Vec<&str> = sort.charts.iter().map(|(by, _)| by.as_str()).collect();
+        chosen.by = chosen.by.min(by.len().saturating_sub(1));
+        if by.len() > 1 {
+            look::choice(ui, "Plotted by", &mut chosen.by, &by, narrow);
+        }
+    };
+    if narrow {
+        ui.horizontal_wrapped(&mut choices).inner
+    } else {
+        choices(ui)
     }
-    let Some((_, chart)) = sort.charts.get(chosen.by) else { return };
-    ui.add_space(4.0);
+    let chart = sorts.get(chosen.sort).and_then(|sort| sort.charts.get(chosen.by));
+    let Some((_, chart)) = chart else { return };
     egui::ScrollArea::vertical().id_salt("plot").auto_shrink(false).show(ui, |ui| draw(ui, chart));
 }
 
 fn draw(ui: &mut egui::Ui, chart: &Chart) {
     look::heading(ui, &chart.title);
     look::quiet(ui, &chart.about);
+    ui.add_space(2.0);
     let room = ui.available_size();
     let width = room.x.min(LARGEST.x);
     let response = match &chart.drawing {
@@ -156,11 +167,45 @@ fn still<'a>(id: &str, size: Vec2) -> Plot<'a> {
         .allow_boxed_zoom(false)
         .allow_double_click_reset(false)
         .show_crosshair(false)
+        .grid_color(Color32::from_gray(0x4c))
+        .set_margin_fraction(Vec2::new(0.02, 0.0))
+}
+
+/// An axis of places by name.
+fn place_axis<'a>(hints: AxisHints<'a>, name: &str, labels: &[String]) -> AxisHints<'a> {
+    let labels = labels.to_vec();
+    // The marks are far enough from each other as they are set.
+    hints
+        .label(name.to_owned())
+        .formatter(move |mark, _| label_at(&labels, mark.value))
+        .label_spacing(Rangef::new(1.0, 2.0))
+}
+
+/// An axis of values, whose marks are this far apart.
+fn value_axis<'a>(hints: AxisHints<'a>, name: &str, step: f64) -> AxisHints<'a> {
+    let decimals = (-step.log10().floor()).max(0.0) as usize;
+    hints
+        .label(name.to_owned())
+        .formatter(move |mark, _| words::fixed(mark.value, decimals))
+        .label_spacing(Rangef::new(1.0, 2.0))
+}
+
+/// The distance of marks, 1, 2 or 5 times a power of ten, of which there are at most so many.
+fn step_between([low, high]: [f64; 2], most: f64) -> f64 {
+    let least = (high - low).max(1e-9) / most.max(1.0);
+    let power = 10_f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= least).unwrap_or(10.0 * power)
+}
+
+/// Marks at multiples of a step.
+fn multiples([low, high]: [f64; 2], step: f64) -> Vec<GridMark> {
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last).map(|i| GridMark { value: i as f64 * step, step_size: step }).collect()
 }
 
 /// Marks at whole numbers, as many as there are places; of many, one in so many that the names do not touch.
 fn places(labels: &[String], step: usize) -> Vec<GridMark> {
-    (0..labels.len()).step_by(step).map(|i| GridMark { value: i as f64, step_size: 1.0 }).collect()
+    (0..labels.len()).step_by(step).map(|i| GridMark { value: i as f64, step_size: step as f64 }).collect()
 }
 
 /// How many places a name takes along an axis of a width.
@@ -183,6 +228,21 @@ fn label_at(labels: &[String], value: f64) -> String {
 fn shift(index: usize, number: usize) -> f64 {
     let step = (0.4 / number.max(1) as f64).min(0.07);
     (index as f64 - (number as f64 - 1.0) / 2.0) * step
+}
+
+/// The least and the greatest value that is to be seen, and a little more.
+fn reach(lines: &Lines) -> [f64; 2] {
+    let ends = (lines.series.iter().flat_map(|series| &series.points))
+        .flat_map(|point| {
+            [point.interval.map_or(point.value, |i| i.low), point.interval.map_or(point.value, |i| i.high)]
+        })
+        .chain(lines.range.into_iter().flat_map(|(low, high)| [low, high]));
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), end| (l.min(end), h.max(end)));
+    if low > high {
+        return [0.0, 1.0];
+    }
+    let more = 0.04 * (high - low).max(1e-6);
+    [low - more, high + more]
 }
 
 /// What the mouse is told at each point.
@@ -209,29 +269,28 @@ fn hovered(words: &HashMap<String, Vec<String>>, position: &HoverPosition<'_>) -
 }
 
 fn upright(ui: &mut egui::Ui, lines: &Lines, size: Vec2) -> egui::Response {
+    let ends = reach(lines);
+    let every = step_between(ends, f64::from(size.y) / 60.0);
     let labels = lines.labels.clone();
     let step = label_step(ui, &labels, size.x);
     let last = labels.len().saturating_sub(1) as f64;
     let words = hover_words(lines);
-    let mut plot = still("upright", size)
+    let plot = still("upright", size)
         .include_x(-0.4)
         .include_x(last + 0.4)
-        .x_axis_label(lines.places.clone())
-        .y_axis_label(lines.values.clone())
-        .x_grid_spacer({
-            let labels = labels.clone();
-            move |_| places(&labels, step)
-        })
-        .x_axis_formatter(move |mark, _| label_at(&labels, mark.value))
+        .include_y(ends[0])
+        .include_y(ends[1])
+        .custom_x_axes(vec![place_axis(AxisHints::new_x(), &lines.places, &labels)])
+        .custom_y_axes(vec![value_axis(AxisHints::new_y(), &lines.values, every)])
+        .y_grid_spacer(move |_| multiples(ends, every))
+        .x_grid_spacer(move |_| places(&labels, step))
         .label_formatter(move |position| hovered(&words, position));
-    if let Some((low, high)) = lines.range {
-        plot = plot.include_y(low - 0.03 * (high - low)).include_y(high + 0.03 * (high - low));
-    }
+    let number = lines.series.len();
+    let beside = lines.series.iter().flat_map(|series| &series.points).any(|point| point.interval.is_some());
     plot.show(ui, |plot| {
-        let number = lines.series.len();
         for (index, series) in lines.series.iter().enumerate() {
             let (color, marker) = mark_of(index);
-            let at = |place: usize| place as f64 + shift(index, number);
+            let at = |place: usize| place as f64 + if beside { shift(index, number) } else { 0.0 };
             for point in &series.points {
                 let Some(interval) = point.interval else { continue };
                 let x = at(point.place);
@@ -250,25 +309,24 @@ fn upright(ui: &mut egui::Ui, lines: &Lines, size: Vec2) -> egui::Response {
 }
 
 fn sideways(ui: &mut egui::Ui, lines: &Lines, size: Vec2) -> egui::Response {
+    let ends = reach(lines);
+    let every = step_between(ends, f64::from(size.x) / 90.0);
     let labels = lines.labels.clone();
     let number = labels.len();
     let words = hover_words(lines);
     // The first on top.
     let at = move |place: usize| (number - 1 - place) as f64;
     let names: Vec<String> = labels.iter().rev().cloned().collect();
-    let mut plot = still("sideways", size)
+    let plot = still("sideways", size)
         .include_y(-0.6)
         .include_y(number as f64 - 0.4)
-        .x_axis_label(lines.values.clone())
-        .y_grid_spacer({
-            let names = names.clone();
-            move |_| places(&names, 1)
-        })
-        .y_axis_formatter(move |mark, _| label_at(&names, mark.value))
+        .include_x(ends[0])
+        .include_x(ends[1])
+        .custom_x_axes(vec![value_axis(AxisHints::new_x(), &lines.values, every)])
+        .x_grid_spacer(move |_| multiples(ends, every))
+        .custom_y_axes(vec![place_axis(AxisHints::new_y(), &lines.places, &names)])
+        .y_grid_spacer(move |_| places(&names, 1))
         .label_formatter(move |position| hovered(&words, position));
-    if let Some((low, high)) = lines.range {
-        plot = plot.include_x(low).include_x(high);
-    }
     plot.show(ui, |plot| {
         plot.vline(VLine::new("none", 0.0).color(theme::QUIET).width(1.0).allow_hover(false));
         for (index, series) in lines.series.iter().enumerate() {
@@ -300,32 +358,81 @@ fn stacked(ui: &mut egui::Ui, stacks: &Stacks, size: Vec2) -> egui::Response {
         .include_x(last + 0.6)
         .include_y(0.0)
         .include_y(1.0)
-        .x_axis_label(stacks.places.clone())
-        .y_axis_label("proportion")
-        .x_grid_spacer({
-            let labels = labels.clone();
-            move |_| places(&labels, step)
-        })
-        .x_axis_formatter({
-            let labels = labels.clone();
-            move |mark, _| label_at(&labels, mark.value)
-        });
-    plot.show(ui, |plot| {
+        .custom_x_axes(vec![place_axis(AxisHints::new_x(), &stacks.places, &labels)])
+        .custom_y_axes(vec![value_axis(AxisHints::new_y(), "proportion", 0.2)])
+        .y_grid_spacer(|_| multiples([0.0, 1.0], 0.2))
+        .x_grid_spacer(move |_| places(&labels, step))
+        .label_formatter(|_| None);
+    let shown = plot.show(ui, |plot| {
         let mut charts: Vec<BarChart> = Vec::new();
-        for ((category, shares), color) in stacks.categories.iter().zip(colors) {
-            let bars = shares.iter().enumerate().map(|(i, &share)| Bar::new(i as f64, share).width(0.8)).collect();
-            let (category, places, labels) = (category.clone(), stacks.places.clone(), labels.clone());
-            let words = move |bar: &Bar, _: &BarChart| {
-                let place = label_at(&labels, bar.argument);
-                format!("{places} {place}: {:.1} % rated {category}", 100.0 * bar.value)
-            };
-            let chart = BarChart::new("stack", bars).color(color).element_formatter(Box::new(words));
+        for ((_, shares), color) in stacks.categories.iter().zip(colors) {
+            let bar =
+                |(i, &share): (usize, &f64)| Bar::new(i as f64, share).width(BAR).fill(color).stroke(Stroke::NONE);
+            let chart = BarChart::new("stack", shares.iter().enumerate().map(bar).collect()).allow_hover(false);
             let below: Vec<&BarChart> = charts.iter().collect();
             charts.push(chart.stack_on(&below));
         }
         for chart in charts {
             plot.bar_chart(chart);
         }
-    })
-    .response
+    });
+    let at = shown.response.hover_pos().map(|pos| shown.transform.value_from_position(pos));
+    match at.and_then(|at| share_words(stacks, at.x, at.y)) {
+        Some(words) => shown.response.on_hover_text_at_pointer(words),
+        None => shown.response,
+    }
+}
+
+/// What the bar at these coordinates says.
+fn share_words(stacks: &Stacks, x: f64, y: f64) -> Option<String> {
+    let place = x.round();
+    let label = stacks.labels.get(place as usize).filter(|_| place >= 0.0 && (x - place).abs() <= BAR / 2.0)?;
+    let mut top = 0.0;
+    let (category, shares) = stacks.categories.iter().find(|(_, shares)| {
+        top += shares[place as usize];
+        (0.0..=top).contains(&y)
+    })?;
+    let percent = words::fixed(100.0 * shares[place as usize], 1);
+    Some(format!("{} {label}: {percent} % rated {category}", stacks.places))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_round_and_not_too_many() {
+        for (ends, most, step) in [([-0.12, 3.12], 8.0, 0.5), ([-5.3, 1.5], 4.0, 2.0), ([0.0, 1.0], 5.0, 0.2)] {
+            assert_eq!(step_between(ends, most), step, "{ends:?}");
+            let marks = multiples(ends, step);
+            assert!((2..=most as usize + 1).contains(&marks.len()));
+            assert!(marks.iter().all(|mark| ends[0] - 1e-9 <= mark.value && mark.value <= ends[1] + 1e-9));
+        }
+        assert_eq!(multiples([0.0, 1.0], 0.2).len(), 6);
+    }
+
+    #[test]
+    fn a_bar_says_what_is_under_the_mouse() {
+        let stacks = Stacks {
+            places: "width".to_owned(),
+            labels: ["0.1", "0.2"].map(str::to_owned).to_vec(),
+            categories: vec![("0".to_owned(), vec![0.25, 0.0]), ("1".to_owned(), vec![0.75, 1.0])],
+        };
+        let words = |x, y| share_words(&stacks, x, y);
+        assert_eq!(words(0.3, 0.2).as_deref(), Some("width 0.1: 25.0 % rated 0"));
+        assert_eq!(words(-0.3, 0.3).as_deref(), Some("width 0.1: 75.0 % rated 1"));
+        assert_eq!(words(1.0, 0.3).as_deref(), Some("width 0.2: 100.0 % rated 1"));
+        assert_eq!([words(0.5, 0.2), words(0.0, 1.1), words(0.0, -0.1), words(2.0, 0.5)], [None, None, None, None]);
+    }
+
+    #[test]
+    fn series_and_categories_differ() {
+        let looks: Vec<_> = (0..MOST_NAMED).map(mark_of).collect();
+        assert!((1..looks.len()).all(|i| !looks[..i].contains(&looks[i])));
+        for number in 1..12 {
+            let light: Vec<u32> =
+                shades(number).iter().map(|c| c.to_array()[..3].iter().map(|&v| u32::from(v)).sum()).collect();
+            assert!(light.windows(2).all(|pair| pair[0] < pair[1]), "{light:?}");
+        }
+    }
 }

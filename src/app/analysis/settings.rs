@@ -108,22 +108,18 @@ impl Settings {
         }
     }
 
-    /// What `machband analyze` is to be told to compute the same, where it is not what it does anyway.
-    pub fn arguments(&self) -> Vec<String> {
-        let mut arguments = Vec::new();
-        let mut say = |name: &str, value: &str| arguments.extend([name.to_owned(), value.to_owned()]);
-        if !self.terms.trim().is_empty() {
-            say("--terms", self.terms.trim());
+    /// What the terms name that is none of these factors.
+    pub fn missing<'a>(&self, known: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+        let Ok(Options { terms: Some(terms), .. }) = self.options() else { return Vec::new() };
+        let mut names: Vec<String> = Vec::new();
+        for name in terms.iter().flat_map(|term| &term.variables).map(|variable| variable.name()) {
+            let is_there = |wanted: &str| known.clone().any(|other| other == wanted);
+            let from_depth = name == "inv_n" && is_there("depth");
+            if !is_there(name) && !from_depth && !names.iter().any(|other| other == name) {
+                names.push(name.to_owned());
+            }
         }
-        if self.link != Link::default() {
-            say("--link", &self.link.to_string());
-        }
-        if !self.random {
-            say("--random", "none");
-        } else if self.nodes != 1 {
-            say("--quadrature", &self.nodes.to_string());
-        }
-        arguments
+        names
     }
 }
 

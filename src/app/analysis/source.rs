@@ -43,17 +43,14 @@ impl SourceView {
             named: source.files.iter().any(|file| file.layout == Layout::Long),
         };
         let left_out = [
-            (sum(|file| file.practice), "practice rating"),
-            (sum(|file| file.superseded), "rating that was taken back"),
-            (sum(|file| file.unfinished), "rating of unfinished sessions"),
-            (sum(|file| file.faulty), "row with a fault"),
+            (sum(|file| file.practice), "practice rating", ""),
+            (sum(|file| file.superseded), "rating", " taken back"),
+            (sum(|file| file.unfinished), "rating", " of unfinished sessions"),
+            (sum(|file| file.faulty), "row", " with a fault"),
         ];
         let left_out: Vec<String> = (left_out.into_iter())
-            .filter(|(number, _)| *number > 0)
-            .map(|(number, what)| match what.split_once(' ') {
-                Some((noun, rest)) if noun == "rating" || noun == "row" => format!("{} {rest}", many(number, noun)),
-                _ => many(number, what),
-            })
+            .filter(|(number, ..)| *number > 0)
+            .map(|(number, what, more)| many(number, what) + more)
             .collect();
         if !left_out.is_empty() {
             view.said.push(format!("Left out: {}.", left_out.join(", ")));

@@ -44,9 +44,9 @@ impl Tables {
     }
 
     /// Draws the choice and the chosen table.
-    pub fn show(&mut self, ui: &mut egui::Ui, chosen: &mut usize) {
-        *chosen = (*chosen).min(self.tables.len().saturating_sub(1));
-        look::chips(ui, chosen, self.tables.iter().map(|entry| entry.name.as_str()));
+    pub fn show(&mut self, ui: &mut egui::Ui, chosen: &mut usize, narrow: bool) {
+        let names: Vec<&str> = self.tables.iter().map(|entry| entry.name.as_str()).collect();
+        look::choice(ui, "Table", chosen, &names, narrow);
         let Some(entry) = self.tables.get_mut(*chosen) else { return };
         ui.horizontal_wrapped(|ui| {
             look::heading(ui, &entry.title);

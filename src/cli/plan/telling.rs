@@ -9,8 +9,8 @@ use crate::{
 /// Everything there is to tell.
 pub(super) struct Telling<'a> {
     pub protocol: &'a Protocol,
-    /// What was asked for by `--effect`.
-    pub effects: &'a [String],
+    /// The observer and the effects that it was given: `paper oblique=0.3`.
+    pub observer: String,
     pub plan: &'a Plan,
     pub sampling: Sampling,
     /// The power that is enough.
@@ -28,11 +28,10 @@ impl Telling<'_> {
     pub fn heading(&self) -> String {
         let (spec, Sampling { studies, alpha, seed }) = (self.plan.spec(), self.sampling);
         let (experiment, ratings, link) = (&self.protocol.name, self.plan.ratings(), spec.link);
-        let with = if self.effects.is_empty() { String::new() } else { format!(", with {}", self.effects.join(", ")) };
         format!(
-            "{experiment}{with}: {ratings} ratings from each participant, {studies} studies for each number, seed {seed}; \
+            "{experiment}, observer {}: {ratings} ratings from each participant, {studies} studies for each number, seed {seed}; \
              {link} model of {}, alpha {alpha}",
-            spec.terms
+            self.observer, spec.terms
         )
     }
 
@@ -241,7 +240,7 @@ impl Telling<'_> {
             "terms",
             "quadrature",
             "seed",
-            "effects",
+            "observer",
         ];
         Table {
             header: header.map(str::to_owned).to_vec(),
@@ -280,7 +279,7 @@ impl Telling<'_> {
             spec.terms.to_string(),
             spec.quadrature.to_string(),
             self.sampling.seed.to_string(),
-            self.effects.join(" "),
+            self.observer.clone(),
         ]
     }
 }

@@ -21,7 +21,7 @@ const TICK: f64 = 8.0;
 /// Longest name of a category beside its tick.
 const LONGEST_VALUE: f64 = 170.0;
 /// Longest name of a level that stands upright below its tick.
-const LONGEST_UPRIGHT: f64 = 190.0;
+const LONGEST_UPRIGHT: f64 = 250.0;
 /// Most ticks without a name.
 const MOST_TICKS: usize = 40;
 

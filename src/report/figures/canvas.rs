@@ -81,6 +81,8 @@ pub(super) fn drawing(
     description: &str,
     paint: impl FnOnce(&Canvas<'_>) -> Drawn,
 ) -> Option<String> {
+    // Whole pixels, so that the last row is as white as the others.
+    let height = height.ceil();
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, (fine(WIDTH) as u32, fine(height) as u32)).into_drawing_area();

@@ -9,7 +9,10 @@ use super::{
     style::{AXIS, GRID, Look, MARKER, TEXT},
     text,
 };
-use crate::analysis::{Coefficient, Link, Model, Note, Results};
+use crate::analysis::{
+    Coefficient, Link, Model, Note, Results,
+    terms::{Term, Variable},
+};
 
 /// Most coefficients in a chart.
 const MOST: usize = 60;
@@ -63,45 +66,56 @@ enum Row<'a> {
 
 fn rows<'a>(results: &Results, model: &'a Model) -> Vec<Row<'a>> {
     let mut rows = Vec::new();
-    let mut term = None;
+    let mut last = None;
     for coefficient in model.coefficients.iter().take(MOST) {
-        let name = short_name(coefficient);
-        // A number is a term with a single coefficient of its own name.
-        let alone = coefficient.name == coefficient.term || name.is_empty();
-        if !alone && term != Some(&coefficient.term) {
-            rows.push(Row::Term(heading(results, model, &coefficient.term)));
+        let term = results.spec.terms.iter().find(|term| term.to_string() == coefficient.term);
+        let number = term.is_none_or(|term| matches!(term.variables[..], [Variable::Number(_)]));
+        if !number && last != Some(&coefficient.term) {
+            rows.extend(term.map(|term| Row::Term(heading(results, model, term))));
         }
-        term = Some(&coefficient.term);
-        let label = if alone { text::heading(&coefficient.name) } else { name };
-        rows.push(Row::Effect(label, coefficient));
+        last = Some(&coefficient.term);
+        let name = term.and_then(|term| levels(results, term, &coefficient.name));
+        rows.push(Row::Effect(name.unwrap_or_else(|| text::clean(&coefficient.name)), coefficient));
     }
     rows
 }
 
-/// The levels of a coefficient: its name without the factors', which are above it.
-fn short_name(coefficient: &Coefficient) -> String {
-    let factors: Vec<&str> = coefficient.term.split(':').filter(|part| *part != "num").collect();
-    let parts: Vec<&str> = coefficient.name.split(':').collect();
-    if factors.len() != parts.len() {
-        return text::clean(&coefficient.name);
+/// The levels of a coefficient: its name without the factors', which stand above it.
+fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
+    let mut rest = name;
+    let mut parts = Vec::new();
+    for (index, variable) in term.variables.iter().enumerate() {
+        rest = if index > 0 { rest.strip_prefix(':')? } else { rest }.strip_prefix(variable.name())?;
+        let Variable::Factor(factor) = variable else {
+            parts.push(text::heading(variable.name()));
+            continue;
+        };
+        let (_, factor) = results.measured.counts.factor(factor)?;
+        // A level may have a colon too: the longest that fits is meant.
+        let after = |level: &&String| {
+            rest.strip_prefix(level.as_str()).filter(|after| after.is_empty() || after.starts_with(':'))
+        };
+        let level = factor.levels.iter().filter(|level| after(level).is_some()).max_by_key(|level| level.len())?;
+        rest = after(&level)?;
+        parts.push(text::level(level));
     }
-    let short = |(part, factor): (&&str, &&str)| {
-        part.strip_prefix(*factor).map(|level| if level.is_empty() { (*factor).to_owned() } else { text::level(level) })
-    };
-    let levels: Option<Vec<String>> = parts.iter().zip(&factors).map(short).collect();
-    levels.map_or_else(|| text::clean(&coefficient.name), |levels| levels.join(" × "))
+    rest.is_empty().then(|| parts.join(" × "))
 }
 
 /// A term, with the level of a factor that the others are compared with.
-fn heading(results: &Results, model: &Model, term: &str) -> String {
+fn heading(results: &Results, model: &Model, term: &Term) -> String {
+    let [Variable::Factor(name)] = &term.variables[..] else {
+        return term.variables.iter().map(|variable| text::heading(variable.name())).collect::<Vec<_>>().join(" × ");
+    };
     let rebased = model.notes.iter().find_map(|note| match note {
-        Note::Rebased { factor, baseline, .. } if factor == term => Some(baseline),
+        Note::Rebased { factor, baseline, .. } if factor == name => Some(baseline),
         _ => None,
     });
-    match results.measured.counts.factor(term).and_then(|(_, factor)| rebased.or(factor.levels.first())) {
-        Some(baseline) => format!("{} (against {})", text::heading(term), text::level(baseline)),
-        None => term.split(':').map(text::heading).collect::<Vec<_>>().join(" × "),
-    }
+    let baseline = results.measured.counts.factor(name).and_then(|(_, factor)| rebased.or(factor.levels.first()));
+    baseline.map_or_else(
+        || text::heading(name),
+        |level| format!("{} (against {})", text::heading(name), text::level(level)),
+    )
 }
 
 /// Ends of an interval; of one without a standard error, the estimate.
@@ -114,7 +128,9 @@ fn interval(coefficient: &Coefficient) -> (f64, f64) {
 fn range(model: &Model) -> (f64, f64) {
     let finite = || model.coefficients.iter().take(MOST).filter(|c| c.estimate.is_finite());
     let largest = finite().map(|c| c.estimate.abs()).fold(0.0, f64::max);
-    let limit = 2.5 * largest.max(0.4);
+    let mut halves: Vec<f64> = finite().map(|c| (interval(c).1 - c.estimate).abs()).collect();
+    halves.sort_by(f64::total_cmp);
+    let limit = largest + 4.0 * halves.get(halves.len() / 2).copied().unwrap_or(1.0);
     let bounds = finite().map(interval).flat_map(|(low, high)| [low, high]);
     let (low, high) = ends(bounds.map(|end| end.clamp(-limit, limit)).chain([0.0])).unwrap_or((-1.0, 1.0));
     let pad = (0.06 * (high - low)).max(0.1);

@@ -17,7 +17,7 @@ use crate::analysis::{
 };
 
 /// Longest name in the legend.
-const LONGEST_NAME: f64 = 150.0;
+const LONGEST_NAME: f64 = 180.0;
 
 /// `figure4a` and, of two factors, `figure4b`: width and depth where there are both.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
@@ -84,14 +84,12 @@ impl<'a> Chart<'a> {
 
     fn figure(&self, name: &'static str) -> Option<Figure> {
         let (what, by) = (text::rating(self.results), text::word(&self.x.name));
-        let lines = match self.by {
-            Some(by) if self.lines.len() < by.levels.len() => {
-                let (shown, all) = (self.lines.len(), by.levels.len());
-                format!(", one line a level of {} ({shown} of {all} are drawn)", text::word(&by.name))
-            }
-            Some(by) => format!(", one line a level of {}", text::word(&by.name)),
-            None => String::new(),
-        };
+        let thing = if Levels::of(self.x).ordered { "line" } else { "marker" };
+        let lines = self.by.map_or_else(String::new, |by| {
+            let (shown, all) = (self.lines.len(), by.levels.len());
+            let some = if shown < all { format!(" ({shown} of {all} are drawn)") } else { String::new() };
+            format!(", one {thing} a level of {}{some}", text::word(&by.name))
+        });
         let title = match self.by {
             Some(second) => format!("{what} by {by} and {}", text::word(&second.name)),
             None => format!("{what} by {by}"),
@@ -146,7 +144,7 @@ impl<'a> Chart<'a> {
     fn legend_width(&self) -> f64 {
         let Some(by) = self.by.filter(|_| self.lines.len() > 1) else { return 0.0 };
         let widest = self.lines.iter().map(|line| text::width(&line.name, TEXT).min(LONGEST_NAME)).fold(0.0, f64::max);
-        let heading = text::width(&text::heading(&by.name), 1.05 * TEXT).min(56.0 + LONGEST_NAME);
+        let heading = text::width(&text::heading(&by.name), 1.2 * TEXT).min(56.0 + LONGEST_NAME);
         24.0 + f64::max(56.0 + widest, heading)
     }
 
@@ -159,7 +157,7 @@ impl<'a> Chart<'a> {
         for (index, line) in self.lines.iter().enumerate() {
             let y = panel.top + 0.5 * TEXT + (index as f64 + 1.0) * pitch;
             let name = text::fit(&line.name, LONGEST_NAME, TEXT);
-            canvas.legend_entry((x, y), line.look, self.x.numbers.is_some(), &name, TEXT)?;
+            canvas.legend_entry((x, y), line.look, Levels::of(self.x).ordered, &name, TEXT)?;
         }
         Ok(())
     }

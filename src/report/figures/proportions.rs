@@ -149,9 +149,14 @@ impl<'a> Chart<'a> {
     fn panel(&self, canvas: &Canvas<'_>, panel: &Part, (left, top): (f64, f64), width: f64) -> Drawn {
         let (size, pitch) = (self.size, self.pitch());
         if !self.names.1.is_empty() {
-            let factor = text::heading(&self.names.1);
-            let heading = if self.names.1 == "depth" { format!("n = {}", panel.name) } else { panel.name.clone() };
-            let heading = if panel.name.is_empty() { factor } else { heading };
+            let numbers = self.counts.factors.get(1).is_some_and(|factor| factor.numbers.is_some());
+            // A name says what it is; a number does not.
+            let heading = match self.names.1.as_str() {
+                "depth" => format!("n = {}", panel.name),
+                "orientation_deg" => format!("{}°", panel.name),
+                name if numbers => format!("{name} = {}", panel.name),
+                _ => panel.name.clone(),
+            };
             let at = (left + width / 2.0, top - 0.75 * size);
             canvas.text(&text::fit(&heading, width, size), at, Setting::new(size, HPos::Center).bold())?;
         }
@@ -177,11 +182,14 @@ impl<'a> Chart<'a> {
         }
         canvas.line(&[(left, bottom), (left + width, bottom)], AXIS)?;
         // The outer ones inwards, away from the next panel's.
-        for (percent, side) in [(0.0, HPos::Left), (50.0, HPos::Center), (100.0, HPos::Right)] {
+        let ticks = [(0.0, HPos::Left, true), (50.0, HPos::Center, width > 7.0 * size), (100.0, HPos::Right, true)];
+        for (percent, side, named) in ticks {
             let x = left + percent / 100.0 * width;
             canvas.line(&[(x, bottom), (x, bottom + 6.0)], AXIS)?;
             let below = Setting { height: VPos::Top, ..Setting::new(size, side) };
-            canvas.text(&percent.to_string(), (x, bottom + 9.0), below)?;
+            if named {
+                canvas.text(&percent.to_string(), (x, bottom + 9.0), below)?;
+            }
         }
         Ok(())
     }
@@ -206,7 +214,7 @@ impl<'a> Chart<'a> {
     fn legend_rows(&self) -> Vec<Vec<(usize, f64)>> {
         let size = self.size;
         let mut rows = vec![Vec::new()];
-        let mut x = EDGE + text::width("Rating", 1.05 * size) + size;
+        let mut x = EDGE + text::width("Rating", 1.2 * size) + size;
         let first = x;
         for index in evenly(self.counts.categories.len(), MOST_NAMED) {
             let name = text::fit(&self.counts.categories[index], 16.0 * size, size);

@@ -88,7 +88,7 @@ impl Look {
 pub(super) fn category(index: usize, of: usize) -> RGBColor {
     // A single hue: light in both its forms, colour and grey, means low.
     const STOPS: [(f64, f64, f64); 4] =
-        [(226.0, 236.0, 245.0), (142.0, 186.0, 217.0), (42.0, 112.0, 176.0), (8.0, 34.0, 82.0)];
+        [(208.0, 224.0, 240.0), (133.0, 178.0, 213.0), (42.0, 112.0, 176.0), (8.0, 34.0, 82.0)];
     let share = if of < 2 { 1.0 } else { index as f64 / (of - 1) as f64 };
     let place = share * (STOPS.len() - 1) as f64;
     let below = (place.floor() as usize).min(STOPS.len() - 2);

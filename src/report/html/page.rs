@@ -133,7 +133,7 @@ fn drawn(figures: &[&Figure]) -> Markup {
             div.figures {
                 @for figure in figures {
                     figure.wide[figure.wide] {
-                        div.scroll { (PreEscaped(inline(&figure.svg, &figure.title))) }
+                        div.scroll { (PreEscaped(inline(&figure.svg))) }
                         figcaption { strong { (figure.title) "." } " " (figure.caption) }
                     }
                 }
@@ -142,10 +142,7 @@ fn drawn(figures: &[&Figure]) -> Markup {
     }
 }
 
-/// A drawing as part of the page: from its root element on, which gets a name for those who hear the page.
-fn inline(svg: &str, title: &str) -> String {
-    let Some(root) = svg.find("<svg") else { return String::new() };
-    let label = html! { svg role="img" aria-label=(title) {} }.into_string();
-    let label = label.trim_end_matches("></svg>");
-    format!("{label}{}", &svg[root + "<svg".len()..])
+/// A drawing as part of the page: from its root element on, without what makes it a file of its own.
+fn inline(svg: &str) -> &str {
+    svg.find("<svg").map_or("", |root| &svg[root..])
 }

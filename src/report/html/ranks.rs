@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{
     names,
-    numbers::{fixed, p_is, probability, short_list, unit},
+    numbers::{fixed, probability, short_list, unit},
     summary::hopeless_pairs,
     table::{Kind, table},
 };
@@ -106,14 +106,8 @@ fn pairs(results: &Results, factor: &FactorResults) -> Markup {
     html! {
         h3 { "Pairs of levels: " (name) }
         @if let Some(warning) = hopeless_pairs(results, factor) { p.warning { (warning) } }
-        @else { p { "The least p that these pairs could have after Holm’s correction is " (least(pairs.least_p)) "." } }
+        @else { p { "The least p that these pairs could have after Holm’s correction is " (probability(pairs.least_p)) "." } }
         (table(&format!("Wilcoxon’s signed-rank tests of {name}"), &columns, pairs.pairs.iter().map(row).collect::<Vec<_>>()))
         p.note { @if normal { "Probabilities by the normal distribution where there are more than 50 differences, exact elsewhere." } @else { "Exact probabilities; differences of 0 are left out." } }
     }
-}
-
-/// `.008`, `less than .001`.
-fn least(p: f64) -> String {
-    let text = p_is(p);
-    text.strip_prefix("p = ").map_or_else(|| text.replace("p <", "less than"), str::to_owned)
 }

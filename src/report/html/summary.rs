@@ -86,13 +86,11 @@ fn finding(results: &Results, factor: &FactorResults) -> String {
     let mut text = if evidence.p < ALPHA {
         format!("{}; {}.", means(factor, course, false), rarity(factor, &evidence))
     } else {
-        let (low, high) = least_and_most(factor);
-        let name = names::factor(&factor.name);
+        let how = format!("{}, {}", evidence.name, p_is(evidence.p));
         format!(
-            "By {name}, mean ratings lie between {low} and {high}, and this study cannot tell the levels apart ({}, {}). \
-             That it found no difference does not show that there is none.",
-            evidence.name,
-            p_is(evidence.p)
+            "By {}, {}, and this study cannot tell the levels apart ({how}).",
+            names::factor(&factor.name),
+            span(factor)
         )
     };
     text.extend(contrast.map(|contrast| size(results, &contrast, evidence.p < ALPHA)));
@@ -133,6 +131,15 @@ fn means(factor: &FactorResults, course: Course, only_these: bool) -> String {
                 if only_these { "the mean of these ratings" } else { "the mean rating" }
             )
         }
+    }
+}
+
+/// Between which means a factor's levels lie.
+fn span(factor: &FactorResults) -> String {
+    let (low, high) = least_and_most(factor);
+    match (low.split_once(' '), high.split_once(' ')) {
+        (Some((least, _)), Some((most, _))) if least == most => format!("mean ratings are {least} at all levels"),
+        _ => format!("mean ratings lie between {low} and {high}"),
     }
 }
 
@@ -307,10 +314,26 @@ fn cautions(source: &Source, results: &Results) -> Vec<String> {
     cautions.extend(simulated(source, results));
     cautions.extend(one_participant(source, results));
     cautions.extend(faults(source));
+    cautions.extend(nothing_found(results));
     cautions.extend(about_model(results));
     cautions.extend(names::varied(results).filter_map(|factor| hopeless_pairs(results, factor)));
     cautions.extend(health::oddities(results));
     cautions
+}
+
+/// Absence of evidence is no evidence of absence.
+fn nothing_found(results: &Results) -> Option<String> {
+    let unclear: Vec<&str> = names::varied(results)
+        .filter(|factor| effects::evidence(results, factor).is_some_and(|evidence| evidence.p >= ALPHA))
+        .map(|factor| names::factor(&factor.name))
+        .collect();
+    (!unclear.is_empty()).then(|| {
+        format!(
+            "That this study, with {}, found no clear difference by {} does not show that there is none.",
+            count(results.people() as u64, "participant"),
+            list(&unclear)
+        )
+    })
 }
 
 /// Said first and plainly: these are not people.
@@ -336,7 +359,7 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
         return None;
     }
     let plan = match &source.protocol {
-        Some(protocol) => format!("machband plan {}", protocol.name),
+        Some(protocol) => format!("machband plan {} --participants 4,8,12", protocol.name),
         None => "machband plan".to_owned(),
     };
     Some(format!(
@@ -409,12 +432,15 @@ fn is_serious(note: &Note) -> bool {
 pub(super) fn hopeless_pairs(results: &Results, factor: &FactorResults) -> Option<String> {
     let pairs = factor.pairs.as_ref().filter(|pairs| results.is_inferential() && pairs.cannot_reach(ALPHA))?;
     let people = results.people() - factor.incomplete.len();
-    Some(format!(
-        "Which levels of {} differ cannot be tested in pairs: with {} and {} the least p that Holm’s correction can give \
-         is {}, whatever the ratings.",
-        names::factor(&factor.name),
-        count(people as u64, "participant"),
-        count(pairs.pairs.len() as u64, "pair"),
-        probability(pairs.least_p)
-    ))
+    let (name, people) = (names::factor(&factor.name), count(people as u64, "participant"));
+    let least = if pairs.least_p >= 1.0 { "1".to_owned() } else { probability(pairs.least_p) };
+    Some(match pairs.pairs.len() {
+        1 => format!(
+            "Wilcoxon’s test cannot tell the levels of {name} apart: with {people} its least p is {least}, whatever the ratings."
+        ),
+        n => format!(
+            "Which levels of {name} differ cannot be tested in pairs: with {people} and {n} pairs the least p that Holm’s \
+             correction can give is {least}, whatever the ratings."
+        ),
+    })
 }
