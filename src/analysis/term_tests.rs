@@ -109,13 +109,18 @@ fn comparable(one: &Fitted, other: &Fitted) -> bool {
 }
 
 /// Tests of proportional odds: each term in turn has an effect of its own at every threshold, against the one common
-/// effect (R's `nominal_test`). The random intercept is left out: this is a check of the scale, not of the effects.
+/// effect (R's `nominal_test`). The random intercept is left out: this is a check of the scale, not of the effects. A test
+/// of more than 300 parameters, as of a term with 30 levels on a scale of 101, is not made and has no ratio.
 ///
 /// # Errors
 /// As [`fit`](super::fit).
 pub fn proportional_odds(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
     nominal_tests(&fit_frame(counts, &ModelSpec { random: Random::None, ..spec.clone() })?)
 }
+
+/// Parameters up to which proportional odds are tested: a threshold of its own for each level needs their product, and a
+/// fit grows with its cube. A scale of 101 steps has no use for it.
+const MOST_NOMINAL: usize = 300;
 
 fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let mut tests = Vec::new();
@@ -126,7 +131,9 @@ fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
         let (data, _) = clm_data(&full.frame, full.spec.link, &x, &nominal, &full.scale);
         let thresholds = data.thresholds();
         let df = (thresholds * nominal.columns.len() + x.columns.len()).saturating_sub(full.x.columns.len());
-        let difference = fit_clm(&data).ok().filter(|fit| fit.end != End::Stalled && full.clm.end != End::Stalled);
+        let feasible = thresholds * (1 + nominal.columns.len()) + x.columns.len() <= MOST_NOMINAL;
+        let fit = if feasible { fit_clm(&data).ok() } else { None };
+        let difference = fit.filter(|fit| fit.end != End::Stalled && full.clm.end != End::Stalled);
         tests.push(TermTest::new(term, Part::Nominal, difference.map(|fit| fit.loglik - full.clm.loglik), df));
     }
     Ok(tests)

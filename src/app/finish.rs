@@ -104,9 +104,8 @@ impl Finish {
                 }
                 // Someone who comes back must not have seen where the answers are heading.
                 analyse = self.complete && ui.button("Analyse these results…").clicked();
+                leave = theme::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             });
-            ui.add_space(4.0);
-            leave = theme::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             if let Some(fault) = &self.opened {
                 theme::fault(ui, fault);
             }

@@ -179,7 +179,7 @@ fn rank_rows(factor: &FactorResults, rows: &mut Vec<Vec<String>>) {
 }
 
 fn likelihood_row(name: &str, report: &ModelReport, test: &TermTest) -> Vec<String> {
-    let note = if test.lr.is_none() { "one of the two models has no maximum" } else { "" };
+    let note = if test.lr.is_none() { "one of the two models has no maximum, or too many parameters" } else { "" };
     let empty = String::new;
     vec![
         name.to_owned(),

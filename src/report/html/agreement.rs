@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use super::{
-    health::LOW_KAPPA,
     numbers::{count, percent, range, unit, whole},
+    oddities::LOW_KAPPA,
     summary::{RELIABLE, TENTATIVE},
     table::{Kind, table},
 };

@@ -5,14 +5,17 @@
 //! Of one participant nothing is said that would hold for another: no test, no interval, no probability.
 
 mod agreement;
+mod cautions;
 mod description;
 mod design;
 mod effects;
+mod findings;
 mod health;
 mod methods;
 mod model;
 mod names;
 mod numbers;
+mod oddities;
 mod page;
 mod ranks;
 mod references;

@@ -3,8 +3,8 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{
-    Repetition, agreement, description, design, health, methods, model, ranks, references, repeat,
-    summary::{self, Summary},
+    Repetition, agreement, cautions, description, design, health, methods, model, ranks, references, repeat,
+    summary::{Summary, summary},
     times,
 };
 use crate::{analysis::Results, report::figures::Figure, store::ratings::Source};
@@ -95,13 +95,13 @@ fn sections(source: &Source, results: &Results, figures: &[Figure], how: &Repeti
 }
 
 fn summary_section(source: &Source, results: &Results) -> Markup {
-    let Summary { lead, findings, cautions } = summary::summary(source, results);
-    let loud = summary::simulated(source, results);
+    let Summary { lead, findings, cautions: all } = summary(source, results);
+    let loud = cautions::simulated(source, results);
     html! {
         @if let Some(sentence) = &loud { p.loud { (sentence) } }
         p.lead { (lead.join(" ")) }
         @if !findings.is_empty() { ul { @for finding in &findings { li { (finding) } } } }
-        @let others: Vec<&String> = cautions.iter().filter(|caution| Some(*caution) != loud.as_ref()).collect();
+        @let others: Vec<&String> = all.iter().filter(|caution| Some(*caution) != loud.as_ref()).collect();
         @if !others.is_empty() {
             h3 { "To bear in mind" }
             ul { @for caution in others { li { (caution) } } }

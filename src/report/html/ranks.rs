@@ -3,9 +3,9 @@
 use maud::{Markup, html};
 
 use super::{
+    cautions::hopeless_pairs,
     names,
     numbers::{fixed, probability, short_list, unit},
-    summary::hopeless_pairs,
     table::{Kind, table},
 };
 use crate::analysis::{

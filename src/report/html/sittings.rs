@@ -47,7 +47,7 @@ pub(super) fn properties(source: &Source) -> Vec<Property> {
         ("monitor", monitor),
         ("viewing distance", |s| Some(format!("{} cm", trimmed(number(s.viewing.as_ref()?, "distance_cm")?, 1)))),
         ("stimulus", stimulus),
-        ("frame interval, median", |s| Some(format!("{} ms", fixed(1e3 * number(s.frames.as_ref()?, "median_s")?, 1)))),
+        ("median frame interval", |s| Some(format!("{} ms", fixed(1e3 * number(s.frames.as_ref()?, "median_s")?, 1)))),
     ];
     (tells.into_iter())
         .filter_map(|(name, tell)| {

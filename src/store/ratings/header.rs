@@ -60,7 +60,7 @@ impl Header {
             .map_err(|(column, message)| FileFault { position: Some((1, column)), ..whole(path, message) })
     }
 
-    fn parse(head: &[u8], size: u64, content: Content) -> Result<Self, (usize, String)> {
+    pub(super) fn parse(head: &[u8], size: u64, content: Content) -> Result<Self, (usize, String)> {
         let fault = |message: &str| Err((1, message.to_owned()));
         if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
             return fault("is UTF-16 text; expected CSV in UTF-8");

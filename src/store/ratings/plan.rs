@@ -154,6 +154,12 @@ fn group(file: &Surveyed, how: &Reading) -> Result<Group, FileFault> {
         }
         (Layout::Long, _) if !how.also.is_empty() => Ok(Group::Named),
         (Layout::Long, _) => {
+            // A file of another kind is told by the columns that every table of ratings has.
+            if let Err(missing) = columns(file, &[], how)
+                && let Some(first) = missing.into_iter().next()
+            {
+                return Err(first);
+            }
             let others: Vec<&str> = count_factors(file, how).collect();
             let message = if others.is_empty() {
                 "no factors are named, and there are no further columns; expected a column for each factor".to_owned()
