@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's pictures anew, from the program itself: docs/pictures/{home,shaders,categories,trial,finish,dither}.png.
+# Makes the README's pictures anew, from the program itself: docs/pictures/{home,shaders,categories,trial,finish,dither,figure4a}.png.
 #
 #   scripts/pictures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/pictures.sh
@@ -163,4 +163,9 @@ done
 convert "$work/none.png" "$work/blue-noise.png" -normalize -crop 400x160+0+0 +repage -bordercolor white -border 4 \
     +append -strip "$pictures/dither.png"
 
-echo "$pictures: home.png, shaders.png, categories.png, trial.png, finish.png, dither.png"
+# The paper's Figure 4 (a), of simulated participants.
+"$machband" simulate bangay2003 --participants 8 --seed 1 --results "$work/analysed" >/dev/null
+"$machband" analyze "$work/analysed" --out "$work/analysis" >/dev/null
+cp "$work/analysis/figure4a.png" "$pictures/figure4a.png"
+
+echo "$pictures: home.png, shaders.png, categories.png, trial.png, finish.png, dither.png, figure4a.png"

@@ -258,6 +258,11 @@ fn the_table_the_sentences_and_the_csv_say_the_same() {
     assert!(said.contains(&sentence), "{sentence}\n{said}");
     assert!(said.contains("mesh has no effect on this observer: what is found are false alarms"), "{said}");
     assert!(said.contains("Friedman's test of mesh cannot find anything with 3 participants"), "{said}");
+    // An effect that nobody can see: every rating is 0, and there is no model.
+    let blind = ["quick", "--participants", "1,2", "--studies", "9", "--effect", "depth=-900", "--effect", "lapse=0"];
+    let said = succeeds(folder.path(), &blind, "2");
+    assert!(said.contains("none has a power of 80 % by the mixed model, the most is 0 % (0–33.6 %) with"), "{said}");
+    assert!(said.contains("With 2 participants, 9 of 9 studies had no test of width by the mixed model"), "{said}");
     // Nothing is asked of it and nothing of it is a factor: no power at all.
     let said = succeeds(folder.path(), &["shaders", "--participants", "2", "--studies", "5"], "2");
     assert!(said.contains("Nothing has an effect on this observer; --effect asks for one"), "{said}");

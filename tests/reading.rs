@@ -513,7 +513,8 @@ mod faults {
     fn each_kind_has_its_message_and_the_rest_counts() {
         // Line 18 is trial 11 of the main phase, rated once.
         let cell = |column: &'static str, cell: &'static str| move |file: &Path| set(file, 18, column, cell);
-        let cases: Vec<(Box<dyn Fn(&Path)>, &str, u64)> = vec![
+        type Damage = Box<dyn Fn(&Path)>;
+        let cases: Vec<(Damage, &str, u64)> = vec![
             (Box::new(cell("rating", "4")), "S1.csv:18:85: rating is \"4\"; expected a rating from 0 to 3", 23),
             (Box::new(cell("rating", "")), "S1.csv:18:85: rating is empty; expected a rating from 0 to 3", 23),
             (Box::new(cell("phase", "mian")), "S1.csv:18:33: phase is \"mian\"; expected practice or main", 23),

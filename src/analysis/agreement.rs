@@ -1,5 +1,6 @@
 //! Agreement: Krippendorff's ordinal α between subjects, weighted κ between a subject's first and second ratings.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
@@ -20,10 +21,10 @@ pub struct Alpha {
     pub interval: Option<Interval>,
 }
 
-/// One subject's ratings of one condition, by category.
+/// One subject's ratings of one condition: the categories they used, and how often.
 struct Share {
     subject: usize,
-    tally: Vec<f64>,
+    tally: Vec<(usize, f64)>,
 }
 
 /// Krippendorff's ordinal α (Hayes & Krippendorff 2007) with conditions as units and subjects as coders; none where no
@@ -37,28 +38,31 @@ pub fn ordinal_alpha(counts: &Counts, bootstrap: &Bootstrap) -> Option<Alpha> {
         let unit = &mut units[row.condition as usize];
         let subject = row.subject as usize;
         if unit.last().is_none_or(|share| share.subject != subject) {
-            unit.push(Share { subject, tally: vec![0.0; counts.categories.len()] });
+            unit.push(Share { subject, tally: Vec::new() });
         }
         if let Some(share) = unit.last_mut() {
-            share.tally[row.rating as usize] += row.count as f64;
+            // The rows of a table are unique.
+            share.tally.push((row.rating as usize, row.count as f64));
         }
     }
     units.retain(|shares| shares.len() > 1);
     let everyone = vec![1; counts.subjects.len()];
-    let alpha = alpha(&units, &everyone)?;
+    let alpha = alpha(&units, &everyone, counts.categories.len())?;
     let weights = bootstrap.weights(counts.subjects.len());
-    let values = weights.map(|weights| self::alpha(&units, &weights).unwrap_or(f64::NAN)).collect();
-    let ratings: f64 = units.iter().flatten().flat_map(|share| &share.tally).sum();
+    let replicate = |weights: &Vec<u8>| self::alpha(&units, weights, counts.categories.len()).unwrap_or(f64::NAN);
+    let values = weights.par_iter().map(replicate).collect();
+    let ratings: f64 = units.iter().flatten().flat_map(|share| &share.tally).map(|(_, n)| n).sum();
     let interval = bootstrap.interval(counts.subjects.len(), values);
     Some(Alpha { alpha, units: units.len(), ratings: ratings as u64, interval })
 }
 
 /// α with each subject counted as often as its weight says.
-fn alpha(units: &[Vec<Share>], weights: &[u32]) -> Option<f64> {
-    let categories = units.first()?.first()?.tally.len();
+fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64> {
+    units.first()?;
     let mut coincidences = vec![0.0; categories * categories];
+    let (mut total, mut own) = (vec![0.0; categories], vec![0.0; categories * categories]);
     for shares in units {
-        add_coincidences(shares, weights, &mut coincidences, categories);
+        add_coincidences(shares, weights, &mut coincidences, &mut total, &mut own);
     }
     let marginals: Vec<f64> = coincidences.chunks(categories).map(|row| row.iter().sum()).collect();
     let n: f64 = marginals.iter().sum();
@@ -75,18 +79,20 @@ fn alpha(units: &[Vec<Share>], weights: &[u32]) -> Option<f64> {
 }
 
 /// Adds a unit's pairs of ratings of different subjects, with as much weight in all as it has such ratings.
-fn add_coincidences(shares: &[Share], weights: &[u32], coincidences: &mut [f64], categories: usize) {
-    let mut total = vec![0.0; categories];
-    let mut own = vec![0.0; categories * categories];
+/// `total` and `own` are room to work in.
+fn add_coincidences(shares: &[Share], weights: &[u8], coincidences: &mut [f64], total: &mut [f64], own: &mut [f64]) {
+    let categories = total.len();
+    total.fill(0.0);
+    own.fill(0.0);
     let (mut size, mut own_pairs) = (0.0, 0.0);
-    for share in shares {
+    for share in shares.iter().filter(|share| weights[share.subject] > 0) {
         let weight = f64::from(weights[share.subject]);
-        let ratings: f64 = share.tally.iter().sum();
+        let ratings: f64 = share.tally.iter().map(|(_, n)| n).sum();
         size += weight * ratings;
         own_pairs += (weight * ratings).powi(2);
-        for (c, first) in share.tally.iter().enumerate() {
+        for &(c, first) in &share.tally {
             total[c] += weight * first;
-            for (k, second) in share.tally.iter().enumerate() {
+            for &(k, second) in &share.tally {
                 own[c * categories + k] += weight * weight * first * second;
             }
         }
@@ -95,7 +101,7 @@ fn add_coincidences(shares: &[Share], weights: &[u32], coincidences: &mut [f64],
     if pairs <= 0.0 {
         return;
     }
-    for c in 0..categories {
+    for c in (0..categories).filter(|&c| total[c] > 0.0) {
         for k in 0..categories {
             coincidences[c * categories + k] += (total[c] * total[k] - own[c * categories + k]) * size / pairs;
         }
@@ -164,10 +170,10 @@ pub fn mean_over_subjects(values: &[f64], bootstrap: &Bootstrap) -> Option<(f64,
     if values.is_empty() {
         return None;
     }
-    let mean = |weights: &[u32]| {
+    let mean = |weights: &[u8]| {
         values.iter().zip(weights).map(|(value, weight)| value * f64::from(*weight)).sum::<f64>() / values.len() as f64
     };
-    let resampled = bootstrap.weights(values.len()).map(|weights| mean(&weights)).collect();
+    let resampled = bootstrap.weights(values.len()).iter().map(|weights| mean(weights)).collect();
     Some((mean(&vec![1; values.len()]), bootstrap.interval(values.len(), resampled)))
 }
 

@@ -32,17 +32,20 @@ pub struct Interval {
 }
 
 impl Bootstrap {
-    /// For every replicate, how often each subject was drawn; none without subjects.
-    pub(super) fn weights(&self, subjects: usize) -> impl Iterator<Item = Vec<u32>> {
+    /// For every replicate, how often each subject was drawn; none without subjects. In bytes, since there may be many
+    /// subjects: nobody is drawn 256 times.
+    pub(super) fn weights(&self, subjects: usize) -> Vec<Vec<u8>> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let replicates = if subjects == 0 { 0 } else { self.replicates };
-        (0..replicates).map(move |_| {
-            let mut weights = vec![0; subjects];
+        let mut draw = || {
+            let mut weights = vec![0_u8; subjects];
             for _ in 0..subjects {
-                weights[rng.random_range(0..subjects as u64) as usize] += 1;
+                let weight = &mut weights[rng.random_range(0..subjects as u64) as usize];
+                *weight = weight.saturating_add(1);
             }
             weights
-        })
+        };
+        (0..replicates).map(|_| draw()).collect()
     }
 
     /// The percentile interval of what a statistic was in the replicates; none from a single subject, or where fewer
@@ -81,10 +84,10 @@ mod tests {
     #[test]
     fn draws_are_repeatable_and_as_many_as_subjects() {
         let bootstrap = Bootstrap { replicates: 50, seed: 3, level: 0.9 };
-        let weights: Vec<Vec<u32>> = bootstrap.weights(7).collect();
-        assert!(bootstrap.weights(7).eq(weights.iter().cloned()));
-        assert!(!Bootstrap { seed: 4, ..bootstrap }.weights(7).eq(weights.iter().cloned()));
-        assert!(weights.iter().all(|weights| weights.iter().sum::<u32>() == 7));
+        let weights = bootstrap.weights(7);
+        assert_eq!(bootstrap.weights(7), weights);
+        assert_ne!(Bootstrap { seed: 4, ..bootstrap }.weights(7), weights);
+        assert!(weights.iter().all(|weights| weights.iter().map(|weight| u32::from(*weight)).sum::<u32>() == 7));
         // The order for a seed, once and for all.
         assert_eq!(weights[0], [2, 1, 1, 0, 2, 1, 0]);
     }

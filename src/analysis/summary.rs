@@ -1,5 +1,6 @@
 //! Description: number, mean, median and proportions of the ratings of each cell, factor level and subject.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
@@ -79,7 +80,7 @@ fn groups(
     counts: &Counts,
     number: usize,
     group_of: impl Fn(&super::counts::CountRow) -> Option<usize>,
-    name: impl Fn(usize) -> Vec<String>,
+    name: impl Fn(usize) -> Vec<String> + Sync,
     bootstrap: Option<&Bootstrap>,
 ) -> Vec<Group> {
     let values = category_values(counts);
@@ -98,24 +99,18 @@ fn groups(
             share.sum += n * values[row.rating as usize];
         }
     }
-    let mut means: Vec<Vec<f64>> = vec![Vec::new(); number];
-    if let Some(bootstrap) = bootstrap {
-        for weights in bootstrap.weights(counts.subjects.len()) {
-            for (means, shares) in means.iter_mut().zip(&shares) {
-                means.push(resampled_mean(shares, &weights));
-            }
-        }
-    }
-    (tallies.iter().zip(shares).zip(means).enumerate())
-        .filter(|(_, ((tally, _), _))| tally.iter().any(|count| *count > 0))
-        .map(|(group, ((tally, shares), means))| {
-            let interval = bootstrap.and_then(|bootstrap| bootstrap.interval(shares.len(), means));
+    let weights = bootstrap.map_or_else(Vec::new, |bootstrap| bootstrap.weights(counts.subjects.len()));
+    (tallies.par_iter().zip(&shares).enumerate())
+        .filter(|(_, (tally, _))| tally.iter().any(|count| *count > 0))
+        .map(|(group, (tally, shares))| {
+            let means = || weights.iter().map(|weights| resampled_mean(shares, weights)).collect();
+            let interval = bootstrap.and_then(|bootstrap| bootstrap.interval(shares.len(), means()));
             Group { names: name(group), summary: summarise(tally, &values, shares.len(), interval) }
         })
         .collect()
 }
 
-fn resampled_mean(shares: &[Share], weights: &[u32]) -> f64 {
+fn resampled_mean(shares: &[Share], weights: &[u8]) -> f64 {
     let (n, sum) = shares.iter().fold((0.0, 0.0), |(n, sum), share| {
         let weight = f64::from(weights[share.subject]);
         (n + weight * share.n, sum + weight * share.sum)

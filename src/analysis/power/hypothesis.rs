@@ -49,7 +49,7 @@ pub struct Hypothesis {
     pub(super) contrast: Option<DVector<f64>>,
 }
 
-/// A predictor that stands for −∞: no rating but 0 has a probability worth the name.
+/// How far below every other predictor one stands that is −∞: no rating but 0 has a probability worth the name.
 const NO_BAND: f64 = 30.0;
 
 /// Lays out the tests of some terms.
@@ -64,7 +64,8 @@ pub(super) struct Layout<'a> {
 
 impl<'a> Layout<'a> {
     pub fn new(scenario: &'a Scenario, frame: &'a Frame<'a>, terms: &'a Terms) -> Self {
-        let floor = scenario.observer().thresholds[0] - NO_BAND;
+        let finite = scenario.predictors.iter().copied().filter(|predictor| predictor.is_finite());
+        let floor = finite.fold(scenario.observer().thresholds[0], f64::min) - NO_BAND;
         let predictors = scenario.predictors.iter().map(|predictor| predictor.max(floor));
         Self {
             predictors: DVector::from_iterator(scenario.predictors.len(), predictors),

@@ -146,7 +146,8 @@ impl Telling<'_> {
         }
         let shares = || powers.iter().map(|power| power.share());
         let (least, most) = (shares().fold(1.0, f64::min), shares().fold(0.0, f64::max));
-        format!("{} to {} {by}", percent(least), percent(most))
+        let to = if least < most { format!(" to {}", percent(most)) } else { String::new() };
+        format!("{}{to} {by}", percent(least))
     }
 
     fn by(&self, power: &Power) -> &'static str {
@@ -171,10 +172,9 @@ impl Telling<'_> {
 
     /// Studies without a test, the most of all hypotheses for each number of participants.
     fn untested(&self) -> Vec<String> {
-        let worst = self
-            .powers
-            .chunk_by(|l, r| l.participants == r.participants)
-            .filter_map(|powers| powers.iter().filter(|power| power.untested > 0).max_by_key(|power| power.untested));
+        let worst = self.powers.chunk_by(|l, r| l.participants == r.participants).filter_map(|powers| {
+            powers.iter().rev().filter(|power| power.untested > 0).max_by_key(|power| power.untested)
+        });
         worst
             .map(|power| {
                 let hypothesis = self.hypothesis(power);
