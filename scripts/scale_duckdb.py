@@ -62,7 +62,7 @@ def main():
         command = [options.machband, "analyze", counts, "--out", f"{work}/analysis"]
         timed("analyze", lambda: subprocess.run(command, check=True))
         model = json.load(open(f"{work}/analysis/model.json"))
-        total = duckdb.sql("SELECT count(*) FROM ratings WHERE phase = 'main'").fetchone()[0]
+        total = duckdb.sql("SELECT count(*) FROM ratings WHERE phase = 'main'").fetchall()[0][0]
         print(f"ratings: {total:,} in Parquet, {model['nobs']:,} in the model")
         truth = {"width0.1": 0.7, "width0.4": 0.4, "width0.8": -0.5, "depth2": -1.0, "depth3": -1.6, "depthinf": -2.6,
                  "orientation_deg45": 0, "orientation_deg90": 0, "orientation_deg135": 0}

@@ -160,17 +160,52 @@ fn counts_are_taken_back() {
     assert_eq!(a["loglik"], b["loglik"]);
 }
 
+/// Any scale and any names: the table of counts is analysed as the file was, and an order that nobody told is asked for.
+#[test]
+fn other_scales_need_their_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rows = String::from("who,group,answer\n");
+    for i in 0..240 {
+        let answer = ["low", "medium", "high"][(i * 7 % 11 + i % 2 * 4) / 5];
+        rows += &format!("p{},{},{answer}\n", i % 8, ["a", "b"][i % 2]);
+    }
+    fs::write(folder.path().join("d.csv"), rows).unwrap();
+    let named = ["--subject", "who", "--response", "answer"];
+    let with = |more: &[&'static str]| [&named[..], more].concat();
+    let said = fails(folder.path(), &[&["analyze", "d.csv", "--out", "x", "--terms", "group"][..], &named].concat(), 2);
+    assert!(said.contains("--categories high,low,medium"), "{said}");
+    let order = ["--categories", "low,medium,high", "--tables-only"];
+    let analyze = |file: &'static str, out: &'static str, terms: &'static str| {
+        let fixed = with(&["--terms", terms, "--out", out]);
+        succeeds(folder.path(), &[&["analyze", file][..], &fixed, &order].concat());
+        fs::read(folder.path().join(out).join("model.json")).unwrap()
+    };
+    let model = analyze("d.csv", "a", "group");
+    succeeds(folder.path(), &[&["counts", "d.csv", "--out", "c.csv", "--factors", "group,group"][..], &named].concat());
+    assert_eq!(analyze("c.csv", "b", "group"), model);
+    let text = String::from_utf8(model).unwrap();
+    assert!(text.contains("low|medium") && text.contains("medium|high"), "{text}");
+    // A name that stands in several terms is one factor; a column has one role.
+    analyze("d.csv", "c", "group,group:group");
+    assert_eq!(read(&folder.path().join("c/cells.csv")).0[..2], ["group", "n"]);
+    let said =
+        fails(folder.path(), &[&["analyze", "d.csv", "--out", "x", "--terms", "answer"][..], &named].concat(), 1);
+    assert!(said.contains("the response and the factor"), "{said}");
+}
+
 /// A newcomer's one session is described, and nothing is inferred from it.
 #[test]
 fn one_person_is_described() {
     let folder = study("quick", "1");
     let said = succeeds(folder.path(), &["analyze", "results", "--out", "a"]);
-    assert!(said.contains("24 ratings of 24 conditions by 1 subject"), "{said}");
+    assert!(said.contains("24 ratings of 24 conditions by 1 subject, from 1 file"), "{said}");
     let out = folder.path().join("a");
     assert!(read(&out.join("tests.csv")).1.is_empty());
     assert!(read(&out.join("agreement.csv")).1.is_empty());
     assert!(read(&out.join("cells.csv")).1.iter().all(|row| row[10].is_empty() && row[11].is_empty()));
-    assert!(json(&out.join("model.json"))["random"].is_null());
+    let model = json(&out.join("model.json"));
+    assert!(model["random"].is_null() && model["coefficients"][0]["p"].is_null(), "{model}");
+    assert!(model["sentences"][0].as_str().unwrap().contains("only one subject"), "{model}");
     let page = fs::read_to_string(out.join("report.html")).unwrap();
     assert!(!page.contains("p &lt; ") && !page.contains("p = "), "a probability from one person");
 }

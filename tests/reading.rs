@@ -355,7 +355,9 @@ mod layouts {
         };
         assert_eq!(
             of(&|how| (how.factors, how.count) = (None, None)),
-            ["long.csv:1:1: no factors are named; expected --terms with some of the columns width, depth, n"]
+            [
+                "long.csv:1:1: no factors are named; expected --factors or --terms with some of the columns width, depth, n"
+            ]
         );
         assert_eq!(
             of(&|how| how.factors = Some(vec!["widht".to_owned()])),

@@ -31,7 +31,13 @@ const SHADERS: [&str; 3] = ["flat", "gouraud", "phong"];
 fn source(factors: &[&str]) -> Source {
     let factors = factors.iter().map(|&name| name.to_owned()).collect();
     Source {
-        shape: Shape { factors, categories: None, guessed: false },
+        shape: Shape {
+            factors,
+            subject: "subject_id".to_owned(),
+            response: "rating".to_owned(),
+            categories: None,
+            guessed: false,
+        },
         protocol: None,
         definition_sha256: None,
         files: Vec::new(),

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Link, ModelError, ModelReport, ModelSpec, Prediction, Random, TermTest,
+    Link, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, TermTest,
     agreement::{Alpha, KappaWeights, mean_over_subjects, ordinal_alpha},
     bootstrap::{Bootstrap, Interval},
     fit_with_tests,
@@ -131,7 +131,14 @@ pub fn analyse(measured: Measured, options: &Options) -> Results {
     let ((model, scale), ((cells, alpha), factors)) = rayon::join(
         || {
             let scale = if options.scale { scale_tests(counts, &spec).unwrap_or_default() } else { Vec::new() };
-            (fit_with_tests(counts, &spec), scale)
+            let mut model = fit_with_tests(counts, &spec);
+            if let Ok(report) = &mut model
+                && people == 1
+                && !report.model.notes.contains(&Note::OneSubject)
+            {
+                report.model.notes.push(Note::OneSubject);
+            }
+            (model, scale)
         },
         || {
             rayon::join(

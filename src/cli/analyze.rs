@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use super::{UsageError, ratings::RatingOptions};
 use crate::{
-    analysis::{Link, ModelError, Options, Random, Results, analyse, bootstrap::Bootstrap, quadrature, terms::Terms},
+    analysis::{
+        Link, ModelError, Options, Random, Results, analyse, bootstrap::Bootstrap, numbers_of, quadrature, terms::Terms,
+    },
     report::{Extent, Repetition, write_all},
     store::ratings::Source,
 };
@@ -57,6 +59,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let progress = super::spinner("reading");
     let study = arguments.ratings.read(&names, true)?;
     progress.set_message("analysing");
+    let categories = &study.measured.counts.categories;
+    if study.source.shape.categories.is_none() && numbers_of(categories).is_none() {
+        let shown: Vec<&str> = categories.iter().take(12).map(String::as_str).collect();
+        let texts = shown.join(",");
+        let message = format!(
+            "--response {}: {texts} are no numbers; expected their order, the lowest first, by --categories {texts}",
+            study.source.shape.response
+        );
+        return Err(UsageError(message).into());
+    }
     let options = Options {
         terms,
         link: if arguments.link == "probit" { Link::Probit } else { Link::Logit },

@@ -7,7 +7,7 @@ use crate::{report::tables, store::write_file};
 
 /// Reduce ratings to counts, the sufficient statistic: one row per subject, condition and rating.
 ///
-/// `analyze` takes the table in place of the files: its description, models and tests are the same. Repeated ratings
+/// `analyze` takes the table in place of the files, with the same --subject and --response if they were named: its description, models and tests are the same. Repeated ratings
 /// and response times are not in it.
 #[derive(clap::Args)]
 #[command(after_help = "Examples: machband counts results/bangay2003 --out counts.csv\n          \
@@ -24,7 +24,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let progress = super::spinner("reading");
     let study = arguments.ratings.read(&[], false)?;
     let counts = &study.measured.counts;
-    write_file(&arguments.out, &tables::counts(counts).csv())?;
+    write_file(&arguments.out, &tables::counts(counts, &study.source.shape).csv())?;
     progress.finish_and_clear();
     super::say(&super::ratings::sentence(&study.source, counts))?;
     super::say(&format!("{} rows in {}", counts.rows.len(), arguments.out.display()))?;

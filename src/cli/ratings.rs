@@ -20,6 +20,9 @@ pub(super) struct RatingOptions {
     /// Column of the ordered response; unless named, rating, on the scale 0–3.
     #[arg(long, value_name = "COL")]
     response: Option<String>,
+    /// The response's categories, the lowest first, where they are no numbers.
+    #[arg(long, value_name = "C,…", value_delimiter = ',', requires = "response")]
+    categories: Option<Vec<String>>,
     /// Column that says how many trials a row stands for; count, where there is one.
     #[arg(long, value_name = "COL")]
     count: Option<String>,
@@ -37,6 +40,7 @@ impl RatingOptions {
         let how = Reading {
             subject: self.subject.clone(),
             response: self.response.clone(),
+            categories: self.categories.clone(),
             count: self.count.clone(),
             factors: self.factors.clone(),
             also: also.to_vec(),
@@ -62,11 +66,11 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     .collect();
     let unfinished = source.sessions.iter().filter(|session| session.is_unfinished()).count();
     let mut line = format!(
-        "{} ratings of {} conditions by {} subjects, from {} files",
-        counts.total(),
-        counts.conditions.len(),
-        counts.subjects.len(),
-        source.files.len()
+        "{} of {} by {}, from {}",
+        counted(counts.total(), "rating"),
+        counted(counts.conditions.len() as u64, "condition"),
+        counted(counts.subjects.len() as u64, "subject"),
+        counted(source.files.len() as u64, "file")
     );
     if !left_out.is_empty() {
         line += &format!("; left out: {}", left_out.join(", "));
@@ -75,6 +79,10 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
         line += &format!("; {unfinished} of {} sessions unfinished", source.sessions.len());
     }
     line
+}
+
+fn counted(n: u64, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 
 /// Everything that was wrong with the input, as the command's failure.

@@ -40,7 +40,7 @@ pub fn write_all(
     extent: Extent,
 ) -> Result<Vec<PathBuf>, StoreError> {
     fs::create_dir_all(folder).map_err(|error| StoreError::io(folder, "make the folder", error))?;
-    let mut files = tables(results);
+    let mut files = tables(study, results);
     if extent == Extent::Everything {
         let figures = figures::all(results);
         files.push(("report.html".to_owned(), html::report(study, results, &figures, repetition).into_bytes()));
@@ -62,13 +62,13 @@ fn pictures(figure: &Figure, folder: &Path) -> Result<[(String, Vec<u8>); 2], St
     Ok([(format!("{}.svg", figure.name), figure.svg.clone().into_bytes()), (format!("{}.png", figure.name), png)])
 }
 
-fn tables(results: &Results) -> Vec<(String, Vec<u8>)> {
+fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {
     let mut files = vec![
         ("cells.csv".to_owned(), tables::cells(results).csv()),
         ("subjects.csv".to_owned(), tables::subjects(results).csv()),
         ("tests.csv".to_owned(), tables::tests(results).csv()),
         ("agreement.csv".to_owned(), tables::agreement(results).csv()),
-        ("counts.csv".to_owned(), tables::counts(&results.measured.counts).csv()),
+        ("counts.csv".to_owned(), tables::counts(&results.measured.counts, &study.source.shape).csv()),
     ];
     let mut model = serde_json::to_vec_pretty(&tables::model(results)).unwrap_or_default();
     model.push(b'\n');

@@ -11,6 +11,7 @@ use crate::analysis::{
     summary::{Group, Summary},
     times::Quartiles,
 };
+use crate::store::ratings::Shape;
 
 /// A table: its header and its rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +40,8 @@ impl Table {
 
 /// A number that reads back the same; tiny ones with an exponent.
 pub fn number(value: f64) -> String {
+    // A sum of nothing is −0.
+    let value = value + 0.0;
     match value.abs() {
         magnitude if magnitude > 0.0 && !(1e-4..1e15).contains(&magnitude) => format!("{value:e}"),
         _ => value.to_string(),
@@ -217,10 +220,12 @@ pub fn agreement(results: &Results) -> Table {
     Table::new(["measure", "subject_id", "n", "estimate", "ci_low", "ci_high"], rows)
 }
 
-/// The sufficient statistic: subject, factors, rating and how often. `analyze` reads it again.
-pub fn counts(counts: &Counts) -> Table {
+/// The sufficient statistic: subject, factors, rating and how often. `analyze` reads it again, as it read the files:
+/// the columns of subject and response keep their names.
+pub fn counts(counts: &Counts, shape: &Shape) -> Table {
     let factors = counts.factors.iter().map(|factor| factor.name.clone());
-    let header = std::iter::once("subject_id".to_owned()).chain(factors).chain(["rating", "count"].map(str::to_owned));
+    let header =
+        std::iter::once(shape.subject.clone()).chain(factors).chain([shape.response.clone(), "count".to_owned()]);
     let rows = (counts.rows.iter())
         .map(|row| {
             let text = str::to_owned;
@@ -264,6 +269,14 @@ pub fn model(results: &Results) -> Value {
             value["asked"] = asked;
             value["aic"] = json!(report.model.aic());
             value["sentences"] = json!(sentences);
+            if !results.is_inferential() {
+                // z and p would be about other people.
+                for list in ["coefficients", "scale"] {
+                    for coefficient in value[list].as_array_mut().into_iter().flatten() {
+                        (coefficient["z"], coefficient["p"]) = (Value::Null, Value::Null);
+                    }
+                }
+            }
             if results.is_inferential() {
                 value["likelihood_ratio"] = json!(report.terms);
                 value["proportional_odds"] = json!(report.proportional_odds);

@@ -33,6 +33,8 @@ pub struct Reading {
     pub subject: Option<String>,
     /// Column of the response; `rating` unless named. The scale is 0…3 unless the column is named.
     pub response: Option<String>,
+    /// The response's categories, the lowest first, where it is named and they are known.
+    pub categories: Option<Vec<String>>,
     /// Column that says how many trials a row stands for; `count` where there is one, unless named.
     pub count: Option<String>,
     /// Columns of the factors. None: those of the definition; of a table of counts all other columns; of result files
@@ -86,6 +88,10 @@ pub trait Sink: Send {
 pub struct Shape {
     /// Names of the factors, in the order of [`Row::values`].
     pub factors: Vec<String>,
+    /// Name of the subject's column.
+    pub subject: String,
+    /// Name of the response's column.
+    pub response: String,
     /// The ordered categories, where they are known: `0`…`3` of our own files.
     pub categories: Option<Vec<String>>,
     /// Whether the factors were neither named nor defined, so that those with a single level say nothing.

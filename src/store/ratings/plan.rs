@@ -64,6 +64,8 @@ pub(super) struct Plan {
     pub definition_sha256: Option<String>,
     /// The experiment of all rows, where it is known.
     pub experiment: Option<String>,
+    /// Whether ratings are on our own scale, 0…3.
+    pub own_scale: bool,
 }
 
 /// Files of one group may be read together.
@@ -112,6 +114,7 @@ impl Plan {
         let shape = shape(&read, protocol.as_ref(), how);
         let mut plan = Self {
             inputs: Vec::new(),
+            own_scale: how.response.is_none(),
             experiment: read.iter().find_map(|file| file.experiment().map(str::to_owned)),
             definition_sha256: read.iter().find_map(|file| Some(file.sidecar.as_ref()?.definition_sha256.clone())),
             shape,
@@ -164,7 +167,10 @@ fn group(file: &Surveyed, how: &Reading) -> Result<Group, FileFault> {
             let message = if others.is_empty() {
                 "no factors are named, and there are no further columns; expected a column for each factor".to_owned()
             } else {
-                format!("no factors are named; expected --terms with some of the columns {}", others.join(", "))
+                format!(
+                    "no factors are named; expected --factors or --terms with some of the columns {}",
+                    others.join(", ")
+                )
             };
             Err(file.fault(1, message))
         }
@@ -280,7 +286,16 @@ fn shape(files: &[Surveyed], protocol: Option<&Protocol>, how: &Reading) -> Shap
         }
     }
     let scale = (0..=RATING_MAX).map(|rating| rating.to_string()).collect();
-    Shape { factors, categories: how.response.is_none().then_some(scale), guessed }
+    // A name may stand twice in what was asked: `--terms a,b,a:b`.
+    let mut seen = std::collections::HashSet::new();
+    factors.retain(|name| seen.insert(name.clone()));
+    Shape {
+        factors,
+        subject: survey::subject(how).to_owned(),
+        response: survey::response(how).to_owned(),
+        categories: if how.response.is_none() { Some(scale) } else { how.categories.clone() },
+        guessed,
+    }
 }
 
 /// Where the columns of a file are.
@@ -321,5 +336,21 @@ fn columns(file: &Surveyed, factors: &[String], how: &Reading) -> Result<Columns
     let details = |name: &str| if how.details && file.layout != Layout::Counts { header.position(name) } else { None };
     let (session, repetition, time) = (details("session_id"), details("repetition"), details("response_time_s"));
     let columns = Columns { subject, response, count, factors, session, repetition, time, record };
+    if faults.is_empty() {
+        let roles =
+            [("subject", Some(columns.subject)), ("response", Some(columns.response)), ("count", columns.count)]
+                .into_iter()
+                .filter_map(|(role, place)| Some((role, place?)))
+                .chain(columns.factors.iter().map(|&place| ("factor", place)));
+        let mut taken: Vec<(&str, usize)> = Vec::new();
+        for (role, place) in roles {
+            if let Some((other, _)) = taken.iter().find(|(_, other)| *other == place) {
+                let name = &header.names[place];
+                let message = format!("the column {name} is the {other} and the {role}; expected a column for each");
+                faults.push(file.fault(header.column(place), message));
+            }
+            taken.push((role, place));
+        }
+    }
     if faults.is_empty() { Ok(columns) } else { Err(faults) }
 }

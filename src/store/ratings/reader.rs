@@ -148,7 +148,7 @@ impl Files<'_> {
         if self.plan.inputs.iter().all(|input| input.layout != Layout::Results) {
             return;
         }
-        let scale = self.plan.shape.categories.is_some();
+        let scale = self.plan.own_scale;
         let like = Ledger::default();
         let ledgers =
             self.go(|| Ledger::like(&like), |ledger, row, seen| ledger.note(row, &seen.said(scale), seen.file));
@@ -185,7 +185,7 @@ impl Files<'_> {
                 experiment: plan.experiment.as_deref(),
                 ledger: &self.ledger,
                 unfinished,
-                scale: plan.shape.categories.is_some(),
+                scale: plan.own_scale,
             };
             let done: Vec<(S, Vec<Part>)> = (self.tasks().par_iter())
                 .map(|task| {
