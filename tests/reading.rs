@@ -13,11 +13,11 @@ use machband::{
         FrameCount, Identity, OrderedLogit, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
         TrialRecord, TrialResponse, columns, simulate,
     },
-    report::Study,
+    report::{Study, tables},
     store::{
         dataset::SessionPaths,
         definition,
-        ratings::{self, CountRow, Layout, Reading, Row, Shape, Sink, Source, write_counts},
+        ratings::{self, Layout, Reading, Row, Shape, Sink, Source},
         results,
         session::SessionStore,
         sidecar::Sitting,
@@ -418,15 +418,8 @@ mod layouts {
         let (folder, _) = study(&["S1", "S2", "S10"]);
         let study = Study::read(&[folder.path().to_owned()], &Reading::default()).unwrap();
         let counts = study.measured.counts;
-        let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
-        let rows = counts.rows.iter().map(|row| CountRow {
-            subject: &counts.subjects[row.subject as usize],
-            values: counts.level_names(row.condition),
-            rating: &counts.categories[usize::from(row.rating)],
-            count: row.count,
-        });
         let path = folder.path().join("counts.csv");
-        write_counts(fs::File::create(&path).unwrap(), &names, rows).unwrap();
+        fs::write(&path, tables::counts(&counts, &study.source.shape).csv()).unwrap();
         assert!(fs::read_to_string(&path).unwrap().starts_with("subject_id,width,tanh_k,rating,count\nS1,0.1,5,"));
         let again = Study::read(&[path], &Reading::default()).unwrap();
         assert_eq!((again.measured.counts, again.source.files[0].layout), (counts, Layout::Counts));

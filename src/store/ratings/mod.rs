@@ -17,11 +17,8 @@ mod reader;
 mod record;
 mod source;
 mod survey;
-mod write;
 
 use std::path::PathBuf;
-
-pub use write::{CountRow, write_counts};
 
 use super::{FileFault, sidecar::Sidecar};
 use crate::experiment::Protocol;
