@@ -25,10 +25,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let recipe = Recipe {
         stimulus: Stimulus::MachBand(ramp),
         size: 512,
-        transfer: Transfer::Srgb,
+        transfers: Transfer::Srgb.into(),
         bits: Bits::Eight,
         dither: Dither::BlueNoise,
         seed: 1,
+        display_sha256: None,
     };
     let path = Path::new("stimulus.png");
     image::write_recipe(path, &recipe, &recipe.quantizer())?;

@@ -9,7 +9,7 @@ use machband::light::color_models::{
     Hls, Hsv, cmy_from_cmyk, cmy_from_rgb, cmyk_from_cmy, hls_from_rgb, hsv_from_rgb, rgb_from_cmy, rgb_from_hls,
     rgb_from_hsv, wrapped_deg,
 };
-use machband::light::{Bits, Depth, Quantizer, Transfer};
+use machband::light::{Bits, Depth, Quantizer, Transfer, Transfers};
 use machband::stimulus::mach_band::RampSpace;
 use machband::stimulus::{MachBand, ParameterValue, StimulusColor};
 use proptest::prelude::*;
@@ -507,7 +507,10 @@ proptest! {
 #[test]
 fn looked_up_codes_are_those_of_the_light() {
     let transfers = [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(0.45), Transfer::Gamma(2.4)];
-    let quantizers = transfers.map(|transfer| Quantizer::new(&transfer, Bits::Eight));
+    let differing = Transfers::new([Transfer::Gamma(2.0), Transfer::Gamma(2.2), Transfer::Srgb]);
+    let alike = transfers.map(Transfers::from);
+    let quantizers: Vec<Quantizer> =
+        alike.into_iter().chain([differing]).map(|transfers| Quantizer::new(transfers, Bits::Eight)).collect();
     let depths = [Depth::Finite(1), Depth::Finite(3), Depth::Finite(32), Depth::Infinite];
     let colors =
         [("red", "cyan", 0.0), ("hsv:20,0.5,0.8", "0.001,0.2,1", 0.3), ("yellow", "blue", 0.25), ("gray", "gray", 0.0)];

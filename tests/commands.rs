@@ -514,7 +514,7 @@ mod stimulus {
         let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
         assert_eq!(data[..3], [191; 3], "bright at the top");
         assert_eq!(data[data.len() - 3..], [64; 3]);
-        assert_eq!(u16::from(data[0]), quantizer.code(0.75));
+        assert_eq!(u16::from(data[0]), quantizer.channel(0).code(0.75));
         let again = fs::read(folder.path().join("b.png")).unwrap();
         succeeds(
             folder.path(),

@@ -8,6 +8,7 @@ use std::{
 };
 
 use machband::{
+    display::DisplayProfile,
     experiment::{Identity, Order, Phase, Protocol, RATING_MAX, Schedule, columns},
     light::Transfer,
     stimulus::KINDS,
@@ -463,10 +464,38 @@ fn display_profiles_and_observers_are_checked_alike() {
     let good =
         "schema = 1\nname = \"Left\"\ntransfer = \"gamma:2.2\"\nmeasured = \"2026-01-31\"\nscreen_width_cm = 53.1\n";
     let profile = profile::parse("p.toml", good).unwrap();
-    assert_eq!((profile.transfer, profile.screen_width_cm), (Transfer::Gamma(2.2), Some(53.1)));
+    assert_eq!((profile.transfers, profile.screen_width_cm), (Transfer::Gamma(2.2).into(), Some(53.1)));
     let table = "schema = 1\nname = \"T\"\ntransfer = \"table\"\nencoded = [0, 0.5, 1]\nlinear = [0, 0.2, 1]\n";
     profile::parse("p.toml", table).unwrap();
+    let full = "schema = 1\nname = \"Full\"\ntransfer = \"gamma:2/gog:2.2,1,-0.02/srgb\"\nblack_cd_m2 = 0.1\n\
+                white_cd_m2 = 200\nbits = 8\nnative_px = [1920, 1080]\n\
+                measured = { on = \"2026-01-31\", by = \"N. N.\", with = \"photometer\" }\n\
+                primaries = { red = [0.64, 0.33], green = [0.3, 0.6], blue = [0.15, 0.06], white = [0.3127, 0.329] }\n";
+    let each = "schema = 1\nname = \"Each\"\n[channels.red]\ntransfer = \"table\"\nencoded = [0, 0.5, 1]\n\
+                linear = [0, 0.2, 1]\n[channels.green]\ntransfer = \"gamma:2.1\"\n[channels.blue]\ntransfer = \"srgb\"\n";
+    // What is written reads back the same, and the same profile has the same hash.
+    let folder = tempfile::tempdir().unwrap();
+    for text in [good, table, full, each] {
+        let read = profile::parse("p.toml", text).unwrap();
+        let path = folder.path().join("profile.toml");
+        profile::write(&path, &read).unwrap();
+        let again = profile::open(&path).unwrap();
+        assert_eq!((&again, profile::hash(&again)), (&read, profile::hash(&read)), "{text}");
+        assert_ne!(profile::hash(&read), profile::hash(&DisplayProfile { name: "x".to_owned(), ..read }));
+    }
     let cases = [
+        (full, "200", "0.1", "5:15", "not above black_cd_m2"),
+        (full, "white_cd_m2 = 200\n", "", "4:15", "black_cd_m2 stands alone"),
+        (full, "bits = 8", "bits = 80", "6:8", "bits 80"),
+        (full, "[1920, 1080]", "[1920]", "7:13", "native_px"),
+        (full, "2026-01-31", "31.1.2026", "8:19", "measured.on"),
+        (full, "by = ", "bye = ", "8:33", "did you mean by?"),
+        (full, "[0.3, 0.6]", "[0.3, 0.8]", "9:43", "primaries.green"),
+        (full, "blue = [0.15, 0.06], ", "", "9:13", "primaries.blue is missing"),
+        (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:12", "expected one, or three"),
+        (each, "\"gamma:2.1\"", "\"gamma:2.1/srgb/srgb\"", "8:12", "expected"),
+        (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:1", "channels.blue.transfer is missing"),
+        (each, "name = \"Each\"\n", "name = \"Each\"\ntransfer = \"srgb\"\n", "3:12", "stands beside [channels]"),
         (good, "schema = 1\n", "", "1:1", "schema is missing"),
         (good, "schema = 1", "schema = 3", "1:10", "schema 3"),
         (good, "name = ", "nmae = ", "2:1", "did you mean name?"),

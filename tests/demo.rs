@@ -413,7 +413,7 @@ fn ignoring_gamma_shows_only_between_vertices() {
     for t in 0..frame.triangles.len() {
         for w in [[1.0, 0.0, 0.0], [0.5, 0.5, 0.0]] {
             let code = |frame, quantizer: &Quantizer| {
-                i32::from(quantizer.code(Reference::new(frame, &side.shade).light(t, w).x as f32))
+                i32::from(quantizer.channel(0).code(Reference::new(frame, &side.shade).light(t, w).x as f32))
             };
             let (naive, linear) = (code(&naive, &quantizer), code(&frame, &right));
             assert!(w[0] < 1.0 || (naive - linear).abs() <= 1, "{naive} {linear}");

@@ -353,10 +353,10 @@ fn random_thresholds_prefer_no_place() {
 
 /// The definition, of the public parts only: the upper of the enclosing codes iff p > t.
 fn by_definition(quantizer: &Quantizer, linear: f32, threshold: f64) -> u16 {
-    let level = |code: u16| f64::from(quantizer.linear(code) as f32);
+    let level = |code: u16| f64::from(quantizer.channel(0).linear(code) as f32);
     let linear = f64::from(linear);
     let max = quantizer.bits().max_code();
-    let near = quantizer.code(linear as f32);
+    let near = quantizer.channel(0).code(linear as f32);
     let lower = if level(near) > linear { near - 1 } else { near };
     if lower == max {
         return max;
@@ -399,7 +399,7 @@ fn a_codes_own_light_has_no_noise() {
         let quantizer = Quantizer::new(&transfer, Bits::Eight);
         for dither in dithers() {
             for code in 0..=255 {
-                let level = quantizer.linear(code) as f32;
+                let level = quantizer.channel(0).linear(code) as f32;
                 for linear in [level, level.next_up(), level.next_down()] {
                     let image = gray(16, 16, |_, _| linear);
                     let codes = quantizer.quantize_with(&image, &dither);
@@ -412,7 +412,7 @@ fn a_codes_own_light_has_no_noise() {
         for at in ends.map(|place| (place % 64, place / 64)) {
             let image = gray(64 * 16, 64 * 16, |x, y| {
                 let code = if (x % 64, y % 64) == at { x / 64 + y / 64 * 16 } else { 0 };
-                quantizer.linear(code as u16) as f32
+                quantizer.channel(0).linear(code as u16) as f32
             });
             let codes = quantizer.quantize_with(&image, &Dither::BlueNoise);
             for code in 0..256 {
@@ -429,7 +429,7 @@ fn a_codes_own_light_has_no_noise_in_16_bits() {
         for factor in [1, 40_503] {
             let code = |x: u32, y: u32| ((x + 256 * y) * factor % 65_536) as u16;
             for nudge in [f32::next_down, |linear: f32| linear, f32::next_up] {
-                let image = gray(256, 256, |x, y| nudge(SRGB_16.linear(code(x, y)) as f32));
+                let image = gray(256, 256, |x, y| nudge(SRGB_16.channel(0).linear(code(x, y)) as f32));
                 let codes = SRGB_16.quantize_with(&image, &dither);
                 for y in 0..256 {
                     assert!(reds(&codes, y).into_iter().eq((0..256).map(|x| code(x, y))), "{dither} row {y}");
@@ -500,7 +500,7 @@ proptest! {
         let quantizer = if wide { &*SRGB_16 } else { &*SRGB_8 };
         let code = |light: f32| quantizer.quantize_with(&gray(x + 1, y + 1, |_, _| light), &dither).pixel(x, y)[0];
         let found = code(linear);
-        let level = |code: u16| quantizer.linear(code) as f32;
+        let level = |code: u16| quantizer.channel(0).linear(code) as f32;
         if level(found) > linear {
             prop_assert!(level(found - 1) < linear);
         } else if level(found) < linear {
@@ -605,7 +605,7 @@ impl Sums {
 /// none that one of `corners`, columns where the ramp meets a plateau, runs through.
 fn local_error(asked: &LinearImage, codes: &CodeImage, stride: usize, corners: &[f64]) -> f64 {
     let (size, side) = (asked.width, 16);
-    let light: Vec<f64> = (0..=255).map(|code| SRGB_8.linear(code)).collect();
+    let light: Vec<f64> = (0..=255).map(|code| SRGB_8.channel(0).linear(code)).collect();
     let wanted = Sums::new(size, |x, y| f64::from(asked.pixel(x, y)[0]));
     let emitted = Sums::new(size, |x, y| light[usize::from(codes.pixel(x, y)[0])]);
     let mut largest = 0f64;

@@ -219,6 +219,7 @@ fn transfers_agree(backend: wgpu::Backends) {
         Transfer::Gamma(2.2),
         Transfer::Gamma(3.0),
         Transfer::Table(table),
+        Transfer::gog(2.2, 1.05, -0.05).unwrap(),
     ] {
         let (most, count, _) = compare(&mut card, frame, &light, &shade, &transfer);
         println!("{} {transfer}: at most {most} apart, {count} codes differ", card.adapter_name());

@@ -7,7 +7,7 @@ use std::{
 };
 
 use machband::{
-    light::{Bits, Dither, Quantizer, Transfer, TransferTable},
+    light::{Bits, Dither, Quantizer, Transfer, TransferTable, Transfers},
     stimulus::{Stimulus, catalog, recipe::Recipe},
     store::{curve, image},
 };
@@ -16,10 +16,11 @@ fn recipe(kind: &str) -> Recipe {
     Recipe {
         stimulus: Stimulus::default_of(kind).unwrap(),
         size: 40,
-        transfer: Transfer::Srgb,
+        transfers: Transfer::Srgb.into(),
         bits: Bits::Eight,
         dither: Dither::None,
         seed: 1,
+        display_sha256: None,
     }
 }
 
@@ -40,7 +41,9 @@ fn what_is_written_reads_back_and_proves_itself() {
     let path = folder.path().join("image.png");
     for entry in catalog::all() {
         for stimulus in entry.stimuli() {
-            for transfer in [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(2.2), table()] {
+            let differing = Transfers::new([Transfer::Gamma(2.0), table(), Transfer::gog(2.4, 1.1, -0.1).unwrap()]);
+            let alike = [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(2.2), table()].map(Transfers::from);
+            for transfers in alike.into_iter().chain([differing]) {
                 for (bits, dither) in [
                     (Bits::Eight, Dither::None),
                     (Bits::Sixteen, Dither::None),
@@ -49,10 +52,11 @@ fn what_is_written_reads_back_and_proves_itself() {
                 ] {
                     let recipe = Recipe {
                         stimulus: stimulus.clone(),
-                        transfer: transfer.clone(),
+                        transfers: transfers.clone(),
                         bits,
                         dither,
                         seed: 7,
+                        display_sha256: None,
                         ..recipe("mach-band")
                     };
                     let quantizer = recipe.quantizer();
@@ -83,12 +87,12 @@ fn an_image_says_what_its_codes_mean() {
     };
     let yellow = info(&recipe("mach-band"));
     assert_eq!((yellow.color_type, yellow.srgb.is_some()), (png::ColorType::Rgb, true));
-    let gray = info(&Recipe { bits: Bits::Sixteen, transfer: Transfer::Gamma(2.2), ..recipe("chevreul") });
+    let gray = info(&Recipe { bits: Bits::Sixteen, transfers: Transfer::Gamma(2.2).into(), ..recipe("chevreul") });
     assert_eq!((gray.color_type, gray.bit_depth), (png::ColorType::Grayscale, png::BitDepth::Sixteen));
     assert_eq!(gray.gamma().unwrap().into_scaled(), 45455);
     assert!(gray.chromaticities().is_some() && gray.srgb.is_none());
     for kind in ["mach-band", "chevreul"] {
-        let measured = info(&Recipe { transfer: table(), ..recipe(kind) });
+        let measured = info(&Recipe { transfers: table().into(), ..recipe(kind) });
         let profile = moxcms::ColorProfile::new_from_slice(&measured.icc_profile.unwrap()).unwrap();
         let curve = profile.red_trc.or(profile.gray_trc).unwrap();
         let moxcms::ToneReprCurve::Lut(points) = curve else { panic!("{curve:?}") };
@@ -157,7 +161,7 @@ fn the_profile_is_that_of_the_image() {
             let strongest = recipe.stimulus.strongest_channel();
             let image = recipe.codes(&quantizer);
             for (i, sample) in curve::samples(&recipe, &quantizer).iter().enumerate() {
-                assert_eq!(sample.emitted, quantizer.linear(sample.codes[strongest]));
+                assert_eq!(sample.emitted, quantizer.channel(0).linear(sample.codes[strongest]));
                 // The discs of a Kanizsa triangle are averaged over the pixel; its middle row meets none of their edges.
                 if dither == Dither::None && entry.kind != "kanizsa" {
                     assert_eq!(sample.codes, image.pixel(i as u32, 32), "{} {i}", entry.kind);
@@ -177,8 +181,9 @@ fn the_copied_command_makes_the_same_image() {
                 stimulus,
                 bits: if n == 1 { Bits::Sixteen } else { Bits::Eight },
                 dither: if n == 2 { Dither::Random { seed: 1 } } else { Dither::None },
-                transfer: if n == 1 { Transfer::Gamma(1.8) } else { Transfer::Srgb },
+                transfers: if n == 1 { Transfer::Gamma(1.8) } else { Transfer::Srgb }.into(),
                 seed: if n == 2 { 9 } else { 1 },
+                display_sha256: None,
                 ..recipe(entry.kind)
             };
             let expected =

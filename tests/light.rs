@@ -5,7 +5,8 @@ use machband::light::gamma::{equal_brightness_levels, nearest_equal_brightness_l
 use machband::light::interpolation::{TANH_K, coefficients};
 use machband::light::quantize::reference_code;
 use machband::light::{
-    Bits, Depth, DepthError, Interpolation, LinearImage, Quantizer, Transfer, TransferError, TransferTable,
+    Bits, Depth, DepthError, Dither, Interpolation, LinearImage, Quantizer, Transfer, TransferError, TransferTable,
+    Transfers,
 };
 use proptest::prelude::*;
 
@@ -269,12 +270,69 @@ fn transfer_tables_must_rise_over_the_whole_range() {
 }
 
 #[test]
+fn gain_offset_and_gamma_are_inverse_and_reach_both_ends() {
+    for (gamma, gain, offset) in [(2.2, 1.0, 0.0), (2.4, 1.1, -0.1), (1.8, 0.9, 0.1), (2.2, 0.5, -0.02)] {
+        let transfer = Transfer::gog(gamma, gain, offset).unwrap();
+        assert_eq!(transfer.to_string().parse::<Transfer>().unwrap(), transfer);
+        assert_eq!([0.0, 1.0].map(|v| transfer.linear_from_encoded(v)), [0.0, 1.0]);
+        assert_eq!([0.0, 1.0].map(|l| transfer.encoded_from_linear(l)), [0.0, 1.0]);
+        // By hand: (g·V + o)^γ less what is there at 0, over its range.
+        let raw = |v: f64| (gain * v + offset).max(0.0).powf(gamma);
+        let mut last = (0.0, 0.0);
+        for i in 1..1000 {
+            let v = f64::from(i) / 1000.0;
+            let linear = transfer.linear_from_encoded(v);
+            assert!((linear - (raw(v) - raw(0.0)) / (raw(1.0) - raw(0.0))).abs() < 1e-12);
+            let encoded = transfer.encoded_from_linear(linear);
+            assert!(linear >= last.0 && encoded >= last.1, "{transfer} {v}");
+            assert!(linear == 0.0 && encoded == 0.0 || (encoded - v).abs() < 1e-9, "{transfer} {v}: {encoded}");
+            last = (linear, encoded);
+        }
+    }
+    // Without an offset it is a plain gamma, whatever the gain.
+    let plain = Transfer::gog(2.2, 0.7, 0.0).unwrap();
+    assert!((plain.linear_from_encoded(0.3) - Transfer::Gamma(2.2).linear_from_encoded(0.3)).abs() < 1e-15);
+    for (gamma, gain, offset) in [(0.0, 1.0, 0.0), (2.2, 0.0, 0.0), (2.2, 0.1, -0.2), (2.2, f64::NAN, 0.0)] {
+        assert!(Transfer::gog(gamma, gain, offset).is_err(), "{gamma} {gain} {offset}");
+    }
+    for text in ["gog:2.2", "gog:2.2,1", "gog:2.2,1,0,0", "gog:a,b,c", "gog:2.2,1,-2"] {
+        assert!(text.parse::<Transfer>().unwrap_err().to_string().contains("expected"), "{text}");
+    }
+}
+
+#[test]
+fn channels_that_differ_are_quantised_each_by_its_own() {
+    let text = "gamma:1.8/gog:2.2,1.05,-0.05/srgb";
+    let transfers: Transfers = text.parse().unwrap();
+    assert_eq!((transfers.to_string().as_str(), transfers.uniform()), (text, None));
+    assert_eq!("gamma:2/gamma:2/gamma:2".parse::<Transfers>().unwrap().to_string(), "gamma:2");
+    assert!("srgb/srgb".parse::<Transfers>().unwrap_err().to_string().contains("expected one, or three"));
+    let image = LinearImage::from_fn(64, 3, |x, y| {
+        let light = (x * 3 + y) as f32 / 192.0;
+        [light, light, if y == 1 { light } else { 1.0 - light }]
+    });
+    for dither in [Dither::None, Dither::BlueNoise, Dither::Random { seed: 3 }] {
+        let together = Quantizer::new(&transfers, Bits::Eight).quantize_with(&image, &dither);
+        let apart =
+            transfers.channels().each_ref().map(|t| Quantizer::new(t, Bits::Eight).quantize_with(&image, &dither));
+        for (x, y) in (0..64).flat_map(|x| (0..3).map(move |y| (x, y))) {
+            let expected: [u16; 3] = std::array::from_fn(|channel| apart[channel].pixel(x, y)[channel]);
+            assert_eq!(together.pixel(x, y), expected, "{dither} {x} {y}");
+        }
+    }
+}
+
+#[test]
 fn every_code_survives_the_round_trip() {
     for transfer in transfers() {
         for bits in [Bits::Eight, Bits::Sixteen] {
             let quantizer = Quantizer::new(&transfer, bits);
             for code in 0..=bits.max_code() {
-                assert_eq!(quantizer.code(quantizer.linear(code) as f32), code, "{transfer} {bits} bits");
+                assert_eq!(
+                    quantizer.channel(0).code(quantizer.channel(0).linear(code) as f32),
+                    code,
+                    "{transfer} {bits} bits"
+                );
             }
         }
     }
@@ -288,7 +346,7 @@ fn codes_rise_with_light() {
         let mut last = (0, 0);
         for i in 0..=65_536u32 {
             let linear = i as f32 / 65_536.0;
-            let codes = (eight.code(linear), sixteen.code(linear));
+            let codes = (eight.channel(0).code(linear), sixteen.channel(0).code(linear));
             assert!(codes.0 >= last.0 && codes.1 >= last.1, "{transfer} {linear}");
             last = codes;
         }
@@ -305,10 +363,10 @@ fn quantizer_is_the_plain_formula() {
             let quantizer = Quantizer::new(&transfer, bits);
             let agree = |v: f32| {
                 let plain = reference_code(&transfer, bits, v);
-                assert_eq!(quantizer.code(v), plain, "{transfer} {bits} bits, {v:e} = {:#x}", v.to_bits());
+                assert_eq!(quantizer.channel(0).code(v), plain, "{transfer} {bits} bits, {v:e} = {:#x}", v.to_bits());
             };
             for code in 1..=bits.max_code() {
-                let threshold = quantizer.threshold(code);
+                let threshold = quantizer.channel(0).threshold(code);
                 assert!(reference_code(&transfer, bits, threshold) >= code);
                 assert!(reference_code(&transfer, bits, threshold.next_down()) < code);
                 let at = threshold.to_bits();
@@ -318,7 +376,7 @@ fn quantizer_is_the_plain_formula() {
             for v in [-1.0, -0.0, 0.0, 1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
                 agree(v);
             }
-            assert_eq!((quantizer.code(f32::NAN), quantizer.threshold(0)), (0, 0.0));
+            assert_eq!((quantizer.channel(0).code(f32::NAN), quantizer.channel(0).threshold(0)), (0, 0.0));
         }
     }
 }
@@ -326,11 +384,11 @@ fn quantizer_is_the_plain_formula() {
 #[test]
 fn rounding_is_to_nearest() {
     let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
-    assert_eq!((quantizer.code(0.4999 / 255.0), quantizer.code(0.5001 / 255.0)), (0, 1));
-    assert_eq!(quantizer.code(254.501 / 255.0), 255);
+    assert_eq!((quantizer.channel(0).code(0.4999 / 255.0), quantizer.channel(0).code(0.5001 / 255.0)), (0, 1));
+    assert_eq!(quantizer.channel(0).code(254.501 / 255.0), 255);
     // ¼ and ¾ in sRGB: 137 and 225.
     let srgb = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-    assert_eq!((srgb.code(0.25), srgb.code(0.75)), (137, 225));
+    assert_eq!((srgb.channel(0).code(0.25), srgb.channel(0).code(0.75)), (137, 225));
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn assert_error_is_right(image: &CodeImage, reduced: &IndexedImage, transfer: &T
     let after = after.bytes().unwrap();
     assert_eq!(before.len(), after.len());
     for (a, b) in before.iter().zip(after) {
-        let difference = quantizer.linear(u16::from(*a)) - quantizer.linear(u16::from(*b));
+        let difference = quantizer.channel(0).linear(u16::from(*a)) - quantizer.channel(0).linear(u16::from(*b));
         squares += difference * difference;
         max = max.max(difference.abs());
     }

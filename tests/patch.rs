@@ -325,7 +325,7 @@ fn replaced_lights_take_the_ring() {
 #[test]
 fn encoded_lights_have_encoded_gradients() {
     let frame = Scene { specular: 0.0, ..Scene::default() }.frame(&sphere(1000), 300, 300);
-    let encoded = frame.clone().encoded(&Transfer::Gamma(2.0));
+    let encoded = frame.clone().encoded(&Transfer::Gamma(2.0).into());
     let gradients = |frame: &Frame| Patches::new(frame, Gradients::Curvature).gradients().to_vec();
     let (linear, encoded) = (gradients(&frame), gradients(&encoded));
     let mut compared = 0;

@@ -124,7 +124,7 @@ fn light_is_the_references() {
 
 #[test]
 fn encoded_light_is_the_references() {
-    let frame = frame(shapes::blob(313).unwrap(), [120, 100], 0.9, &brown(), SKY).encoded(&Transfer::Srgb);
+    let frame = frame(shapes::blob(313).unwrap(), [120, 100], 0.9, &brown(), SKY).encoded(&Transfer::Srgb.into());
     for shade in Shader::ALL.iter().map(|shader| Shade::new(*shader)) {
         let error = error(&frame, &shade);
         assert!(error <= 1e-5, "{shade:?}: {error}");

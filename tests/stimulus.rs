@@ -1,7 +1,7 @@
 //! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and the fast path against
 //! the reference.
 
-use machband::light::{Bits, Depth, LinearImage, Quantizer, Samples, Transfer, TransferTable};
+use machband::light::{Bits, Depth, LinearImage, Quantizer, Samples, Transfer, TransferTable, Transfers};
 use machband::stimulus::{MachBand, ParameterValue, Stimulus, StimulusColor};
 use proptest::prelude::*;
 
@@ -9,7 +9,11 @@ fn quantizers() -> Vec<Quantizer> {
     let table = TransferTable::new(vec![0.0, 0.2, 0.5, 0.9, 1.0], vec![0.0, 0.01, 0.3, 0.7, 1.0]).unwrap();
     let transfers =
         [Transfer::Linear, Transfer::Srgb, Transfer::Gamma(2.2), Transfer::Gamma(0.5), Transfer::Table(table)];
-    transfers.iter().map(|transfer| Quantizer::new(transfer, Bits::Eight)).collect()
+    let alike = transfers.iter().map(|transfer| Quantizer::new(transfer, Bits::Eight));
+    let dark_toe = Transfer::gog(2.2, 1.05, -0.05).unwrap();
+    // Red and green differ, whose equal weights make a yellow.
+    let differing = Transfers::new([Transfer::Gamma(2.0), Transfer::Gamma(2.2), Transfer::Srgb]);
+    alike.chain([Quantizer::new(dark_toe, Bits::Eight), Quantizer::new(differing, Bits::Eight)]).collect()
 }
 
 /// The fast path gives the reference's bytes, or says where it does not.
@@ -22,7 +26,7 @@ fn assert_fast_is_reference(band: &MachBand, size: u32, quantizer: &Quantizer) {
     let place = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
     let (x, y) = place.into_iter().find(|&(x, y)| fast.pixel(x, y) != plain.pixel(x, y)).unwrap();
     let (fast, plain) = (fast.pixel(x, y), plain.pixel(x, y));
-    panic!("{band:?}, size {size}, {}: pixel ({x}, {y}) is {fast:?}, not {plain:?}", quantizer.transfer());
+    panic!("{band:?}, size {size}, {}: pixel ({x}, {y}) is {fast:?}, not {plain:?}", quantizer.transfers());
 }
 
 fn assert_point_mirrored(a: &LinearImage, b: &LinearImage) {
@@ -132,7 +136,7 @@ fn fast_path_is_the_reference_where_jumps_meet_pixel_centres() {
 fn fast_path_is_the_reference_where_rounding_moves_a_step() {
     let linear = Quantizer::new(&Transfer::Linear, Bits::Eight);
     for code in [1, 20, 64, 100, 127] {
-        let threshold = linear.threshold(code);
+        let threshold = linear.channel(0).threshold(code);
         // From here on the cast to f32 ends at the threshold.
         let rounds_up = 0.5 * (f64::from(threshold) + f64::from(threshold.next_down()));
         for (low, high) in
@@ -190,8 +194,8 @@ fn luminances() -> impl Strategy<Value = (f64, f64)> {
         (1u16..255, 1u16..255, -2..=2i32)
             .prop_map(|(a, b, off)| {
                 let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
-                let low = f64::from(quantizer.threshold(a.min(b)));
-                let high = f64::from(quantizer.threshold(a.max(b)));
+                let low = f64::from(quantizer.channel(0).threshold(a.min(b)));
+                let high = f64::from(quantizer.channel(0).threshold(a.max(b)));
                 (low + f64::from(off) * f64::EPSILON, high + f64::from(off) * 1e-9)
             })
             .prop_map(sorted),
@@ -223,11 +227,11 @@ proptest! {
     fn fast_path_is_the_reference(
         band in band(),
         size in prop_oneof![1u32..140, Just(255), Just(256)],
-        (transfer, gamma) in (0usize..5, 0.1..10.0f64),
+        (transfer, gamma) in (0usize..8, 0.1..10.0f64),
     ) {
         prop_assert_eq!(band.validate(), Ok(()));
         let quantizer = match transfer {
-            4 => Quantizer::new(&Transfer::gamma(gamma).unwrap(), Bits::Eight),
+            7 => Quantizer::new(&Transfer::gamma(gamma).unwrap(), Bits::Eight),
             other => quantizers().swap_remove(other),
         };
         assert_fast_is_reference(&band, size, &quantizer);

@@ -125,10 +125,11 @@ impl Gallery {
         let recipe = Recipe {
             stimulus: stimulus.clone(),
             size: self.size,
-            transfer: Transfer::Srgb,
+            transfers: Transfer::Srgb.into(),
             bits: Bits::Eight,
             dither: self.dither,
             seed: 1,
+            display_sha256: None,
         };
         if self.shown.as_ref().is_some_and(|shown| shown.recipe == recipe) {
             return;

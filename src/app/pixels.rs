@@ -32,7 +32,7 @@ pub fn texture_of(ctx: &egui::Context, name: &str, image: &CodeImage) -> Texture
 
 /// The colour of a uniform field of linear light.
 pub fn field(quantizer: &Quantizer, light: [f32; 3]) -> Color32 {
-    let [r, g, b] = light.map(|linear| quantizer.code(linear).min(255) as u8);
+    let [r, g, b] = quantizer.codes(light).map(|code| code.min(255) as u8);
     Color32::from_rgb(r, g, b)
 }
 

@@ -217,7 +217,7 @@ impl Preflight {
             window,
         });
         if let (Some((transfer, size_px)), Some(now)) = (&self.before, &prepared) {
-            let same = *transfer == self.request.display.transfer.to_string() && *size_px == u64::from(now.size_px);
+            let same = *transfer == self.request.display.transfers.to_string() && *size_px == u64::from(now.size_px);
             note(
                 "same_as_before",
                 same,

@@ -26,7 +26,7 @@ use crate::{
     },
     light::{Bits, Quantizer},
     store::{
-        StoreError,
+        StoreError, profile,
         session::SessionStore,
         sidecar::{PreflightNote, Sitting},
     },
@@ -95,8 +95,9 @@ impl SessionPage {
             started_at: Timestamp::now().to_string(),
             display: Some(json!({
                 "name": request.display.name,
-                "transfer": request.display.transfer.to_string(),
-                "measured": request.display.measured,
+                "transfer": request.display.transfers.to_string(),
+                "sha256": profile::hash(&request.display),
+                "profile": profile::value(&request.display),
             })),
             monitor: serde_json::to_value(monitor).ok(),
             viewing: Some(viewing(request, &prepared)),
@@ -115,7 +116,7 @@ impl SessionPage {
             (store, schedule, Resumed::default(), 0.0, 1, Vec::new())
         };
         let offset = offset(elapsed_s, rows.first());
-        let quantizer = Quantizer::new(&request.display.transfer, Bits::Eight);
+        let quantizer = Quantizer::new(&request.display.transfers, Bits::Eight);
         let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: prepared.frames };
         let session = Session::new(protocol.clone(), schedule, &resumed, options);
         let practising =

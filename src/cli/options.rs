@@ -6,7 +6,7 @@ use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, builder::PossibleValu
 
 use super::UsageError;
 use crate::{
-    light::{Bits, Dither, Transfer},
+    light::{Bits, Dither, Transfer, Transfers},
     stimulus::{KINDS, Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
     store,
 };
@@ -14,21 +14,26 @@ use crate::{
 /// What the display makes of codes.
 #[derive(clap::Args)]
 pub(super) struct TransferOptions {
-    /// Transfer function of the display: srgb, linear or gamma:G.
+    /// Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; three joined by / for red,
+    /// green and blue.
     #[arg(long, conflicts_with = "display")]
     transfer: Option<String>,
-    /// Display profile.
+    /// Display profile, as `machband calibrate` writes it.
     #[arg(long, value_name = "FILE")]
     display: Option<PathBuf>,
 }
 
 impl TransferOptions {
-    /// The transfer function, sRGB unless another was named.
-    pub(super) fn transfer(&self) -> anyhow::Result<Transfer> {
+    /// The transfer functions, sRGB unless others were named, and the hash of the profile that they are from.
+    pub(super) fn transfers(&self) -> anyhow::Result<(Transfers, Option<String>)> {
         Ok(match (&self.display, &self.transfer) {
-            (Some(path), _) => store::profile::open(path)?.transfer,
-            (None, Some(text)) => text.parse().map_err(|error| UsageError(format!("--transfer: {error}")))?,
-            (None, None) => Transfer::Srgb,
+            (Some(path), _) => {
+                let profile = store::profile::open(path)?;
+                let hash = store::profile::hash(&profile);
+                (profile.transfers, Some(hash))
+            }
+            (None, Some(text)) => (text.parse().map_err(|error| UsageError(format!("--transfer: {error}")))?, None),
+            (None, None) => (Transfer::Srgb.into(), None),
         })
     }
 }
@@ -56,14 +61,15 @@ impl ImageOptions {
     /// The complete description of an image of this stimulus.
     pub(super) fn recipe(&self, stimulus: Stimulus) -> anyhow::Result<Recipe> {
         let usage = |message: String| UsageError(message);
-        let transfer = self.transfer.transfer()?;
+        let (transfers, display_sha256) = self.transfer.transfers()?;
         Ok(Recipe {
             stimulus,
             size: self.size,
-            transfer,
+            transfers,
             bits: self.bits.parse::<Bits>().map_err(|error| usage(format!("--bits: {error}")))?,
             dither: self.dither.parse::<Dither>().map_err(|error| usage(format!("--dither: {error}")))?,
             seed: self.seed,
+            display_sha256,
         })
     }
 }

@@ -109,7 +109,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.check_files()?;
     let (shade, scene) = (arguments.shade()?, arguments.scene()?);
-    let transfer = arguments.transfer.transfer()?;
+    let (transfers, _) = arguments.transfer.transfers()?;
     let surface = Surface::new(arguments.mesh()?);
     let frame = scene.frame(&surface, arguments.size, arguments.size);
     if frame.triangles.is_empty() {
@@ -122,7 +122,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             arguments.mesh
         ));
     }
-    let shown = if arguments.naive { frame.clone().encoded(&transfer) } else { frame.clone() };
+    let shown = if arguments.naive { frame.clone().encoded(&transfers) } else { frame.clone() };
     if let Some(out) = &arguments.out {
         let image = Reference::new(&shown, &shade).image();
         let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
@@ -131,15 +131,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
                 "{clipped} pixels are brighter than the screen can be and are clipped, which makes edges of its own"
             ));
         }
-        let codes_of = if arguments.naive { Transfer::Linear } else { transfer.clone() };
-        let codes = Quantizer::new(&codes_of, arguments.bits.parse::<Bits>()?).quantize(&image);
-        store::image::write_shaded(out, &codes, &transfer, &arguments.describe(&shade))?;
+        let codes_of = if arguments.naive { Transfer::Linear.into() } else { transfers.clone() };
+        let codes = Quantizer::new(codes_of, arguments.bits.parse::<Bits>()?).quantize(&image);
+        store::image::write_shaded(out, &codes, &transfers, &arguments.describe(&shade))?;
     }
     if arguments.metrics.is_none() && arguments.creases.is_none() {
         return Ok(());
     }
     let creases = if arguments.naive {
-        let decode = |l: DVec3| DVec3::from_array(l.to_array().map(|l| transfer.linear_from_encoded(l)));
+        let decode = |l: DVec3| DVec3::from_array(transfers.linear_from_encoded(l.to_array()));
         Creases::of_encoded(&shown, &shade, decode)
     } else {
         Creases::of(&frame, &shade)
@@ -151,7 +151,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(path) = &arguments.creases {
         let picture = crease::picture(&frame, &creases, gouraud.p95);
         let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture);
-        store::image::write_shaded(path, &codes, &Transfer::Srgb, &arguments.describe(&shade))?;
+        store::image::write_shaded(path, &codes, &Transfer::Srgb.into(), &arguments.describe(&shade))?;
     }
     Ok(())
 }

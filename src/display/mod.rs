@@ -4,4 +4,4 @@ pub mod geometry;
 pub mod profile;
 
 pub use geometry::{Geometry, GeometryError, Screen, Viewing};
-pub use profile::DisplayProfile;
+pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

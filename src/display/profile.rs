@@ -1,33 +1,159 @@
-//! What is known of a screen: how codes become light, and how large it is.
+//! What is known of a screen: how codes become light, how much light that is, of which colours, and how large it is.
 
-use crate::light::gamma::Transfer;
+use jiff::civil::Date;
+use serde::{Deserialize, Serialize};
+
+use crate::light::{Transfer, Transfers};
+
+/// Days after which a measurement is to be repeated.
+pub const VALID_DAYS: i32 = 30;
 
 /// A display profile. Without a measurement it is an assumption, and says so.
+///
+/// Linear light is what a code adds to the screen's black, relative to what the largest code adds: 0…1. The luminance of
+/// both ends is in [`DisplayProfile::luminance`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplayProfile {
     /// For people.
     pub name: String,
-    /// Encoded value to linear light, the same for every channel.
-    pub transfer: Transfer,
-    /// When, with what and by whom it was measured; `None` for an assumption.
-    pub measured: Option<String>,
+    /// Encoded value to linear light, channel by channel.
+    pub transfers: Transfers,
+    /// Luminance of code 0 and of the largest code in all channels, where measured.
+    pub luminance: Option<LuminanceRange>,
+    /// Chromaticities of the channels and of white, where known.
+    pub primaries: Option<Primaries>,
+    /// Bits that the screen itself shows of each channel, where known.
+    pub bits: Option<u8>,
+    /// Who measured when and with what; `None` for an assumption.
+    pub measured: Option<Measurement>,
     /// Width of the visible screen in cm, where known.
     pub screen_width_cm: Option<f64>,
+    /// The screen's own pixels, columns and rows, where known.
+    pub native_px: Option<[u32; 2]>,
+}
+
+/// Black and white of a screen, cd/m².
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LuminanceRange {
+    /// Code 0 in every channel.
+    pub black_cd_m2: f64,
+    /// The largest code in every channel.
+    pub white_cd_m2: f64,
+}
+
+impl LuminanceRange {
+    /// Luminance of the relative linear light `linear`, 0…1, cd/m².
+    #[must_use]
+    pub fn cd_m2(&self, linear: f64) -> f64 {
+        self.black_cd_m2 + linear * (self.white_cd_m2 - self.black_cd_m2)
+    }
+
+    /// The lowest intensity I₀ of equal-brightness steps: black relative to white, Shoaff §2.1.1.
+    #[must_use]
+    pub fn lowest_intensity(&self) -> f64 {
+        self.black_cd_m2 / self.white_cd_m2
+    }
+}
+
+/// CIE 1931 chromaticities x, y.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Primaries {
+    /// Of the red channel.
+    pub red: [f64; 2],
+    /// Of the green channel.
+    pub green: [f64; 2],
+    /// Of the blue channel.
+    pub blue: [f64; 2],
+    /// Of all channels together.
+    pub white: [f64; 2],
+}
+
+/// How a screen was measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Measurement {
+    /// The day, where it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<Date>,
+    /// By whom.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by: Option<String>,
+    /// With what: the photometer, or the eye and which procedure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with: Option<String>,
+}
+
+impl Measurement {
+    /// Days from the measurement to `today`; `None` where its day is not known.
+    #[must_use]
+    pub fn age_days(&self, today: Date) -> Option<i32> {
+        let since = self.on?.until((jiff::Unit::Day, today)).ok()?;
+        Some(since.get_days())
+    }
 }
 
 impl Default for DisplayProfile {
     /// sRGB, assumed.
     fn default() -> Self {
-        Self { name: "sRGB".to_owned(), transfer: Transfer::Srgb, measured: None, screen_width_cm: None }
+        Self {
+            name: "sRGB".to_owned(),
+            transfers: Transfer::Srgb.into(),
+            luminance: None,
+            primaries: None,
+            bits: None,
+            measured: None,
+            screen_width_cm: None,
+            native_px: None,
+        }
     }
 }
 
 impl DisplayProfile {
     /// The profile in one sentence.
+    #[must_use]
     pub fn sentence(&self) -> String {
-        match &self.measured {
-            Some(measured) => format!("{} ({}), measured {measured}", self.name, self.transfer),
-            None => format!("{} ({}), assumed: this screen was not measured", self.name, self.transfer),
+        let transfer = match self.transfers.uniform() {
+            None if self.transfers.has_table() => "a table for each channel".to_owned(),
+            _ => self.transfers.to_string(),
+        };
+        let luminance = self.luminance.map_or_else(String::new, |range| {
+            format!(", {} to {} cd/m²", short(range.black_cd_m2), short(range.white_cd_m2))
+        });
+        let Some(measured) = &self.measured else {
+            return format!("{} ({transfer}{luminance}), assumed: this screen was not measured", self.name);
+        };
+        let part =
+            |word: &str, value: Option<String>| value.map_or_else(String::new, |value| format!(" {word}{value}"));
+        format!(
+            "{} ({transfer}{luminance}), measured{}{}{}",
+            self.name,
+            part("on ", measured.on.map(|day| day.to_string())),
+            part("with ", measured.with.clone()),
+            part("by ", measured.by.clone()),
+        )
+    }
+
+    /// What speaks against relying on the profile on the day `today`, in one sentence; `None` where nothing does.
+    #[must_use]
+    pub fn doubt(&self, today: Date) -> Option<String> {
+        let Some(measured) = &self.measured else {
+            return Some("This screen was not measured: its light is assumed.".to_owned());
+        };
+        match measured.age_days(today) {
+            None => Some("The profile does not say on which day the screen was measured.".to_owned()),
+            Some(days) if days > VALID_DAYS => Some(format!(
+                "The screen was measured {days} days ago; after {VALID_DAYS} days it should be measured again."
+            )),
+            Some(days) if days < 0 => {
+                Some("The profile says that the screen was measured on a day that is still to come.".to_owned())
+            }
+            Some(_) => None,
         }
     }
+}
+
+/// Three digits that count.
+fn short(value: f64) -> String {
+    let digits = (2 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;
+    format!("{value:.digits$}")
 }

@@ -227,18 +227,15 @@ impl Thresholds {
         Some(Self { rows, width })
     }
 
-    /// `code(linear, threshold)` of every sample of `image`, in its order.
-    pub(super) fn map<T: Copy>(mut self, image: &LinearImage, code: impl Fn(f32, f64) -> T) -> Vec<T> {
+    /// `codes(light, threshold)` of every pixel of `image`, in its order.
+    pub(super) fn map<T>(mut self, image: &LinearImage, codes_of: impl Fn([f32; 3], f64) -> [T; 3]) -> Vec<T> {
         let mut codes = Vec::with_capacity(image.data.len());
         let mut thresholds = vec![0.0; self.width];
         // An image without columns has no samples.
         for (y, row) in (0..).zip(image.data.chunks_exact(3 * self.width.max(1))) {
             self.rows.write(y, &mut thresholds);
-            for (rgb, &threshold) in row.chunks_exact(3).zip(&thresholds) {
-                let first = code(rgb[0], threshold);
-                // Grays and yellows are common.
-                let again = |linear: f32| if linear == rgb[0] { first } else { code(linear, threshold) };
-                codes.extend([first, again(rgb[1]), again(rgb[2])]);
+            for (rgb, &threshold) in row.as_chunks().0.iter().zip(&thresholds) {
+                codes.extend(codes_of(*rgb, threshold));
             }
         }
         codes

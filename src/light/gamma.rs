@@ -18,8 +18,8 @@ const SRGB_EXPONENT: f64 = 2.4;
 /// Exponents that a display could have.
 const GAMMA_RANGE: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
-/// How a display turns encoded values into light. Written `linear`, `gamma:2.2` or `srgb`; a table
-/// has no short text.
+/// How a display turns encoded values into light. Written `linear`, `gamma:2.2`, `gog:2.2,1.05,-0.05` (γ, gain, offset)
+/// or `srgb`; a table has no short text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Transfer {
     /// Light proportional to the encoded value.
@@ -27,6 +27,8 @@ pub enum Transfer {
     /// linear = encoded^γ, Shoaff's L = K·V^γ with K = 1. Made by [`Transfer::gamma`], γ within
     /// 0.1…10.
     Gamma(f64),
+    /// Gain, offset and gamma. Made by [`Transfer::gog`].
+    Gog(Gog),
     /// sRGB, IEC 61966-2-1: a straight line up to 0.04045, then a power of 2.4.
     Srgb,
     /// A measured table, linear between its points.
@@ -37,11 +39,24 @@ pub enum Transfer {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TransferError {
     /// A text that names no transfer function.
-    #[error("transfer {0:?} is not known; expected srgb, linear or gamma:G such as gamma:2.2")]
+    #[error("transfer {0:?} is not known; expected srgb, linear, gamma:G such as gamma:2.2, or gog:GAMMA,GAIN,OFFSET")]
     Unknown(String),
     /// An exponent no display has.
     #[error("gamma {0} is outside 0.1…10; expected the display's exponent, such as 2.2")]
     Gamma(String),
+    /// A gain or an offset no display has.
+    #[error(
+        "gain {gain} with offset {offset} gives no display; expected a gain above 0 and up to 10, an offset of -1…1, and light at the largest code (gain + offset above 0)"
+    )]
+    Gain {
+        /// The gain.
+        gain: f64,
+        /// The offset.
+        offset: f64,
+    },
+    /// Several transfer functions, but not one for each channel.
+    #[error("{0:?} has {1} transfer functions; expected one, or three joined by / for red, green and blue")]
+    Channels(String, usize),
     /// A table's two columns do not belong together.
     #[error("the table has {encoded} encoded and {linear} linear values; expected as many of both, at least 2")]
     Length {
@@ -97,6 +112,22 @@ impl Transfer {
         }
     }
 
+    /// linear ∝ max(`gain`·encoded + `offset`, 0)^`gamma`, the model of gain, offset and gamma; see [`Gog`].
+    ///
+    /// # Errors
+    /// When `gamma` is not within 0.1…10, `gain` not above 0 and up to 10, `offset` not within −1…1, or the two leave the
+    /// largest code dark.
+    pub fn gog(gamma: f64, gain: f64, offset: f64) -> Result<Transfer, TransferError> {
+        if !GAMMA_RANGE.contains(&gamma) {
+            return Err(TransferError::Gamma(gamma.to_string()));
+        }
+        if gain > 0.0 && gain <= 10.0 && (-1.0..=1.0).contains(&offset) && gain + offset > 0.0 {
+            Ok(Transfer::Gog(Gog { gamma, gain, offset }))
+        } else {
+            Err(TransferError::Gain { gain, offset })
+        }
+    }
+
     /// The encoded value, 0…1, that makes the relative luminance `linear`; clamped to 0…1 first.
     /// NaN stays NaN.
     ///
@@ -109,6 +140,7 @@ impl Transfer {
         match self {
             Transfer::Linear => linear,
             Transfer::Gamma(gamma) => linear.powf(gamma.recip()),
+            Transfer::Gog(gog) => gog.encoded_from_linear(linear),
             Transfer::Srgb if linear <= SRGB_ENCODED_KNEE / SRGB_SLOPE => linear * SRGB_SLOPE,
             // 1.055 − 0.055 is not quite 1 in f64.
             Transfer::Srgb if linear == 1.0 => 1.0,
@@ -127,6 +159,7 @@ impl Transfer {
         match self {
             Transfer::Linear => encoded,
             Transfer::Gamma(gamma) => encoded.powf(*gamma),
+            Transfer::Gog(gog) => gog.linear_from_encoded(encoded),
             Transfer::Srgb if encoded <= SRGB_ENCODED_KNEE => encoded / SRGB_SLOPE,
             Transfer::Srgb => ((encoded + SRGB_OFFSET) / (1.0 + SRGB_OFFSET)).powf(SRGB_EXPONENT),
             Transfer::Table(table) => piecewise(&table.encoded, &table.linear, encoded),
@@ -139,6 +172,7 @@ impl fmt::Display for Transfer {
         match self {
             Transfer::Linear => f.write_str("linear"),
             Transfer::Gamma(gamma) => write!(f, "gamma:{gamma}"),
+            Transfer::Gog(Gog { gamma, gain, offset }) => write!(f, "gog:{gamma},{gain},{offset}"),
             Transfer::Srgb => f.write_str("srgb"),
             Transfer::Table(_) => f.write_str("table"),
         }
@@ -153,6 +187,15 @@ impl FromStr for Transfer {
         match text {
             "linear" => Ok(Transfer::Linear),
             "srgb" => Ok(Transfer::Srgb),
+            _ if text.starts_with("gog:") => {
+                let unknown = || TransferError::Unknown(text.to_owned());
+                let numbers: Result<Vec<f64>, _> =
+                    text["gog:".len()..].split(',').map(|number| number.trim().parse()).collect();
+                match numbers.map_err(|_| unknown())?[..] {
+                    [gamma, gain, offset] => Transfer::gog(gamma, gain, offset),
+                    _ => Err(unknown()),
+                }
+            }
             _ => {
                 let gamma = text.strip_prefix("gamma:").ok_or_else(|| TransferError::Unknown(text.to_owned()))?;
                 match gamma.trim().parse() {
@@ -160,6 +203,68 @@ impl FromStr for Transfer {
                     Err(_) => Err(TransferError::Gamma(format!("{gamma:?}"))),
                 }
             }
+        }
+    }
+}
+
+/// The model of gain, offset and gamma (Berns, Motta and Gorzynski 1993, doi:10.1002/col.5080180504): the light is
+/// proportional to max(gain·V + offset, 0)^γ, V the encoded value, and lies between the light of V = 0 and that of V = 1.
+///
+/// As a transfer function it is brought to 0…1; what a display gives at V = 0 is its black, which a profile has in cd/m².
+/// With an offset below 0 the lowest encoded values are all dark; of these, 0 is the one that makes no light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gog {
+    gamma: f64,
+    gain: f64,
+    offset: f64,
+}
+
+impl Gog {
+    /// The exponent γ.
+    #[must_use]
+    pub fn gamma(&self) -> f64 {
+        self.gamma
+    }
+
+    /// The gain; only its ratio to the offset shows in relative light.
+    #[must_use]
+    pub fn gain(&self) -> f64 {
+        self.gain
+    }
+
+    /// The offset, in encoded values.
+    #[must_use]
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    fn drive(&self, encoded: f64) -> f64 {
+        // `max` would turn NaN into 0.
+        let drive = self.gain * encoded + self.offset;
+        if drive < 0.0 { 0.0 } else { drive }
+    }
+
+    /// The light at encoded 0 and at 1, before it is brought to 0…1.
+    fn ends(&self) -> (f64, f64) {
+        (self.drive(0.0).powf(self.gamma), self.drive(1.0).powf(self.gamma))
+    }
+
+    fn linear_from_encoded(&self, encoded: f64) -> f64 {
+        let (black, white) = self.ends();
+        let linear = (self.drive(encoded).powf(self.gamma) - black) / (white - black);
+        if encoded >= 1.0 { 1.0 } else { linear }
+    }
+
+    fn encoded_from_linear(&self, linear: f64) -> f64 {
+        let (black, white) = self.ends();
+        let drive = (black + linear * (white - black)).powf(self.gamma.recip());
+        let encoded = ((drive - self.offset) / self.gain).clamp(0.0, 1.0);
+        if linear <= 0.0 {
+            0.0
+        } else if linear >= 1.0 {
+            1.0
+        } else {
+            encoded
         }
     }
 }

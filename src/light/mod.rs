@@ -20,12 +20,14 @@ pub mod interpolation;
 pub mod matrix;
 pub mod palette;
 pub mod quantize;
+pub mod transfers;
 
 pub use depth::{Depth, DepthError};
 pub use dither::{Dither, DitherError};
-pub use gamma::{Transfer, TransferError, TransferTable};
+pub use gamma::{Gog, Transfer, TransferError, TransferTable};
 pub use halftone::{Halftone, HalftoneError, HalftoneImage};
 pub use image::{CodeImage, LinearImage, Samples};
 pub use interpolation::Interpolation;
 pub use matrix::{DitherMatrix, DitherMatrixError};
-pub use quantize::{Bits, Quantizer};
+pub use quantize::{Bits, ChannelQuantizer, Quantizer};
+pub use transfers::Transfers;

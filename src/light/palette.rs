@@ -14,9 +14,9 @@ use quantette::deps::palette::LinSrgb;
 use quantette::wu::{BinnerF32x3, WuF32x3};
 use quantette::{PaletteCounts, PaletteSize};
 
-use super::gamma::Transfer;
 use super::image::{CodeImage, Samples};
 use super::quantize::{Bits, Quantizer};
+use super::transfers::Transfers;
 
 /// Most colors that an 8-bit index tells apart.
 pub const MOST_COLORS: usize = 256;
@@ -167,7 +167,7 @@ impl FromStr for Reduction {
 /// When `colors` is not within 1…256, or the image has 16 bits or 2³² pixels.
 pub fn reduce(
     image: &CodeImage,
-    transfer: &Transfer,
+    transfers: impl Into<Transfers>,
     colors: usize,
     reducer: Reducer,
 ) -> Result<IndexedImage, PaletteError> {
@@ -178,7 +178,7 @@ pub fn reduce(
     if u32::try_from(pixels.len()).is_err() {
         return Err(PaletteError::Pixels(pixels.len()));
     }
-    let quantizer = Quantizer::new(transfer, Bits::Eight);
+    let quantizer = Quantizer::new(transfers, Bits::Eight);
     let tallies = count(pixels, &quantizer);
     let mut palette = if tallies.len() <= colors {
         tallies.iter().map(|tally| tally.codes).collect()
@@ -230,13 +230,13 @@ fn mean_codes(tallies: &[Tally], quantizer: &Quantizer) -> [u8; 3] {
 
 /// The light of `codes`, rounded to f32.
 fn light_of(codes: [u8; 3], quantizer: &Quantizer) -> [f64; 3] {
-    codes.map(|code| f64::from(quantizer.linear(u16::from(code)) as f32))
+    quantizer.linear(codes.map(u16::from)).map(|light| f64::from(light as f32))
 }
 
 /// Codes of the light `light`.
 fn codes_of(light: [f64; 3], quantizer: &Quantizer) -> [u8; 3] {
     // An 8-bit code fits.
-    light.map(|value| quantizer.code(value as f32) as u8)
+    quantizer.codes(light.map(|value| value as f32)).map(|code| code as u8)
 }
 
 /// Light added up.
@@ -419,14 +419,14 @@ fn index(
     tallies: &[Tally],
     quantizer: &Quantizer,
 ) -> IndexedImage {
-    let linear: Vec<f64> = (0..=255).map(|code| quantizer.linear(code)).collect();
+    let light = |codes: [u8; 3]| quantizer.linear(codes.map(u16::from));
     let centers: Vec<[f64; 3]> = palette.iter().map(|&codes| light_of(codes, quantizer)).collect();
     let (mut squares, mut max) = (0.0, 0.0f64);
     let mut chosen = Vec::with_capacity(tallies.len());
     for tally in tallies {
         let (at, _) = nearest(&centers, tally.light);
-        for (before, after) in tally.codes.into_iter().zip(palette[at]) {
-            let error = (linear[usize::from(before)] - linear[usize::from(after)]).abs();
+        for (before, after) in light(tally.codes).into_iter().zip(light(palette[at])) {
+            let error = (before - after).abs();
             squares += f64::from(tally.count) * error * error;
             max = max.max(error);
         }

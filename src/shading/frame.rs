@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::{edges::EdgeKind, illumination::Lighting, surface::Surface, view::View};
-use crate::light::Transfer;
+use crate::light::Transfers;
 
 /// A frame to be shaded. Vertices are on the screen; lights are linear, red green blue.
 #[derive(Clone, Debug)]
@@ -22,8 +22,8 @@ pub struct Frame {
     pub lighting: Lighting,
     /// Where the eye is.
     pub view: View,
-    /// The display's transfer function, where the lights are encoded already; see [`Frame::encoded`].
-    pub encoding: Option<Transfer>,
+    /// The display's transfer functions, where the lights are encoded already; see [`Frame::encoded`].
+    pub encoding: Option<Transfers>,
 }
 
 /// A vertex on the screen.
@@ -148,14 +148,14 @@ impl Frame {
     /// The same frame with the vertices' lights encoded for a display: what a renderer that knows nothing of gamma
     /// interpolates. Its picture holds encoded values and is quantised without a transfer function.
     #[must_use]
-    pub fn encoded(mut self, transfer: &Transfer) -> Frame {
-        let encode = |light| encode(transfer, light);
+    pub fn encoded(mut self, transfers: &Transfers) -> Frame {
+        let encode = |light| encode(transfers, light);
         for vertex in &mut self.vertices {
             vertex.light = encode(vertex.light);
             vertex.ambient = encode(vertex.ambient);
         }
         self.background = encode(self.background);
-        self.encoding = Some(transfer.clone());
+        self.encoding = Some(transfers.clone());
         self
     }
 
@@ -165,7 +165,7 @@ impl Frame {
     pub fn lit(&self, eye: DVec3, normal: DVec3) -> DVec3 {
         let light = self.lighting.light(eye, normal, self.view.to_viewer(eye));
         match &self.encoding {
-            Some(transfer) => encode(transfer, light),
+            Some(transfers) => encode(transfers, light),
             None => light,
         }
     }
@@ -233,6 +233,6 @@ impl Frame {
     }
 }
 
-fn encode(transfer: &Transfer, light: DVec3) -> DVec3 {
-    DVec3::from_array(light.to_array().map(|l| transfer.encoded_from_linear(l)))
+fn encode(transfers: &Transfers, light: DVec3) -> DVec3 {
+    DVec3::from_array(transfers.encoded_from_linear(light.to_array()))
 }

@@ -4,7 +4,9 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 use super::Stimulus;
-use crate::light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferTable};
+use crate::light::{
+    Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferError, TransferTable, Transfers,
+};
 
 /// Largest side of an image, pixels.
 pub const SIZE_MAX: u32 = 16_384;
@@ -17,9 +19,9 @@ pub struct Recipe {
     pub stimulus: Stimulus,
     /// Side of the square image in pixels, 1…[`SIZE_MAX`].
     pub size: u32,
-    /// The display's transfer function.
-    #[serde(serialize_with = "write_transfer", deserialize_with = "read_transfer")]
-    pub transfer: Transfer,
+    /// The display's transfer functions.
+    #[serde(rename = "transfer", serialize_with = "write_transfers", deserialize_with = "read_transfers")]
+    pub transfers: Transfers,
     /// Bits a channel.
     #[serde(serialize_with = "write_text", deserialize_with = "read_text")]
     pub bits: Bits,
@@ -28,6 +30,9 @@ pub struct Recipe {
     pub dither: Dither,
     /// Seed of a random dither; without meaning for the others.
     pub seed: u64,
+    /// SHA-256 of the display profile that the transfer functions are from; `None` where they were assumed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub display_sha256: Option<String>,
 }
 
 impl Recipe {
@@ -40,7 +45,7 @@ impl Recipe {
     /// A quantizer for the recipe's display, to be kept for further images.
     #[must_use]
     pub fn quantizer(&self) -> Quantizer {
-        Quantizer::new(&self.transfer, self.bits)
+        Quantizer::new(&self.transfers, self.bits)
     }
 
     /// The codes, with a quantizer of the same transfer function and bits.
@@ -67,10 +72,10 @@ impl Recipe {
             }
         }
         command += &format!(" --size {}", self.size);
-        match &self.transfer {
-            Transfer::Srgb => {}
-            Transfer::Table(_) => command += " --display PROFILE.toml",
-            other => command += &format!(" --transfer {other}"),
+        if self.transfers.has_table() {
+            command += " --display PROFILE.toml";
+        } else if self.transfers.uniform() != Some(&Transfer::Srgb) {
+            command += &format!(" --transfer {}", self.transfers);
         }
         if self.bits != Bits::Eight {
             command += &format!(" --bits {}", self.bits);
@@ -93,23 +98,48 @@ enum TransferForm {
     Table { encoded: Vec<f64>, linear: Vec<f64> },
 }
 
-fn write_transfer<S: Serializer>(transfer: &Transfer, serializer: S) -> Result<S::Ok, S::Error> {
-    match transfer {
-        Transfer::Table(table) => {
-            TransferForm::Table { encoded: table.encoded().to_vec(), linear: table.linear().to_vec() }
+impl TransferForm {
+    fn of(transfer: &Transfer) -> Self {
+        match transfer {
+            Transfer::Table(table) => {
+                Self::Table { encoded: table.encoded().to_vec(), linear: table.linear().to_vec() }
+            }
+            other => Self::Text(other.to_string()),
         }
-        other => TransferForm::Text(other.to_string()),
+    }
+
+    fn transfer(self) -> Result<Transfer, TransferError> {
+        match self {
+            Self::Text(text) => text.parse(),
+            Self::Table { encoded, linear } => TransferTable::new(encoded, linear).map(Transfer::Table),
+        }
+    }
+}
+
+/// The transfer functions of a display in a file: one where the channels are alike, else three.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum TransfersForm {
+    Alike(TransferForm),
+    Each([TransferForm; 3]),
+}
+
+fn write_transfers<S: Serializer>(transfers: &Transfers, serializer: S) -> Result<S::Ok, S::Error> {
+    match transfers.uniform() {
+        Some(transfer) => TransfersForm::Alike(TransferForm::of(transfer)),
+        None => TransfersForm::Each(transfers.channels().each_ref().map(TransferForm::of)),
     }
     .serialize(serializer)
 }
 
-fn read_transfer<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Transfer, D::Error> {
-    match TransferForm::deserialize(deserializer)? {
-        TransferForm::Text(text) => text.parse().map_err(D::Error::custom),
-        TransferForm::Table { encoded, linear } => {
-            TransferTable::new(encoded, linear).map(Transfer::Table).map_err(D::Error::custom)
+fn read_transfers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Transfers, D::Error> {
+    match TransfersForm::deserialize(deserializer)? {
+        TransfersForm::Alike(form) => form.transfer().map(Transfers::from),
+        TransfersForm::Each([red, green, blue]) => {
+            red.transfer().and_then(|red| Ok(Transfers::new([red, green.transfer()?, blue.transfer()?])))
         }
     }
+    .map_err(D::Error::custom)
 }
 
 fn write_text<T: std::fmt::Display, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {

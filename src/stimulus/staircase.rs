@@ -33,7 +33,7 @@ pub(super) struct Staircase {
 /// Codes of a pixel of relative luminance `luminance`. `quantizer` has 8 bits.
 #[inline]
 pub(super) fn codes(weights: [f64; 3], luminance: f64, quantizer: &Quantizer) -> [u8; 3] {
-    light(weights, luminance).map(|linear| quantizer.code(linear) as u8)
+    quantizer.codes(light(weights, luminance)).map(|code| code as u8)
 }
 
 impl Staircase {
@@ -45,13 +45,15 @@ impl Staircase {
             return Self { first, steps, doubt: DOUBT_X };
         }
         let doubt_u = doubt_u(&ramp.interpolation);
+        let transfers = quantizer.transfers().channels();
+        let alike = |a: usize, b: usize| weights[a] == weights[b] && transfers[a] == transfers[b];
         let mut changes: Vec<(f64, usize, u8)> = Vec::new();
         for channel in 0..3 {
-            // Channels of equal weight change together: the first of them stands for all.
-            if !weights[..channel].contains(&weights[channel]) {
+            // Channels that are alike change together: the first of them stands for all.
+            if (0..channel).all(|before| !alike(before, channel)) {
                 let mut u = 0.0;
                 changes.extend((first[channel]..last[channel]).map(|code| {
-                    let threshold = quantizer.threshold(u16::from(code) + 1);
+                    let threshold = quantizer.channel(channel).threshold(u16::from(code) + 1);
                     u = reach(ramp, weights[channel], threshold, doubt_u, u);
                     (u, channel, code + 1)
                 }));
@@ -63,7 +65,7 @@ impl Staircase {
         let mut after = first;
         for (u, channel, code) in changes {
             for twin in channel..3 {
-                if weights[twin] == weights[channel] {
+                if alike(twin, channel) {
                     after[twin] = code;
                 }
             }

@@ -34,7 +34,7 @@ pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
 /// The three kinds of TOML file differ in a key that each must have.
 fn check_toml(file: &str, text: &str) -> Result<String, FileFaults> {
     let table = toml_reader::parse(file, text)?;
-    if table.contains_key("transfer") {
+    if table.contains_key("transfer") || table.contains_key("channels") {
         return Ok(format!("display profile {}", profile::parse(file, text)?.sentence()));
     }
     if table.contains_key("thresholds") {

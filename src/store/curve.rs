@@ -39,7 +39,7 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
                 x: Stimulus::place(i, size),
                 linear: f64::from(row.pixel(i, 0)[strongest]),
                 codes: pixel,
-                emitted: quantizer.linear(pixel[strongest]),
+                emitted: quantizer.channel(strongest).linear(pixel[strongest]),
             }
         })
         .collect()

@@ -5,7 +5,7 @@ use std::{borrow::Cow, fs::File, io::BufReader, path::Path};
 use super::{FileFaults, StoreError, dataset::write_whole, fault::io};
 use crate::{
     light::{
-        CodeImage, Quantizer, Samples, Transfer,
+        CodeImage, Quantizer, Samples, Transfer, Transfers,
         halftone::{Halftone, HalftoneError, Screen},
         palette::{IndexedImage, Reduction, reduce},
     },
@@ -30,7 +30,7 @@ const CURVE_POINTS: u16 = 4096;
 /// # Errors
 /// The system's refusal.
 pub fn write_recipe(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<Vec<u8>, StoreError> {
-    let bytes = encode(&recipe.codes(quantizer), &recipe.transfer, &[(KEYWORD, describe(recipe))])
+    let bytes = encode(&recipe.codes(quantizer), &recipe.transfers, &[(KEYWORD, describe(recipe))])
         .map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
     write_whole(path, &bytes, false)?;
     Ok(bytes)
@@ -47,13 +47,13 @@ pub fn write_reduced(
     reduction: Reduction,
 ) -> Result<IndexedImage, StoreError> {
     let failed = |error: Box<dyn std::error::Error + Send + Sync>| io(path, "encode")(std::io::Error::other(error));
-    let image = reduce(&recipe.codes(quantizer), &recipe.transfer, reduction.colors, reduction.reducer)
+    let image = reduce(&recipe.codes(quantizer), &recipe.transfers, reduction.colors, reduction.reducer)
         .map_err(|error| failed(error.into()))?;
     let mut info = png::Info::with_size(image.width, image.height);
     info.color_type = png::ColorType::Indexed;
     info.palette = Some(Cow::Owned(image.palette.concat()));
     let texts = [(KEYWORD, describe(recipe)), (PALETTE_KEYWORD, reduction.to_string())];
-    let bytes = finish(info, &recipe.transfer, false, &texts, &image.indices).map_err(|error| failed(error.into()))?;
+    let bytes = finish(info, &recipe.transfers, false, &texts, &image.indices).map_err(|error| failed(error.into()))?;
     write_whole(path, &bytes, false)?;
     Ok(image)
 }
@@ -66,7 +66,7 @@ pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<()
     let failed = |error: Box<dyn std::error::Error + Send + Sync>| io(path, "encode")(std::io::Error::other(error));
     let image = dots(recipe, screen).map_err(|error| failed(error.into()))?;
     let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
-    let bytes = encode(&image, &recipe.transfer, &texts).map_err(|error| failed(error.into()))?;
+    let bytes = encode(&image, &recipe.transfers, &texts).map_err(|error| failed(error.into()))?;
     write_whole(path, &bytes, false)
 }
 
@@ -77,7 +77,7 @@ pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<()
 pub fn write_shaded(
     path: &Path,
     image: &CodeImage,
-    transfer: &Transfer,
+    transfers: &Transfers,
     parameters: &serde_json::Value,
 ) -> Result<(), StoreError> {
     // Text chunks are Latin-1, and the path of a mesh may be anything: JSON can say it in ASCII.
@@ -86,14 +86,25 @@ pub fn write_shaded(
         if c.is_ascii() { c.to_string() } else { units(c) }
     };
     let text = parameters.to_string().chars().map(escape).collect();
-    let bytes = encode(image, transfer, &[(SHADED_KEYWORD, text)])
+    let bytes = encode(image, transfers, &[(SHADED_KEYWORD, text)])
         .map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
     write_whole(path, &bytes, false)
 }
 
 fn dots(recipe: &Recipe, screen: Screen) -> Result<CodeImage, HalftoneError> {
-    let halftone = Halftone::new(screen.matrix, screen.bits, &recipe.transfer)?;
-    Ok(halftone.enlarged(&recipe.linear())?.to_8_bits())
+    let linear = recipe.linear();
+    let of = |transfer| Halftone::new(screen.matrix, screen.bits, transfer)?.enlarged(&linear);
+    if let Some(transfer) = recipe.transfers.uniform() {
+        return Ok(of(transfer)?.to_8_bits());
+    }
+    let [mut image, green, blue] = recipe.transfers.channels().each_ref().map(of);
+    if let Ok(image) = &mut image {
+        for (channel, other) in [(1, green?), (2, blue?)] {
+            let own = image.codes.iter_mut().skip(channel).step_by(3);
+            own.zip(other.codes.iter().skip(channel).step_by(3)).for_each(|(code, other)| *code = *other);
+        }
+    }
+    Ok(image?.to_8_bits())
 }
 
 /// The recipe as it stands in an image.
@@ -102,31 +113,32 @@ pub fn describe(recipe: &Recipe) -> String {
 }
 
 /// An image file as bytes. Equal inputs give equal bytes.
-fn encode(image: &CodeImage, transfer: &Transfer, texts: &[(&str, String)]) -> Result<Vec<u8>, png::EncodingError> {
-    let gray = is_gray(&image.samples);
+fn encode(image: &CodeImage, transfers: &Transfers, texts: &[(&str, String)]) -> Result<Vec<u8>, png::EncodingError> {
+    // Equal codes of channels that differ are no gray.
+    let gray = transfers.uniform().is_some() && is_gray(&image.samples);
     let mut info = png::Info::with_size(image.width, image.height);
     info.color_type = if gray { png::ColorType::Grayscale } else { png::ColorType::Rgb };
     info.bit_depth = match image.samples {
         Samples::Eight(_) => png::BitDepth::Eight,
         Samples::Sixteen(_) => png::BitDepth::Sixteen,
     };
-    finish(info, transfer, gray, texts, &raw_samples(&image.samples, gray))
+    finish(info, transfers, gray, texts, &raw_samples(&image.samples, gray))
 }
 
 /// Adds what the codes mean and how they were made, and encodes.
 fn finish(
     mut info: png::Info<'_>,
-    transfer: &Transfer,
+    transfers: &Transfers,
     gray: bool,
     texts: &[(&str, String)],
     samples: &[u8],
 ) -> Result<Vec<u8>, png::EncodingError> {
-    let curve = match transfer {
-        Transfer::Srgb => None,
-        Transfer::Linear => Some(1.0),
-        Transfer::Gamma(gamma) => Some(*gamma),
-        Transfer::Table(_) => {
-            info.icc_profile = profile(transfer, gray).map(Cow::Owned);
+    let curve = match transfers.uniform() {
+        Some(Transfer::Srgb) => None,
+        Some(Transfer::Linear) => Some(1.0),
+        Some(Transfer::Gamma(gamma)) => Some(*gamma),
+        Some(Transfer::Gog(_) | Transfer::Table(_)) | None => {
+            info.icc_profile = profile(transfers, gray).map(Cow::Owned);
             None
         }
     };
@@ -137,7 +149,7 @@ fn finish(
     }
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::with_info(&mut bytes, info)?;
-    if *transfer == Transfer::Srgb {
+    if transfers.uniform() == Some(&Transfer::Srgb) {
         encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
     }
     // Neighbouring rows of a stimulus are all but equal: their difference is zeros, and a fast coder is enough.
@@ -172,13 +184,16 @@ fn raw_samples(samples: &Samples, gray: bool) -> Cow<'_, [u8]> {
     }
 }
 
-/// A measured transfer function as an ICC profile, with sRGB's primaries.
-fn profile(transfer: &Transfer, gray: bool) -> Option<Vec<u8>> {
-    let points = (0..CURVE_POINTS).map(|i| {
-        let linear = transfer.linear_from_encoded(f64::from(i) / f64::from(CURVE_POINTS - 1));
-        (linear * f64::from(u16::MAX)).round() as u16
-    });
-    let curve = moxcms::ToneReprCurve::Lut(points.collect());
+/// Measured transfer functions as an ICC profile, with sRGB's primaries.
+fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
+    let curve = |transfer: &Transfer| {
+        let points = (0..CURVE_POINTS).map(|i| {
+            let linear = transfer.linear_from_encoded(f64::from(i) / f64::from(CURVE_POINTS - 1));
+            (linear * f64::from(u16::MAX)).round() as u16
+        });
+        Some(moxcms::ToneReprCurve::Lut(points.collect()))
+    };
+    let [red, green, blue] = transfers.channels();
     let mut profile =
         if gray { moxcms::ColorProfile::new_gray_with_gamma(1.0) } else { moxcms::ColorProfile::new_srgb() };
     // A fixed date: equal inputs give equal bytes.
@@ -186,11 +201,11 @@ fn profile(transfer: &Transfer, gray: bool) -> Option<Vec<u8>> {
         moxcms::ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, hours: 0, minutes: 0, seconds: 0 };
     profile.cicp = None;
     if gray {
-        profile.gray_trc = Some(curve);
+        profile.gray_trc = curve(red);
     } else {
-        profile.red_trc = Some(curve.clone());
-        profile.green_trc = Some(curve.clone());
-        profile.blue_trc = Some(curve);
+        profile.red_trc = curve(red);
+        profile.green_trc = curve(green);
+        profile.blue_trc = curve(blue);
     }
     profile.encode().ok()
 }
@@ -343,7 +358,7 @@ impl ReadBack {
         let codes = recipe.codes(&recipe.quantizer());
         match self.reduction {
             None => Ok(codes),
-            Some(Reduction { reducer, colors }) => reduce(&codes, &recipe.transfer, colors, reducer)
+            Some(Reduction { reducer, colors }) => reduce(&codes, &recipe.transfers, colors, reducer)
                 .map(|image| image.codes())
                 .map_err(|error| error.to_string()),
         }
@@ -351,9 +366,9 @@ impl ReadBack {
 
     fn sentence(&self) -> String {
         let recipe = &self.recipe;
-        let transfer = match &recipe.transfer {
-            Transfer::Table(_) => "measured table".to_owned(),
-            other => other.to_string(),
+        let transfer = match recipe.transfers.uniform() {
+            Some(Transfer::Table(_)) => "measured table".to_owned(),
+            _ => recipe.transfers.to_string(),
         };
         let palette = self.reduction.map_or_else(String::new, |reduction| format!(", palette {reduction}"));
         let halftone = self.halftone.map_or_else(String::new, |screen| format!(", halftone {screen}"));

@@ -14,7 +14,7 @@ use sha2::{Digest as _, Sha256};
 use super::{StoreError, dataset::write_whole, fault::io, image};
 use crate::{
     experiment::{Condition, Protocol},
-    light::{Quantizer, Transfer},
+    light::Quantizer,
     stimulus::recipe::Recipe,
 };
 
@@ -160,13 +160,9 @@ impl<'a> Manifest<'a> {
     fn line(&self, i: usize, hash: &str) -> String {
         let (file, levels) = &self.rows[i];
         let recipe = &self.recipes[i];
-        let transfer = match &recipe.transfer {
-            Transfer::Table(_) => "table".to_owned(),
-            other => other.to_string(),
-        };
         let mut cells = vec![file.clone(), hash.to_owned()];
         cells.extend(levels.iter().cloned());
-        cells.extend([recipe.bits.to_string(), transfer, recipe.dither.to_string()]);
+        cells.extend([recipe.bits.to_string(), recipe.transfers.to_string(), recipe.dither.to_string()]);
         csv_line(&cells)
     }
 }

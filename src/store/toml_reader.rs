@@ -262,6 +262,21 @@ impl<'r, 't> Section<'r, 't> {
         )
     }
 
+    /// Whether a key is there, whatever its value.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.table.is_some_and(|table| table.contains_key(key))
+    }
+
+    /// Whether a key is there and a text.
+    pub(super) fn is_text(&self, key: &str) -> bool {
+        self.table.and_then(|table| table.get(key)).is_some_and(|value| matches!(value.get_ref(), DeValue::String(_)))
+    }
+
+    /// Whether this is the whole document.
+    pub(super) fn is_root(&self) -> bool {
+        self.name.is_empty()
+    }
+
     /// The keys in the order of the text.
     pub(super) fn keys(&self) -> Vec<String> {
         self.table.map_or_else(Vec::new, |table| table.keys().map(|key| key.get_ref().to_string()).collect())

@@ -82,7 +82,7 @@ impl Side {
     /// The frame that this side shades: with its lights encoded where gamma is ignored.
     #[must_use]
     pub fn frame(&self, frame: &Frame, transfer: &Transfer) -> Frame {
-        if self.is_naive() { frame.clone().encoded(transfer) } else { frame.clone() }
+        if self.is_naive() { frame.clone().encoded(&transfer.into()) } else { frame.clone() }
     }
 
     /// What turns this side's picture into codes: nothing more where its lights are encoded already.

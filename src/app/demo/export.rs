@@ -46,7 +46,7 @@ impl Export {
                 self.said = Some(Err(format!("{} exists already; expected a new name", path.display())));
                 self.standing = Some(path);
             } else if let Some((image, parameters)) = view() {
-                let written = store::image::write_shaded(&path, &image, &compared.transfer, &parameters);
+                let written = store::image::write_shaded(&path, &image, &compared.transfer.clone().into(), &parameters);
                 self.said =
                     Some(written.map(|()| format!("Written to {}", path.display())).map_err(|error| error.to_string()));
                 self.standing = None;

@@ -79,7 +79,7 @@ pub fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
         specular: four(material.specular * material.specular_color, facets.slope),
         index: four(facets.index, c1),
         lamp_count: frame.lighting.lamps.len().min(MOST_LAMPS) as u32,
-        points: if let Transfer::Table(table) = transfer { table.linear().len() as u32 } else { 0 },
+        points: table(transfer).len() as u32,
         exponent: if let Transfer::Gamma(gamma) = transfer { gamma.recip() as f32 } else { 1.0 },
         padding: 0,
         lamps,
@@ -135,18 +135,39 @@ fn pack_lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
     }
 }
 
-/// The points of the transfer table, if it is one.
+/// The points of the transfer table, if it is one; of gain, offset and gamma, so many that the straight lines between
+/// them are less than a tenth of a code off.
 pub fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
-    let Transfer::Table(table) = transfer else { return Vec::new() };
-    let (linear, encoded) = (table.linear(), table.encoded());
-    (0..linear.len())
+    let points: Vec<[f64; 2]> = match transfer {
+        Transfer::Table(table) => table.linear().iter().zip(table.encoded()).map(|(l, e)| [*l, *e]).collect(),
+        Transfer::Gog(_) => {
+            let mut points: Vec<[f64; 2]> = (0..=GOG_POINTS)
+                .map(|i| f64::from(i) / f64::from(GOG_POINTS))
+                .map(|encoded| [transfer.linear_from_encoded(encoded), encoded])
+                .collect();
+            // Where several encoded values are dark, the last of them is where light begins.
+            points.dedup_by(|next, last| {
+                let dark = next[0] <= last[0];
+                if dark {
+                    last[1] = next[1];
+                }
+                dark
+            });
+            points
+        }
+        Transfer::Linear | Transfer::Gamma(_) | Transfer::Srgb => return Vec::new(),
+    };
+    (0..points.len())
         .map(|i| {
-            let j = (i + 1).min(linear.len() - 1);
-            let slope = if j > i { (encoded[j] - encoded[i]) / (linear[j] - linear[i]) } else { 0.0 };
-            [linear[i] as f32, encoded[i] as f32, slope as f32, 0.0]
+            let ([linear, encoded], next) = (points[i], points[(i + 1).min(points.len() - 1)]);
+            let slope = if next[0] > linear { (next[1] - encoded) / (next[0] - linear) } else { 0.0 };
+            [linear as f32, encoded as f32, slope as f32, 0.0]
         })
         .collect()
 }
+
+/// Lines that stand for the curve of gain, offset and gamma.
+const GOG_POINTS: u32 = 4096;
 
 /// Rows of [`constants`] a triangle, three entries each: one for each corner, or for the edge opposite it.
 pub const fn rows(shader: Shader) -> u32 {

@@ -54,7 +54,8 @@ impl Variant {
                 Transfer::Linear => 0,
                 Transfer::Srgb => 1,
                 Transfer::Gamma(_) => 2,
-                Transfer::Table(_) => 3,
+                // The card has no arithmetic of its own for gain and offset.
+                Transfer::Gog(_) | Transfer::Table(_) => 3,
             },
             specular: match frame.lighting.material.specular_model {
                 Specular::Phong => 0,

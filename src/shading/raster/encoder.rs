@@ -1,14 +1,14 @@
-//! Light to 8-bit codes, many at once: the same code as [`Quantizer::code`] for every f32.
+//! Light to 8-bit codes, many at once: the same code as [`ChannelQuantizer::code`] for every f32.
 
-use crate::light::{Bits, Quantizer, Transfer};
+use crate::light::{Bits, ChannelQuantizer, Transfer};
 
 /// A transfer function prepared for the rasteriser's pixels.
 ///
-/// The codes are those of [`Quantizer::code`], bit for bit: an f32's upper bits find, in a table, the code of the
+/// The codes are those of [`ChannelQuantizer::code`], bit for bit: an f32's upper bits find, in a table, the code of the
 /// smallest number that begins with them and the one threshold that may follow; the lower bits decide.
 #[derive(Clone, Debug)]
 pub struct Encoder {
-    quantizer: Quantizer,
+    quantizer: ChannelQuantizer,
     table: Option<Table>,
 }
 
@@ -34,14 +34,14 @@ impl Encoder {
     /// An encoder for a display that `transfer` describes. Takes about 0.2 ms: keep it.
     #[must_use]
     pub fn new(transfer: &Transfer) -> Encoder {
-        let quantizer = Quantizer::new(transfer, Bits::Eight);
+        let quantizer = ChannelQuantizer::new(transfer, Bits::Eight);
         let table = Table::new(&quantizer);
         Encoder { quantizer, table }
     }
 
     /// The codes themselves, one light at a time.
     #[must_use]
-    pub fn quantizer(&self) -> &Quantizer {
+    pub fn quantizer(&self) -> &ChannelQuantizer {
         &self.quantizer
     }
 
@@ -104,7 +104,7 @@ const OPAQUE: u32 = 0xff << 24;
 
 impl Table {
     /// The table of `quantizer`; `None` if two thresholds share an entry, or if there are too many entries.
-    fn new(quantizer: &Quantizer) -> Option<Table> {
+    fn new(quantizer: &ChannelQuantizer) -> Option<Table> {
         // The largest power of two below the first threshold, or less.
         let first = quantizer.threshold(1).to_bits() >> EXPONENT;
         let least = f32::from_bits(first.checked_sub(1).filter(|e| *e > 0)? << EXPONENT);

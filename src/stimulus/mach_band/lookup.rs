@@ -57,9 +57,14 @@ pub(super) fn render(band: &MachBand, passage: &Between, size: u32, quantizer: &
 impl Pixels<'_> {
     /// The codes at `x` window sides from the centre line: the definition.
     fn codes(&self, x: f64) -> [u8; 3] {
-        // An 8-bit code fits.
-        self.passage.light_at_part(self.ramp.part_at(x)).map(|linear| self.quantizer.code(linear as f32) as u8)
+        codes_of(self.quantizer, self.passage.light_at_part(self.ramp.part_at(x)))
     }
+}
+
+/// The 8-bit codes of `light`.
+fn codes_of(quantizer: &Quantizer, light: [f64; 3]) -> [u8; 3] {
+    // An 8-bit code fits.
+    quantizer.codes(light.map(|linear| linear as f32)).map(|code| code as u8)
 }
 
 /// The codes across the ramp, where they are certain.
@@ -80,24 +85,18 @@ impl Table {
         // No I_n is steeper than at its middle.
         let per_cell = ramp.interpolation.slope(0.5) / CELLS as f64;
         let reach = pixels.passage.steepness().map(|most| most * per_cell * (0.5 + DOUBT_CELLS) + DOUBT_LIGHT);
-        let code = |light: f64| pixels.quantizer.code(light as f32) as u8;
+        let codes = |light: [f64; 3]| codes_of(pixels.quantizer, light);
         let cell = |cell: usize| {
             let part = ramp.interpolation.value((cell as f64 + 0.5) / CELLS as f64);
             let light = pixels.passage.light_at_part(part);
-            let mut codes = [0; 3];
-            for channel in 0..3 {
-                let (least, most) = (code(light[channel] - reach[channel]), code(light[channel] + reach[channel]));
-                if least != most {
-                    return None;
-                }
-                codes[channel] = least;
-            }
-            Some(codes)
+            let least = codes(std::array::from_fn(|channel| light[channel] - reach[channel]));
+            let most = codes(std::array::from_fn(|channel| light[channel] + reach[channel]));
+            (least == most).then_some(least)
         };
         // In the first and the last cell the ramp begins and ends, for the infinite depth with a jump.
         let inner = (1..CELLS - 1).map(cell);
         let cells = [None; 2].into_iter().chain(inner).chain([None; 2]).collect();
-        let [low, high] = [0.0, 1.0].map(|part| pixels.passage.light_at_part(part).map(code));
+        let [low, high] = [0.0, 1.0].map(|part| codes(pixels.passage.light_at_part(part)));
         Self { cells, low, high, half: width / 2.0, scale }
     }
 

@@ -22,6 +22,10 @@ fn encoded(linear: vec3f) -> vec3f {
 
 // The straight line between two points of the table.
 fn from_table(linear: f32) -> f32 {
+    // No light is code 0, also where a table's first line begins above it.
+    if linear <= 0.0 {
+        return 0.0;
+    }
     var low = 0u;
     var high = globals.points - 1u;
     while high - low > 1u {
