@@ -494,7 +494,7 @@ fn display_profiles_and_observers_are_checked_alike() {
         (full, "blue = [0.15, 0.06], ", "", "9:13", "primaries.blue is missing"),
         (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:12", "expected one, or three"),
         (each, "\"gamma:2.1\"", "\"gamma:2.1/srgb/srgb\"", "8:12", "expected"),
-        (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:1", "channels.blue.transfer is missing"),
+        (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:2", "channels.blue.transfer is missing"),
         (each, "name = \"Each\"\n", "name = \"Each\"\ntransfer = \"srgb\"\n", "3:12", "stands beside [channels]"),
         (good, "schema = 1\n", "", "1:1", "schema is missing"),
         (good, "schema = 1", "schema = 3", "1:10", "schema 3"),

@@ -22,6 +22,8 @@ pub struct Form {
     pub distance_cm: String,
     /// cm.
     pub screen_width_cm: String,
+    /// The experiment without colour, for an observer with a colour deficiency.
+    pub gray: bool,
     /// Path of a profile; empty for sRGB.
     pub profile: String,
     /// Folder.
@@ -87,6 +89,7 @@ impl Default for Form {
             session: "1".to_owned(),
             distance_cm: String::new(),
             screen_width_cm: String::new(),
+            gray: false,
             profile: String::new(),
             results: "results".to_owned(),
         }
@@ -99,7 +102,7 @@ impl Form {
         if self.screen_width_cm.is_empty() {
             self.screen_width_cm = format!("{:.1}", monitor.assumed_width_cm());
         }
-        let Ok(protocol) = definition::open(&self.experiment) else { return };
+        let Ok(protocol) = self.protocol() else { return };
         if self.distance_cm.is_empty() {
             self.distance_cm = protocol.viewing.distance_cm.to_string();
         }
@@ -116,8 +119,7 @@ impl Form {
     /// Looks every field through.
     pub fn check(&self, monitor: &Monitor) -> Checked {
         let mut faults = Faults::default();
-        let protocol =
-            definition::open(&self.experiment).map_err(|error| faults.experiment = Some(error.to_string())).ok();
+        let protocol = self.protocol().map_err(|error| faults.experiment = Some(error)).ok();
         let display = self.display().map_err(|error| faults.profile = Some(error)).ok();
         faults.participant = Identity::check_subject(&self.participant).err().map(|error| error.to_string());
         faults.session = Identity::check_session(&self.session).err().map(|error| error.to_string());
@@ -156,6 +158,15 @@ impl Form {
             _ => None,
         };
         Checked { protocol, display, faults, resume, stimulus_px, request }
+    }
+
+    /// The definition, in gray where that is wished and it has a colour.
+    fn protocol(&self) -> Result<Protocol, String> {
+        let protocol = definition::open(&self.experiment).map_err(|error| error.to_string())?;
+        Ok(match protocol.in_gray() {
+            Some(gray) if self.gray => gray,
+            _ => protocol,
+        })
     }
 
     fn display(&self) -> Result<DisplayProfile, String> {
@@ -200,7 +211,8 @@ pub fn stimulus_side_px(viewing: &Viewing, window_deg: f64) -> u32 {
     viewing.px_from_deg(window_deg).round().clamp(1.0, f64::from(u32::MAX)) as u32
 }
 
-fn parse(text: &str) -> Option<f64> {
+/// A number as it is typed; `None` where it is none.
+pub fn parse(text: &str) -> Option<f64> {
     // A comma is the decimal point of half the world.
     text.trim().replace(',', ".").parse().ok().filter(|value: &f64| value.is_finite())
 }

@@ -5,7 +5,8 @@ use egui_plot::{Corner, Legend, Line, Plot};
 
 use super::{Go, pixels, theme};
 use crate::{
-    light::{Bits, Dither, Quantizer, Transfer},
+    display::DisplayProfile,
+    light::{Bits, Dither, Quantizer},
     stimulus::{Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
     store,
 };
@@ -26,6 +27,7 @@ pub struct Gallery {
     shown: Option<Shown>,
     out: String,
     said: Option<Result<String, String>>,
+    display: DisplayProfile,
 }
 
 /// What is on the page now, and what it was made from.
@@ -43,8 +45,9 @@ struct Curves {
     curvature: Vec<[f64; 2]>,
 }
 
-impl Default for Gallery {
-    fn default() -> Self {
+impl Gallery {
+    /// For a screen that `display` describes.
+    pub fn new(display: DisplayProfile) -> Self {
         let mut gallery = Self {
             entry: 0,
             values: Vec::new(),
@@ -54,13 +57,12 @@ impl Default for Gallery {
             shown: None,
             out: "stimulus.png".to_owned(),
             said: None,
+            display,
         };
         gallery.choose(0);
         gallery
     }
-}
 
-impl Gallery {
     fn choose(&mut self, entry: usize) {
         self.entry = entry;
         self.said = None;
@@ -125,11 +127,11 @@ impl Gallery {
         let recipe = Recipe {
             stimulus: stimulus.clone(),
             size: self.size,
-            transfers: Transfer::Srgb.into(),
+            transfers: self.display.transfers.clone(),
             bits: Bits::Eight,
             dither: self.dither,
             seed: 1,
-            display_sha256: None,
+            display_sha256: self.display.measured.is_some().then(|| store::profile::hash(&self.display)),
         };
         if self.shown.as_ref().is_some_and(|shown| shown.recipe == recipe) {
             return;
@@ -203,6 +205,7 @@ impl Gallery {
         ui.add_space(8.0);
         ui.separator();
         let Some(shown) = &self.shown else { return };
+        ui.add(egui::Label::new(theme::quiet(format!("Display: {}.", self.display.sentence()))).wrap());
         let label = ui.label("Export to");
         ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(300.0)).labelled_by(label.id);
         ui.horizontal_wrapped(|ui| {

@@ -7,14 +7,19 @@ use eframe::egui::{self, Key, RichText, TextureHandle, ViewportCommand};
 use super::{
     Go, Monitor, Page,
     analysis::Analysis,
-    card::{CardHelper, CardOutcome},
     dialog::{Ask, Dialog},
+    display::{
+        Display,
+        card::{CardHelper, CardOutcome},
+    },
     form::{Checked, Form},
+    gallery::Gallery,
     pixels,
     preflight::Preflight,
-    theme,
+    theme, today,
 };
 use crate::{
+    display::DisplayProfile,
     light::{Bits, Quantizer, Transfer},
     stimulus::{MachBand, Stimulus},
     store::definition::BUILT_IN,
@@ -82,10 +87,14 @@ impl Home {
             go = self.start(ui);
             row(ui, "", |ui, _| {
                 ui.horizontal_wrapped(|ui| {
-                    // Three beside each other, so that the example below needs no scrolling.
+                    // All beside each other, so that the example below needs no scrolling.
                     ui.spacing_mut().button_padding.x = 8.0;
+                    if ui.button("Display…").clicked() {
+                        go = Go::To(Page::Display(Box::new(Display::new(self.form.clone()))));
+                    }
                     if ui.button("Gallery of stimuli…").clicked() {
-                        go = Go::To(Page::Gallery(Box::default()));
+                        let profile = checked_display(&self.checked);
+                        go = Go::To(Page::Gallery(Box::new(Gallery::new(profile))));
                     }
                     if ui.button("Shading demo…").clicked() {
                         go = Go::To(Page::Demo(Box::default()));
@@ -122,7 +131,8 @@ impl Home {
 
     fn choose_experiment(&mut self, name_or_path: String) {
         self.form.experiment = name_or_path;
-        // The planned distance belongs to the definition.
+        // The planned distance belongs to the definition, and so does its colour.
+        self.form.gray = false;
         self.form.distance_cm.clear();
     }
 
@@ -199,7 +209,14 @@ impl Home {
             });
             match (&faults.profile, &checked.display) {
                 (Some(text), _) => theme::fault(ui, text),
-                (None, Some(display)) => _ = ui.label(theme::quiet(display.sentence())),
+                (None, Some(display)) => {
+                    ui.add(egui::Label::new(theme::quiet(display.sentence())).wrap());
+                    if display.measured.is_some()
+                        && let Some(doubt) = display.doubt(today())
+                    {
+                        ui.label(RichText::new(doubt).small().color(theme::NOTE));
+                    }
+                }
                 (None, None) => {}
             }
         });
@@ -260,6 +277,11 @@ impl Home {
                     )));
                 }
                 (None, None) => {}
+            }
+            let can_be_gray =
+                checked.protocol.as_ref().is_some_and(|protocol| self.form.gray || protocol.in_gray().is_some());
+            if can_be_gray {
+                ui.checkbox(&mut self.form.gray, "In gray, for someone with a color deficiency");
             }
         });
         if let Some(name) = chosen {
@@ -366,6 +388,11 @@ impl Home {
         }
         self.card = None;
     }
+}
+
+/// The display profile that the form names; sRGB where it names none that can be read.
+fn checked_display(checked: &Option<(Form, Monitor, Checked)>) -> DisplayProfile {
+    checked.as_ref().and_then(|(_, _, checked)| checked.display.clone()).unwrap_or_default()
 }
 
 /// A label, and a field beside it or, where the window is narrow, below.

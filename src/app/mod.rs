@@ -1,12 +1,12 @@
 //! Floor 6: the window. One page a file; the only place that makes a texture.
 //!
-//! Home → preflight → session → finish. `machband run` begins at the preflight. Home → gallery, demo, analysis; finish →
-//! analysis.
+//! Home → preflight → session → finish. `machband run` begins at the preflight. Home → display, gallery, demo, analysis;
+//! finish → analysis.
 
 mod analysis;
-mod card;
 pub mod demo;
 mod dialog;
+mod display;
 mod finish;
 mod form;
 mod frames;
@@ -15,6 +15,7 @@ mod home;
 mod monitor;
 mod pages;
 mod pixels;
+mod platform;
 mod preflight;
 mod scale;
 mod session;
@@ -116,6 +117,11 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
         .map_err(|error| WindowError::Refused(error.to_string()))
 }
 
+/// The day, by the system's clock.
+fn today() -> jiff::civil::Date {
+    jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
+}
+
 /// What the window shows.
 enum Page {
     Home(Box<home::Home>),
@@ -124,6 +130,7 @@ enum Page {
     Finish(Box<finish::Finish>),
     Gallery(Box<gallery::Gallery>),
     Demo(Box<demo::Demo>),
+    Display(Box<display::Display>),
     Analysis(Box<analysis::Analysis>),
 }
 
@@ -177,10 +184,13 @@ impl eframe::App for App {
             Page::Finish(finish) => finish.show(ui, self.direct),
             Page::Gallery(gallery) => gallery.show(ui),
             Page::Demo(demo) => demo.show(ui, frame.wgpu_render_state()),
+            Page::Display(display) => display.show(ui, &monitor),
             Page::Analysis(analysis) => analysis.show(ui),
         };
-        if let Page::Home(home) = &self.page {
-            self.form = home.form().clone();
+        match &self.page {
+            Page::Home(home) => self.form = home.form().clone(),
+            Page::Display(display) => self.form = display.form().clone(),
+            _ => {}
         }
         match go {
             Go::Stay => {}

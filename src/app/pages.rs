@@ -91,6 +91,7 @@ pub fn instructions(
                 ui.label(paragraph);
                 ui.add_space(4.0);
             }
+            ui.add(egui::Label::new(theme::quiet(&texts.light)).wrap());
         } else {
             ui.heading(&texts.categories);
             ui.label(&protocol.response.question);

@@ -30,6 +30,9 @@ pub(super) struct Arguments {
     /// Display profile; sRGB unless given.
     #[arg(long, value_name = "PROFILE.toml")]
     display: Option<PathBuf>,
+    /// In gray instead of color, for an observer with a color deficiency; the experiment's name then ends in -gray.
+    #[arg(long)]
+    gray: bool,
     /// In a window instead of the full screen.
     #[arg(long)]
     windowed: bool,
@@ -40,6 +43,15 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let protocol = definition::open(&arguments.experiment)?;
+    let protocol = match (arguments.gray, protocol.in_gray()) {
+        (false, _) => protocol,
+        (true, Some(gray)) => gray,
+        (true, None) => {
+            let message =
+                format!("--gray: {} is gray already, or varies its color; expected it without", protocol.name);
+            return Err(super::UsageError(message).into());
+        }
+    };
     let participant = match &arguments.participant {
         Some(participant) => participant.clone(),
         None => free_participant(&arguments.results, &protocol),

@@ -4,6 +4,7 @@
 //! events and gives effects back; a [`TrialRecord`] is one row of the data. [`Observer`]s rate without eyes.
 
 mod condition;
+mod gray;
 mod identity;
 mod observer;
 mod protocol;

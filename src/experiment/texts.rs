@@ -26,11 +26,22 @@ macro_rules! texts {
     };
 }
 
+/// What is said of colour and light unless the definition says otherwise.
+const LIGHT: &str = "If you see colors differently from most people, say so before you begin: the same experiment can be shown in gray. Nothing flickers; the screen changes from even color to image and back every few seconds. If flickering light has ever made you ill, ask before you begin, and stop with Esc whenever you feel unwell.";
+
+fn is_light_default(light: &str) -> bool {
+    light == LIGHT
+}
+
 texts! {
     /// Heading of the first page.
     welcome = "Welcome";
     /// First page: what the task is.
     task = "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, many people see a thin line that is brighter still: a Mach band. The line is not in the image; your eye adds it.\n\nAfter each image, rate how visible the BRIGHTER band is. There is no right answer: report what you see.\n\nBetween images the screen shows one even colour while your eyes recover. Sit at the planned distance; dim the room if you can.";
+    /// First page, in small: what concerns eyes and health. Not part of what a definition was known by before it was
+    /// there.
+    #[serde(skip_serializing_if = "is_light_default")]
+    light = LIGHT;
     /// Heading of the page that shows the categories.
     categories = "The four answers";
     /// Below the categories.

@@ -1,14 +1,19 @@
 //! Preflight: what the screen really is, in plain sentences, before anything is measured on it.
 
+mod asked;
+mod screen;
+
 use eframe::egui::{self, Key, ViewportCommand};
 
+use self::asked::Asked;
 use super::{
     Go, Monitor, Page, Request,
     form::stimulus_side_px,
     frames::FrameStatistics,
     monitor::window_px,
+    platform::Platform,
     session::{Prepared, SessionPage},
-    theme,
+    theme, today,
 };
 use crate::{
     display::{Screen, Viewing},
@@ -33,6 +38,11 @@ pub struct Preflight {
     before: Option<(String, u64)>,
     since: Option<f64>,
     frames: FrameStatistics,
+    /// What the system tells of the screen, looked up when the window has come to rest.
+    platform: Option<Platform>,
+    asked: Option<Asked>,
+    /// How far light steps between field and picture.
+    light_steps: PreflightNote,
     /// Why the session could not begin.
     refused: Option<String>,
 }
@@ -55,7 +65,19 @@ impl Preflight {
     /// For a session; the window is on its way to full screen.
     pub fn new(request: Request) -> Self {
         let before = if request.resume { sitting_before(&request) } else { None };
-        Self { request, before, since: None, frames: FrameStatistics::default(), refused: None }
+        // A definition that was loaded has its conditions.
+        let conditions = request.protocol.conditions().unwrap_or_default();
+        let light_steps = screen::note(screen::light_steps(&request.protocol, &conditions));
+        Self {
+            request,
+            before,
+            since: None,
+            frames: FrameStatistics::default(),
+            platform: None,
+            asked: None,
+            light_steps,
+            refused: None,
+        }
     }
 
     /// Draws the page.
@@ -74,8 +96,12 @@ impl Preflight {
             });
             return if ui.input(|input| input.key_pressed(Key::Escape)) { self.back(ui.ctx()) } else { Go::Stay };
         }
-        let findings = self.findings(ui.ctx(), monitor);
+        let platform = self.platform.take().unwrap_or_else(|| Platform::look(monitor));
+        let mut findings = self.findings(ui.ctx(), monitor, &platform);
+        self.asked.get_or_insert_with(|| Asked::new(&platform, &self.request.display));
+        self.platform = Some(platform);
         let (begin, back) = self.draw(ui, &findings);
+        findings.notes.extend(self.asked.iter().flat_map(Asked::notes));
         if back {
             return self.back(ui.ctx());
         }
@@ -104,7 +130,7 @@ impl Preflight {
         Go::Back
     }
 
-    fn draw(&self, ui: &mut egui::Ui, findings: &Findings) -> (bool, bool) {
+    fn draw(&mut self, ui: &mut egui::Ui, findings: &Findings) -> (bool, bool) {
         let mut begin = false;
         let mut back = false;
         theme::page(ui, |ui| {
@@ -121,6 +147,12 @@ impl Preflight {
                     theme::mark(ui, note.ok);
                     ui.add(egui::Label::new(&note.sentence).wrap());
                 });
+            }
+            ui.add_space(8.0);
+            if let Some(asked) = &mut self.asked {
+                ui.label(egui::RichText::new("Please look yourself").strong());
+                ui.label(theme::quiet("No program can tell these. What is not ticked is recorded as not confirmed."));
+                asked.show(ui);
             }
             ui.add_space(16.0);
             if let Some(refused) = &self.refused {
@@ -143,7 +175,7 @@ impl Preflight {
         (begin || key(Key::Space) || key(Key::Enter), back || ui.input(|input| input.key_pressed(Key::Escape)))
     }
 
-    fn findings(&self, ctx: &egui::Context, monitor: &Monitor) -> Findings {
+    fn findings(&self, ctx: &egui::Context, monitor: &Monitor, platform: &Platform) -> Findings {
         let mut notes = Vec::new();
         let mut note = |check: &str, ok: bool, sentence: String| {
             notes.push(PreflightNote { check: check.to_owned(), ok, sentence });
@@ -175,6 +207,8 @@ impl Preflight {
             format!("The system's scale is {points}; stimuli are drawn in physical pixels whatever it is."),
         );
 
+        // The mode's own timing is exact; what the window is told is rounded.
+        let refresh_hz = platform.refresh_hz.or(monitor.refresh_hz);
         let median = self.frames.quantile(0.5);
         let steady = match (median, self.frames.quantile(0.99)) {
             (Some(median), Some(slow)) => slow <= 1.5 * median,
@@ -182,9 +216,9 @@ impl Preflight {
         };
         note(
             "refresh",
-            monitor.refresh_hz.is_some(),
-            match monitor.refresh_hz {
-                Some(hz) => format!("The system reports {hz:.2} Hz."),
+            refresh_hz.is_some(),
+            match refresh_hz {
+                Some(hz) => format!("The system reports {hz:.3} Hz."),
                 None => "The system does not report a refresh rate; the measured frame interval stands in for it."
                     .to_owned(),
             },
@@ -203,13 +237,13 @@ impl Preflight {
                 _ => "No frames could be measured.".to_owned(),
             },
         );
-        note(
-            "display_profile",
-            self.request.display.measured.is_some(),
-            format!("Display profile: {}.", self.request.display.sentence()),
-        );
+        let display = &self.request.display;
+        let of_the_screen = screen::path_to_the_screen(platform).into_iter();
+        for (check, ok, sentence) in of_the_screen.chain(screen::profile(display, monitor, platform, today())) {
+            note(check, ok, sentence);
+        }
 
-        let interval = monitor.refresh_hz.map(|hz| 1.0 / hz).or(median.filter(|_| steady));
+        let interval = refresh_hz.map(|hz| 1.0 / hz).or(median.filter(|_| steady));
         let prepared = self.geometry(monitor, window, &mut note).map(|(viewing, size_px)| Prepared {
             viewing,
             size_px,
@@ -230,6 +264,7 @@ impl Preflight {
                 },
             );
         }
+        notes.push(self.light_steps.clone());
         Findings { notes, prepared }
     }
 

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Color32, Sense, Slider, Stroke, Vec2};
 
-use super::theme;
+use crate::app::theme;
 use crate::display::geometry::{CARD_WIDTH_CM, width_cm_from_card};
 
 /// Height over width of an ISO/IEC 7810 ID-1 card, 53.98 mm by 85.60 mm.

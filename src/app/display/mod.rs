@@ -1,0 +1,191 @@
+//! The display: what is known of the screen, and the tools that find it out. One tool a file or folder; each leads back
+//! here.
+
+pub mod card;
+mod geometry;
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{self, Key, RichText};
+
+use self::geometry::GeometryPane;
+use super::{
+    Go, Monitor,
+    dialog::{Ask, Dialog},
+    form::{Form, parse},
+    theme, today,
+};
+use crate::{
+    display::{DisplayProfile, Screen, Viewing},
+    store::{definition, profile},
+};
+
+/// Where a tool leads.
+pub enum ToolGo {
+    /// Nowhere yet.
+    Stay,
+    /// Back to the list of tools.
+    Back,
+    /// Back, with a profile that was written.
+    Saved(PathBuf),
+}
+
+/// The tool that is open.
+enum Tool {
+    Geometry(Box<GeometryPane>),
+}
+
+/// The page.
+pub struct Display {
+    /// Home's fields: the profile's path, the screen's width and the distance are set here too.
+    form: Form,
+    /// The path that `profile` was read from, and what was found there.
+    read: Option<(String, Result<DisplayProfile, String>)>,
+    tool: Option<Tool>,
+    dialog: Dialog,
+    saved: Option<PathBuf>,
+}
+
+impl Display {
+    /// The tools, with what Home's fields say.
+    pub fn new(form: Form) -> Self {
+        Self { form, read: None, tool: None, dialog: Dialog::default(), saved: None }
+    }
+
+    /// Home's fields, as they are now.
+    pub fn form(&self) -> &Form {
+        &self.form
+    }
+
+    /// Draws the tool that is open, or the list of them.
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Go {
+        let go = match &mut self.tool {
+            Some(Tool::Geometry(pane)) => {
+                let go = pane.show(ui, monitor);
+                let (width, distance) = pane.typed();
+                width.clone_into(&mut self.form.screen_width_cm);
+                distance.clone_into(&mut self.form.distance_cm);
+                go
+            }
+            None => return self.list(ui, monitor),
+        };
+        match go {
+            ToolGo::Stay => return Go::Stay,
+            ToolGo::Back => {}
+            ToolGo::Saved(path) => {
+                self.form.profile = path.display().to_string();
+                // What was there before is no longer what is there.
+                self.read = None;
+                self.saved = Some(path);
+            }
+        }
+        self.tool = None;
+        ui.ctx().request_repaint();
+        Go::Stay
+    }
+
+    /// The profile that Home names, sRGB where it names none or one that cannot be read.
+    fn profile(&mut self) -> Result<DisplayProfile, String> {
+        let path = self.form.profile.trim().to_owned();
+        match &self.read {
+            Some((read, found)) if *read == path => found.clone(),
+            _ => {
+                let found = match path.as_str() {
+                    "" => Ok(DisplayProfile::default()),
+                    path => profile::open(Path::new(path)).map_err(|error| error.to_string()),
+                };
+                self.read = Some((path, found.clone()));
+                found
+            }
+        }
+    }
+
+    /// Screen and distance, where both are known.
+    fn viewing(&self, monitor: &Monitor) -> Option<Viewing> {
+        let screen = Screen::new(monitor.width_px, monitor.height_px, parse(&self.form.screen_width_cm)?).ok()?;
+        Viewing::new(screen, parse(&self.form.distance_cm)?).ok()
+    }
+
+    fn list(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Go {
+        if let Some(path) = self.dialog.take() {
+            self.form.profile = path.display().to_string();
+        }
+        let found = self.profile();
+        let mut back = false;
+        let mut chosen = None;
+        tool(ui, "Display", &mut back, |ui| {
+            ui.label(
+                "What reaches the eye is light, not codes. A profile says how much light this screen makes of each.",
+            );
+            ui.add_space(8.0);
+            self.profile_field(ui, &found);
+            ui.add_space(8.0);
+            for (name, what, make) in TOOLS {
+                ui.add_space(4.0);
+                if ui.add(egui::Button::new(RichText::new(*name).strong()).min_size([260.0, 34.0].into())).clicked() {
+                    chosen = Some(make);
+                }
+                ui.add(egui::Label::new(theme::quiet(*what)).wrap());
+            }
+        });
+        if let Some(make) = chosen {
+            let profile = found.unwrap_or_default();
+            self.saved = None;
+            self.tool = Some(make(self, profile, monitor));
+            ui.ctx().request_repaint();
+        }
+        if back || ui.input(|input| input.key_pressed(Key::Escape)) { Go::Back } else { Go::Stay }
+    }
+
+    fn profile_field(&mut self, ui: &mut egui::Ui, found: &Result<DisplayProfile, String>) {
+        ui.horizontal_wrapped(|ui| {
+            let label = ui.label("Profile in use");
+            let field =
+                egui::TextEdit::singleline(&mut self.form.profile).desired_width(300.0).hint_text("sRGB, assumed");
+            ui.add(field).labelled_by(label.id);
+            if ui.button("Browse…").clicked() {
+                self.dialog.open(ui.ctx(), Ask::Toml);
+            }
+        });
+        match found {
+            Ok(profile) => {
+                ui.add(egui::Label::new(theme::quiet(format!("{}.", profile.sentence()))).wrap());
+                if let Some(doubt) = profile.doubt(today()) {
+                    ui.add(egui::Label::new(RichText::new(doubt).small().color(theme::NOTE)).wrap());
+                }
+            }
+            Err(faults) => faults.lines().for_each(|fault| theme::fault(ui, fault)),
+        }
+        if let Some(path) = &self.saved {
+            ui.label(RichText::new(format!("Saved as {}, and in use.", path.display())).small().color(theme::GOOD));
+        }
+    }
+}
+
+/// A tool's name, what it is for, and how it begins.
+type Entry = (&'static str, &'static str, fn(&Display, DisplayProfile, &Monitor) -> Tool);
+
+/// All tools, in the order in which a new screen needs them.
+const TOOLS: &[Entry] = &[(
+    "Size and distance",
+    "How wide the screen is, by a bank card or typed; what a degree is on it, and whether the stimulus fits.",
+    |display, _, _| {
+        let window_deg =
+            definition::open(&display.form.experiment).map_or(10.0, |protocol| protocol.viewing.window_deg);
+        let (width, distance) = (display.form.screen_width_cm.clone(), display.form.distance_cm.clone());
+        Tool::Geometry(Box::new(GeometryPane::new(width, distance, window_deg)))
+    },
+)];
+
+/// A tool's page: its name, the way back, and its content in a column that scrolls.
+fn tool<R>(ui: &mut egui::Ui, name: &str, back: &mut bool, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
+    theme::page_from(ui, 0.02, |ui| {
+        ui.horizontal(|ui| {
+            ui.heading(name);
+            *back |= ui.button("Back").clicked();
+            ui.label(theme::quiet("Esc"));
+        });
+        ui.add_space(8.0);
+        add(ui)
+    })
+}

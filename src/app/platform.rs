@@ -1,0 +1,171 @@
+//! What the window system knows of the screen beyond what the window is told: whether codes reach it unchanged.
+//!
+//! X11 tells most of it by RandR. Where nothing tells, a question to the person at the screen takes its place.
+
+use serde::Serialize;
+use x11rb::{
+    connection::Connection as _,
+    protocol::{
+        randr::{self, ConnectionExt as _, ModeInfo},
+        xproto::ConnectionExt as _,
+    },
+    rust_connection::RustConnection,
+};
+
+use super::Monitor;
+
+/// What is known; `None` where the system does not tell.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Platform {
+    /// `X11`, `Wayland`, or the system's name.
+    pub window_system: &'static str,
+    /// Whether a compositor stands between the window and the screen.
+    pub composited: Option<bool>,
+    /// Whether the graphics card passes codes on as they are: its gamma ramps are straight.
+    pub ramps_straight: Option<bool>,
+    /// Whether the system resamples the picture on its way to the screen.
+    pub resampled: Option<bool>,
+    /// Pixels that the screen is driven with.
+    pub mode_px: Option<[u32; 2]>,
+    /// Pixels that the screen itself prefers: its own.
+    pub own_px: Option<[u32; 2]>,
+    /// Width of the lit part in cm, as the screen says.
+    pub width_cm: Option<f64>,
+    /// Refreshes a second, from the mode's own timing.
+    pub refresh_hz: Option<f64>,
+    /// Whether the screen can vary its refresh.
+    pub variable_refresh: Option<bool>,
+    /// Whether the screen can be in a high dynamic range.
+    pub hdr: Option<bool>,
+}
+
+impl Platform {
+    /// Looks at the system and at the monitor `monitor`.
+    pub fn look(monitor: &Monitor) -> Self {
+        let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+        match () {
+            () if !cfg!(target_os = "linux") => Self { window_system: std::env::consts::OS, ..Self::default() },
+            // Wayland's compositor is the window system.
+            () if set("WAYLAND_DISPLAY") => {
+                Self { window_system: "Wayland", composited: Some(true), ..Self::default() }
+            }
+            // X11 has no high dynamic range.
+            () if set("DISPLAY") => {
+                let known = Self { window_system: "X11", hdr: Some(false), ..Self::default() };
+                known.clone().ask_x11(monitor).unwrap_or(known)
+            }
+            () => Self { window_system: "none", ..Self::default() },
+        }
+    }
+
+    /// Adds what the X server tells; `None` where it does not answer.
+    fn ask_x11(mut self, monitor: &Monitor) -> Option<Self> {
+        let (x, number) = RustConnection::connect(None).ok()?;
+        let root = x.setup().roots.get(number)?.root;
+        let manager = x.intern_atom(false, format!("_NET_WM_CM_S{number}").as_bytes()).ok()?.reply().ok()?.atom;
+        let owner = x.get_selection_owner(manager).ok()?.reply().ok()?.owner;
+        self.composited = Some(owner != x11rb::NONE);
+        let resources = x.randr_get_screen_resources_current(root).ok()?.reply().ok()?;
+        for output in resources.outputs {
+            let info = x.randr_get_output_info(output, resources.config_timestamp).ok()?.reply().ok()?;
+            if info.crtc == x11rb::NONE || !is_it(&info.name, monitor) {
+                continue;
+            }
+            let mode = |id: u32| resources.modes.iter().find(|mode| mode.id == id);
+            if info.num_preferred > 0 {
+                self.own_px = info.modes.first().and_then(|id| mode(*id)).map(px);
+            }
+            self.width_cm = (info.mm_width > 0).then(|| f64::from(info.mm_width) / 10.0);
+            self.variable_refresh = vrr_capable(&x, output);
+            let crtc = x.randr_get_crtc_info(info.crtc, resources.config_timestamp).ok()?.reply().ok()?;
+            if let Some(mode) = mode(crtc.mode) {
+                self.mode_px = Some(px(mode));
+                self.refresh_hz = refresh_hz(mode);
+                self.resampled = Some(is_resampled(mode, &crtc));
+            }
+            let ramps = x.randr_get_crtc_gamma(info.crtc).ok()?.reply().ok()?;
+            let ramps = [ramps.red, ramps.green, ramps.blue];
+            self.ramps_straight = ramps.iter().try_fold(true, |all, ramp| Some(all && is_straight(ramp)?));
+            break;
+        }
+        Some(self)
+    }
+}
+
+/// Whether an output has the monitor's name; a monitor without a name is any.
+fn is_it(name: &[u8], monitor: &Monitor) -> bool {
+    monitor.name.as_ref().is_none_or(|wanted| wanted.as_bytes() == name)
+}
+
+fn px(mode: &ModeInfo) -> [u32; 2] {
+    [mode.width.into(), mode.height.into()]
+}
+
+/// Refreshes a second of a mode; `None` where it has no timing, as a virtual screen's.
+fn refresh_hz(mode: &ModeInfo) -> Option<f64> {
+    let pixels = f64::from(mode.htotal) * f64::from(mode.vtotal);
+    (mode.dot_clock > 0 && pixels > 0.0).then(|| f64::from(mode.dot_clock) / pixels)
+}
+
+/// Whether the part of the desktop that the screen shows has other sides than the mode: then it is scaled.
+fn is_resampled(mode: &ModeInfo, crtc: &randr::GetCrtcInfoReply) -> bool {
+    let turned =
+        crtc.rotation.contains(randr::Rotation::ROTATE90) || crtc.rotation.contains(randr::Rotation::ROTATE270);
+    let (width, height) = if turned { (mode.height, mode.width) } else { (mode.width, mode.height) };
+    (width, height) != (crtc.width, crtc.height)
+}
+
+/// Whether the driver says that the output can vary its refresh.
+fn vrr_capable(x: &RustConnection, output: randr::Output) -> Option<bool> {
+    let property = x.intern_atom(true, b"vrr_capable").ok()?.reply().ok()?.atom;
+    if property == x11rb::NONE {
+        return None;
+    }
+    let kind = x11rb::protocol::xproto::AtomEnum::ANY;
+    let reply = x.randr_get_output_property(output, property, kind, 0, 1, false, false).ok()?.reply().ok()?;
+    reply.data.first().map(|value| *value != 0)
+}
+
+/// Whether a gamma ramp passes every code on; `None` where there is none.
+fn is_straight(ramp: &[u16]) -> Option<bool> {
+    let last = ramp.len().checked_sub(1).filter(|last| *last > 0)?;
+    let off = |(i, value): (usize, &u16)| (f64::from(*value) - i as f64 / last as f64 * f64::from(u16::MAX)).abs();
+    // A code of 8 bits is 257 of a ramp's.
+    Some(ramp.iter().enumerate().map(off).fold(0.0, f64::max) < 257.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bent_ramp_is_told_from_a_straight_one() {
+        let ramp = |gamma: f64| -> Vec<u16> {
+            (0..256).map(|i| ((f64::from(i) / 255.0).powf(gamma) * 65_535.0).round() as u16).collect()
+        };
+        assert_eq!(is_straight(&ramp(1.0)), Some(true));
+        // As a night light leaves blue.
+        let dimmed: Vec<u16> = ramp(1.0).iter().map(|value| (f64::from(*value) * 0.8) as u16).collect();
+        assert_eq!((is_straight(&ramp(0.95)), is_straight(&dimmed)), (Some(false), Some(false)));
+        assert_eq!((is_straight(&[]), is_straight(&[0])), (None, None));
+    }
+
+    #[test]
+    fn a_modes_timing_is_its_refresh() {
+        // CEA-861, 1920 × 1080 at 59.94 Hz.
+        let mode = ModeInfo {
+            width: 1920,
+            height: 1080,
+            dot_clock: 148_351_648,
+            htotal: 2200,
+            vtotal: 1125,
+            ..ModeInfo::default()
+        };
+        assert!((refresh_hz(&mode).unwrap() - 59.94).abs() < 1e-3);
+        assert_eq!(refresh_hz(&ModeInfo::default()), None);
+        let shown = |width, height, rotation| randr::GetCrtcInfoReply { width, height, rotation, ..Default::default() };
+        assert!(!is_resampled(&mode, &shown(1920, 1080, randr::Rotation::ROTATE0)));
+        assert!(!is_resampled(&mode, &shown(1080, 1920, randr::Rotation::ROTATE90)));
+        assert!(is_resampled(&mode, &shown(2880, 1620, randr::Rotation::ROTATE0)));
+    }
+}
