@@ -82,16 +82,16 @@ impl Home {
             ui.heading("machband");
             ui.label("How visible are Mach bands? Rate them, and keep every answer.");
             ui.add_space(12.0);
-            self.fields(ui, monitor, here, monitors);
+            let measure = self.fields(ui, monitor, here, monitors);
             ui.add_space(8.0);
             go = self.start(ui);
+            if measure {
+                go = Go::To(Page::Display(Box::new(Display::new(self.form.clone()))));
+            }
             row(ui, "", |ui, _| {
                 ui.horizontal_wrapped(|ui| {
-                    // All beside each other, so that the example below needs no scrolling.
+                    // Three beside each other, so that the example below needs no scrolling.
                     ui.spacing_mut().button_padding.x = 8.0;
-                    if ui.button("Display…").clicked() {
-                        go = Go::To(Page::Display(Box::new(Display::new(self.form.clone()))));
-                    }
                     if ui.button("Gallery of stimuli…").clicked() {
                         let profile = checked_display(&self.checked);
                         go = Go::To(Page::Gallery(Box::new(Gallery::new(profile))));
@@ -157,9 +157,11 @@ impl Home {
         }
     }
 
-    fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, here: &Monitor, monitors: &[Monitor]) {
+    /// The form; gives whether the screen is to be measured.
+    fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, here: &Monitor, monitors: &[Monitor]) -> bool {
+        let mut measure = false;
         // Taken out while the fields change the form; what was checked stays known by the form it was checked for.
-        let Some((form, seen, checked)) = self.checked.take() else { return };
+        let Some((form, seen, checked)) = self.checked.take() else { return false };
         let faults = &checked.faults;
         self.experiment_field(ui, &checked);
         let typed = &mut self.form;
@@ -206,6 +208,7 @@ impl Home {
                 ui.add(egui::TextEdit::singleline(&mut self.form.profile).desired_width(300.0).hint_text("sRGB"))
                     .labelled_by(label);
                 self.browse(ui, Field::Profile, "Choose a display profile…");
+                measure = ui.button("Measure…").on_hover_text("The screen's light, size and timing.").clicked();
             });
             match (&faults.profile, &checked.display) {
                 (Some(text), _) => theme::fault(ui, text),
@@ -229,8 +232,9 @@ impl Home {
                 theme::fault(ui, text);
             }
         });
-        self.monitor_field(ui, monitor, monitors);
+        self.monitor_field(ui, &checked, monitor, monitors);
         self.checked.get_or_insert((form, seen, checked));
+        measure
     }
 
     fn experiment_field(&mut self, ui: &mut egui::Ui, checked: &Checked) {
@@ -278,11 +282,6 @@ impl Home {
                 }
                 (None, None) => {}
             }
-            let can_be_gray =
-                checked.protocol.as_ref().is_some_and(|protocol| self.form.gray || protocol.in_gray().is_some());
-            if can_be_gray {
-                ui.checkbox(&mut self.form.gray, "In gray, for someone with a color deficiency");
-            }
         });
         if let Some(name) = chosen {
             self.choose_experiment(name);
@@ -298,7 +297,9 @@ impl Home {
         }
     }
 
-    fn monitor_field(&mut self, ui: &mut egui::Ui, monitor: &Monitor, monitors: &[Monitor]) {
+    fn monitor_field(&mut self, ui: &mut egui::Ui, checked: &Checked, monitor: &Monitor, monitors: &[Monitor]) {
+        let can_be_gray =
+            self.form.gray || checked.protocol.as_ref().is_some_and(|protocol| protocol.in_gray().is_some());
         row(ui, "Screen", |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 if monitors.len() > 1 {
@@ -317,6 +318,12 @@ impl Home {
                     ui.label(monitor.title());
                 }
                 ui.checkbox(&mut self.full_screen, "Full screen");
+                if can_be_gray {
+                    let gray = ui.checkbox(&mut self.form.gray, "In gray");
+                    gray.on_hover_text(
+                        "For someone with a color deficiency. The experiment's name then ends in -gray.",
+                    );
+                }
             });
         });
     }

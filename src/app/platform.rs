@@ -126,9 +126,10 @@ fn vrr_capable(x: &RustConnection, output: randr::Output) -> Option<bool> {
     reply.data.first().map(|value| *value != 0)
 }
 
-/// Whether a gamma ramp passes every code on; `None` where there is none.
+/// Whether a gamma ramp passes every code on; `None` where there is none. A ramp that is dark throughout is none either:
+/// virtual screens have such.
 fn is_straight(ramp: &[u16]) -> Option<bool> {
-    let last = ramp.len().checked_sub(1).filter(|last| *last > 0)?;
+    let last = ramp.len().checked_sub(1).filter(|last| *last > 0 && ramp[*last] > 0)?;
     let off = |(i, value): (usize, &u16)| (f64::from(*value) - i as f64 / last as f64 * f64::from(u16::MAX)).abs();
     // A code of 8 bits is 257 of a ramp's.
     Some(ramp.iter().enumerate().map(off).fold(0.0, f64::max) < 257.0)
@@ -147,7 +148,7 @@ mod tests {
         // As a night light leaves blue.
         let dimmed: Vec<u16> = ramp(1.0).iter().map(|value| (f64::from(*value) * 0.8) as u16).collect();
         assert_eq!((is_straight(&ramp(0.95)), is_straight(&dimmed)), (Some(false), Some(false)));
-        assert_eq!((is_straight(&[]), is_straight(&[0])), (None, None));
+        assert_eq!((is_straight(&[]), is_straight(&[0]), is_straight(&[0; 256])), (None, None, None));
     }
 
     #[test]

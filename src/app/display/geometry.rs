@@ -161,7 +161,7 @@ fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
     let degrees = [1.0, 5.0, 10.0].map(|deg| viewing.cm_from_deg(deg) as f32 * points_per_cm);
     let width = (RULER_CM as f32 * points_per_cm).max(degrees[2]);
     let (rect, response) =
-        ui.allocate_exact_size(Vec2::new(width.min(ui.available_width()), 84.0), egui::Sense::hover());
+        ui.allocate_exact_size(Vec2::new((width + 12.0).min(ui.available_width()), 84.0), egui::Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "A ruler of ten centimetres"));
     let painter = ui.painter_at(rect);
     let stroke = Stroke::new(1.0, Color32::from_gray(0xec));

@@ -150,7 +150,10 @@ impl Display {
         match found {
             Ok(profile) => {
                 ui.add(egui::Label::new(theme::quiet(format!("{}.", profile.sentence()))).wrap());
-                if let Some(doubt) = profile.doubt(today()) {
+                // An assumption says so itself.
+                if profile.measured.is_some()
+                    && let Some(doubt) = profile.doubt(today())
+                {
                     ui.add(egui::Label::new(RichText::new(doubt).small().color(theme::NOTE)).wrap());
                 }
             }

@@ -55,17 +55,7 @@ impl Asked {
     /// Draws the statements, each with a box to tick.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         for question in &mut self.questions {
-            ui.horizontal_top(|ui| {
-                // The label wraps, and ticks too when it is clicked.
-                let tick = ui.checkbox(&mut question.confirmed, "");
-                tick.widget_info(|| {
-                    egui::WidgetInfo::selected(egui::Role::CheckBox, true, question.confirmed, question.statement)
-                });
-                let label = egui::Label::new(question.statement).wrap().sense(egui::Sense::click());
-                if ui.add(label).clicked() {
-                    question.confirmed = !question.confirmed;
-                }
-            });
+            ui.checkbox(&mut question.confirmed, question.statement);
         }
     }
 

@@ -133,7 +133,7 @@ impl Preflight {
     fn draw(&mut self, ui: &mut egui::Ui, findings: &Findings) -> (bool, bool) {
         let mut begin = false;
         let mut back = false;
-        theme::page(ui, |ui| {
+        theme::page_from(ui, 0.02, |ui| {
             ui.heading("Before the session");
             ui.label(theme::quiet(format!(
                 "{} · participant {} · session {} · Space continues, Esc goes back",
@@ -142,6 +142,7 @@ impl Preflight {
                 self.request.identity.session()
             )));
             ui.add_space(8.0);
+            theme::compact(ui);
             for note in &findings.notes {
                 ui.horizontal(|ui| {
                     theme::mark(ui, note.ok);

@@ -1,0 +1,264 @@
+//! A display profile from its file to the screen: what is shown is what the command writes, each code is the nearest, and
+//! what is known of the screen stands with the data.
+
+use std::{path::Path, process::Command};
+
+use eframe::egui::Key;
+use egui_kittest::{Harness, kittest::Queryable as _};
+use machband::{
+    app::{App, Launch, Request},
+    display::{DisplayProfile, LuminanceRange, Measurement},
+    experiment::{Identity, Protocol, Schedule},
+    light::{Bits, Dither, Transfer, TransferTable, Transfers},
+    stimulus::recipe::Recipe,
+    store::{definition, image, profile, session::SessionStore, sidecar::Sidecar},
+};
+
+const STEP_S: f32 = 1.0 / 60.0;
+
+/// A screen whose channels are a table, a gain with an offset, and a plain gamma.
+fn differing() -> DisplayProfile {
+    let encoded: Vec<f64> = (0..=32).map(|i| f64::from(i) / 32.0).collect();
+    // S-shaped, as no gamma is.
+    let linear = encoded.iter().map(|v| v * v * (1.6 - 0.6 * v * v)).collect();
+    let table = Transfer::Table(TransferTable::new(encoded, linear).unwrap());
+    DisplayProfile {
+        name: "Three kinds".to_owned(),
+        transfers: Transfers::new([table, Transfer::gog(2.3, 1.04, -0.04).unwrap(), Transfer::Gamma(1.9)]),
+        luminance: Some(LuminanceRange { black_cd_m2: 0.2, white_cd_m2: 180.0 }),
+        measured: Some(Measurement {
+            on: Some("2026-01-31".parse().unwrap()),
+            by: None,
+            with: Some("photometer".to_owned()),
+        }),
+        native_px: Some([1234, 777]),
+        ..DisplayProfile::default()
+    }
+}
+
+fn protocol() -> Protocol {
+    let text = "schema = 1\nname = \"shown\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.6,0.3\"\n[factors]\n\
+                width = [0.3, 0.8]\norientation_deg = [0, 30]\n[design]\npractice = 1\n[recovery]\nduration_s = 0.2\n";
+    definition::parse("shown", text).unwrap()
+}
+
+fn request(results: &Path, display: DisplayProfile) -> Request {
+    Request {
+        protocol: protocol(),
+        identity: Identity::new("P001", "1").unwrap(),
+        seed: Some(5),
+        results: results.to_owned(),
+        display,
+        distance_cm: 50.0,
+        screen_width_cm: Some(30.0),
+        resume: false,
+        windowed: true,
+    }
+}
+
+fn builder() -> egui_kittest::HarnessBuilder<App> {
+    Harness::builder().with_size([1000.0, 800.0]).with_pixels_per_point(1.0).with_step_dt(STEP_S)
+}
+
+fn wait_for(harness: &mut Harness<'static, App>, label: &str) {
+    for _ in 0..2000 {
+        if harness.query_by_label_contains(label).is_some() {
+            return;
+        }
+        harness.step();
+    }
+    panic!("{label:?} did not come");
+}
+
+fn press(harness: &mut Harness<'static, App>, key: Key) {
+    harness.key_press(key);
+    harness.step();
+}
+
+fn sidecar(results: &Path) -> Sidecar {
+    Sidecar::read(&results.join("shown/data/subject-P001_session-1_task-shown_data.json")).unwrap().unwrap()
+}
+
+/// `machband` with these arguments, which must succeed.
+fn machband(folder: &Path, arguments: &[&str]) {
+    let out = Command::new(env!("CARGO_BIN_EXE_machband")).args(arguments).current_dir(folder).output().unwrap();
+    assert!(out.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&out.stderr));
+}
+
+#[test]
+fn with_a_profile_the_screen_shows_what_the_command_writes() {
+    let instance = eframe::wgpu::Instance::new(eframe::wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    if pollster::block_on(instance.enumerate_adapters(eframe::wgpu::Backends::all())).is_empty() {
+        assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
+        eprintln!("SKIPPED: no graphics adapter");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("screen.toml");
+    profile::write(&file, &differing()).unwrap();
+    let display = profile::open(&file).unwrap();
+    let launch = Launch { request: Some(request(folder.path(), display.clone())) };
+    let mut harness = builder().wgpu().build_eframe(|cc| App::new(cc, launch));
+    wait_for(&mut harness, "These findings are kept");
+    for page in ["Welcome", "The four answers", "First some practice"] {
+        press(&mut harness, Key::Space);
+        wait_for(&mut harness, page);
+    }
+    press(&mut harness, Key::Space);
+    harness.run_steps(20);
+    let shot = harness.render().unwrap();
+    press(&mut harness, Key::Num1);
+
+    let sidecar = sidecar(folder.path());
+    let side = sidecar.sittings[0].viewing.as_ref().unwrap()["stimulus_px"].as_u64().unwrap() as u32;
+    let schedule = Schedule::new(&protocol(), &Identity::new("P001", "1").unwrap(), 5).unwrap();
+    let stimulus = schedule.conditions[schedule.trials[0].condition].stimulus.clone();
+    let recipe = Recipe {
+        stimulus,
+        size: side,
+        transfers: Transfer::Srgb.into(),
+        bits: Bits::Eight,
+        dither: Dither::None,
+        seed: 1,
+        display_sha256: None,
+    };
+    let command = recipe.command();
+    let mut arguments: Vec<&str> = command.split(' ').skip(1).collect();
+    arguments.extend(["--display", "screen.toml"]);
+    machband(folder.path(), &arguments);
+    let written = image::read(&folder.path().join("stimulus.png")).unwrap();
+    assert_eq!(written.recipe.display_sha256, Some(profile::hash(&display)));
+    let corner = |whole: u32| (whole - side) / 2;
+    let (left, top) = (corner(shot.width()), corner(shot.height()));
+    let mut codes_seen = std::collections::BTreeSet::new();
+    for (x, y) in (0..side).flat_map(|x| (0..side).map(move |y| (x, y))) {
+        let [r, g, b] = written.image.pixel(x, y).map(|code| code as u8);
+        assert_eq!(shot.get_pixel(left + x, top + y).0, [r, g, b, 255], "pixel {x}, {y}");
+        codes_seen.insert([r, g, b]);
+    }
+    assert!(codes_seen.len() > 20, "a ramp, and not one colour: {}", codes_seen.len());
+    // The field around it is the definition's level by the same profile.
+    let field = recipe.stimulus.field_light(0.5);
+    let [r, g, b] =
+        machband::light::Quantizer::new(&display.transfers, Bits::Eight).codes(field).map(|code| code as u8);
+    assert_eq!(shot.get_pixel(3, 3).0, [r, g, b, 255]);
+}
+
+/// Of the strongest channel, for every kind of transfer function and every dither-free kind of picture.
+#[test]
+fn what_is_emitted_is_within_half_a_code_of_what_was_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let all = differing();
+    for (channel, color) in ["red", "green", "blue"].into_iter().enumerate() {
+        profile::write(&folder.path().join("screen.toml"), &all).unwrap();
+        let transfer = &all.transfers.channels()[channel];
+        for (bits, max) in [("8", 255.0), ("16", 65_535.0)] {
+            for kind in ["mach-band", "cornsweet", "chevreul"] {
+                let common = ["stimulus", "--kind", kind, "--color", color, "--bits", bits, "--size", "777"];
+                let files = ["--low=0", "--high=1", "--display", "screen.toml", "--profile", "profile.csv"];
+                machband(folder.path(), &[&common[..], &files[..]].concat());
+                let mut rows = csv::Reader::from_path(folder.path().join("profile.csv")).unwrap();
+                let mut count = 0;
+                for row in rows.records() {
+                    let row = row.unwrap();
+                    let [linear, emitted] = [1, 5].map(|column: usize| row[column].parse::<f64>().unwrap());
+                    let code: f64 = row[2 + channel].parse().unwrap();
+                    // The light of half a code to either side, by the profile itself.
+                    let low = transfer.linear_from_encoded((code - 0.5) / max) - 1e-6;
+                    let high = transfer.linear_from_encoded((code + 0.5) / max) + 1e-6;
+                    assert!((low..=high).contains(&linear), "{kind} {color} {bits}: {row:?}");
+                    assert!((low..=high).contains(&emitted), "{kind} {color} {bits}: {row:?}");
+                    assert_eq!(emitted, transfer.linear_from_encoded(code / max));
+                    count += 1;
+                }
+                assert_eq!(count, 777);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_preflight_tells_an_old_profile_and_another_screen_and_keeps_what_was_confirmed() {
+    let folder = tempfile::tempdir().unwrap();
+    let launch = Launch { request: Some(request(folder.path(), differing())) };
+    let mut harness = builder().build_eframe(|cc| App::new(cc, launch));
+    wait_for(&mut harness, "These findings are kept");
+    harness.get_by_label_contains("days ago; after 30 days");
+    harness.get_by_label_contains("is it another?");
+    harness.get_by_label_contains("This is the screen that the profile was measured on").click();
+    harness.step();
+    press(&mut harness, Key::Space);
+    wait_for(&mut harness, "Welcome");
+    harness.get_by_label_contains("can be shown in gray");
+    let sidecar = sidecar(folder.path());
+    let sitting = &sidecar.sittings[0];
+    let note = |check: &str| {
+        let found = sitting.preflight.iter().find(|note| note.check == check);
+        found.unwrap_or_else(|| panic!("{check} is not in {:?}", sitting.preflight)).ok
+    };
+    assert!(note("right_monitor_asked") && !note("right_monitor") && !note("profile_age"));
+    assert!(!note("other_programs_asked"), "nobody confirmed it");
+    assert!(note("light_steps"));
+    // What was shown can be told from the data alone.
+    let display = sitting.display.as_ref().unwrap();
+    assert_eq!(display["sha256"], profile::hash(&differing()).as_str());
+    assert_eq!(display["profile"], profile::value(&differing()));
+}
+
+#[test]
+fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
+    let mut harness = builder().build_eframe(|cc| App::new(cc, Launch::default()));
+    harness.run_steps(3);
+    harness.get_by_label("Measure…").click();
+    harness.run_steps(3);
+    harness.get_by_label_contains("sRGB (srgb), assumed");
+    harness.get_by_label("Size and distance").click();
+    harness.run_steps(2);
+    for (field, text) in [
+        ("Width of the lit part, cm", "30"),
+        ("Distance from eye to screen, cm", "57.3"),
+        ("Planned size of the stimulus, degrees", "40"),
+    ] {
+        let node = harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, field);
+        node.focus();
+        harness.step();
+        harness.key_press_modifiers(eframe::egui::Modifiers::COMMAND, Key::A);
+        harness.step();
+        harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, field).type_text(text);
+        harness.step();
+    }
+    // 1000 pixels on 30 cm, seen from 57.3 cm: a degree is a centimetre, or 33.3 pixels.
+    harness.get_by_label_contains("A degree is 33.3 pixels, or 1.00 cm");
+    harness.get_by_label_contains("The screen is 30.0 × 24.0 cm");
+    // 40° need 2 · 57.3 · tan 20° = 41.7 cm, and the lesser side has 24.
+    harness.get_by_label_contains("only 58 % of that fits");
+    harness.get_by_label_contains("It fits from 32 cm or less");
+    press(&mut harness, Key::Escape);
+    harness.run_steps(2);
+    harness.get_by_label("Size and distance");
+    press(&mut harness, Key::Escape);
+    harness.run_steps(3);
+    let value = |harness: &Harness<'static, App>, field: &str| {
+        harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, field).value()
+    };
+    assert_eq!(value(&harness, "Screen width, cm").as_deref(), Some("30"));
+    assert_eq!(value(&harness, "Viewing distance, cm").as_deref(), Some("57.3"));
+}
+
+#[test]
+fn an_experiment_in_gray_is_one_of_its_own() {
+    let quick = definition::open("quick").unwrap();
+    let gray = quick.in_gray().unwrap();
+    assert_eq!((gray.name.as_str(), gray.in_gray()), ("quick-gray", None));
+    assert_eq!(gray.stimulus.field_light(0.3), [0.3; 3]);
+    assert_eq!(gray.factors, quick.factors);
+    assert_ne!(definition::hash(&gray), definition::hash(&quick));
+    let text = "schema = 1\nname = \"c\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\ncolor = [\"red\", \"gray\"]\n";
+    assert_eq!(definition::parse("c", text).unwrap().in_gray(), None);
+    // Its sidecar's definition reads back the same.
+    let folder = tempfile::tempdir().unwrap();
+    let identity = Identity::new("P1", "1").unwrap();
+    SessionStore::create(folder.path(), &gray, &identity, 1, Default::default()).unwrap();
+    assert_eq!(SessionStore::exists(folder.path(), &gray, &identity), Some(false));
+    assert_eq!(SessionStore::exists(folder.path(), &quick, &identity), None);
+}
