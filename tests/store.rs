@@ -148,7 +148,7 @@ mod layout {
         let names: Vec<&str> =
             description["variableMeasured"].as_array().unwrap().iter().map(|v| v["name"].as_str().unwrap()).collect();
         assert_eq!(names, header);
-        assert_eq!(header.last(), Some(&"tanh_k"));
+        assert_eq!(header[header.len() - 4..], ["tanh_k", "stimulus_s", "late_onset", "response_uncertainty_s"]);
         let sidecar = read(&paths.sidecar);
         let described: Vec<&String> = sidecar["columns"].as_object().unwrap().keys().collect();
         assert_eq!(described, header);
@@ -202,7 +202,7 @@ mod rows_on_disk {
             numbers in prop::array::uniform4(number()), times in prop::array::uniform3(seconds()),
             depth in prop::option::of(prop_oneof![Just(Depth::Infinite), (1..33_u32).prop_map(|n| Depth::finite(n).unwrap())]),
             color in prop::option::of("[^\r\n\0]{1,9}"), rating in 0..4_u8, frames in prop::option::of(any::<(u32, u32)>()),
-            millisecond in -62_000_000_000_000_i64..250_000_000_000_000, further in "[^\r\n\0]{0,9}",
+            late in prop::option::of((seconds(), any::<bool>(), seconds())), millisecond in -62_000_000_000_000_i64..250_000_000_000_000, further in "[^\r\n\0]{0,9}",
         ) -> TrialRecord {
             let [row_id, experiment, subject_id, session_id, stimulus] = texts;
             let [block, trial, attempt, repetition, sitting] = counts;
@@ -213,6 +213,7 @@ mod rows_on_disk {
                 depth, orientation_deg, low, high, color, rating: Rating(rating), response_time_s, onset_s, recovery_s,
                 frames: frames.map(|f| f.0), dropped_frames: frames.map(|f| f.1),
                 started_at: Timestamp::from_millisecond(millisecond).unwrap(), sitting, seed, further: vec![further],
+                stimulus_s: late.map(|l| l.0), late_onset: late.map(|l| l.1), response_uncertainty_s: late.map(|l| l.2),
             }
         }
     }
@@ -499,9 +500,9 @@ mod interrupted {
         drop(store);
         for absurd in ["1e300", "1e19", "-1", "inf", "NaN"] {
             let (head, last) = text.trim_end().rsplit_once('\n').unwrap();
-            let mut cells: Vec<&str> = last.rsplitn(10, ',').collect();
-            // From the end: tanh_k, seed, sitting, started_at, dropped_frames, frames, recovery_s, onset_s.
-            cells[7] = absurd;
+            let mut cells: Vec<&str> = last.rsplitn(13, ',').collect();
+            // From the end: three columns that came later, tanh_k, seed, sitting, started_at, dropped_frames, frames, recovery_s, onset_s.
+            cells[10] = absurd;
             cells.reverse();
             fs::write(&csv, format!("{head}\n{}\n", cells.join(","))).unwrap();
             let error = resume(folder.path()).expect_err(absurd).to_string();

@@ -41,6 +41,8 @@ pub struct Finish {
     axis: String,
     by: Option<String>,
     opened: Option<String>,
+    /// The frames in one sentence, where there were any.
+    frames: Option<String>,
 }
 
 /// Mean rating along the first factor, for one level of the second.
@@ -51,7 +53,13 @@ struct MeanLine {
 
 impl Finish {
     /// For a session that was completed or left.
-    pub fn new(protocol: Protocol, rows: Vec<TrialRecord>, path: PathBuf, complete: bool) -> Self {
+    pub fn new(
+        protocol: Protocol,
+        rows: Vec<TrialRecord>,
+        path: PathBuf,
+        complete: bool,
+        frames: Option<String>,
+    ) -> Self {
         let name = |wanted: &str, other: usize| {
             let found = protocol.factors.iter().position(|factor| factor.name == wanted);
             found.or((protocol.factors.len() > other).then_some(other))
@@ -71,6 +79,7 @@ impl Finish {
             path,
             complete,
             opened: None,
+            frames,
         }
     }
 
@@ -106,6 +115,10 @@ impl Finish {
                 analyse = self.complete && ui.button("Analyse these results…").clicked();
                 leave = theme::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             });
+            if let Some(frames) = &self.frames {
+                ui.add_space(8.0);
+                ui.add(egui::Label::new(theme::quiet(frames)).wrap());
+            }
             if let Some(fault) = &self.opened {
                 theme::fault(ui, fault);
             }

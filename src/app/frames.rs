@@ -1,87 +1,74 @@
-//! Frame intervals, counted in constant memory however long a session is.
+//! Frame intervals as the window tells them.
 
-/// Width of a bin, seconds.
-const BIN_S: f64 = 0.0001;
-/// Bins; longer intervals fall into the last.
-const BINS: usize = 5000;
+use std::time::Duration;
 
-/// A histogram of frame intervals.
-#[derive(Clone, Debug)]
-pub struct FrameStatistics {
-    bins: Vec<u32>,
-    count: u64,
-    last: Option<f64>,
-}
+use crate::display::frames::{FrameTimes, Refresh};
 
-impl Default for FrameStatistics {
-    fn default() -> Self {
-        Self { bins: vec![0; BINS], count: 0, last: None }
-    }
-}
+/// Frame intervals of a page, without a screen to judge them against.
+#[derive(Clone, Debug, Default)]
+pub struct FrameStatistics(FrameTimes);
 
 impl FrameStatistics {
     /// A frame begins at `now`, in seconds.
     pub fn frame(&mut self, now: f64) {
-        if let Some(last) = self.last {
-            let bin = ((now - last) / BIN_S).clamp(0.0, (BINS - 1) as f64) as usize;
-            self.bins[bin] += 1;
-            self.count += 1;
-        }
-        self.last = Some(now);
-    }
-
-    /// The next frame does not follow the last: a page was shown between.
-    pub fn interrupt(&mut self) {
-        self.last = None;
+        self.0.frame(Duration::try_from_secs_f64(now).unwrap_or_default(), None);
     }
 
     /// Intervals counted.
     pub fn count(&self) -> u64 {
-        self.count
+        self.0.intervals_us().len() as u64
     }
 
-    /// The interval below which a share `p` of them lies, seconds, to a tenth of a millisecond.
+    /// The interval that a share `p` of them does not exceed, seconds.
     pub fn quantile(&self, p: f64) -> Option<f64> {
-        let rank = (p * self.count as f64).ceil().max(1.0) as u64;
-        let mut seen = 0;
-        let bin = self.bins.iter().position(|n| {
-            seen += u64::from(*n);
-            seen >= rank
-        })?;
-        Some((bin as f64 + 0.5) * BIN_S)
+        self.0.quantile(p)
     }
 
-    /// For the sidecar; `None` where nothing was counted.
-    pub fn summary(&self) -> Option<serde_json::Value> {
-        Some(serde_json::json!({
-            "intervals": self.count,
-            "median_s": round(self.quantile(0.5)?),
-            "p01_s": round(self.quantile(0.01)?),
-            "p99_s": round(self.quantile(0.99)?),
-        }))
+    /// The screen's refresh, if the frames are held to one.
+    pub fn refresh(&self) -> Option<Refresh> {
+        Refresh::estimate(self.0.intervals_us())
     }
 }
 
-fn round(seconds: f64) -> f64 {
-    (seconds * 1e5).round() / 1e5
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_of_a_steady_screen_with_one_stall() {
-        let mut frames = FrameStatistics::default();
-        assert_eq!(frames.quantile(0.5), None);
-        let mut now = 0.0;
-        for i in 0..1000 {
-            frames.frame(now);
-            now += if i == 500 { 0.1 } else { 1.0 / 60.0 };
+/// The frames of a sitting in one sentence, for the experimenter; `None` where nothing was counted.
+pub fn sentence(times: &FrameTimes, refresh: Option<Refresh>) -> Option<String> {
+    let ms = |seconds: f64| format!("{:.1} ms", seconds * 1e3);
+    let (median, p99) = (ms(times.quantile(0.5)?), ms(times.quantile(0.99)?));
+    let counted = times.intervals_us().len();
+    let judged = match (times.dropped(), refresh) {
+        (Some(dropped), Some(refresh)) => {
+            let late = times.late_onsets();
+            format!(
+                "{dropped} dropped at {:.2} Hz, {late} {} late",
+                refresh.hz(),
+                if late == 1 { "onset" } else { "onsets" }
+            )
         }
-        assert_eq!(frames.count(), 999);
-        assert!((frames.quantile(0.5).unwrap() - 1.0 / 60.0).abs() < BIN_S);
-        assert!((frames.quantile(0.99).unwrap() - 1.0 / 60.0).abs() < BIN_S);
-        assert!((frames.quantile(1.0).unwrap() - 0.1).abs() < BIN_S);
-    }
+        (Some(dropped), None) => format!("{dropped} dropped"),
+        (None, _) => "none judged, since the screen's refresh is not known".to_owned(),
+    };
+    Some(format!("{counted} frames, half of them within {median} and 99 % within {p99}: {judged}."))
+}
+
+/// The frames of a sitting for its sidecar; `None` where nothing was counted. `source`: who knows the refresh: reported,
+/// measured or unknown. `file`: the name of the file with every interval.
+pub fn summary(
+    times: &FrameTimes,
+    refresh: Option<Refresh>,
+    source: &str,
+    file: Option<String>,
+) -> Option<serde_json::Value> {
+    let round = |seconds: f64| (seconds * 1e6).round() / 1e6;
+    Some(serde_json::json!({
+        "intervals": times.intervals_us().len(),
+        "median_s": round(times.quantile(0.5)?),
+        "p01_s": round(times.quantile(0.01)?),
+        "p99_s": round(times.quantile(0.99)?),
+        "refresh_s": refresh.map(|refresh| (refresh.seconds() * 1e9).round() / 1e9),
+        "refresh_source": source,
+        "dropped": times.dropped(),
+        "missed_refreshes": times.missed_refreshes(),
+        "late_onsets": times.dropped().map(|_| times.late_onsets()),
+        "file": file,
+    }))
 }

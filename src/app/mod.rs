@@ -7,11 +7,13 @@ mod analysis;
 pub mod demo;
 mod dialog;
 mod display;
+mod event_loop;
 mod finish;
 mod form;
 mod frames;
 mod gallery;
 mod home;
+mod input;
 mod monitor;
 mod pages;
 mod pixels;
@@ -22,7 +24,7 @@ mod session;
 mod theme;
 mod trouble;
 
-use std::{path::PathBuf, sync::Arc};
+use std::{path::PathBuf, sync::Arc, time::Instant};
 
 use eframe::{
     egui::{self, ViewportBuilder, ViewportCommand},
@@ -113,8 +115,9 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
         });
     }
     options.wgpu_options.surface.desired_maximum_frame_latency = Some(1);
-    eframe::run_native("machband", options, Box::new(|cc| Ok(Box::new(App::new(cc, launch)))))
-        .map_err(|error| WindowError::Refused(error.to_string()))
+    let stamps = input::Stamps::default();
+    let input = input::Input::hearing(stamps.clone());
+    event_loop::run(options, stamps, Box::new(|cc| Ok(Box::new(App { input, ..App::new(cc, launch) }))))
 }
 
 /// The day, by the system's clock.
@@ -156,6 +159,8 @@ pub struct App {
     monitors: Vec<Monitor>,
     /// Home's fields as they were left, to come back to.
     form: form::Form,
+    /// Keys and clicks with the time of their arrival.
+    input: input::Input,
 }
 
 impl App {
@@ -167,12 +172,20 @@ impl App {
             Some(request) => Page::Preflight(Box::new(preflight::Preflight::new(request))),
             None => Page::Home(Box::default()),
         };
-        Self { page, behind: None, direct, monitors: Vec::new(), form: form::Form::default() }
+        Self {
+            page,
+            behind: None,
+            direct,
+            monitors: Vec::new(),
+            form: form::Form::default(),
+            input: input::Input::default(),
+        }
     }
 }
 
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        self.input.frame(ui.input(|input| input.time), Instant::now());
         let monitor = Monitor::current(ui.ctx(), frame);
         if let Page::Home(_) = self.page {
             self.monitors = Monitor::all(frame);
@@ -180,7 +193,7 @@ impl eframe::App for App {
         let go = match &mut self.page {
             Page::Home(home) => home.show(ui, &monitor, &self.monitors),
             Page::Preflight(preflight) => preflight.show(ui, &monitor),
-            Page::Session(session) => session.show(ui),
+            Page::Session(session) => session.show(ui, &monitor, &mut self.input),
             Page::Finish(finish) => finish.show(ui, self.direct),
             Page::Gallery(gallery) => gallery.show(ui),
             Page::Demo(demo) => demo.show(ui, frame.wgpu_render_state()),

@@ -12,21 +12,24 @@ use serde_json::json;
 use super::{
     Go, Monitor, Page, Request,
     finish::Finish,
-    frames::FrameStatistics,
+    frames,
+    input::{Heard, Input, InputReport},
     monitor::window_px,
     pages::{self, Answer, CategoryPictures, INSTRUCTION_PAGES},
     pixels, scale, theme,
     trouble::{Remedy, Trouble},
 };
 use crate::{
-    display::Viewing,
+    display::{Viewing, frames::Refresh},
     experiment::{
         Effect, Event, FrameCount, Identity, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, State,
         TrialRecord, TrialResponse, session_seed,
     },
     light::{Bits, Quantizer},
     store::{
-        StoreError, profile,
+        StoreError,
+        frames::FrameRow,
+        profile,
         session::SessionStore,
         sidecar::{PreflightNote, Sitting},
     },
@@ -47,6 +50,48 @@ pub struct Prepared {
     pub frames: FrameCount,
     /// The window in physical pixels.
     pub window: (u32, u32),
+}
+
+/// The refresh of the screen, and who knows it.
+struct ScreenRefresh {
+    /// The monitor's name at the start, and what was measured on it.
+    measured: Option<(Option<String>, Refresh)>,
+    /// As it is now.
+    refresh: Option<Refresh>,
+    source: &'static str,
+}
+
+impl ScreenRefresh {
+    fn new(monitor: &Monitor, frames: FrameCount) -> Self {
+        let measured = match frames {
+            FrameCount::Against(seconds) if monitor.refresh_hz.is_none() => Refresh::new(seconds).ok(),
+            _ => None,
+        };
+        let mut screen = Self {
+            measured: measured.map(|refresh| (monitor.name.clone(), refresh)),
+            refresh: None,
+            source: "unknown",
+        };
+        screen.look(monitor);
+        screen
+    }
+
+    /// Looks at the monitor that shows the window now; whether the refresh is another.
+    fn look(&mut self, monitor: &Monitor) -> bool {
+        let before = self.refresh;
+        let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz).ok());
+        let measured = self.measured.as_ref().filter(|(name, _)| *name == monitor.name).map(|(_, refresh)| *refresh);
+        (self.refresh, self.source) = match (reported, measured) {
+            (Some(_), _) => (reported, "reported"),
+            (None, Some(_)) => (measured, "measured"),
+            (None, None) => (None, "unknown"),
+        };
+        self.refresh != before
+    }
+
+    fn frames(&self) -> FrameCount {
+        self.refresh.map_or(FrameCount::Frames, |refresh| FrameCount::Against(refresh.seconds()))
+    }
 }
 
 /// A session that runs.
@@ -70,7 +115,10 @@ pub struct SessionPage {
     /// Condition and picture, the latest last.
     textures: Vec<(usize, TextureHandle)>,
     categories: CategoryPictures,
-    frames: FrameStatistics,
+    screen: ScreenRefresh,
+    input: InputReport,
+    /// Clicked on the scale in the frame before, which still showed the stimulus.
+    clicked: Option<(u8, Heard)>,
     scale_shown: bool,
     trouble: Option<Trouble>,
     resumed: bool,
@@ -117,7 +165,8 @@ impl SessionPage {
         };
         let offset = offset(elapsed_s, rows.first());
         let quantizer = Quantizer::new(&request.display.transfers, Bits::Eight);
-        let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: prepared.frames };
+        let screen = ScreenRefresh::new(monitor, prepared.frames);
+        let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: screen.frames() };
         let session = Session::new(protocol.clone(), schedule, &resumed, options);
         let practising =
             session.current().is_some_and(|trial| session.schedule().trials[trial].phase == Phase::Practice);
@@ -136,7 +185,9 @@ impl SessionPage {
             size_px: prepared.size_px,
             textures: Vec::new(),
             categories: CategoryPictures::default(),
-            frames: FrameStatistics::default(),
+            screen,
+            input: InputReport::default(),
+            clicked: None,
             scale_shown: practising,
             trouble: None,
             closed: false,
@@ -151,33 +202,46 @@ impl SessionPage {
     }
 
     /// One frame: input, time, picture.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui) -> Go {
+    pub(super) fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, input: &mut Input) -> Go {
         let window_s = ui.input(|input| input.time);
-        let now = self.offset + Duration::from_secs_f64((window_s - self.window_start_s).max(0.0));
+        let now = self.session_time(window_s);
         if self.trouble.is_some() {
-            self.frames.interrupt();
+            self.session.interrupt_frames();
             // Keys mean nothing to the session now, but those that go up must not count as held later.
             self.fresh_keys(ui);
             self.remedy(ui, now);
             return Go::Stay;
         }
         let was_main = self.in_main();
-        self.hear(ui, now);
+        self.follow_screen(monitor);
+        self.hear(ui, now, input);
         self.pause_if_too_small(ui.ctx(), now);
         self.step(Event::Frame, now);
         if self.in_main() && !was_main {
             // Practised: from here on nothing but field and stimulus, unless the participant asks for the scale.
             self.scale_shown = false;
         }
-        if let State::Recovery { .. } | State::Stimulus { .. } | State::Closing { .. } = self.session.state() {
-            self.frames.frame(window_s);
+        if self.is_trial() {
             // Every refresh is a frame: timing is held to them, and dropped ones are seen.
             ui.ctx().request_repaint();
-        } else {
-            self.frames.interrupt();
         }
         self.prepare(ui.ctx());
-        self.draw(ui, now, window_s)
+        self.draw(ui, now, window_s, input)
+    }
+
+    /// The session's time at a time of the window, seconds.
+    fn session_time(&self, window_s: f64) -> Duration {
+        self.offset + Duration::try_from_secs_f64(window_s - self.window_start_s).unwrap_or_default()
+    }
+
+    /// The window may be moved to another monitor, and a monitor set to another rate.
+    fn follow_screen(&mut self, monitor: &Monitor) {
+        if self.screen.look(monitor) {
+            self.session.judge_against(self.screen.frames());
+            let hz =
+                self.screen.refresh.map_or_else(|| "unknown".to_owned(), |refresh| format!("{:.3} Hz", refresh.hz()));
+            self.store.note(format!("the screen's refresh changed: {} {hz}, {}", monitor.title(), self.screen.source));
+        }
     }
 
     fn in_main(&self) -> bool {
@@ -206,7 +270,10 @@ impl SessionPage {
     }
 
     /// Does what keys and mouse ask.
-    fn hear(&mut self, ui: &egui::Ui, now: Duration) {
+    fn hear(&mut self, ui: &egui::Ui, now: Duration, input: &mut Input) {
+        if let Some((rating, heard)) = self.clicked.take() {
+            self.rate(rating, Some(heard), now);
+        }
         if ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO) {
             self.mouse_moved_s = ui.input(|input| input.time);
         }
@@ -219,12 +286,22 @@ impl SessionPage {
                 // letter counts by what it says: its place differs between keyboards.
                 _ => {
                     let digit = place.name().starts_with(|c: char| c.is_ascii_digit()).then_some(place);
+                    let heard = input.key(place);
                     if let Some(rating) = self.rating(key).or_else(|| self.rating(digit?)) {
-                        self.step(Event::Rate(rating), now);
+                        self.rate(rating, heard, now);
                     }
                 }
             }
         }
+    }
+
+    /// The stimulus is rated: as it was heard, or, where nothing was stamped, now.
+    fn rate(&mut self, rating: u8, heard: Option<Heard>, now: Duration) {
+        let event = match heard {
+            Some(Heard { at_s, uncertainty }) => Event::RateAt { rating, at: self.session_time(at_s), uncertainty },
+            None => Event::Rate(rating),
+        };
+        self.step(event, now);
     }
 
     fn rating(&self, key: Key) -> Option<u8> {
@@ -235,7 +312,12 @@ impl SessionPage {
     }
 
     fn is_trial(&self) -> bool {
-        matches!(self.session.state(), State::Recovery { .. } | State::Stimulus { .. } | State::Closing { .. })
+        let state = self.session.state();
+        self.awaits_rating() || matches!(state, State::Recovery { .. } | State::Closing { .. })
+    }
+
+    fn awaits_rating(&self) -> bool {
+        matches!(self.session.state(), State::Stimulus { .. } | State::Response { .. })
     }
 
     fn step(&mut self, event: Event, now: Duration) {
@@ -246,6 +328,7 @@ impl SessionPage {
 
     /// Puts a row on disk before anything else happens; the field is on the screen meanwhile.
     fn record(&mut self, response: &TrialResponse, now: Duration) {
+        self.input.rated(response.uncertainty);
         let context = RowContext {
             protocol: self.session.protocol(),
             schedule: self.session.schedule(),
@@ -258,6 +341,15 @@ impl SessionPage {
             Err(error) => self.trouble = Some(Trouble::new(error.to_string())),
         }
         self.rows.push(row);
+        self.store_frames();
+    }
+
+    fn store_frames(&mut self) {
+        let stretches = self.session.take_stretches();
+        let schedule = self.session.schedule();
+        let row = |stretch| FrameRow::new(stretch, schedule, self.sitting);
+        let rows: Vec<_> = stretches.into_iter().filter_map(row).collect();
+        self.store.append_frames(&rows);
     }
 
     fn remedy(&mut self, ui: &mut egui::Ui, now: Duration) {
@@ -312,11 +404,11 @@ impl SessionPage {
         }
     }
 
-    fn draw(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64) -> Go {
+    fn draw(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64, input: &mut Input) -> Go {
         let texts = &self.session.protocol().instructions;
         let answer = match self.session.state() {
-            State::Recovery { .. } | State::Stimulus { .. } | State::Closing { .. } => {
-                self.draw_trial(ui, now, window_s);
+            State::Recovery { .. } | State::Stimulus { .. } | State::Response { .. } | State::Closing { .. } => {
+                self.draw_trial(ui, window_s, input);
                 Answer::None
             }
             State::Instructions(page) => {
@@ -349,10 +441,10 @@ impl SessionPage {
         if self.is_trial() && self.trouble.is_none() { self.field } else { theme::PAGE }
     }
 
-    fn draw_trial(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64) {
-        let rating_now = matches!(self.session.state(), State::Stimulus { .. });
+    fn draw_trial(&mut self, ui: &mut egui::Ui, window_s: f64, input: &mut Input) {
+        let rating_now = self.awaits_rating();
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
-            if !rating_now {
+            if !matches!(self.session.state(), State::Stimulus { .. }) {
                 return;
             }
             let schedule = self.session.schedule();
@@ -367,7 +459,9 @@ impl SessionPage {
             ui.ctx().set_cursor_icon(CursorIcon::None);
         }
         if let Some(rating) = clicked {
-            self.step(Event::Rate(rating), now);
+            // This frame shows the stimulus; the next one answers.
+            let frame = Heard { at_s: window_s, uncertainty: None };
+            self.clicked = Some((rating, input.click().unwrap_or(frame)));
         }
     }
 
@@ -375,11 +469,13 @@ impl SessionPage {
         self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         let complete = *self.session.state() == State::Done;
+        let frames = self.session.frame_times();
         let finish = Finish::new(
             self.session.protocol().clone(),
             std::mem::take(&mut self.rows),
             self.store.csv().to_owned(),
             complete,
+            frames::sentence(frames, self.screen.refresh),
         );
         Go::To(Page::Finish(Box::new(finish)))
     }
@@ -390,8 +486,12 @@ impl SessionPage {
         if std::mem::replace(&mut self.closed, true) {
             return;
         }
+        self.store_frames();
+        self.store.describe_input(self.input.summary());
+        let (times, file) = (self.session.frame_times(), self.store.frames_file());
+        let summary = frames::summary(times, self.screen.refresh, self.screen.source, file);
         let complete = *self.session.state() == State::Done;
-        if let Err(error) = self.store.finish(complete, Timestamp::now().to_string(), self.frames.summary()) {
+        if let Err(error) = self.store.finish(complete, Timestamp::now().to_string(), summary) {
             eprintln!("error: {error}");
         }
     }

@@ -1,7 +1,13 @@
 //! Floor 1: what the screen does to the picture before it reaches the eye.
 
+mod channel;
+pub mod frames;
 pub mod geometry;
+pub mod nulling;
+pub mod photometer;
 pub mod profile;
+pub mod steps;
 
+pub use channel::{Channel, UnknownChannel};
 pub use geometry::{Geometry, GeometryError, Screen, Viewing};
 pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

@@ -4,6 +4,7 @@
 //! events and gives effects back; a [`TrialRecord`] is one row of the data. [`Observer`]s rate without eyes.
 
 mod condition;
+mod frame_log;
 mod gray;
 mod identity;
 mod observer;
@@ -14,12 +15,14 @@ mod session;
 mod texts;
 
 pub use condition::{Condition, Factor};
+pub use frame_log::{Shown, Stretch};
 pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, simulate};
 pub use protocol::{
-    Category, Design, Fault, Order, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan, name_fault,
+    Category, Design, Fault, Order, Presentation, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan,
+    name_fault,
 };
-pub use record::{Column, Rating, RowContext, Seconds, TrialRecord, columns, columns_by_header};
+pub use record::{Column, Rating, RowContext, Seconds, TRAILING, TrialRecord, columns, columns_by_header};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;

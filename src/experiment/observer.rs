@@ -167,7 +167,7 @@ pub fn simulate<E>(
                 now += session.protocol().recovery.duration();
                 session.step(Event::Frame, now)
             }
-            State::Stimulus { .. } => {
+            State::Stimulus { .. } | State::Response { .. } => {
                 let Some(trial) = session.current() else { return Ok(()) };
                 // A place of its own in the key stream for each trial: 16 words a block, 64 blocks a trial.
                 rng.set_word_pos(trial as u128 * 1024);

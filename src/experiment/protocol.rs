@@ -49,6 +49,9 @@ pub struct Protocol {
     pub design: Design,
     /// What is shown between stimuli.
     pub recovery: Recovery,
+    /// How long the stimulus stands; `None` until it is rated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub presentation: Option<Presentation>,
     /// The rating scale.
     pub response: ResponseScale,
     /// The planned viewing geometry.
@@ -134,6 +137,21 @@ pub struct Recovery {
 }
 
 impl Recovery {
+    /// The duration to the nanosecond, as the session measures it.
+    pub fn duration(&self) -> Duration {
+        Duration::try_from_secs_f64(self.duration_s).unwrap_or_default()
+    }
+}
+
+/// A stimulus of fixed duration. After it stands the uniform field, until the stimulus is rated; a rating that comes
+/// earlier ends it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Presentation {
+    /// Seconds, 0.001…600.
+    pub duration_s: f64,
+}
+
+impl Presentation {
     /// The duration to the nanosecond, as the session measures it.
     pub fn duration(&self) -> Duration {
         Duration::try_from_secs_f64(self.duration_s).unwrap_or_default()
@@ -245,6 +263,10 @@ impl Protocol {
         self.design_faults(&mut faults);
         range(&mut faults, "recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
         range(&mut faults, "recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
+        if let Some(presentation) = &self.presentation {
+            let meaning = "seconds; without [presentation] the stimulus stands until it is rated";
+            range(&mut faults, "presentation.duration_s", presentation.duration_s, 0.001, 600.0, meaning);
+        }
         range(&mut faults, "viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
         range(&mut faults, "viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
         self.response_faults(&mut faults);

@@ -49,6 +49,19 @@ impl Cell for Timestamp {
     }
 }
 
+impl Cell for bool {
+    fn to_cell(&self) -> String {
+        u8::from(*self).to_string()
+    }
+    fn from_cell(text: &str) -> Result<Self, String> {
+        match text {
+            "0" => Ok(false),
+            "1" => Ok(true),
+            _ => Err("expected 0 or 1".to_owned()),
+        }
+    }
+}
+
 impl Cell for String {
     fn to_cell(&self) -> String {
         self.clone()
@@ -131,23 +144,31 @@ pub struct Column {
 }
 
 macro_rules! record {
-    ($($name:ident: $kind:ty, $unit:literal, $description:literal;)*) => {
+    (
+        $($name:ident: $kind:ty, $unit:literal, $description:literal;)*
+        .. $($late:ident: $late_kind:ty, $late_unit:literal, $late_description:literal;)*
+    ) => {
         /// One trial as it was seen and rated; one row of a result file.
         #[derive(Clone, Debug, PartialEq)]
         pub struct TrialRecord {
             $(#[doc = $description] pub $name: $kind,)*
             /// Levels of the factors that have no column above, in the order of the definition.
             pub further: Vec<String>,
+            $(#[doc = $late_description] pub $late: $late_kind,)*
         }
 
         /// Name, unit and description of the columns that every result file has.
         const FIXED: &[(&str, &str, &str)] = &[$((stringify!($name), $unit, $description),)*];
+
+        /// Those of the columns after the factors.
+        const LATE: &[(&str, &str, &str)] = &[$((stringify!($late), $late_unit, $late_description),)*];
 
         impl TrialRecord {
             /// The cells of the row, in the order of [`columns`].
             pub fn cells(&self) -> Vec<String> {
                 let mut cells = vec![$(Cell::to_cell(&self.$name),)*];
                 cells.extend(self.further.iter().cloned());
+                cells.extend([$(Cell::to_cell(&self.$late),)*]);
                 cells
             }
 
@@ -156,24 +177,24 @@ macro_rules! record {
             /// # Errors
             /// Index of the faulty cell, and what was expected there.
             pub fn from_cells(cells: &[&str]) -> Result<Self, (usize, String)> {
+                let late = cells.len().saturating_sub(LATE.len()).max(FIXED.len());
                 let mut next = 0;
-                let mut take = || {
-                    let at = next;
-                    next += 1;
-                    cells.get(at).copied().map(|cell| (at, cell)).ok_or((at, "the cell is missing".to_owned()))
-                };
-                Ok(Self {
-                    $($name: {
-                        let (at, cell) = take()?;
-                        Cell::from_cell(cell).map_err(|expected| {
-                            (at, format!("{} is {cell:?}; {expected}", stringify!($name)))
-                        })?
-                    },)*
-                    further: cells[FIXED.len()..].iter().map(|cell| (*cell).to_owned()).collect(),
-                })
+                $(let $name = cell(cells, &mut next, stringify!($name))?;)*
+                let further = cells.get(next..late).unwrap_or_default().iter().map(|cell| (*cell).to_owned()).collect();
+                next = late;
+                $(let $late = cell(cells, &mut next, stringify!($late))?;)*
+                Ok(Self { $($name,)* further, $($late,)* })
             }
         }
     };
+}
+
+/// Reads the cell at `next`, and goes on to the one after it.
+fn cell<T: Cell>(cells: &[&str], next: &mut usize, name: &str) -> Result<T, (usize, String)> {
+    let at = *next;
+    *next += 1;
+    let cell = cells.get(at).ok_or((at, "the cell is missing".to_owned()))?;
+    T::from_cell(cell).map_err(|expected| (at, format!("{name} is {cell:?}; {expected}")))
 }
 
 record! {
@@ -202,16 +223,25 @@ record! {
     started_at: Timestamp, "", "Wall-clock time of the onset, RFC 3339, UTC.";
     sitting: u32, "", "1, and 1 more each time an interrupted session was resumed.";
     seed: u64, "", "Seed of the order of the trials.";
+    // Here stand the factors that have no column above. What follows came later: older files end before it.
+    ..
+    stimulus_s: Option<Seconds>, "s", "Achieved duration of the stimulus: from its onset to the frame that replaced it; empty where no screen was used.";
+    late_onset: Option<bool>, "", "Whether the onset was more than half a refresh later than planned; empty where the screen's refresh is not known.";
+    response_uncertainty_s: Option<Seconds>, "s", "For how long at most the key may have waited before the program heard of it; empty where not measured.";
 }
+
+/// How many columns at the end of a row came later than the others: a file of an earlier version ends before some of
+/// them, and none of its rows knows them.
+pub const TRAILING: usize = LATE.len();
 
 /// Every column of the result files of a protocol, in order.
 pub fn columns(protocol: &Protocol) -> Vec<Column> {
-    let fixed = FIXED.iter().map(|(name, unit, description)| Column {
+    let described = |(name, unit, description): &(&str, &str, &str)| Column {
         name: (*name).to_owned(),
         description: (*description).to_owned(),
         unit: (*unit).to_owned(),
         levels: levels(protocol, name),
-    });
+    };
     let known = protocol.stimulus.parameters();
     let further = further_factors(protocol).map(|name| {
         let parameter = known.iter().find(|parameter| parameter.name == name);
@@ -222,15 +252,16 @@ pub fn columns(protocol: &Protocol) -> Vec<Column> {
             levels: levels(protocol, name),
         }
     });
-    fixed.chain(further).collect()
+    FIXED.iter().map(described).chain(further).chain(LATE.iter().map(described)).collect()
 }
 
 /// The columns of a file that is not known to belong to a definition: those every file has, and what else its header
 /// names.
 pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
     let name = |name: &str| Column { name: name.to_owned(), ..Column::default() };
-    let fixed = FIXED.iter().map(|(fixed, ..)| name(fixed));
-    fixed.chain(header.skip(FIXED.len()).map(name)).collect()
+    let known = |known: &[(&str, &str, &str)]| known.iter().map(|(known, ..)| name(known)).collect::<Vec<_>>();
+    let further = header.skip(FIXED.len()).filter(|further| LATE.iter().all(|(late, ..)| late != further)).map(name);
+    known(FIXED).into_iter().chain(further).chain(known(LATE)).collect()
 }
 
 fn further_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
@@ -238,7 +269,7 @@ fn further_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
         .factors
         .iter()
         .map(|factor| factor.name.as_str())
-        .filter(|name| FIXED.iter().all(|(fixed, ..)| fixed != name))
+        .filter(|name| FIXED.iter().chain(LATE).all(|(fixed, ..)| fixed != name))
 }
 
 fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_json::Value> {
@@ -251,6 +282,10 @@ fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_js
         "rating" => (0..)
             .zip(&protocol.response.categories)
             .map(|(i, category): (u32, _)| pair(i.to_string(), &category.label))
+            .collect(),
+        "late_onset" => [("0", "As planned"), ("1", "Late")]
+            .map(|(value, meaning)| pair(value.to_owned(), meaning))
+            .into_iter()
             .collect(),
         _ => serde_json::Map::new(),
     }
@@ -307,6 +342,9 @@ impl TrialRecord {
             sitting: *sitting,
             seed: schedule.seed,
             further: further_factors(protocol).map(|name| text(name).unwrap_or_default()).collect(),
+            stimulus_s: response.stimulus.map(|time| Seconds(time.as_secs_f64())),
+            late_onset: response.late_onset,
+            response_uncertainty_s: response.uncertainty.map(|time| Seconds(time.as_secs_f64())),
         }
     }
 }
@@ -332,6 +370,9 @@ impl TrialRecord {
             response_time: Duration::ZERO,
             onset: Duration::ZERO,
             recovery: Duration::ZERO,
+            stimulus: None,
+            uncertainty: None,
+            late_onset: self.late_onset,
             frames: self.frames,
             dropped_frames: self.dropped_frames,
         };
@@ -340,6 +381,8 @@ impl TrialRecord {
             onset_s: self.onset_s,
             recovery_s: self.recovery_s,
             sitting: self.sitting,
+            stimulus_s: self.stimulus_s,
+            response_uncertainty_s: self.response_uncertainty_s,
             ..Self::new(context, &measured, self.started_at)
         };
         (planned == *self).then_some(index)

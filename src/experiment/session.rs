@@ -4,9 +4,11 @@
 use std::{collections::BTreeSet, time::Duration};
 
 use super::{
+    frame_log::{FrameLog, Shown, Stretch},
     protocol::Protocol,
     schedule::{Phase, Schedule},
 };
+use crate::display::frames::{FrameTimes, Refresh};
 
 /// What happens to a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,8 +17,17 @@ pub enum Event {
     Frame,
     /// Go on from a page or a break.
     Continue,
-    /// The stimulus is rated.
+    /// The stimulus is rated now.
     Rate(u8),
+    /// The stimulus was rated before this frame began.
+    RateAt {
+        /// 0…3.
+        rating: u8,
+        /// When the program heard of it. What lies before the onset or after the frame is moved to there.
+        at: Duration,
+        /// For how long at most it may have waited to be heard, where that is known.
+        uncertainty: Option<Duration>,
+    },
     /// The last rating is taken back.
     TakeBack,
     /// Stop at the next possible moment: at once.
@@ -57,6 +68,15 @@ pub enum State {
         /// Achieved duration of the field before.
         recovery: Duration,
     },
+    /// The uniform field after a stimulus of fixed duration, until it is rated.
+    Response {
+        /// Start of the frame that presented the stimulus.
+        onset: Duration,
+        /// Achieved duration of the field before.
+        recovery: Duration,
+        /// Achieved duration of the stimulus.
+        stimulus: Duration,
+    },
     /// A rest; goes on when the participant does.
     Break,
     /// The uniform field after the last trial: its rating can still be taken back.
@@ -87,6 +107,12 @@ pub struct TrialResponse {
     pub onset: Duration,
     /// Achieved duration of the field before.
     pub recovery: Duration,
+    /// From the onset to the frame that replaced the stimulus, where there is a screen.
+    pub stimulus: Option<Duration>,
+    /// For how long at most the rating may have waited to be heard, where that is known.
+    pub uncertainty: Option<Duration>,
+    /// Whether the onset was more than half a refresh later than planned, where the refresh is known.
+    pub late_onset: Option<bool>,
     /// Frames that presented the stimulus, where there is a screen.
     pub frames: Option<u32>,
     /// Intervals above 1.5 × the screen's during recovery and stimulus, where the interval is known.
@@ -152,7 +178,10 @@ pub struct Session {
     options: SessionOptions,
     frames: u32,
     dropped: u32,
-    last_frame: Option<Duration>,
+    /// A frame of the trial could not be judged.
+    unjudged: bool,
+    late: Option<bool>,
+    log: FrameLog,
     /// Time spent in trials, and how many, for the estimate.
     pace: (Duration, u32),
     trial_start: Duration,
@@ -175,7 +204,9 @@ impl Session {
             options,
             frames: 0,
             dropped: 0,
-            last_frame: None,
+            unjudged: false,
+            late: None,
+            log: FrameLog::default(),
             pace: (Duration::ZERO, 0),
             trial_start: Duration::ZERO,
         };
@@ -219,6 +250,26 @@ impl Session {
         between && self.last.is_some() && self.again.is_none() && !self.pending
     }
 
+    /// Intervals of all frames of the trials so far; pages are left out.
+    pub fn frame_times(&self) -> &FrameTimes {
+        self.log.times()
+    }
+
+    /// What the frames since the last call showed, and for how long each.
+    pub fn take_stretches(&mut self) -> Vec<Stretch> {
+        self.log.take()
+    }
+
+    /// From the next frame on the screen is another, or is known better.
+    pub fn judge_against(&mut self, frames: FrameCount) {
+        self.options.frames = frames;
+    }
+
+    /// Something else was on the screen: the next frame follows no other.
+    pub fn interrupt_frames(&mut self) {
+        self.log.interrupt();
+    }
+
     /// How far the session is.
     pub fn progress(&self) -> Progress {
         let total = self.schedule.trials.len();
@@ -239,9 +290,11 @@ impl Session {
                     if next < self.options.pages { State::Instructions(next) } else { State::PhaseStart(self.phase()) };
             }
             (Event::Continue, State::PhaseStart(_) | State::Break) => self.recover(now),
-            (Event::Rate(rating), State::Stimulus { onset, recovery }) => {
-                let (onset, recovery) = (*onset, *recovery);
-                return self.rate(rating, onset, recovery, now);
+            (Event::Rate(rating), State::Stimulus { .. } | State::Response { .. }) => {
+                return self.rate(rating, now, None, now);
+            }
+            (Event::RateAt { rating, at, uncertainty }, State::Stimulus { .. } | State::Response { .. }) => {
+                return self.rate(rating, at, uncertainty, now);
             }
             (Event::TakeBack, _) if self.can_take_back() => {
                 self.again = self.last.take().map(|(trial, attempt)| (trial, attempt + 1));
@@ -252,6 +305,7 @@ impl Session {
                 Event::Pause,
                 State::Recovery { .. }
                 | State::Stimulus { .. }
+                | State::Response { .. }
                 | State::Closing { .. }
                 | State::Break
                 | State::PhaseStart(_)
@@ -261,7 +315,7 @@ impl Session {
                 self.state = State::Paused(Box::new(held));
             }
             (Event::Resume, State::Paused(held)) => match held.as_ref() {
-                State::Recovery { .. } | State::Stimulus { .. } => self.recover(now),
+                State::Recovery { .. } | State::Stimulus { .. } | State::Response { .. } => self.recover(now),
                 State::Closing { .. } => self.state = State::Closing { since: now },
                 other => self.state = other.clone(),
             },
@@ -276,44 +330,93 @@ impl Session {
     }
 
     fn recover(&mut self, now: Duration) {
+        // What is on the screen until now belongs to what was before.
+        self.end_frame(now);
         self.frames = 0;
         self.dropped = 0;
-        self.last_frame = None;
+        self.unjudged = false;
         self.trial_start = now;
         self.state = State::Recovery { since: now };
     }
 
     fn frame(&mut self, now: Duration) {
-        self.count_interval(now);
-        let over = |since: Duration| now.saturating_sub(since) >= self.protocol.recovery.duration() && !self.pending;
+        self.end_frame(now);
         match self.state {
-            State::Recovery { since } if over(since) => {
-                self.frames = 1;
-                self.state = State::Stimulus { onset: now, recovery: now - since };
-            }
-            State::Stimulus { .. } => self.frames += 1,
-            State::Closing { since } if over(since) => self.state = State::Done,
+            State::Recovery { since } if self.is_recovered(since, now) => self.present(since, now),
+            State::Stimulus { onset, recovery } => match self.protocol.presentation {
+                Some(plan) if self.is_over(now.saturating_sub(onset), plan.duration()) => {
+                    self.state = State::Response { onset, recovery, stimulus: now.saturating_sub(onset) };
+                }
+                _ => self.frames += 1,
+            },
+            State::Closing { since } if self.is_recovered(since, now) => self.state = State::Done,
             _ => {}
         }
+        self.begin_frame(now);
     }
 
-    fn count_interval(&mut self, now: Duration) {
-        if !matches!(self.state, State::Recovery { .. } | State::Stimulus { .. }) {
-            return;
+    fn present(&mut self, since: Duration, now: Duration) {
+        let recovery = now.saturating_sub(since);
+        self.frames = 1;
+        self.late = self.refresh().map(|refresh| refresh.is_late(recovery, self.protocol.recovery.duration()));
+        if self.late == Some(true) {
+            self.log.late_onset();
         }
-        if let (Some(last), FrameCount::Against(interval)) = (self.last_frame, self.options.frames)
-            && (now.saturating_sub(last)).as_secs_f64() > 1.5 * interval
-        {
-            self.dropped += 1;
-        }
-        self.last_frame = Some(now);
+        self.state = State::Stimulus { onset: now, recovery };
     }
 
-    fn rate(&mut self, rating: u8, onset: Duration, recovery: Duration, now: Duration) -> Effect {
+    fn is_recovered(&self, since: Duration, now: Duration) -> bool {
+        self.is_over(now.saturating_sub(since), self.protocol.recovery.duration()) && !self.pending
+    }
+
+    /// Durations are held to whole refreshes where they are known.
+    fn is_over(&self, elapsed: Duration, duration: Duration) -> bool {
+        match self.refresh() {
+            Some(refresh) => refresh.is_due(elapsed, duration),
+            None => elapsed >= duration,
+        }
+    }
+
+    fn refresh(&self) -> Option<Refresh> {
+        match self.options.frames {
+            FrameCount::Against(seconds) => Refresh::new(seconds).ok(),
+            FrameCount::Off | FrameCount::Frames => None,
+        }
+    }
+
+    fn begin_frame(&mut self, now: Duration) {
+        let at_hand = self.current().map(|trial| (trial, self.again.map_or(1, |(_, attempt)| attempt)));
+        let of = |shown| at_hand.map(|(trial, attempt)| (shown, trial, attempt));
+        let shown = match self.state {
+            _ if self.options.frames == FrameCount::Off => None,
+            State::Recovery { .. } => of(Shown::Recovery),
+            State::Stimulus { .. } => of(Shown::Stimulus),
+            State::Response { .. } => of(Shown::Response),
+            State::Closing { .. } => self.last.map(|(trial, attempt)| (Shown::Closing, trial, attempt)),
+            _ => None,
+        };
+        self.log.begin(now, self.refresh(), shown);
+    }
+
+    fn end_frame(&mut self, now: Duration) {
+        if let Some((Shown::Recovery | Shown::Stimulus, interval)) = self.log.end(now) {
+            self.dropped += u32::from(interval.dropped);
+            self.unjudged |= interval.refresh.is_none();
+        }
+    }
+
+    fn rate(&mut self, rating: u8, at: Duration, uncertainty: Option<Duration>, now: Duration) -> Effect {
+        let (onset, recovery, stimulus) = match self.state {
+            State::Stimulus { onset, recovery } => (onset, recovery, now.saturating_sub(onset)),
+            State::Response { onset, recovery, stimulus } => (onset, recovery, stimulus),
+            _ => return Effect::None,
+        };
         let Some(trial) = self.current() else { return Effect::None };
         if usize::from(rating) >= self.protocol.response.categories.len() {
             return Effect::None;
         }
+        // The frame that shows the stimulus last counts too.
+        self.end_frame(now);
         let attempt = self.again.map_or(1, |(_, attempt)| attempt);
         if self.again.take().is_none() {
             self.position += 1;
@@ -322,20 +425,20 @@ impl Session {
         self.pending = true;
         self.pace.0 += now.saturating_sub(self.trial_start);
         self.pace.1 += 1;
-        let (frames, dropped_frames) = match self.options.frames {
-            FrameCount::Off => (None, None),
-            FrameCount::Frames => (Some(self.frames), None),
-            FrameCount::Against(_) => (Some(self.frames), Some(self.dropped)),
-        };
+        let screen = self.options.frames != FrameCount::Off;
+        let judged = self.refresh().is_some() && !self.unjudged;
         let response = TrialResponse {
             trial,
             attempt,
             rating,
-            response_time: now.saturating_sub(onset),
+            response_time: at.min(now).saturating_sub(onset),
             onset,
             recovery,
-            frames,
-            dropped_frames,
+            stimulus: screen.then_some(stimulus),
+            uncertainty,
+            late_onset: self.late,
+            frames: screen.then_some(self.frames),
+            dropped_frames: judged.then_some(self.dropped),
         };
         self.after(trial, now);
         Effect::Record(response)

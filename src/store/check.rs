@@ -3,7 +3,7 @@
 use std::{collections::HashMap, path::Path};
 
 use super::{
-    FileFault, FileFaults, definition, image, observer, profile, results, sidecar::Sidecar, text, toml_reader,
+    FileFault, FileFaults, definition, frames, image, observer, profile, results, sidecar::Sidecar, text, toml_reader,
 };
 use crate::experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns, columns_by_header};
 
@@ -18,6 +18,7 @@ pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
     }
     let path = Path::new(name_or_path);
     match path.extension().and_then(|extension| extension.to_str()) {
+        Some("csv") if name_or_path.ends_with(frames::SUFFIX) => check_frames(path),
         Some("csv") => check_results(path),
         Some("png") => image::prove(path),
         Some("toml") => check_toml(name_or_path, &text::read(path)?),
@@ -87,6 +88,13 @@ fn check_results(path: &Path) -> Result<String, FileFaults> {
         _ => summary += "; no sidecar beside it, so the order was not checked",
     }
     if faults.is_empty() { Ok(summary) } else { Err(FileFaults(faults)) }
+}
+
+/// The frames beside a result file.
+fn check_frames(path: &Path) -> Result<String, FileFaults> {
+    let rows = frames::read(path)?;
+    let intervals: usize = rows.iter().map(|row| row.intervals_us.len()).sum();
+    Ok(format!("frames of a session: {intervals} intervals in {} stretches", rows.len()))
 }
 
 fn repeated(file: &str, rows: &[TrialRecord], faults: &mut Vec<FileFault>) {

@@ -8,7 +8,7 @@ use std::{
 
 use serde_json::json;
 
-use super::{StoreError, fault::io};
+use super::{StoreError, fault::io, frames};
 use crate::experiment::{Column, Identity, Protocol, columns};
 
 /// Where the files of one session are.
@@ -20,16 +20,22 @@ pub struct SessionPaths {
     pub csv: PathBuf,
     /// Everything else that is known of the session.
     pub sidecar: PathBuf,
+    /// Every frame interval.
+    pub frames: PathBuf,
 }
 
 impl SessionPaths {
     /// The contract's names below a results folder.
     pub fn new(results: &Path, protocol: &Protocol, identity: &Identity) -> Self {
         let dataset = results.join(&protocol.name);
-        let stem =
-            format!("subject-{}_session-{}_task-{}_data", identity.subject(), identity.session(), protocol.task());
+        let stem = format!("subject-{}_session-{}_task-{}", identity.subject(), identity.session(), protocol.task());
         let data = dataset.join("data");
-        Self { csv: data.join(format!("{stem}.csv")), sidecar: data.join(format!("{stem}.json")), dataset }
+        Self {
+            csv: data.join(format!("{stem}_data.csv")),
+            sidecar: data.join(format!("{stem}_data.json")),
+            frames: data.join(format!("{stem}{}", frames::SUFFIX)),
+            dataset,
+        }
     }
 
     /// Makes the folders and describes the data set, if nobody has yet.

@@ -7,7 +7,9 @@ use sha2::{Digest as _, Sha256};
 use super::toml_reader::{Reader, Section, locate, nearest};
 use super::{FileFaults, text, toml_reader};
 use crate::{
-    experiment::{Category, Design, Factor, Order, Protocol, Recovery, ResponseScale, Texts, ViewingPlan},
+    experiment::{
+        Category, Design, Factor, Order, Presentation, Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
+    },
     stimulus::{KINDS, MachBand, Stimulus},
 };
 
@@ -74,6 +76,7 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
         stimulus,
         design: design(&root),
         recovery: recovery(&root),
+        presentation: presentation(&root),
         response: response(&root),
         viewing: viewing(&root),
         instructions: instructions(&root),
@@ -181,6 +184,18 @@ fn recovery(root: &Section<'_, '_>) -> Recovery {
     };
     section.finish();
     recovery
+}
+
+/// `None` where the definition has no such table; a table without its key is a fault, since it would mean nothing.
+fn presentation(root: &Section<'_, '_>) -> Option<Presentation> {
+    let given = root.has("presentation");
+    let section = root.section("presentation");
+    if given && !section.has("duration_s") {
+        section.missing("duration_s");
+    }
+    let presentation = Presentation { duration_s: section.number("duration_s", 1.0) };
+    section.finish();
+    given.then_some(presentation)
 }
 
 fn viewing(root: &Section<'_, '_>) -> ViewingPlan {

@@ -1,7 +1,7 @@
 //! Floor 4: every file format, one file each. Errors carry file, line and column.
 //!
 //! Read: [`definition`], [`profile`], [`observer`] (TOML), [`obj`] (meshes). Written while a session runs: [`results`]
-//! (CSV), [`sidecar`] and [`dataset`] (JSON), joined in [`session`]. Exported: [`image`] (PNG), [`curve`] (CSV) and
+//! and [`frames`] (CSV), [`sidecar`] and [`dataset`] (JSON), joined in [`session`]. Exported: [`image`] (PNG), [`curve`] (CSV) and
 //! [`manifest`] (many images).
 
 pub mod check;
@@ -9,6 +9,7 @@ pub mod curve;
 pub mod dataset;
 pub mod definition;
 mod fault;
+pub mod frames;
 pub mod image;
 pub mod manifest;
 pub mod obj;

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{FileFault, FileFaults, StoreError, dataset::sync_folder, fault::io};
-use crate::experiment::{Column, TrialRecord};
+use crate::experiment::{Column, TRAILING, TrialRecord};
 
 /// The result file of a running session; locked against a second program while it is open.
 ///
@@ -20,6 +20,8 @@ pub struct ResultFile {
     content: Vec<u8>,
     /// How much of it is known to be on disk.
     on_disk: usize,
+    /// Columns that the file has: one that an earlier version began lacks some at the end.
+    width: usize,
 }
 
 /// What an interrupted session left.
@@ -38,17 +40,17 @@ impl ResultFile {
     /// [`StoreError::Exists`], or the system's refusal.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
         let content = line(columns.iter().map(|column| column.name.as_str()));
-        Self::create_with(path, content)
+        Self::create_with(path, content, columns.len())
     }
 
-    fn create_with(path: &Path, content: Vec<u8>) -> Result<Self, StoreError> {
+    fn create_with(path: &Path, content: Vec<u8>, width: usize) -> Result<Self, StoreError> {
         let file = OpenOptions::new().read(true).write(true).create_new(true).open(path);
         let file = file.map_err(|error| match error.kind() {
             std::io::ErrorKind::AlreadyExists => StoreError::Exists(path.to_owned()),
             _ => io(path, "create")(error),
         })?;
         lock(&file, path)?;
-        let mut created = Self { path: path.to_owned(), file, content, on_disk: 0 };
+        let mut created = Self { path: path.to_owned(), file, content, on_disk: 0, width };
         if let Err(error) = created.flush() {
             // Ours alone, made just now: half a file must not stand in the way of the next try.
             let _ = fs::remove_file(path);
@@ -69,7 +71,7 @@ impl ResultFile {
         let mut content = Vec::new();
         file.read_to_end(&mut content).map_err(io(path, "read"))?;
         let on_disk = content.len();
-        Ok(Self { path: path.to_owned(), file, content, on_disk })
+        Ok(Self { path: path.to_owned(), file, content, on_disk, width: usize::MAX })
     }
 
     /// Reads the rows of a file that was opened. A last line that was half written is left out, and cut off by the
@@ -91,6 +93,7 @@ impl ResultFile {
         let torn = (whole < self.content.len()).then(|| String::from_utf8_lossy(rest).into_owned());
         let content = if whole == 0 { header } else { self.content[..whole].to_vec() };
         let rows = parse(&self.path.display().to_string(), &content, columns)?;
+        self.width = columns_of(&content, columns).len();
         (self.content, self.on_disk) = (content, whole);
         Ok(Recovered { rows, torn })
     }
@@ -106,7 +109,7 @@ impl ResultFile {
     /// The disk refuses, or the file is no longer the one that was written; [`ResultFile::flush`] tries again,
     /// [`ResultFile::move_to`] goes elsewhere.
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
-        self.content.extend(line(record.cells().iter().map(String::as_str)));
+        self.content.extend(line(record.cells().iter().take(self.width).map(String::as_str)));
         self.flush()
     }
 
@@ -143,7 +146,7 @@ impl ResultFile {
     /// # Errors
     /// The new place refuses; the old one is then kept.
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
-        *self = Self::create_with(path, self.content.clone())?;
+        *self = Self::create_with(path, self.content.clone(), self.width)?;
         Ok(())
     }
 }
@@ -156,7 +159,17 @@ impl Drop for ResultFile {
     }
 }
 
-/// Reads all rows of a result file whose columns are known.
+/// Those of the columns that the file has: one of an earlier version lacks some of the last.
+fn columns_of<'a>(content: &[u8], columns: &'a [Column]) -> &'a [Column] {
+    let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    // A column's name has no comma, and a header that differs otherwise is a fault of its own.
+    let found = header.split(|byte| *byte == b',').count();
+    let least = columns.len().saturating_sub(TRAILING);
+    &columns[..if (least..columns.len()).contains(&found) { found } else { columns.len() }]
+}
+
+/// Reads all rows of a result file whose columns are known. The last of them may be missing where the file is of an
+/// earlier version.
 ///
 /// # Errors
 /// Every row that does not parse, with line and column; a header that is not the expected one.
@@ -169,6 +182,7 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
     let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(content);
     let mut record = csv::StringRecord::new();
     let mut header = true;
+    let (all, columns) = (columns.len(), columns_of(content, columns));
     loop {
         let read = reader.read_record(&mut record);
         let position = |place: Option<&csv::Position>| place.map_or(1, |place| place.line() as usize);
@@ -190,7 +204,9 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
                     fault((line_number, 1), format!("the row has {} cells; expected {}", cells.len(), columns.len()));
                     continue;
                 }
-                match TrialRecord::from_cells(&cells) {
+                let mut full = cells.clone();
+                full.resize(all, "");
+                match TrialRecord::from_cells(&full) {
                     Ok(row) => rows.push(row),
                     Err((index, message)) => fault((line_number, column_at(index)), message),
                 }

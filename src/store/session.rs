@@ -6,6 +6,7 @@ use super::{
     StoreError,
     dataset::{SessionPaths, remove_leftovers},
     definition,
+    frames::{FrameFile, FrameRow},
     results::ResultFile,
     sidecar::{Sidecar, Sitting},
 };
@@ -19,6 +20,11 @@ pub struct SessionStore {
     paths: SessionPaths,
     rows: ResultFile,
     sidecar: Sidecar,
+    frames: FrameFile,
+    /// That the frames cannot be written was noted.
+    frames_refused: bool,
+    /// There is a file in their place that is not theirs.
+    frames_unread: bool,
 }
 
 /// What is known of an interrupted session.
@@ -51,8 +57,8 @@ impl SessionStore {
         sitting: Sitting,
     ) -> Result<Self, StoreError> {
         let paths = SessionPaths::new(results, protocol, identity);
-        // A sidecar without its rows is of a session too.
-        for taken in [&paths.csv, &paths.sidecar] {
+        // A sidecar or frames without their rows are of a session too.
+        for taken in [&paths.csv, &paths.sidecar, &paths.frames] {
             if taken.exists() {
                 return Err(StoreError::Exists(taken.clone()));
             }
@@ -66,7 +72,9 @@ impl SessionStore {
             let _ = std::fs::remove_file(&paths.csv);
             return Err(error);
         }
-        Ok(Self { protocol: protocol.clone(), identity: identity.clone(), paths, rows, sidecar })
+        let frames = FrameFile::new(&paths.frames);
+        let (protocol, identity) = (protocol.clone(), identity.clone());
+        Ok(Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, frames_unread: false })
     }
 
     /// Goes on with an interrupted session.
@@ -116,7 +124,20 @@ impl SessionStore {
         });
         let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
         let finished = complete && sidecar.complete;
-        let mut store = Self { protocol: protocol.clone(), identity: identity.clone(), paths, rows, sidecar };
+        let (frames, unread) = match FrameFile::resume(&paths.frames) {
+            Ok(frames) => (frames, None),
+            Err(error) => (FrameFile::new(&paths.frames), Some(error)),
+        };
+        let mut store = Self {
+            protocol: protocol.clone(),
+            identity: identity.clone(),
+            paths,
+            rows,
+            sidecar,
+            frames,
+            frames_refused: false,
+            frames_unread: unread.is_some(),
+        };
         // From here on the files change; a session that has ended well stays as it is.
         if !finished {
             remove_leftovers(&store.paths.sidecar);
@@ -124,6 +145,9 @@ impl SessionStore {
             store.sidecar.sittings.push(sitting);
             if let Some(torn) = &recovered.torn {
                 store.note(format!("a half-written last row was cut off and its trial asked again: {torn:?}"));
+            }
+            if let Some(error) = unread {
+                store.note(format!("the frames of this sitting are not kept: {error}"));
             }
             store.sidecar.write(&store.paths.sidecar)?;
             store.rows.flush()?;
@@ -151,6 +175,24 @@ impl SessionStore {
     /// The disk refuses; see [`SessionStore::retry`] and [`SessionStore::move_to`].
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
         self.rows.append(record)
+    }
+
+    /// Adds frames. What cannot be written is noted once, tried again with the next, and keeps no session from going on.
+    pub fn append_frames(&mut self, rows: &[FrameRow]) {
+        if self.frames_unread {
+            return;
+        }
+        if let Err(error) = self.frames.append(rows)
+            && !std::mem::replace(&mut self.frames_refused, true)
+        {
+            self.note(format!("frames could not be written when they were shown: {error}"));
+        }
+    }
+
+    /// Name of the file of the frames, where it has any.
+    pub fn frames_file(&self) -> Option<String> {
+        let name = self.frames.path().file_name()?.to_string_lossy().into_owned();
+        (!self.frames_unread && !self.frames.is_empty()).then_some(name)
     }
 
     /// Tries again to write what is not on disk yet.
@@ -183,6 +225,11 @@ impl SessionStore {
         paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
         self.rows.move_to(&paths.csv)?;
+        if !self.frames_unread
+            && let Err(error) = self.frames.move_to(&paths.frames)
+        {
+            self.note(format!("the frames could not be moved: {error}"));
+        }
         self.paths = paths;
         self.note(format!("the results folder failed; the session was moved from {from}"));
         self.sidecar.write(&self.paths.sidecar)
@@ -203,6 +250,13 @@ impl SessionStore {
     pub fn note(&mut self, incident: String) {
         if let Some(sitting) = self.sidecar.sittings.last_mut() {
             sitting.incidents.push(incident);
+        }
+    }
+
+    /// How ratings were stamped, for the sidecar's next writing.
+    pub fn describe_input(&mut self, input: serde_json::Value) {
+        if let Some(sitting) = self.sidecar.sittings.last_mut() {
+            sitting.input = Some(input);
         }
     }
 

@@ -9,7 +9,7 @@ use super::{FileFault, FileFaults, StoreError, dataset::write_json, definition, 
 use crate::experiment::{GENERATOR, Protocol, columns};
 
 /// How an onset is defined, for the reader of the data.
-const ONSET: &str = "Start of the frame that presents the stimulus, by the program's monotonic clock. The graphics system gives no presentation time: the light follows by the compositor's and the screen's latency. A rating is stamped at the start of the frame that receives the key, so it is late by at most one frame interval.";
+const ONSET: &str = "Start of the frame that presents the stimulus, by the program's monotonic clock. The graphics system gives no presentation time: the light follows by the compositor's and the screen's latency. How a rating is stamped, and how late that may be, is said in `input` of each sitting.";
 
 /// The sidecar's content.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,6 +60,9 @@ pub struct Sitting {
     /// Frame intervals over the sitting.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<Value>,
+    /// How ratings are stamped, and for how long at most a key may have waited for that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input: Option<Value>,
     /// What was mended or moved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub incidents: Vec<String>,

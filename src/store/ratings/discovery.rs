@@ -6,6 +6,7 @@ use std::{
 };
 
 use super::FileFault;
+use crate::store::frames;
 
 /// Ends the name of a data file of a Psych-DS data set, as our results are.
 const DATA_FILE: &str = "_data.csv";
@@ -23,6 +24,8 @@ pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
                 Ok(files) => found.extend(files),
                 Err(message) => faults.push(whole(path, message)),
             },
+            // Named with the data files by a pattern such as `data/*.csv`.
+            Ok(_) if has_suffix(path, frames::SUFFIX) => {}
             Ok(_) => found.push(path.clone()),
             Err(error) => {
                 faults.push(whole(path, format!("cannot be opened: {error}; expected a CSV file or a folder of them")));

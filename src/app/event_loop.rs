@@ -1,0 +1,182 @@
+//! The event loop: eframe's, with an ear of our own before it.
+
+use std::{
+    sync::{Mutex, Once, PoisonError},
+    time::{Duration, Instant},
+};
+
+use eframe::{AppCreator, EframeWinitApplication, NativeOptions, UserEvent, egui::Key};
+use winit::{
+    application::ApplicationHandler,
+    event::{DeviceEvent, DeviceId, ElementState, StartCause, WindowEvent},
+    event_loop::{ActiveEventLoop, EventLoop},
+    keyboard::PhysicalKey,
+    window::WindowId,
+};
+
+use super::{
+    WindowError,
+    input::{Pressed, Stamps},
+};
+
+/// A loop that comes back from waiting this late had nothing to do, and was woken by what it then finds.
+const SLEPT: Duration = Duration::from_micros(500);
+
+/// Runs the window until it is closed.
+///
+/// # Errors
+/// [`WindowError::Refused`] with the reason of the window system or the graphics driver.
+pub fn run(options: NativeOptions, stamps: Stamps, creator: AppCreator<'_>) -> Result<(), WindowError> {
+    let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
+    overhear();
+    let events = EventLoop::<UserEvent>::with_user_event().build().map_err(|error| refused(&error))?;
+    let inner = eframe::create_native("machband", options, creator, &events);
+    let mut ear = Ear { inner, stamps, looked: None, idle_since: None, unseen_since: Instant::now() };
+    events.run_app(&mut ear).map_err(|error| refused(&error))?;
+    // eframe tells why it stopped in its log alone.
+    match OVERHEARD.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        Some(reason) => Err(WindowError::Refused(reason)),
+        None => Ok(()),
+    }
+}
+
+/// Stamps keys and clicks, and hands everything on.
+struct Ear<'a> {
+    inner: EframeWinitApplication<'a>,
+    stamps: Stamps,
+    /// When this round had asked for all that had arrived: where its drawing began. `None` until then.
+    looked: Option<Instant>,
+    /// When the last round was over.
+    idle_since: Option<Instant>,
+    /// Since when nobody has looked at what arrives.
+    unseen_since: Instant,
+}
+
+impl Ear<'_> {
+    /// A round begins: what it finds has arrived since the one before looked, or, where that went to sleep with nothing
+    /// to do, has just woken it.
+    fn wake(&mut self, now: Instant) {
+        let slept = self.idle_since.is_some_and(|since| now.saturating_duration_since(since) > SLEPT);
+        self.unseen_since = if slept { now } else { self.looked.take().unwrap_or(now) };
+        self.looked = None;
+    }
+
+    fn hear(&mut self, event: &WindowEvent) {
+        let now = Instant::now();
+        let pressed = match event {
+            WindowEvent::RedrawRequested => {
+                self.looked.get_or_insert(now);
+                return;
+            }
+            WindowEvent::KeyboardInput { event, is_synthetic: false, .. }
+                if event.state == ElementState::Pressed && !event.repeat =>
+            {
+                key(event.physical_key).map(Pressed::Key)
+            }
+            WindowEvent::MouseInput { state: ElementState::Released, .. } => Some(Pressed::Click),
+            _ => None,
+        };
+        if let Some(pressed) = pressed {
+            self.stamps.press(pressed, now, now.saturating_duration_since(self.unseen_since));
+        }
+    }
+}
+
+/// Digits and letters by their place, the keys that can be an answer.
+fn key(physical: PhysicalKey) -> Option<Key> {
+    let PhysicalKey::Code(code) = physical else { return None };
+    let name = format!("{code:?}");
+    let short = ["Digit", "Numpad", "Key"].iter().find_map(|kind| name.strip_prefix(kind));
+    short.filter(|short| short.len() == 1).and_then(Key::from_name)
+}
+
+impl ApplicationHandler<UserEvent> for Ear<'_> {
+    fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
+        self.wake(Instant::now());
+        self.inner.new_events(events, cause);
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
+        self.hear(&event);
+        self.inner.window_event(events, window, event);
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        self.inner.about_to_wait(events);
+        let now = Instant::now();
+        self.looked.get_or_insert(now);
+        self.idle_since = Some(now);
+    }
+
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        self.inner.resumed(events);
+    }
+
+    fn user_event(&mut self, events: &ActiveEventLoop, event: UserEvent) {
+        self.inner.user_event(events, event);
+    }
+
+    fn device_event(&mut self, events: &ActiveEventLoop, device: DeviceId, event: DeviceEvent) {
+        self.inner.device_event(events, device, event);
+    }
+
+    fn suspended(&mut self, events: &ActiveEventLoop) {
+        self.inner.suspended(events);
+    }
+
+    fn exiting(&mut self, events: &ActiveEventLoop) {
+        self.inner.exiting(events);
+    }
+
+    fn memory_warning(&mut self, events: &ActiveEventLoop) {
+        self.inner.memory_warning(events);
+    }
+}
+
+/// Why eframe gave up.
+static OVERHEARD: Mutex<Option<String>> = Mutex::new(None);
+/// What eframe's log says before the reason.
+const GAVE_UP: &str = "Exiting because of error: ";
+
+struct Listener;
+
+impl log::Log for Listener {
+    fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
+        metadata.level() == log::Level::Error && metadata.target().starts_with("eframe")
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        if self.enabled(record.metadata())
+            && let Some(reason) = record.args().to_string().strip_prefix(GAVE_UP)
+        {
+            *OVERHEARD.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason.to_owned());
+        }
+    }
+
+    fn flush(&self) {}
+}
+
+fn overhear() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // A program that has a log of its own keeps it, and then knows the reason.
+        if log::set_logger(&Listener).is_ok() {
+            log::set_max_level(log::LevelFilter::Error);
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use winit::keyboard::KeyCode;
+
+    use super::*;
+
+    #[test]
+    fn answers_are_known_by_their_place_on_both_halves_of_the_keyboard() {
+        let known = |code| key(PhysicalKey::Code(code));
+        assert_eq!((known(KeyCode::Digit3), known(KeyCode::Numpad3)), (Some(Key::Num3), Some(Key::Num3)));
+        assert_eq!((known(KeyCode::KeyQ), known(KeyCode::Numpad0)), (Some(Key::Q), Some(Key::Num0)));
+        assert_eq!((known(KeyCode::NumpadEnter), known(KeyCode::Escape)), (None, None));
+    }
+}

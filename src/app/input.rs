@@ -1,0 +1,195 @@
+//! Keys and clicks, stamped when the window system hands them over and not when the frame comes that answers them.
+//!
+//! The event loop stamps ([`Stamps::press`]); the session asks for the stamp of a key that egui tells it of
+//! ([`Input::key`]). Without an event loop of our own, as in tests, nothing is stamped and the frame's time stands in.
+
+use std::{
+    sync::{Arc, Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use eframe::egui::Key;
+
+/// What was pressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pressed {
+    /// A key, by its place on the keyboard.
+    Key(Key),
+    /// A button of the mouse, let go: only then it is a click.
+    Click,
+}
+
+/// Something that was pressed.
+#[derive(Clone, Copy, Debug)]
+struct Press {
+    what: Pressed,
+    /// When it was handed over.
+    at: Instant,
+    /// For how long nobody had looked before.
+    unseen: Duration,
+}
+
+/// What was pressed since the last frame: the event loop writes, the window reads.
+#[derive(Clone, Debug, Default)]
+pub struct Stamps(Arc<Mutex<Vec<Press>>>);
+
+impl Stamps {
+    /// Something was pressed, and nobody had looked for `unseen` before.
+    pub fn press(&self, what: Pressed, at: Instant, unseen: Duration) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(Press { what, at, unseen });
+    }
+
+    fn take(&self) -> Vec<Press> {
+        std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// When a press was heard.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heard {
+    /// The window's time, seconds.
+    pub at_s: f64,
+    /// For how long at most it may have waited for that, where it is known.
+    pub uncertainty: Option<Duration>,
+}
+
+/// The presses of a frame with their stamps.
+#[derive(Debug, Default)]
+pub struct Input {
+    /// `None` where nobody stamps.
+    stamps: Option<Stamps>,
+    /// When the window's time was 0.
+    zero: Option<Instant>,
+    fresh: Vec<Press>,
+}
+
+impl Input {
+    /// Hears what an event loop stamps.
+    pub fn hearing(stamps: Stamps) -> Self {
+        Self { stamps: Some(stamps), ..Self::default() }
+    }
+
+    /// A frame begins: `now` is the window's time, seconds, taken a moment before `clock`.
+    pub fn frame(&mut self, now: f64, clock: Instant) {
+        // The moment between the two is never negative: the earliest zero is the nearest.
+        if let Some(zero) = Duration::try_from_secs_f64(now).ok().and_then(|now| clock.checked_sub(now)) {
+            self.zero = Some(self.zero.map_or(zero, |before| before.min(zero)));
+        }
+        self.fresh = self.stamps.as_ref().map(Stamps::take).unwrap_or_default();
+    }
+
+    /// The stamp of a key that went down before this frame, by its place. Each is given once, in their order.
+    pub fn key(&mut self, place: Key) -> Option<Heard> {
+        self.find(Pressed::Key(place))
+    }
+
+    /// The stamp of the last click before this frame.
+    pub fn click(&mut self) -> Option<Heard> {
+        let mut last = None;
+        while let Some(heard) = self.find(Pressed::Click) {
+            last = Some(heard);
+        }
+        last
+    }
+
+    fn find(&mut self, what: Pressed) -> Option<Heard> {
+        let zero = self.zero?;
+        let index = self.fresh.iter().position(|press| press.what == what)?;
+        let Press { at, unseen, .. } = self.fresh.remove(index);
+        Some(Heard { at_s: at.saturating_duration_since(zero).as_secs_f64(), uncertainty: Some(unseen) })
+    }
+}
+
+/// How ratings of a sitting were stamped, for the sidecar.
+#[derive(Clone, Debug, Default)]
+pub struct InputReport {
+    /// Longest waits of the ratings that were stamped.
+    waits: Vec<Duration>,
+    /// Ratings that were not.
+    unstamped: u32,
+}
+
+impl InputReport {
+    /// A rating was given.
+    pub fn rated(&mut self, uncertainty: Option<Duration>) {
+        match uncertainty {
+            Some(wait) => self.waits.push(wait),
+            None => self.unstamped += 1,
+        }
+    }
+
+    /// For the sidecar.
+    pub fn summary(&self) -> serde_json::Value {
+        let mut waits = self.waits.clone();
+        waits.sort_unstable();
+        let seconds = |wait: Option<&Duration>| wait.map(|wait| (wait.as_secs_f64() * 1e6).round() / 1e6);
+        let stamp = match (waits.is_empty(), self.unstamped) {
+            (true, _) => {
+                "A rating is stamped at the start of the frame that receives it: it is late by at most one frame interval."
+            }
+            (false, 0) => STAMPED,
+            (false, _) => {
+                "Ratings with a response_uncertainty_s are stamped when the window system hands over the key or click; the others at the start of the frame that receives them, so these are late by at most one frame interval."
+            }
+        };
+        serde_json::json!({
+            "stamp": stamp,
+            "stamped": waits.len(),
+            "unstamped": self.unstamped,
+            "median_uncertainty_s": seconds(waits.get(waits.len() / 2)),
+            "max_uncertainty_s": seconds(waits.last()),
+        })
+    }
+}
+
+/// What a stamp means.
+const STAMPED: &str = "A rating is stamped when the window system hands over the key or click, before the frame that answers it. It may have waited since the program last looked, which it does not do while it draws: at most response_uncertainty_s. What keyboard, cable and window system need before is not in it.";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_press_is_given_once_in_its_order_at_the_windows_time() {
+        let start = Instant::now();
+        let at = |ms: u64| start + Duration::from_millis(ms);
+        let stamps = Stamps::default();
+        let mut input = Input::hearing(stamps.clone());
+        // The window's time is 1 s at 1002 ms by the clock: two were lost between. Later only half a millisecond is.
+        input.frame(1.0, at(1002));
+        input.frame(2.0, start + Duration::from_micros(2_000_500));
+        let ms = Duration::from_millis;
+        for (what, when, unseen) in
+            [(Pressed::Key(Key::Num1), 2103, 3), (Pressed::Click, 2104, 1), (Pressed::Key(Key::Num1), 2108, 5)]
+        {
+            stamps.press(what, at(when), ms(unseen));
+        }
+        assert_eq!(input.key(Key::Num1), None, "not before the frame");
+        input.frame(2.110, at(2112));
+        let heard = input.key(Key::Num1).unwrap();
+        assert!((heard.at_s - 2.1025).abs() < 1e-9, "{heard:?}");
+        assert_eq!(heard.uncertainty, Some(ms(3)));
+        assert_eq!(input.key(Key::Num2), None);
+        assert_eq!(input.click().and_then(|heard| heard.uncertainty), Some(ms(1)));
+        assert_eq!(input.key(Key::Num1).and_then(|heard| heard.uncertainty), Some(ms(5)));
+        assert_eq!(input.key(Key::Num1), None);
+        // What one frame left, the next does not know.
+        stamps.press(Pressed::Click, at(2113), ms(1));
+        input.frame(2.120, at(2120));
+        input.frame(2.130, at(2130));
+        assert_eq!(input.click(), None);
+    }
+
+    #[test]
+    fn the_report_says_how_ratings_were_stamped() {
+        let mut report = InputReport::default();
+        report.rated(None);
+        assert!(report.summary()["stamp"].as_str().unwrap().contains("start of the frame"));
+        for ms in [2, 9, 4] {
+            report.rated(Some(Duration::from_millis(ms)));
+        }
+        let summary = report.summary();
+        assert_eq!((&summary["stamped"], &summary["unstamped"]), (&3.into(), &1.into()));
+        assert_eq!((&summary["median_uncertainty_s"], &summary["max_uncertainty_s"]), (&0.004.into(), &0.009.into()));
+    }
+}

@@ -1,0 +1,225 @@
+//! The screen's refresh and the frames that met it: without a clock, the times come in.
+//!
+//! A frame is judged by the interval to the next one. Durations are held to whole refreshes, since a picture can change
+//! only with one.
+
+use std::time::Duration;
+
+/// An interval above this many refreshes is a dropped frame.
+pub const DROPPED_ABOVE: f64 = 1.5;
+/// Intervals that an estimate of the refresh needs at least.
+pub const ESTIMATE_LEAST: usize = 30;
+/// Longer intervals, in refreshes, are no dropped frames but interruptions, and say nothing of the refresh.
+const ESTIMATE_LONGEST: f64 = 8.5;
+/// Share of the intervals that must be of one refresh for an estimate.
+const ESTIMATE_STEADY: f64 = 0.7;
+/// Longest refresh that is taken for one, seconds.
+const LONGEST_S: f64 = 10.0;
+
+/// The time from one refresh of a screen to the next.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Refresh(f64);
+
+/// Why a number is no refresh.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("a refresh of {0} s is impossible; expected more than 0 and at most 10 seconds")]
+pub struct RefreshError(pub f64);
+
+impl Refresh {
+    /// From the interval in seconds, above 0 and at most 10.
+    ///
+    /// # Errors
+    /// Any other number.
+    pub fn new(seconds: f64) -> Result<Self, RefreshError> {
+        if seconds > 0.0 && seconds <= LONGEST_S { Ok(Self(seconds)) } else { Err(RefreshError(seconds)) }
+    }
+
+    /// From the rate in Hz, at least 0.1.
+    ///
+    /// # Errors
+    /// Any other number.
+    pub fn from_hz(hz: f64) -> Result<Self, RefreshError> {
+        Self::new(1.0 / hz)
+    }
+
+    /// The refresh of the screen from the intervals of its frames: the time that they took together, over the number of
+    /// refreshes that this was. Single frames that came late or were dropped change nothing, and the result is not
+    /// moved to a rate that is usual. `None` from fewer than [`ESTIMATE_LEAST`] intervals, and where too few of them
+    /// are of one refresh: then nothing holds the frames to the screen.
+    #[must_use]
+    pub fn estimate(intervals_us: &[u32]) -> Option<Self> {
+        if intervals_us.len() < ESTIMATE_LEAST {
+            return None;
+        }
+        let mut refresh = f64::from(quantile(intervals_us, 0.5)?) * 1e-6;
+        let mut ones = 0;
+        // The median is rough; each round counts the refreshes anew. More than a few change nothing.
+        for _ in 0..4 {
+            let (mut time, mut refreshes) = (0.0, 0.0);
+            ones = 0;
+            for interval in intervals_us {
+                let interval = f64::from(*interval) * 1e-6;
+                let ratio = interval / refresh;
+                if ratio < ESTIMATE_LONGEST {
+                    // A late frame and the early one after it are 2 + 0 refreshes, or 1 + 1: right together.
+                    (time, refreshes) = (time + interval, refreshes + ratio.round());
+                    ones += usize::from(ratio.round() == 1.0);
+                }
+            }
+            refresh = time / refreshes;
+        }
+        let steady = ones as f64 >= ESTIMATE_STEADY * intervals_us.len() as f64;
+        Self::new(refresh).ok().filter(|_| steady)
+    }
+
+    /// Seconds.
+    #[must_use]
+    pub fn seconds(self) -> f64 {
+        self.0
+    }
+
+    /// Refreshes a second.
+    #[must_use]
+    pub fn hz(self) -> f64 {
+        1.0 / self.0
+    }
+
+    /// Whether a frame that stood for `interval` means that one was dropped: above [`DROPPED_ABOVE`] refreshes.
+    #[must_use]
+    pub fn is_dropped(self, interval: Duration) -> bool {
+        interval.as_secs_f64() > DROPPED_ABOVE * self.0
+    }
+
+    /// Refreshes within `interval` that brought no new frame: the refreshes that it took, less one.
+    #[must_use]
+    pub fn missed(self, interval: Duration) -> u64 {
+        ((interval.as_secs_f64() / self.0).round() as u64).saturating_sub(1)
+    }
+
+    /// A duration as the whole number of refreshes next to it; at least one, but none for no duration.
+    #[must_use]
+    pub fn count(self, duration: Duration) -> u64 {
+        let count = (duration.as_secs_f64() / self.0).round() as u64;
+        count.max(u64::from(!duration.is_zero()))
+    }
+
+    /// Whether a frame `elapsed` after the start of something that is to last `duration` is the one to end it: the
+    /// first that comes half a refresh or less before its refresh, so that no jitter adds or drops a frame.
+    #[must_use]
+    pub fn is_due(self, elapsed: Duration, duration: Duration) -> bool {
+        elapsed.as_secs_f64() >= (self.count(duration) as f64 - 0.5) * self.0
+    }
+
+    /// Whether such a frame is later than its refresh, by more than half of one.
+    #[must_use]
+    pub fn is_late(self, elapsed: Duration, duration: Duration) -> bool {
+        elapsed.as_secs_f64() > (self.count(duration) as f64 + 0.5) * self.0
+    }
+}
+
+/// One frame's interval to the next frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameInterval {
+    /// Microseconds. The times of the frames are rounded and not their differences, so that a sum of intervals is the
+    /// time they took, to a microsecond.
+    pub us: u32,
+    /// The refresh that it was judged against, where it is known.
+    pub refresh: Option<Refresh>,
+    /// Whether a frame was dropped.
+    pub dropped: bool,
+}
+
+/// Every frame interval of a run, and what it means.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameTimes {
+    last: Option<(Duration, Option<Refresh>)>,
+    intervals_us: Vec<u32>,
+    judged: u64,
+    dropped: u64,
+    missed: u64,
+    late_onsets: u32,
+}
+
+impl FrameTimes {
+    /// A frame begins at `now`, on a screen with this refresh, if it is known. Gives the interval of the frame before.
+    pub fn frame(&mut self, now: Duration, refresh: Option<Refresh>) -> Option<FrameInterval> {
+        let before = self.end(now);
+        self.begin(now, refresh);
+        before
+    }
+
+    /// A frame begins that does not follow another.
+    pub fn begin(&mut self, now: Duration, refresh: Option<Refresh>) {
+        self.last = Some((now, refresh));
+    }
+
+    /// The frame that began last has stood until `now`. It is judged against the refresh of its own time: a screen that
+    /// changes is judged anew from its first frame on. `None` where no frame has begun.
+    pub fn end(&mut self, now: Duration) -> Option<FrameInterval> {
+        let (last, refresh) = self.last.take()?;
+        let interval = now.saturating_sub(last);
+        let us = u32::try_from(micros(now).saturating_sub(micros(last))).unwrap_or(u32::MAX);
+        self.intervals_us.push(us);
+        let dropped = refresh.is_some_and(|refresh| refresh.is_dropped(interval));
+        if let Some(refresh) = refresh {
+            self.judged += 1;
+            self.dropped += u64::from(dropped);
+            self.missed += refresh.missed(interval);
+        }
+        Some(FrameInterval { us, refresh, dropped })
+    }
+
+    /// The next frame does not follow the last: a page was shown between that asks for no frames.
+    pub fn interrupt(&mut self) {
+        self.last = None;
+    }
+
+    /// Something came later than the refresh it was planned for.
+    pub fn late_onset(&mut self) {
+        self.late_onsets += 1;
+    }
+
+    /// All intervals in microseconds, in their order.
+    #[must_use]
+    pub fn intervals_us(&self) -> &[u32] {
+        &self.intervals_us
+    }
+
+    /// Dropped frames: intervals above [`DROPPED_ABOVE`] refreshes. `None` where no refresh was known.
+    #[must_use]
+    pub fn dropped(&self) -> Option<u64> {
+        (self.judged > 0).then_some(self.dropped)
+    }
+
+    /// Refreshes that brought no new frame, Σ (round(interval / refresh) − 1): two for an interval of three. `None`
+    /// where no refresh was known.
+    #[must_use]
+    pub fn missed_refreshes(&self) -> Option<u64> {
+        (self.judged > 0).then_some(self.missed)
+    }
+
+    /// Onsets later than the refresh they were planned for.
+    #[must_use]
+    pub fn late_onsets(&self) -> u32 {
+        self.late_onsets
+    }
+
+    /// The interval in seconds that a share `p`, 0…1, of them does not exceed; exact. `None` where there is none.
+    #[must_use]
+    pub fn quantile(&self, p: f64) -> Option<f64> {
+        quantile(&self.intervals_us, p).map(|us| f64::from(us) * 1e-6)
+    }
+}
+
+/// The smallest of the values that at least a share `p` of them does not exceed.
+fn quantile(values: &[u32], p: f64) -> Option<u32> {
+    let rank = (p * values.len() as f64).ceil().max(1.0) as usize;
+    let index = rank.min(values.len()).checked_sub(1)?;
+    let mut values = values.to_vec();
+    Some(*values.select_nth_unstable(index).1)
+}
+
+/// A time to the nearest microsecond.
+fn micros(time: Duration) -> u64 {
+    u64::try_from((time.as_nanos() + 500) / 1000).unwrap_or(u64::MAX)
+}

@@ -1,0 +1,157 @@
+//! Whether readings can be a display's.
+
+use super::{
+    fault::{LEAST_LEVELS, ReadingFault},
+    reading::{Channel, LevelMean, Reading},
+    readings::{Fault, Readings},
+};
+
+/// A fall that noise could make: share of the reading, steps of the photometer, share of the most light.
+const FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
+/// A rise that noise could not hide, ln.
+const CLEAR_RISE: f64 = 0.1;
+/// Share of the rise that the levels below promise, under which the light has stopped rising.
+const STOPPED: f64 = 0.3;
+/// How much lighter the dimmer channel is when the two are exchanged.
+const EXCHANGED: f64 = 1.05;
+
+/// Faults of single readings.
+pub(super) fn each(readings: &[Reading]) -> Vec<Fault> {
+    let codes = readings.iter().all(|one| (0.0..=255.0).contains(&one.level) && one.level.fract() == 0.0);
+    let of = |one: &Reading| {
+        let level = match one.level {
+            level if (0.0..=1.0).contains(&level) => None,
+            level if codes => Some(ReadingFault::LevelIsCode(level)),
+            level => Some(ReadingFault::Level(level)),
+        };
+        let light = one.luminance_cd_m2;
+        let light = (!(light.is_finite() && light >= 0.0)).then_some(ReadingFault::Luminance(light));
+        level.into_iter().chain(light)
+    };
+    let mut faults: Vec<Fault> = (readings.iter().enumerate())
+        .flat_map(|(index, one)| of(one).map(move |fault| Fault { index: Some(index), fault }))
+        .collect();
+    if readings.is_empty() {
+        faults.push(Fault { index: None, fault: ReadingFault::Empty });
+    } else if readings.iter().all(|one| one.luminance_cd_m2 == 0.0) {
+        faults.push(Fault { index: None, fault: ReadingFault::Dark });
+    }
+    faults
+}
+
+/// Faults that only the readings together show.
+pub(super) fn together(readings: &Readings) -> Vec<Fault> {
+    let mut faults: Vec<ReadingFault> = channels(readings.channels()).into_iter().collect();
+    let before = faults.len();
+    if !readings.all().iter().any(|one| one.level == 0.0) {
+        faults.push(ReadingFault::NoBlack);
+    }
+    for channel in readings.channels() {
+        faults.extend(levels(*channel, &readings.means(*channel)));
+    }
+    if faults.len() == before {
+        for channel in readings.channels() {
+            faults.extend(curve(readings, *channel));
+        }
+        // What a faulty reading makes of white says nothing of the channels' order.
+        if faults.len() == before {
+            faults.extend(order(readings));
+        }
+    }
+    faults.into_iter().map(|fault| Fault { index: None, fault }).collect()
+}
+
+fn channels(read: &[Channel]) -> Option<ReadingFault> {
+    if read.contains(&Channel::Gray) {
+        return None;
+    }
+    match *read {
+        [only] => Some(ReadingFault::SingleChannel(only)),
+        [first, second] => {
+            let missing = Channel::ALL.into_iter().find(|channel| !read.contains(channel))?;
+            Some(ReadingFault::MissingChannel { missing, first, second })
+        }
+        _ => None,
+    }
+}
+
+fn levels(channel: Channel, means: &[LevelMean]) -> Vec<ReadingFault> {
+    let mut faults = Vec::new();
+    if means.len() < LEAST_LEVELS {
+        faults.push(ReadingFault::TooFewLevels { channel, levels: means.len() });
+    }
+    match means.last() {
+        Some(last) if last.level != 1.0 => faults.push(ReadingFault::NoWhite { channel, highest: last.level }),
+        _ => {}
+    }
+    faults
+}
+
+/// Rising all the way, up to the top.
+fn curve(readings: &Readings, channel: Channel) -> Vec<ReadingFault> {
+    let means = readings.means(channel);
+    let Some(white) = means.last().copied() else { return Vec::new() };
+    let black_cd_m2 = readings.black_cd_m2();
+    let white_cd_m2 = white.luminance_cd_m2;
+    let (share, steps, of_most) = FALL;
+    let still = steps * readings.resolution_cd_m2() + of_most * readings.largest_cd_m2();
+    if white_cd_m2 <= black_cd_m2 * (1.0 + share) + still {
+        return vec![ReadingFault::NoLight { channel, white_cd_m2, black_cd_m2 }];
+    }
+    let falls = means.windows(2).filter_map(|pair| {
+        let [lower, upper] = [pair[0], pair[1]];
+        (upper.luminance_cd_m2 < lower.luminance_cd_m2 * (1.0 - share) - still).then_some(ReadingFault::NotMonotone {
+            channel,
+            lower: lower.level,
+            lower_cd_m2: lower.luminance_cd_m2,
+            upper: upper.level,
+            upper_cd_m2: upper.luminance_cd_m2,
+        })
+    });
+    let falls: Vec<ReadingFault> = falls.collect();
+    if falls.is_empty() { saturated(channel, &means, black_cd_m2).into_iter().collect() } else { falls }
+}
+
+/// The lowest level from which on the light has stopped rising, where there is one.
+fn saturated(channel: Channel, means: &[LevelMean], black_cd_m2: f64) -> Option<ReadingFault> {
+    let (white, below) = means.split_last()?;
+    let light = |at: &LevelMean| at.luminance_cd_m2 - black_cd_m2;
+    let stopped = |at: &&LevelMean| {
+        let Some(half) = means.iter().rfind(|one| one.level <= at.level * 0.6 && light(one) > 0.0 && one.level > 0.0)
+        else {
+            return false;
+        };
+        // The exponent on the way up to this level, at least that of a linear display.
+        let exponent = ((light(at) / light(half)).ln() / (at.level / half.level).ln()).clamp(1.0, 3.0);
+        let promised = exponent * (1.0 / at.level).ln();
+        promised >= CLEAR_RISE && (light(white) / light(at)).ln() < STOPPED * promised
+    };
+    // A flat top alone is saturation: above the level that is found, all are.
+    let upper: Vec<&LevelMean> =
+        below.iter().rev().filter(|one| one.level > 0.0).take_while(|one| light(one) > 0.0).collect();
+    let level = upper.into_iter().find(stopped)?;
+    let lowest = below.iter().find(|one| (light(white) / light(one)).ln() < STOPPED * CLEAR_RISE).unwrap_or(level);
+    Some(ReadingFault::Saturated {
+        channel,
+        level: lowest.level,
+        level_cd_m2: lowest.luminance_cd_m2,
+        white_cd_m2: white.luminance_cd_m2,
+    })
+}
+
+/// Luminances of the channels at level 1: gray above green above red above blue.
+fn order(readings: &Readings) -> Option<ReadingFault> {
+    let falling = [Channel::Gray, Channel::Green, Channel::Red, Channel::Blue];
+    let white_cd_m2: Vec<(Channel, f64)> = (falling.into_iter())
+        .filter_map(|channel| Some((channel, readings.means(channel).last()?.luminance_cd_m2)))
+        .collect();
+    if !white_cd_m2.windows(2).any(|pair| pair[1].1 > pair[0].1 * EXCHANGED) {
+        return None;
+    }
+    let mut sorted = white_cd_m2.clone();
+    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let moved: Vec<Channel> =
+        white_cd_m2.iter().zip(&sorted).filter(|(called, is)| called.0 != is.0).map(|(called, _)| called.0).collect();
+    let exchanged = if let [one, other] = moved[..] { Some((one, other)) } else { None };
+    Some(ReadingFault::Swapped { white_cd_m2, exchanged })
+}

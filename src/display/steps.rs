@@ -1,0 +1,64 @@
+//! Steps of equal brightness on a screen, Shoaff §2.1.1: levels I_j = r^j·I₀ with r = (1/I₀)^(1/n), and the codes that
+//! come nearest to them.
+
+use super::DisplayProfile;
+use crate::light::{
+    Bits, Quantizer, TransferError,
+    gamma::{equal_brightness_levels, nearest_equal_brightness_level},
+};
+
+/// One level and its codes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// j, from 0 at the screen's black to n at its white.
+    pub level: usize,
+    /// I_j, relative to white: the screen's black counts.
+    pub intensity: f64,
+    /// I_j in cd/m²; `None` where white was not measured.
+    pub cd_m2: Option<f64>,
+    /// The nearest 8-bit codes of red, green and blue under the profile.
+    pub codes: [u8; 3],
+    /// What green's code makes, relative to white, black included.
+    pub emitted: f64,
+    /// The level nearest to that: another than j where 8 bits are too few.
+    pub nearest: usize,
+}
+
+/// The n + 1 levels from `i0`, the light of code 0 relative to white, to white.
+///
+/// A profile's linear light is what a code adds to black: level I_j takes (I_j − I₀)/(1 − I₀) of it.
+///
+/// # Errors
+/// When `i0` is not strictly between 0 and 1, or `n` is 0.
+pub fn steps(profile: &DisplayProfile, i0: f64, n: usize) -> Result<Vec<Step>, TransferError> {
+    let quantizer = Quantizer::new(&profile.transfers, Bits::Eight);
+    let step = |(level, intensity): (usize, f64)| {
+        let linear = ((intensity - i0) / (1.0 - i0)).clamp(0.0, 1.0);
+        let codes = quantizer.codes([linear as f32; 3]);
+        let emitted = i0 + quantizer.linear(codes)[1] * (1.0 - i0);
+        Step {
+            level,
+            intensity,
+            cd_m2: profile.luminance.map(|range| range.white_cd_m2 * intensity),
+            codes: codes.map(|code| code.min(255) as u8),
+            emitted,
+            nearest: nearest_equal_brightness_level(emitted, i0, n),
+        }
+    };
+    Ok(equal_brightness_levels(i0, n)?.into_iter().enumerate().map(step).collect())
+}
+
+/// The steps as CSV, with a header.
+#[must_use]
+pub fn csv(steps: &[Step]) -> String {
+    let mut text = String::from("level,intensity,cd_m2,red_code,green_code,blue_code,emitted,nearest_level\n");
+    for step in steps {
+        let cd_m2 = step.cd_m2.map_or_else(String::new, |value| format!("{value:.6}"));
+        let [red, green, blue] = step.codes;
+        text += &format!(
+            "{},{:.8},{cd_m2},{red},{green},{blue},{:.8},{}\n",
+            step.level, step.intensity, step.emitted, step.nearest
+        );
+    }
+    text
+}

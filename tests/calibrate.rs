@@ -1,0 +1,444 @@
+//! Photometer readings to a display profile: known displays are found again, bad readings are told apart.
+
+use machband::{
+    display::photometer::{
+        Additivity, Calibration, Channel, Drift, Family, Plan, PlanSettings, Reading, ReadingFault, Readings, Shape,
+    },
+    light::Transfer,
+};
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
+use rand_distr::{Distribution as _, Normal};
+
+/// Light of red, green and blue at level 1, cd/m², less black.
+const RANGES: [f64; 3] = [25.0, 80.0, 10.0];
+
+/// A display that is known.
+struct Display {
+    /// Encoded value to linear light of red, green, blue and gray.
+    light: [Transfer; 4],
+    black_cd_m2: f64,
+}
+
+impl Display {
+    fn alike(light: Transfer, black_cd_m2: f64) -> Self {
+        Self { light: std::array::from_fn(|_| light.clone()), black_cd_m2 }
+    }
+
+    fn range(channel: usize) -> f64 {
+        RANGES.get(channel).copied().unwrap_or(RANGES.iter().sum())
+    }
+
+    fn cd_m2(&self, channel: usize, level: f64) -> f64 {
+        self.black_cd_m2 + Self::range(channel) * self.light[channel].linear_from_encoded(level)
+    }
+
+    /// One reading a level of each channel; `noise` relative to the reading.
+    fn read(&self, levels: usize, noise: f64, seed: u64) -> Vec<Reading> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let normal = Normal::new(1.0, noise).unwrap();
+        let mut readings = Vec::new();
+        for (index, channel) in Channel::ALL.into_iter().enumerate() {
+            for step in 0..levels {
+                let level = step as f64 / (levels - 1) as f64;
+                let luminance_cd_m2 = self.cd_m2(index, level) * normal.sample(&mut rng);
+                readings.push(Reading { channel, level, luminance_cd_m2 });
+            }
+        }
+        readings
+    }
+
+    /// Largest error of a calibration's transfer functions in 8-bit codes: the code that the display needs for the light
+    /// that the profile promises, against the code. Not where
+    /// the light is below 0.0001, a twentieth of the black here.
+    fn error_codes(&self, calibration: &Calibration, family: Family) -> f64 {
+        let transfers = calibration.transfers(family).unwrap();
+        let error = |channel: usize, code: u32| {
+            let v = f64::from(code) / 255.0;
+            let (known, found) = (&self.light[channel], transfers.channels()[channel].linear_from_encoded(v));
+            if known.linear_from_encoded(v) < 1e-4 { 0.0 } else { 255.0 * (known.encoded_from_linear(found) - v).abs() }
+        };
+        (0..3).flat_map(|channel| (0..=255).map(move |code| error(channel, code))).fold(0.0, f64::max)
+    }
+}
+
+fn calibrate(readings: Vec<Reading>) -> Calibration {
+    Calibration::new(&Readings::new(readings).unwrap()).unwrap()
+}
+
+fn gammas(calibration: &Calibration) -> Vec<f64> {
+    let channels = &calibration.model(calibration.chosen).channels;
+    channels.iter().filter_map(|channel| channel.shape?.gamma()).collect()
+}
+
+/// Largest error of γ and of the transfer functions, of each of 200 displays.
+fn errors(display: &Display, gamma: f64, levels: impl Fn(u64) -> usize) -> Vec<(f64, f64)> {
+    let one = |seed: u64| {
+        let calibration = calibrate(display.read(levels(seed), 0.01, seed));
+        let off = gammas(&calibration).iter().map(|found| (found - gamma).abs()).fold(0.0, f64::max);
+        let codes = display.error_codes(&calibration, calibration.chosen);
+        (off, codes)
+    };
+    (0..200).map(one).collect()
+}
+
+/// Share of displays within ±0.02 of γ, share within half a code, largest errors.
+fn shares(errors: &[(f64, f64)]) -> (f64, f64, f64, f64) {
+    let n = errors.len() as f64;
+    let share = |ok: &dyn Fn(&(f64, f64)) -> bool| errors.iter().filter(|error| ok(error)).count() as f64 / n;
+    let most = |of: fn(&(f64, f64)) -> f64| errors.iter().map(of).fold(0.0, f64::max);
+    (share(&|error| error.0 <= 0.02), share(&|error| error.1 <= 0.5), most(|error| error.0), most(|error| error.1))
+}
+
+fn offset_light(gamma: f64, k: f64) -> f64 {
+    k.powf(gamma) / ((1.0 + k).powf(gamma) - k.powf(gamma))
+}
+
+/// 6 to 33 levels, each equally often.
+fn six_to_33(seed: u64) -> usize {
+    6 + (seed % 28) as usize
+}
+
+#[test]
+fn a_power_is_found_within_the_bound() {
+    // With a contrast of 77 to 1 one display in 200 is half a code off: the dark levels say little of γ.
+    for (black, within) in [(0.05, 1.0), (0.3, 1.0), (1.5, 0.99)] {
+        let found = shares(&errors(&Display::alike(Transfer::gamma(2.2).unwrap(), black), 2.2, six_to_33));
+        println!("black {black}: {found:?}");
+        assert!(found.0 == 1.0 && found.1 >= within, "black {black}: {found:?}");
+    }
+}
+
+/// Black that is the offset's own light, as in Berns, Motta and Gorzynski: it tells the offset.
+#[test]
+fn an_offset_that_makes_the_black_is_found_within_the_bound() {
+    for k in [0.02, 0.05] {
+        let range: f64 = RANGES.iter().sum();
+        let display = Display::alike(Transfer::gog(2.2, 1.0, k).unwrap(), range * offset_light(2.2, k));
+        let errors = errors(&display, 2.2, six_to_33);
+        println!("offset {k}: {:?}", shares(&errors));
+        assert!(errors.iter().all(|(gamma, codes)| *gamma <= 0.02 && *codes <= 0.5), "{k}: {:?}", shares(&errors));
+    }
+}
+
+/// An offset and a black of its own: γ and offset explain much of the same, and the bound is met from about 17 levels on.
+/// Below, the errors are those of the Cramér–Rao bound (standard error of γ 0.016 to 0.027 at 6 levels).
+#[test]
+fn an_offset_beside_a_black_is_found_as_well_as_can_be() {
+    let least = |levels: usize| match levels {
+        6 => (0.35, 0.35),
+        9 => (0.70, 0.75),
+        17 => (0.93, 0.96),
+        _ => (0.985, 0.99),
+    };
+    for k in [-0.05, -0.02, 0.02, 0.05] {
+        let display = Display::alike(Transfer::gog(2.2, 1.0, k).unwrap(), 0.3);
+        for levels in [6, 9, 17, 33] {
+            let found = shares(&errors(&display, 2.2, |_| levels));
+            println!("offset {k}, {levels} levels: {found:?}");
+            let least = least(levels);
+            assert!(found.0 >= least.0 && found.1 >= least.1, "offset {k}, {levels} levels: {found:?}");
+        }
+    }
+}
+
+/// Repeated readings are used: four at each of 9 levels are as good as 33 levels.
+#[test]
+fn repeats_make_it_better() {
+    let display = Display::alike(Transfer::gog(2.2, 1.0, 0.05).unwrap(), 0.3);
+    let mean_off = |repeats: u64| {
+        let off = (0..40).map(|seed| {
+            let readings = (0..repeats).flat_map(|repeat| display.read(9, 0.01, 1000 * repeat + seed)).collect();
+            gammas(&calibrate(readings)).iter().map(|gamma| (gamma - 2.2).abs()).fold(0.0, f64::max)
+        });
+        off.sum::<f64>() / 40.0
+    };
+    assert!(mean_off(6) < 0.6 * mean_off(1));
+}
+
+#[test]
+fn readings_without_noise_give_the_display_itself() {
+    let close = |a: f64, b: f64| (a - b).abs() < 1e-6;
+    for (gamma, k) in [(1.0, 0.0), (1.8, 0.0), (2.2, 0.0), (2.2, 0.05), (2.4, -0.04), (2.6, 0.1)] {
+        let transfer = if k == 0.0 { Transfer::gamma(gamma) } else { Transfer::gog(gamma, 1.0, k) };
+        let display = Display::alike(transfer.unwrap(), 0.25);
+        let calibration = calibrate(display.read(9, 0.0, 1));
+        let channels = &calibration.model(calibration.chosen).channels;
+        assert_eq!(calibration.chosen, if k == 0.0 { Family::Gamma } else { Family::Gog }, "{gamma}, {k}");
+        for (index, channel) in channels.iter().enumerate() {
+            let shape = channel.shape.unwrap();
+            assert!(close(shape.gamma().unwrap(), gamma), "{gamma}, {k}: {shape:?}");
+            assert!(k == 0.0 || close(shape.gain_and_offset().unwrap().1, k / (1.0 + k)), "{gamma}, {k}: {shape:?}");
+            assert!(
+                close(channel.response.black_cd_m2(), 0.25)
+                    && close(channel.response.range_cd_m2(), Display::range(index))
+            );
+            assert!(channel.r_squared > 1.0 - 1e-9 && channel.largest_codes < 1e-3);
+        }
+        assert!(close(calibration.luminance.white_cd_m2, 115.25) && close(calibration.luminance.black_cd_m2, 0.25));
+        // The table of a display that a curve fits is that curve.
+        assert!(display.error_codes(&calibration, Family::Table) < 0.01);
+    }
+    let srgb = Display::alike(Transfer::Srgb, 0.25);
+    let calibration = calibrate(srgb.read(17, 0.0, 1));
+    assert_eq!((calibration.chosen, calibration.better), (Family::Srgb, Family::Srgb));
+}
+
+/// A display with a black of 0 and a photometer of few digits.
+#[test]
+fn rounded_readings_and_a_dark_black_are_fitted() {
+    let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.004);
+    let mut readings = display.read(17, 0.005, 3);
+    readings.iter_mut().for_each(|one| one.luminance_cd_m2 = (one.luminance_cd_m2 * 100.0).round() / 100.0);
+    let calibration = calibrate(readings);
+    assert!(gammas(&calibration).iter().all(|gamma| (gamma - 2.2).abs() < 0.02), "{:?}", gammas(&calibration));
+}
+
+/// Each channel has its own γ where the readings say so.
+#[test]
+fn channels_that_differ_are_told_apart() {
+    let gamma = |gamma| Transfer::gamma(gamma).unwrap();
+    let display = Display { light: [gamma(2.0), gamma(2.2), gamma(2.4), gamma(2.2)], black_cd_m2: 0.3 };
+    for seed in 0..20 {
+        let calibration = calibrate(display.read(17, 0.01, seed));
+        assert!(!calibration.model(Family::Gamma).common_shape);
+        for (found, known) in gammas(&calibration).iter().zip([2.0, 2.2, 2.4, 2.2]) {
+            assert!((found - known).abs() < 0.03, "{found} for {known}");
+        }
+    }
+}
+
+/// Displays that no curve fits: γ 2.2 of an encoded value that is moved by up to some codes.
+fn moved(by: impl Fn(f64) -> f64) -> Display {
+    let encoded: Vec<f64> = (0..=1020).map(|i| f64::from(i) / 1020.0).collect();
+    let at = |v: f64| (v + (by(v) - by(0.0) * (1.0 - v) - by(1.0) * v) / 255.0).powf(2.2);
+    let linear = encoded.iter().map(|v| at(*v)).collect();
+    Display::alike(Transfer::Table(machband::light::TransferTable::new(encoded, linear).unwrap()), 0.3)
+}
+
+#[test]
+fn the_table_follows_what_no_curve_fits() {
+    let bell = |v: f64, at: f64, width: f64| (-((v - at) / width).powi(2)).exp();
+    let swing = |v: f64| 6.0 * (std::f64::consts::TAU * v).sin() * v.min(1.0 - v).min(0.1) / 0.1;
+    let step = |v: f64| 5.0 * (1.0 / (1.0 + (-(v - 0.5) / 0.01).exp())) * (1.0 - v.powi(8));
+    let bump = move |v: f64| 7.0 * bell(v, 0.6, 0.15) * (1.0 - v);
+    let cases: [(&str, Display, f64); 3] =
+        [("swing", moved(swing), 0.5), ("step", moved(step), 3.0), ("bump", moved(bump), 0.5)];
+    for (name, display, least) in cases {
+        let exact = calibrate(display.read(33, 0.0, 1));
+        assert_eq!(exact.chosen, Family::Table, "{name}");
+        let (table, curve) = (display.error_codes(&exact, Family::Table), display.error_codes(&exact, Family::Gog));
+        println!("{name}: table {table:.3}, curve {curve:.3} codes");
+        assert!(table <= least && table < 0.7 * curve, "{name}: table {table}, curve {curve} codes");
+        let mut with_noise: Vec<f64> = (0..20)
+            .map(|seed| {
+                let calibration = calibrate(display.read(33, 0.01, seed));
+                display.error_codes(&calibration, calibration.chosen)
+            })
+            .collect();
+        with_noise.sort_by(f64::total_cmp);
+        println!("{name} with noise: median {:.3}, most {:.3} codes", with_noise[10], with_noise[19]);
+        assert!(with_noise[10] <= least.max(1.3) + 0.3, "{name}: {with_noise:?}");
+    }
+}
+
+#[test]
+fn a_table_always_rises() {
+    for seed in 0..30 {
+        let calibration = calibrate(moved(|v| 4.0 * (40.0 * v).sin() * v * (1.0 - v)).read(33, 0.015, seed));
+        for channel in calibration.transfers(Family::Table).unwrap().channels() {
+            let Transfer::Table(table) = channel else { panic!("no table") };
+            assert!(table.linear().len() >= 256 && table.linear().windows(2).all(|pair| pair[0] < pair[1]));
+            assert_eq!((table.linear()[0], table.linear()[255]), (0.0, 1.0));
+        }
+    }
+}
+
+#[test]
+fn cross_validation_prefers_the_true_family() {
+    let truths = [
+        (Family::Srgb, Transfer::Srgb),
+        (Family::Gamma, Transfer::gamma(2.2).unwrap()),
+        (Family::Gog, Transfer::gog(2.2, 1.0, 0.06).unwrap()),
+    ];
+    for (family, transfer) in truths {
+        let display = Display::alike(transfer, 0.3);
+        let right = (0..30).filter(|seed| calibrate(display.read(17, 0.01, *seed)).better == family).count();
+        assert!(right >= 24, "{family}: {right} of 30");
+    }
+}
+
+/// Errors of levels left out are as large as the noise: 1 % of light is 0.01/γ·V in encoded value.
+#[test]
+fn cross_validation_gives_the_error_of_new_levels() {
+    let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.05);
+    let calibration = calibrate(display.read(33, 0.01, 5));
+    let validation = calibration.model(Family::Gamma).validation.clone().unwrap();
+    let expected = 255.0 * 0.01 / 2.2 * (1.0f64 / 3.0).sqrt();
+    assert!((validation.rms_codes / expected - 1.0).abs() < 0.3, "{} against {expected}", validation.rms_codes);
+    assert!((0.7..1.5).contains(&validation.score), "{}", validation.score);
+    assert!((calibration.noise.relative - 0.01).abs() < 0.002, "{:?}", calibration.noise);
+}
+
+#[test]
+fn additivity_is_measured() {
+    let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
+    let mut readings = display.read(9, 0.0, 1);
+    let exact = Additivity::new(&Readings::new(readings.clone()).unwrap()).unwrap();
+    assert!(exact.largest_percent().deviation_percent().abs() < 1e-9 && exact.holds());
+    for one in readings.iter_mut().filter(|one| one.channel == Channel::Gray && one.level == 1.0) {
+        one.luminance_cd_m2 *= 1.1;
+    }
+    let additivity = Additivity::new(&Readings::new(readings).unwrap()).unwrap();
+    assert!((additivity.largest_percent().deviation_percent() - 100.0 * (1.0 - 1.0 / 1.1)).abs() < 1e-9);
+    assert!((additivity.largest_cd_m2().deviation_cd_m2() - 11.53).abs() < 1e-9 && !additivity.holds());
+}
+
+#[test]
+fn gray_alone_serves_all_channels_and_says_so() {
+    let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
+    let gray = display.read(17, 0.01, 1).into_iter().filter(|one| one.channel == Channel::Gray).collect();
+    let calibration = calibrate(gray);
+    assert!(calibration.transfers(calibration.chosen).unwrap().uniform().is_some());
+    let notes: Vec<String> = calibration.notes.iter().map(ToString::to_string).collect();
+    assert!(notes.iter().any(|note| note.contains("red, green, blue not read")), "{notes:?}");
+    assert!((calibration.luminance.white_cd_m2 / 115.3 - 1.0).abs() < 0.02);
+}
+
+fn faults(readings: Vec<Reading>) -> Vec<ReadingFault> {
+    Readings::new(readings).unwrap_err().into_iter().map(|fault| fault.fault).collect()
+}
+
+#[test]
+fn every_bad_set_has_its_own_message() {
+    let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
+    let good = || display.read(9, 0.01, 7);
+    let changed = |change: &dyn Fn(&mut Reading)| {
+        let mut readings = good();
+        readings.iter_mut().for_each(change);
+        readings
+    };
+    let kept = |keep: &dyn Fn(&Reading) -> bool| good().into_iter().filter(|one| keep(one)).collect::<Vec<_>>();
+    let exchanged = |a: Channel, b: Channel| {
+        changed(&move |one| {
+            one.channel = if one.channel == a {
+                b
+            } else if one.channel == b {
+                a
+            } else {
+                one.channel
+            };
+        })
+    };
+    let cases: [(&str, Vec<Reading>, &str); 15] = [
+        ("empty", Vec::new(), "there are no readings"),
+        ("codes", changed(&|one| one.level = (one.level * 255.0).round()), "looks like a code"),
+        ("level", changed(&|one| one.level *= 1.5), "outside 0…1"),
+        ("negative", changed(&|one| one.luminance_cd_m2 -= 1.0), "is no luminance"),
+        ("nan", changed(&|one| one.luminance_cd_m2 = f64::NAN), "is no luminance"),
+        ("dark", changed(&|one| one.luminance_cd_m2 = 0.0), "every reading is 0"),
+        ("single", kept(&|one| one.channel == Channel::Red), "single channel: only red"),
+        ("two", kept(&|one| matches!(one.channel, Channel::Red | Channel::Blue)), "channel green is missing"),
+        ("few", kept(&|one| [0.0, 0.5, 1.0].contains(&one.level)), "too few levels: 3"),
+        ("no black", kept(&|one| one.level > 0.0), "no reading at level 0"),
+        ("no white", kept(&|one| one.channel != Channel::Blue || one.level < 1.0), "blue: no reading at level 1"),
+        (
+            "not monotone",
+            changed(&|one| {
+                if one.channel == Channel::Green && one.level == 0.5 {
+                    one.luminance_cd_m2 *= 0.4;
+                }
+            }),
+            "green: not monotone: level 0.5",
+        ),
+        (
+            "saturated",
+            changed(&|one| {
+                if one.channel == Channel::Gray && one.level > 0.7 {
+                    one.luminance_cd_m2 = 61.0 + one.level;
+                }
+            }),
+            "gray: saturated: the light stops rising at level 0.75",
+        ),
+        ("swapped", exchanged(Channel::Red, Channel::Green), "are green and red exchanged?"),
+        ("swapped gray", exchanged(Channel::Gray, Channel::Green), "are gray and green exchanged?"),
+    ];
+    for (name, readings, expected) in cases {
+        let told: Vec<String> = faults(readings).iter().map(ToString::to_string).collect();
+        assert!(told.iter().any(|message| message.contains(expected)), "{name}: {told:?}");
+        // One cause, one kind of message.
+        let kinds: std::collections::BTreeSet<_> = told.iter().map(|message| expected_kind(message)).collect();
+        assert_eq!(kinds.len(), 1, "{name}: {told:?}");
+    }
+}
+
+/// The part of a message that names its kind.
+fn expected_kind(message: &str) -> &'static str {
+    let kinds = [
+        "no readings",
+        "looks like a code",
+        "outside 0…1",
+        "no luminance",
+        "every reading is 0",
+        "single channel",
+        "is missing",
+        "too few levels",
+        "level 0;",
+        "no reading at level 1",
+        "not monotone",
+        "saturated",
+        "swapped",
+    ];
+    kinds.into_iter().find(|kind| message.contains(kind)).unwrap_or("another")
+}
+
+/// Good readings are never refused, however noisy within 2 %.
+#[test]
+fn good_readings_pass() {
+    let transfers =
+        [Transfer::Linear, Transfer::Srgb, Transfer::gamma(2.6).unwrap(), Transfer::gog(2.2, 1.0, -0.1).unwrap()];
+    for transfer in transfers {
+        for levels in [5, 6, 17, 33, 65] {
+            for seed in 0..50 {
+                let readings = Display::alike(transfer.clone(), 0.3).read(levels, 0.01, seed);
+                assert!(Readings::new(readings.clone()).is_ok(), "{transfer} {levels}: {:?}", faults(readings));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_plan_shows_every_patch_and_white_between() {
+    let settings = PlanSettings { repeats: 2, ..PlanSettings::default() };
+    let plan = Plan::new(&settings).unwrap();
+    assert_eq!(plan, Plan::new(&settings).unwrap());
+    assert_ne!(plan, Plan::new(&PlanSettings { seed: 2, ..settings.clone() }).unwrap());
+    let is_white = |patch: &machband::display::photometer::Patch| patch.channel == Channel::Gray && patch.code == 255;
+    let whites: Vec<usize> = (0..plan.patches.len()).filter(|at| is_white(&plan.patches[*at])).collect();
+    assert!(whites.first() == Some(&0) && whites.last() == Some(&(plan.patches.len() - 1)));
+    assert!(whites.windows(2).all(|pair| pair[1] - pair[0] <= 17), "{whites:?}");
+    for channel in Channel::ALL {
+        for step in 1..17u32 {
+            let code = (255.0 * f64::from(step) / 16.0).round() as u16;
+            let shown = plan.patches.iter().filter(|patch| patch.channel == channel && patch.code == code).count();
+            assert!(shown == 2 || channel == Channel::Gray && code == 255, "{channel} {code}: {shown}");
+        }
+    }
+    assert_eq!(plan.patches.iter().filter(|patch| patch.code == 0).count(), 2);
+    let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
+    let read = |drift: f64| {
+        let last = (plan.patches.len() - 1) as f64;
+        let one = |(at, patch): (usize, &machband::display::photometer::Patch)| {
+            let index = Channel::ALL.iter().position(|channel| *channel == patch.channel).unwrap();
+            let luminance_cd_m2 = display.cd_m2(index, patch.level) * (1.0 + drift * (at as f64 / last - 0.5));
+            Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 }
+        };
+        Readings::new(plan.patches.iter().enumerate().map(one).collect()).unwrap()
+    };
+    assert!((Drift::of(&read(0.05)).unwrap().percent - 5.0).abs() < 1e-6);
+    assert!(Drift::of(&read(0.0)).unwrap().percent.abs() < 1e-9);
+    assert_eq!(Calibration::new(&read(0.0)).unwrap().chosen, Family::Gamma);
+    assert!(matches!(
+        Calibration::new(&read(0.0)).unwrap().model(Family::Gamma).channels[0].shape,
+        Some(Shape::Gamma(_))
+    ));
+}
