@@ -9,7 +9,7 @@ use machband::{
     display::DisplayProfile,
     experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
     light::{Bits, Quantizer, Transfer},
-    store::{definition, results, sidecar::Sidecar},
+    store::{definition, frames, results, sidecar::Sidecar},
 };
 
 const STEP_S: f32 = 1.0 / 60.0;
@@ -135,7 +135,24 @@ fn a_whole_session_by_keyboard_with_breaks_pause_and_a_rating_taken_back() {
     assert!(sidecar.complete);
     assert_eq!(sidecar.sittings.len(), 1);
     assert!(sidecar.sittings[0].preflight.iter().any(|note| note.check == "stimulus_fits" && note.ok));
-    assert!(sidecar.sittings[0].frames.is_some());
+    let frames = sidecar.sittings[0].frames.as_ref().unwrap();
+    assert_eq!(
+        (&frames["dropped"], &frames["missed_refreshes"], &frames["late_onsets"]),
+        (&0.into(), &0.into(), &0.into())
+    );
+    assert_eq!(frames["refresh_source"], "measured");
+    assert!((frames["refresh_s"].as_f64().unwrap() * 60.0 - 1.0).abs() < 1e-3, "{frames}");
+    // Each of them is in the file beside the rows.
+    let kept = frames::read(&folder.path().join("panes/data").join(frames["file"].as_str().unwrap())).unwrap();
+    let intervals: usize = kept.iter().map(|row| row.intervals_us.len()).sum();
+    assert_eq!(frames["intervals"], intervals);
+    assert!(kept.iter().flat_map(|row| &row.intervals_us).all(|us| (16_666..=16_667).contains(us)));
+    harness.get_by_label_contains("half of them within 16.7 ms and 99 % within 16.7 ms: 0 dropped at 60.00 Hz");
+    // Without an event loop nothing is stamped, and that is said.
+    let input = sidecar.sittings[0].input.as_ref().unwrap();
+    assert_eq!((&input["stamped"], &input["unstamped"]), (&0.into(), &6.into()));
+    assert!(input["stamp"].as_str().unwrap().contains("start of the frame"));
+    assert!(rows.iter().all(|row| row.stimulus_s == Some(row.response_time_s) && row.late_onset == Some(false)));
 }
 
 #[test]

@@ -22,6 +22,7 @@ mod preflight;
 mod scale;
 mod session;
 mod theme;
+pub mod timing;
 mod trouble;
 
 use std::{path::PathBuf, sync::Arc, time::Instant};
@@ -90,11 +91,32 @@ pub enum WindowError {
 /// # Errors
 /// [`WindowError`] where there is no display, or no graphics.
 pub fn open(launch: Launch) -> Result<(), WindowError> {
+    let fullscreen = launch.request.as_ref().is_some_and(|request| !request.windowed);
+    window(fullscreen, |cc| App::new(cc, launch))
+}
+
+/// Opens a window that measures its frames, and returns when it is closed.
+///
+/// # Errors
+/// [`WindowError`] where there is no display, or no graphics.
+pub fn time(request: timing::TimingRequest) -> Result<(), WindowError> {
+    window(request.fullscreen, |cc| App::timing(cc, request))
+}
+
+fn window(
+    fullscreen: bool,
+    app: impl FnOnce(&eframe::CreationContext<'_>) -> App + 'static,
+) -> Result<(), WindowError> {
     let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(target_os = "linux") && !set("DISPLAY") && !set("WAYLAND_DISPLAY") {
         return Err(WindowError::NoDisplay);
     }
-    let fullscreen = launch.request.as_ref().is_some_and(|request| !request.windowed);
+    let stamps = input::Stamps::default();
+    let input = input::Input::hearing(stamps.clone());
+    event_loop::run(options(fullscreen), stamps, Box::new(|cc| Ok(Box::new(App { input, ..app(cc) }))))
+}
+
+fn options(fullscreen: bool) -> eframe::NativeOptions {
     let mut options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("machband")
@@ -105,7 +127,6 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
         dithering: false,
         ..Default::default()
     };
-    // One frame in flight: an image reaches the screen as soon as the system allows.
     // All that the graphics card has: eframe's own choice leaves OpenGL without what the shaders read.
     if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
         setup.device_descriptor = Arc::new(|adapter| DeviceDescriptor {
@@ -114,10 +135,9 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
             ..Default::default()
         });
     }
+    // One frame in flight: an image reaches the screen as soon as the system allows.
     options.wgpu_options.surface.desired_maximum_frame_latency = Some(1);
-    let stamps = input::Stamps::default();
-    let input = input::Input::hearing(stamps.clone());
-    event_loop::run(options, stamps, Box::new(|cc| Ok(Box::new(App { input, ..App::new(cc, launch) }))))
+    options
 }
 
 /// The day, by the system's clock.
@@ -135,6 +155,7 @@ enum Page {
     Demo(Box<demo::Demo>),
     Display(Box<display::Display>),
     Analysis(Box<analysis::Analysis>),
+    Timing(Box<timing::TimingPage>),
 }
 
 /// Where a page leads.
@@ -166,20 +187,23 @@ pub struct App {
 impl App {
     /// The first page of a launch.
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
-        theme::apply(&cc.egui_ctx);
         let direct = launch.request.is_some();
         let page = match launch.request {
             Some(request) => Page::Preflight(Box::new(preflight::Preflight::new(request))),
             None => Page::Home(Box::default()),
         };
-        Self {
-            page,
-            behind: None,
-            direct,
-            monitors: Vec::new(),
-            form: form::Form::default(),
-            input: input::Input::default(),
-        }
+        Self::at(cc, page, direct)
+    }
+
+    /// Measures frames, and nothing else.
+    pub fn timing(cc: &eframe::CreationContext<'_>, request: timing::TimingRequest) -> Self {
+        Self::at(cc, Page::Timing(Box::new(timing::TimingPage::new(request))), true)
+    }
+
+    fn at(cc: &eframe::CreationContext<'_>, page: Page, direct: bool) -> Self {
+        theme::apply(&cc.egui_ctx);
+        let (form, input) = (form::Form::default(), input::Input::default());
+        Self { page, behind: None, direct, monitors: Vec::new(), form, input }
     }
 }
 
@@ -199,6 +223,12 @@ impl eframe::App for App {
             Page::Demo(demo) => demo.show(ui, frame.wgpu_render_state()),
             Page::Display(display) => display.show(ui, &monitor),
             Page::Analysis(analysis) => analysis.show(ui),
+            Page::Timing(timing) => {
+                if timing.show(ui, &monitor, frame.wgpu_render_state()) {
+                    timing::TimingPage::leave(ui.ctx());
+                }
+                Go::Stay
+            }
         };
         match &self.page {
             Page::Home(home) => self.form = home.form().clone(),
@@ -241,6 +271,8 @@ impl eframe::App for App {
     fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.page {
             Page::Session(session) => session.ground(),
+            Page::Timing(timing) => timing.ground(),
+            Page::Display(display) => display.ground(),
             _ => theme::PAGE,
         };
         ground.to_normalized_gamma_f32()

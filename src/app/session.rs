@@ -48,43 +48,41 @@ pub struct Prepared {
     pub size_px: u32,
     /// Against what frames are counted.
     pub frames: FrameCount,
+    /// Who knows the frame interval: `reported` by the system, `measured`, or `unknown`.
+    pub refresh_source: &'static str,
     /// The window in physical pixels.
     pub window: (u32, u32),
 }
 
 /// The refresh of the screen, and who knows it.
 struct ScreenRefresh {
-    /// The monitor's name at the start, and what was measured on it.
-    measured: Option<(Option<String>, Refresh)>,
+    /// Name and rate of the monitor at the start, by which another one is told.
+    first: (Option<String>, Option<f64>),
+    /// What the preflight found of it.
+    found: (Option<Refresh>, &'static str),
     /// As it is now.
     refresh: Option<Refresh>,
     source: &'static str,
 }
 
 impl ScreenRefresh {
-    fn new(monitor: &Monitor, frames: FrameCount) -> Self {
-        let measured = match frames {
-            FrameCount::Against(seconds) if monitor.refresh_hz.is_none() => Refresh::new(seconds).ok(),
-            _ => None,
+    fn new(monitor: &Monitor, prepared: &Prepared) -> Self {
+        let refresh = match prepared.frames {
+            FrameCount::Against(seconds) => Refresh::new(seconds).ok(),
+            FrameCount::Off | FrameCount::Frames => None,
         };
-        let mut screen = Self {
-            measured: measured.map(|refresh| (monitor.name.clone(), refresh)),
-            refresh: None,
-            source: "unknown",
-        };
-        screen.look(monitor);
-        screen
+        let source = prepared.refresh_source;
+        Self { first: (monitor.name.clone(), monitor.refresh_hz), found: (refresh, source), refresh, source }
     }
 
     /// Looks at the monitor that shows the window now; whether the refresh is another.
     fn look(&mut self, monitor: &Monitor) -> bool {
         let before = self.refresh;
         let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz).ok());
-        let measured = self.measured.as_ref().filter(|(name, _)| *name == monitor.name).map(|(_, refresh)| *refresh);
-        (self.refresh, self.source) = match (reported, measured) {
-            (Some(_), _) => (reported, "reported"),
-            (None, Some(_)) => (measured, "measured"),
-            (None, None) => (None, "unknown"),
+        (self.refresh, self.source) = match reported {
+            _ if (&self.first.0, self.first.1) == (&monitor.name, monitor.refresh_hz) => self.found,
+            Some(_) => (reported, "reported"),
+            None => (None, "unknown"),
         };
         self.refresh != before
     }
@@ -165,7 +163,7 @@ impl SessionPage {
         };
         let offset = offset(elapsed_s, rows.first());
         let quantizer = Quantizer::new(&request.display.transfers, Bits::Eight);
-        let screen = ScreenRefresh::new(monitor, prepared.frames);
+        let screen = ScreenRefresh::new(monitor, &prepared);
         let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: screen.frames() };
         let session = Session::new(protocol.clone(), schedule, &resumed, options);
         let practising =

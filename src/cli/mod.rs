@@ -4,6 +4,7 @@
 //! expected`, data to stdout or the named files.
 
 mod analyze;
+mod calibrate;
 mod check;
 mod counts;
 mod options;
@@ -15,6 +16,7 @@ mod shade;
 mod simulate;
 mod stimuli;
 mod stimulus;
+mod timing;
 
 use std::{
     io::{ErrorKind, Write as _},
@@ -42,10 +44,12 @@ enum Command {
     Check(check::Arguments),
     Plan(plan::Arguments),
     Analyze(analyze::Arguments),
+    Calibrate(calibrate::Arguments),
     Counts(counts::Arguments),
     Shade(shade::Arguments),
     Stimulus(stimulus::Arguments),
     Stimuli(stimuli::Arguments),
+    Timing(timing::Arguments),
 }
 
 /// Arguments that cannot be, found after parsing: exit status 2.
@@ -55,6 +59,7 @@ struct UsageError(String);
 
 /// Runs the program with the process' arguments.
 pub fn main() -> ExitCode {
+    crate::app::timing::mark_start();
     let arguments = Arguments::parse();
     let result = match arguments.command {
         None => crate::app::open(crate::app::Launch::default()).map_err(Into::into),
@@ -63,10 +68,12 @@ pub fn main() -> ExitCode {
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Plan(arguments)) => plan::run(&arguments),
         Some(Command::Analyze(arguments)) => analyze::run(&arguments),
+        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Counts(arguments)) => counts::run(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments),
         Some(Command::Stimulus(arguments)) => stimulus::run(&arguments),
         Some(Command::Stimuli(arguments)) => stimuli::run(&arguments),
+        Some(Command::Timing(arguments)) => timing::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -13,6 +13,8 @@ pub const ESTIMATE_LEAST: usize = 30;
 const ESTIMATE_LONGEST: f64 = 8.5;
 /// Share of the intervals that must be of one refresh for an estimate.
 const ESTIMATE_STEADY: f64 = 0.7;
+/// Longest refresh that frames are taken to be held to, seconds: slower ones wait for something else.
+const ESTIMATE_SLOWEST_S: f64 = 0.1;
 /// Longest refresh that is taken for one, seconds.
 const LONGEST_S: f64 = 10.0;
 
@@ -44,8 +46,9 @@ impl Refresh {
 
     /// The refresh of the screen from the intervals of its frames: the time that they took together, over the number of
     /// refreshes that this was. Single frames that came late or were dropped change nothing, and the result is not
-    /// moved to a rate that is usual. `None` from fewer than [`ESTIMATE_LEAST`] intervals, and where too few of them
-    /// are of one refresh: then nothing holds the frames to the screen.
+    /// moved to a rate that is usual. `None` from fewer than [`ESTIMATE_LEAST`] intervals, where too few of them are of
+    /// one refresh, and below 10 Hz: then nothing holds the frames to the screen. Where nothing does, but each frame
+    /// takes equally long, that is what comes out: only the window system knows better.
     #[must_use]
     pub fn estimate(intervals_us: &[u32]) -> Option<Self> {
         if intervals_us.len() < ESTIMATE_LEAST {
@@ -69,7 +72,7 @@ impl Refresh {
             refresh = time / refreshes;
         }
         let steady = ones as f64 >= ESTIMATE_STEADY * intervals_us.len() as f64;
-        Self::new(refresh).ok().filter(|_| steady)
+        Self::new(refresh).ok().filter(|_| steady && refresh <= ESTIMATE_SLOWEST_S)
     }
 
     /// Seconds.

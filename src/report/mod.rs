@@ -2,9 +2,11 @@
 //!
 //! [`Study`] is what was read, [`analyse`](crate::analysis::analyse) makes results of it; [`tables`], [`figures`] and
 //! [`html`] show them, and [`write_all`] writes everything into a folder.
+//! [`intervals`] draws how evenly frames came.
 
 pub mod figures;
 pub mod html;
+pub mod intervals;
 mod output;
 mod study;
 pub mod tables;

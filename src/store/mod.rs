@@ -1,6 +1,6 @@
 //! Floor 4: every file format, one file each. Errors carry file, line and column.
 //!
-//! Read: [`definition`], [`profile`], [`observer`] (TOML), [`obj`] (meshes). Written while a session runs: [`results`]
+//! Read: [`definition`], [`profile`], [`observer`] (TOML), [`obj`] (meshes), [`readings`] (CSV). Written while a session runs: [`results`]
 //! and [`frames`] (CSV), [`sidecar`] and [`dataset`] (JSON), joined in [`session`]. Exported: [`image`] (PNG), [`curve`] (CSV) and
 //! [`manifest`] (many images).
 
@@ -12,10 +12,12 @@ mod fault;
 pub mod frames;
 pub mod image;
 pub mod manifest;
+pub mod nulling;
 pub mod obj;
 pub mod observer;
 pub mod profile;
 pub mod ratings;
+pub mod readings;
 pub mod results;
 pub mod session;
 pub mod sidecar;

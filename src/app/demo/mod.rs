@@ -81,6 +81,11 @@ impl Default for Demo {
 }
 
 impl Demo {
+    /// Turns the mesh about the upright axis.
+    pub(super) fn turn(&mut self, degrees: f64) {
+        self.compared.turn(degrees, 0.0);
+    }
+
     /// Draws the page.
     pub(super) fn show(&mut self, ui: &mut egui::Ui, state: Option<&RenderState>) -> Go {
         let painters = self.painters.take().unwrap_or_else(|| Painters::new(state));

@@ -2,13 +2,22 @@
 //! here.
 
 pub mod card;
+mod check;
 mod geometry;
+mod nulling;
+mod photometer;
+mod picture;
+mod steps;
+mod timing;
 
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Key, RichText};
 
-use self::geometry::GeometryPane;
+use self::{
+    check::CheckScreen, geometry::GeometryPane, nulling::NullingPane, photometer::PhotometerPane, steps::StepsPane,
+    timing::TimingPane,
+};
 use super::{
     Go, Monitor,
     dialog::{Ask, Dialog},
@@ -33,6 +42,11 @@ pub enum ToolGo {
 /// The tool that is open.
 enum Tool {
     Geometry(Box<GeometryPane>),
+    Photometer(Box<PhotometerPane>),
+    Nulling(Box<NullingPane>),
+    Check(Box<CheckScreen>),
+    Steps(Box<StepsPane>),
+    Timing(Box<TimingPane>),
 }
 
 /// The page.
@@ -57,6 +71,14 @@ impl Display {
         &self.form
     }
 
+    /// What stands behind everything.
+    pub fn ground(&self) -> egui::Color32 {
+        match &self.tool {
+            Some(Tool::Timing(pane)) => pane.ground().unwrap_or(theme::PAGE),
+            _ => theme::PAGE,
+        }
+    }
+
     /// Draws the tool that is open, or the list of them.
     pub(super) fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Go {
         let go = match &mut self.tool {
@@ -67,6 +89,11 @@ impl Display {
                 distance.clone_into(&mut self.form.distance_cm);
                 go
             }
+            Some(Tool::Photometer(pane)) => pane.show(ui),
+            Some(Tool::Nulling(pane)) => pane.show(ui, monitor),
+            Some(Tool::Check(pane)) => pane.show(ui, monitor),
+            Some(Tool::Steps(pane)) => pane.show(ui, monitor),
+            Some(Tool::Timing(pane)) => pane.show(ui, monitor),
             None => return self.list(ui, monitor),
         };
         match go {
@@ -169,16 +196,43 @@ impl Display {
 type Entry = (&'static str, &'static str, fn(&Display, DisplayProfile, &Monitor) -> Tool);
 
 /// All tools, in the order in which a new screen needs them.
-const TOOLS: &[Entry] = &[(
-    "Size and distance",
-    "How wide the screen is, by a bank card or typed; what a degree is on it, and whether the stimulus fits.",
-    |display, _, _| {
-        let window_deg =
-            definition::open(&display.form.experiment).map_or(10.0, |protocol| protocol.viewing.window_deg);
-        let (width, distance) = (display.form.screen_width_cm.clone(), display.form.distance_cm.clone());
-        Tool::Geometry(Box::new(GeometryPane::new(width, distance, window_deg)))
-    },
-)];
+const TOOLS: &[Entry] = &[
+    (
+        "Size and distance",
+        "How wide the screen is, by a bank card or typed; what a degree is on it, and whether the stimulus fits.",
+        |display, _, _| {
+            let window_deg =
+                definition::open(&display.form.experiment).map_or(10.0, |protocol| protocol.viewing.window_deg);
+            let (width, distance) = (display.form.screen_width_cm.clone(), display.form.distance_cm.clone());
+            Tool::Geometry(Box::new(GeometryPane::new(width, distance, window_deg)))
+        },
+    ),
+    (
+        "Photometer",
+        "The light of every level, measured: patches to point it at, or readings from a file; the fit and the profile.",
+        |_, profile, _| Tool::Photometer(Box::new(PhotometerPane::new(profile))),
+    ),
+    (
+        "Gamma by eye",
+        "Without a photometer: squares are matched to fields of rows, for each channel, in about five minutes.",
+        |display, profile, monitor| Tool::Nulling(Box::new(NullingPane::new(profile, display.viewing(monitor)))),
+    ),
+    (
+        "Check the gamma",
+        "Rows beside the codes that the profile says have their light: a border shows where it is wrong.",
+        |_, profile, _| Tool::Check(Box::new(CheckScreen::new(profile))),
+    ),
+    (
+        "Steps of equal brightness",
+        "Levels that look equally far apart, from the screen's black to its white: a table and a wedge.",
+        |_, profile, _| Tool::Steps(Box::new(StepsPane::new(profile))),
+    ),
+    (
+        "Timing",
+        "Whether frames follow the screen's refresh one by one: intervals, dropped frames, a patch for a photodiode.",
+        |_, _, _| Tool::Timing(Box::default()),
+    ),
+];
 
 /// A tool's page: its name, the way back, and its content in a column that scrolls.
 fn tool<R>(ui: &mut egui::Ui, name: &str, back: &mut bool, add: impl FnOnce(&mut egui::Ui) -> R) -> R {

@@ -16,7 +16,7 @@ use super::{
     theme, today,
 };
 use crate::{
-    display::{Screen, Viewing},
+    display::{Screen, Viewing, frames::Refresh},
     experiment::FrameCount,
     store::{
         dataset::SessionPaths,
@@ -244,11 +244,17 @@ impl Preflight {
             note(check, ok, sentence);
         }
 
-        let interval = refresh_hz.map(|hz| 1.0 / hz).or(median.filter(|_| steady));
+        let measured = self.frames.refresh().filter(|_| steady);
+        let interval = refresh_hz.map(|hz| 1.0 / hz).or(measured.map(Refresh::seconds));
         let prepared = self.geometry(monitor, window, &mut note).map(|(viewing, size_px)| Prepared {
             viewing,
             size_px,
             frames: interval.map_or(FrameCount::Frames, FrameCount::Against),
+            refresh_source: match (refresh_hz, measured) {
+                (Some(_), _) => "reported",
+                (None, Some(_)) => "measured",
+                (None, None) => "unknown",
+            },
             window,
         });
         if let (Some((transfer, size_px)), Some(now)) = (&self.before, &prepared) {

@@ -86,6 +86,11 @@ impl Values {
         Self { low: 0.0, high, ticks: ticks(0.0, high, 6).into_iter().map(|value| (value, plain(value))).collect() }
     }
 
+    /// From a lowest value to a highest.
+    pub fn between(low: f64, high: f64) -> Self {
+        Self { low, high, ticks: ticks(low, high, 5).into_iter().map(|value| (value, plain(value))).collect() }
+    }
+
     /// Room that the axis needs at the left of the panel, with its title.
     pub fn margin(&self) -> f64 {
         EDGE + 1.3 * TEXT + self.widest() + TICK + 8.0

@@ -4,6 +4,7 @@
 //! the same without any colour. Text is 8 pt where a chart is set 8 cm wide, `proportions` of two factors at 12 cm.
 
 mod axes;
+mod calibration;
 mod canvas;
 mod effects;
 mod means;
@@ -20,6 +21,7 @@ use rayon::prelude::*;
 
 use crate::analysis::Results;
 
+pub use calibration::calibration;
 pub use png::FigureError;
 
 /// A chart.

@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""Frame cost and start of machband beside PsychoPy's, on the same screen.
+
+machband draws the screen of a trial and the turning demo (`machband timing --scene trial|demo`); PsychoPy draws one
+image of 512 x 512 pixels (draw + flip). The two take turns, so that a machine that grows slow slows both. Under Xvfb
+nothing waits for a refresh: the interval from frame to frame is what a frame costs. Start to first frame is from the
+moment the process is started to the moment its first frame has been handed over.
+
+    Xvfb :20 -screen 0 1920x1080x24 &
+    python3 -m venv peers && peers/bin/pip install --no-deps psychopy==2026.2.5
+    peers/bin/pip install pyglet==1.5.27 numpy pillow scipy pandas matplotlib packaging pyyaml requests freetype-py \\
+        opencv-python-headless json_tricks python-bidi arabic-reshaper openpyxl pyparsing msgpack gevent tables \\
+        msgpack-numpy psutil six
+    DISPLAY=:20 python3 benches/frames_peers.py --machband target/release/machband --python peers/bin/python
+
+Prints a line a pair and then medians, 99 % and ratios. Exit status 0; 1 where a program fails.
+"""
+
+import argparse
+import csv
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+PEER = """
+import sys, time
+from psychopy import core, visual
+import numpy as np
+size, frames, full = eval(sys.argv[1]), int(sys.argv[2]), sys.argv[3] == "1"
+window = visual.Window(size=size, units="pix", fullscr=full, waitBlanking=False, checkTiming=False, screen=0)
+image = visual.ImageStim(window, image=np.random.rand(512, 512) * 2 - 1, size=(512, 512), units="pix")
+image.draw(); window.flip()
+first = time.time()
+for _ in range(30):
+    image.draw(); window.flip()
+times = []
+last = time.perf_counter()
+for _ in range(frames):
+    image.draw(); window.flip()
+    now = time.perf_counter(); times.append(now - last); last = now
+print("RESULT", first, " ".join(f"{t:.6f}" for t in times))
+window.close(); core.quit()
+"""
+
+
+def percentile(values, share):
+    values = sorted(values)
+    return values[min(len(values) - 1, max(0, int(-(-share * len(values) // 1)) - 1))]
+
+
+def machband(arguments, scene):
+    with tempfile.TemporaryDirectory() as folder:
+        out = os.path.join(folder, "intervals.csv")
+        command = [arguments.machband, "timing", "--scene", scene, "--frames", str(arguments.frames), "--out", out]
+        command += ["--fullscreen"] if arguments.fullscreen else ["--windowed"]
+        began = time.time()
+        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+        if done.returncode != 0:
+            sys.exit(f"machband timing --scene {scene} failed:\n{done.stderr}")
+        rows = {line[:18].strip(): line[18:].strip() for line in done.stdout.splitlines()}
+        with open(out, newline="") as file:
+            intervals = [int(row["interval_us"]) * 1e-3 for row in csv.DictReader(file)]
+        return intervals, float(rows["at"].split()[0]) - began
+
+
+def psychopy(arguments):
+    size = arguments.size if arguments.fullscreen else arguments.window
+    began = time.time()
+    command = [arguments.python, "-c", PEER, repr(size), str(arguments.frames), "1" if arguments.fullscreen else "0"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT")), None)
+    if line is None:
+        sys.exit(f"PsychoPy failed:\n{done.stdout}\n{done.stderr}")
+    _, first, *times = line.split()
+    return [float(t) * 1e3 for t in times], float(first) - began
+
+
+def pair(text):
+    width, height = text.split("x")
+    return int(width), int(height)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--machband", required=True, help="the release binary")
+    parser.add_argument("--python", default=sys.executable, help="a Python that has PsychoPy")
+    parser.add_argument("--frames", type=int, default=300)
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--fullscreen", action="store_true", help="needs a window manager for machband")
+    parser.add_argument("--size", type=pair, default=(1920, 1080), help="the screen, WIDTHxHEIGHT")
+    parser.add_argument("--window", type=pair, default=(1100, 860), help="a window, WIDTHxHEIGHT; machband's own size")
+    arguments = parser.parse_args()
+    runs = {"machband trial": [], "machband demo": [], "PsychoPy": []}
+    for turn in range(arguments.rounds):
+        order = list(runs)
+        # Each comes first in its turn.
+        order = order[turn % 3 :] + order[: turn % 3]
+        for name in order:
+            run = psychopy(arguments) if name == "PsychoPy" else machband(arguments, name.split()[1])
+            runs[name].append(run)
+            median, start = statistics.median(run[0]), run[1]
+            print(f"{turn + 1}  {name:<15} median {median:7.3f} ms  99 % {percentile(run[0], 0.99):7.3f} ms  first frame {start:6.3f} s", flush=True)
+    print()
+    peer = runs["PsychoPy"]
+    for name, found in runs.items():
+        medians = [statistics.median(run[0]) for run in found]
+        tails = [percentile(run[0], 0.99) for run in found]
+        starts = [run[1] for run in found]
+        ratio = statistics.median(
+            statistics.median(run[0]) / statistics.median(other[0]) for run, other in zip(found, peer)
+        )
+        earlier = statistics.median(run[1] / other[1] for run, other in zip(found, peer))
+        print(
+            f"{name:<15} median {statistics.median(medians):7.3f} ms ({min(medians):.3f} to {max(medians):.3f})"
+            f"  99 % {statistics.median(tails):7.3f} ms  first frame {statistics.median(starts):6.3f} s"
+            f"  of PsychoPy's: frame {ratio:.2f}, start {earlier:.2f}"
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,253 @@
+//! The patches, one by one, and a line to type what the photometer reads.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{self, Color32, Key, Rect, RichText, TextEdit, UiBuilder, Vec2};
+
+use crate::{
+    app::{form::parse, theme},
+    display::photometer::{Channel, Patch, Plan, Reading},
+    store::{StoreError, readings},
+};
+
+/// Height of the line at the bottom, points.
+const LINE: f32 = 96.0;
+/// Gray around a patch: the code of about a fifth of the light.
+const AROUND: Color32 = Color32::from_gray(128);
+/// Text on the line: dim, so that its light does not reach the photometer.
+const DIM: Color32 = Color32::from_gray(0x70);
+/// A fall against a lower level that a typing mistake makes, and noise does not.
+const FALL: f64 = 0.95;
+
+/// How patches are shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewing {
+    /// Seconds before a reading counts.
+    pub settle_s: f64,
+    /// Height of the patch in percent of the screen's.
+    pub percent: u32,
+    /// Gray around the patch instead of black.
+    pub gray_around: bool,
+}
+
+/// The patches of a plan, and what was read of them.
+pub struct Measuring {
+    plan: Plan,
+    taken: Vec<Option<f64>>,
+    /// Patches to be shown, by their place in the plan; the first is on the screen.
+    queue: Vec<usize>,
+    path: PathBuf,
+    viewing: Viewing,
+    entry: String,
+    /// When the patch on the screen appeared.
+    since: Option<f64>,
+    message: Option<String>,
+    /// A reading that is to be typed again before it is believed.
+    doubted: Option<f64>,
+}
+
+/// Where the patches lead.
+pub enum MeasureGo {
+    /// To the next one.
+    Stay,
+    /// Out, to go on later.
+    Pause,
+    /// All are read.
+    Done,
+}
+
+impl Measuring {
+    /// Begins, or goes on with the file that an earlier time left.
+    ///
+    /// # Errors
+    /// The file is of another plan, or cannot be written.
+    pub fn begin(plan: Plan, path: &Path, viewing: Viewing) -> Result<Self, StoreError> {
+        let mut taken = vec![None; plan.patches.len()];
+        if path.exists() {
+            for one in readings::open_begun(path)? {
+                let same = |patch: &Patch| patch.channel == one.channel && (patch.level - one.level).abs() < 1e-6;
+                let free = (0..taken.len()).find(|at| taken[*at].is_none() && same(&plan.patches[*at]));
+                let Some(free) = free else {
+                    let what = format!(
+                        "has a reading of {} at level {} that these patches do not have; expected another file, or the settings it was begun with",
+                        one.channel, one.level
+                    );
+                    return Err(StoreError::Mismatch { path: path.to_owned(), what });
+                };
+                taken[free] = Some(one.luminance_cd_m2);
+            }
+        }
+        let queue = (0..taken.len()).filter(|at| taken[*at].is_none()).collect();
+        let measuring = Self {
+            plan,
+            taken,
+            queue,
+            path: path.to_owned(),
+            viewing,
+            entry: String::new(),
+            since: None,
+            message: None,
+            doubted: None,
+        };
+        // Before the first reading, so that a place that cannot be written shows now.
+        measuring.write()?;
+        Ok(measuring)
+    }
+
+    /// The file of readings.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Patches read, and all.
+    pub fn progress(&self) -> (usize, usize) {
+        (self.taken.iter().flatten().count(), self.taken.len())
+    }
+
+    /// Shows patches of a channel at some levels once more.
+    pub fn again(&mut self, wanted: &[(Channel, f64)]) {
+        let is_wanted = |patch: &Patch| {
+            wanted.iter().any(|(channel, level)| patch.channel == *channel && (patch.level - level).abs() < 1e-6)
+        };
+        self.queue = (0..self.taken.len()).filter(|at| is_wanted(&self.plan.patches[*at])).collect();
+        self.fresh(None);
+    }
+
+    fn write(&self) -> Result<(), StoreError> {
+        let read = self.plan.patches.iter().zip(&self.taken).filter_map(|(patch, taken)| {
+            taken.map(|luminance_cd_m2| Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 })
+        });
+        readings::write(&self.path, &read.collect::<Vec<_>>())
+    }
+
+    /// Draws the patch and the line.
+    pub fn show(&mut self, ui: &mut egui::Ui) -> MeasureGo {
+        let Some(&at) = self.queue.first() else { return MeasureGo::Done };
+        let now = ui.input(|input| input.time);
+        let left_s = self.viewing.settle_s - (now - *self.since.get_or_insert(now));
+        if left_s > 0.0 {
+            ui.ctx().request_repaint();
+        }
+        let around = if self.viewing.gray_around { AROUND } else { Color32::BLACK };
+        egui::CentralPanel::default()
+            .frame(egui::Frame::NONE.fill(around))
+            .show(ui, |ui| {
+                let area = ui.max_rect();
+                draw(ui, &self.plan.patches[at], area, self.viewing.percent);
+                let line = Rect::from_min_max(egui::pos2(area.left(), area.bottom() - LINE), area.max);
+                ui.painter().rect_filled(line, 0.0, Color32::BLACK);
+                let inner = line.shrink2(Vec2::new(16.0, 8.0));
+                ui.scope_builder(UiBuilder::new().max_rect(inner), |ui| self.line(ui, at, left_s)).inner
+            })
+            .inner
+    }
+
+    fn line(&mut self, ui: &mut egui::Ui, at: usize, left_s: f64) -> MeasureGo {
+        ui.visuals_mut().override_text_color = Some(DIM);
+        let patch = self.plan.patches[at];
+        let mut accept = false;
+        let mut previous = false;
+        let mut pause = ui.input(|input| input.key_pressed(Key::Escape));
+        ui.horizontal_wrapped(|ui| {
+            let label = ui.label(format!("{} {} · cd/m²", patch.channel, patch.code));
+            let empty = self.entry.is_empty();
+            let field = ui.add(TextEdit::singleline(&mut self.entry).desired_width(110.0)).labelled_by(label.id);
+            accept = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            previous = empty && field.has_focus() && ui.input(|input| input.key_pressed(Key::Backspace));
+            // The line is all there is to type into.
+            if ui.memory(|memory| memory.focused().is_none()) {
+                field.request_focus();
+            }
+            accept |= ui.button("Next").clicked();
+            previous |= ui.add_enabled(at > 0, egui::Button::new("Previous")).clicked();
+            pause |= ui.button("Pause").clicked();
+            let (done, all) = self.progress();
+            let settling = if left_s > 0.0 { format!(" · settling, {left_s:.1} s") } else { String::new() };
+            ui.label(format!("{done} of {all} read{settling} · Enter: next · Backspace: previous · Esc: pause"));
+        });
+        if let Some(message) = &self.message {
+            ui.add(egui::Label::new(RichText::new(message).small().color(theme::NOTE.gamma_multiply(0.7))).wrap());
+        }
+        if accept {
+            self.accept(at, left_s);
+        } else if previous && at > 0 {
+            self.queue.insert(0, at - 1);
+            self.fresh(self.taken[at - 1]);
+        }
+        match () {
+            () if pause => MeasureGo::Pause,
+            () if self.queue.is_empty() => MeasureGo::Done,
+            () => MeasureGo::Stay,
+        }
+    }
+
+    /// Takes what is typed as the reading of a patch.
+    fn accept(&mut self, at: usize, left_s: f64) {
+        let value = parse(&self.entry).filter(|value| *value >= 0.0);
+        self.message = match value {
+            None => Some(format!("{:?} is no luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim())),
+            Some(_) if left_s > 0.0 => Some("The patch has not settled yet; expected a reading after that.".to_owned()),
+            Some(value) => match self.doubt(at, value).filter(|_| self.doubted != Some(value)) {
+                Some(doubt) => {
+                    self.doubted = Some(value);
+                    Some(doubt)
+                }
+                None => self.take(at, value),
+            },
+        };
+    }
+
+    /// Keeps a reading, on disk too; gives what went wrong.
+    fn take(&mut self, at: usize, value: f64) -> Option<String> {
+        let before = self.taken[at].replace(value);
+        if let Err(error) = self.write() {
+            // It stays in the line, to be tried again.
+            self.taken[at] = before;
+            return Some(error.to_string());
+        }
+        self.queue.retain(|queued| *queued != at);
+        let next = self.queue.first().and_then(|next| self.taken[*next]);
+        self.fresh(next);
+        None
+    }
+
+    /// The next patch: its line, empty or with what was read before.
+    fn fresh(&mut self, before: Option<f64>) {
+        self.entry = before.map_or_else(String::new, |value| value.to_string());
+        self.since = None;
+        self.message = None;
+        self.doubted = None;
+    }
+
+    /// Why a reading may be mistyped: less light than a lower level gave, or more than a higher one.
+    fn doubt(&self, at: usize, value: f64) -> Option<String> {
+        let patch = self.plan.patches[at];
+        let others = self.plan.patches.iter().zip(&self.taken).enumerate();
+        let known = others.filter(|(index, (other, _))| *index != at && other.channel == patch.channel);
+        let mut known = known.filter_map(|(_, (other, taken))| Some((other, (*taken)?)));
+        let (other, read) = known.find(|(other, read)| {
+            other.code < patch.code && value < read * FALL || other.code > patch.code && *read < value * FALL
+        })?;
+        Some(format!(
+            "{value} does not fit {} {}, which gave {read}: light rises with the code. Enter again keeps it; Backspace in an empty line shows the patch before.",
+            other.channel, other.code
+        ))
+    }
+}
+
+/// The patch in the middle of the screen, on whole pixels.
+fn draw(ui: &mut egui::Ui, patch: &Patch, area: Rect, percent: u32) {
+    let scale = ui.ctx().pixels_per_point();
+    let height = (area.height() * percent as f32 / 100.0).min(area.height() - 2.0 * LINE).max(16.0);
+    let whole = |value: f32| (value * scale).round() / scale;
+    let middle = Rect::from_center_size(area.center(), Vec2::splat(height));
+    let rect = Rect::from_min_max(
+        egui::pos2(whole(middle.min.x), whole(middle.min.y)),
+        egui::pos2(whole(middle.max.x), whole(middle.max.y)),
+    );
+    let [red, green, blue] = patch.codes().map(|code| code.min(255) as u8);
+    ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(red, green, blue));
+    let name = format!("Patch {} {}", patch.channel, patch.code);
+    let response = ui.interact(rect, ui.scope_id().with("patch"), egui::Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
+}

@@ -1,0 +1,105 @@
+//! What a measurement of frames found.
+
+use std::{fmt::Write as _, time::Duration};
+
+use eframe::egui;
+
+use super::FirstFrame;
+use crate::{
+    app::{Monitor, theme},
+    display::frames::{FrameTimes, Refresh},
+};
+
+/// Frame intervals, and what they are judged against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimingReport {
+    /// Judged against the refresh, where there is one.
+    times: FrameTimes,
+    /// The screen's refresh.
+    pub refresh: Option<Refresh>,
+    /// Who knows it: `reported`, `measured` or `unknown`.
+    pub source: &'static str,
+    /// When the first frame had been drawn; only where the program was started for this.
+    pub first: Option<FirstFrame>,
+}
+
+impl TimingReport {
+    /// From intervals in microseconds. The refresh is the monitor's, or what the frames themselves are held to.
+    #[must_use]
+    pub fn new(intervals_us: Vec<u32>, monitor: &Monitor) -> Self {
+        let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz).ok());
+        let measured = Refresh::estimate(&intervals_us);
+        let (refresh, source) = match (reported, measured) {
+            (Some(_), _) => (reported, "reported"),
+            (None, Some(_)) => (measured, "measured"),
+            (None, None) => (None, "unknown"),
+        };
+        let mut times = FrameTimes::default();
+        let mut now = Duration::ZERO;
+        times.frame(now, refresh);
+        for interval in intervals_us {
+            now += Duration::from_micros(u64::from(interval));
+            times.frame(now, refresh);
+        }
+        Self { times, refresh, source, first: None }
+    }
+
+    /// For how long each frame stood, microseconds.
+    #[must_use]
+    pub fn intervals_us(&self) -> &[u32] {
+        self.times.intervals_us()
+    }
+
+    /// What was found: a name and a value in each row.
+    #[must_use]
+    pub fn rows(&self) -> Vec<(&'static str, String)> {
+        let ms = |p: f64| self.times.quantile(p).map_or_else(String::new, |s| format!("{:.3} ms", s * 1e3));
+        let count = |number: Option<u64>| number.map_or_else(|| "not known".to_owned(), |number| number.to_string());
+        let mut rows = vec![
+            ("intervals", self.intervals_us().len().to_string()),
+            (
+                "refresh",
+                self.refresh.map_or_else(
+                    || "not known: nothing holds the frames to the screen".to_owned(),
+                    |refresh| format!("{:.3} Hz, {:.3} ms, {}", refresh.hz(), refresh.seconds() * 1e3, self.source),
+                ),
+            ),
+            ("shortest", ms(0.0)),
+            ("1 %", ms(0.01)),
+            ("median", ms(0.5)),
+            ("99 %", ms(0.99)),
+            ("longest", ms(1.0)),
+            ("dropped frames", count(self.times.dropped())),
+            ("missed refreshes", count(self.times.missed_refreshes())),
+        ];
+        if let Some(first) = self.first {
+            rows.push(("first frame", format!("{:.3} s after the program's start", first.since_start_s)));
+            rows.push(("at", format!("{:.3} s since 1970", first.unix_s)));
+        }
+        rows
+    }
+
+    /// Every interval: `frame` from 1, `interval_us`, `dropped` 0 or 1, empty where it is not known.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut text = "frame,interval_us,dropped\n".to_owned();
+        for (frame, us) in (1..).zip(self.intervals_us()) {
+            let dropped = self.refresh.map(|refresh| refresh.is_dropped(Duration::from_micros(u64::from(*us))));
+            let dropped = dropped.map_or("", |dropped| if dropped { "1" } else { "0" });
+            // Writing to memory does not fail.
+            let _ = writeln!(text, "{frame},{us},{dropped}");
+        }
+        text
+    }
+}
+
+/// The rows of a report as a table.
+pub fn table(ui: &mut egui::Ui, report: &TimingReport) {
+    egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
+        for (name, value) in report.rows() {
+            ui.label(theme::quiet(name));
+            ui.label(value);
+            ui.end_row();
+        }
+    });
+}

@@ -1,0 +1,244 @@
+//! `machband calibrate`
+
+use std::path::{Path, PathBuf};
+
+use jiff::civil::Date;
+use serde_json::{Value, json};
+
+use super::{UsageError, say};
+use crate::{
+    display::{
+        Measurement,
+        photometer::{Calibration, Family, FittedChannel},
+    },
+    report::figures,
+    store::{self, profile, readings},
+};
+
+/// Make a display profile from readings of a photometer.
+///
+/// READINGS.csv has the columns channel,level,luminance_cd_m2: channel r, g, b or gray; level the code divided by the
+/// largest code, 0 to 1; readings in the order in which they were taken, repeated ones too.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example: machband calibrate left.csv --out left.toml --with \"Konica Minolta LS-150\" --plot left.svg\n\n\
+    Models: gamma is black + range·V^γ; gog has an offset too, (gain·V + offset)^γ; srgb is the shape of sRGB; table\n\
+    follows the readings where no curve fits them. auto takes the simplest that the readings do not speak against."
+)]
+pub(super) struct Arguments {
+    /// What the photometer read.
+    #[arg(value_name = "READINGS.csv")]
+    readings: PathBuf,
+    /// Display profile to write.
+    #[arg(long, value_name = "PROFILE.toml")]
+    out: PathBuf,
+    /// Name of the display [default: the profile's file name].
+    #[arg(long)]
+    name: Option<String>,
+    /// Who measured.
+    #[arg(long, value_name = "WHO")]
+    by: Option<String>,
+    /// The photometer.
+    #[arg(long, value_name = "PHOTOMETER", default_value = "photometer")]
+    with: String,
+    /// Day of the measurement, such as 2026-01-31 [default: today].
+    #[arg(long, value_name = "DATE")]
+    on: Option<Date>,
+    /// The model of the profile.
+    #[arg(long, default_value = "auto", value_parser = ["auto", "gamma", "gog", "srgb", "table"])]
+    model: String,
+    /// Readings, curves and errors as a chart.
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    plot: Option<PathBuf>,
+    /// Everything that was found, as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    check(arguments)?;
+    let readings = readings::open(&arguments.readings)?;
+    let calibration = Calibration::new(&readings)?;
+    let family = Family::ALL.into_iter().find(|family| family.name() == arguments.model).unwrap_or(calibration.chosen);
+    tell(arguments, &calibration, family)?;
+    let stem = arguments.out.file_stem().map_or_else(|| "display".into(), |stem| stem.to_string_lossy().into_owned());
+    let measured = Measurement {
+        on: Some(arguments.on.unwrap_or_else(today)),
+        by: arguments.by.clone(),
+        with: Some(arguments.with.clone()),
+    };
+    let made = calibration.profile(family, arguments.name.as_deref().unwrap_or(&stem), measured)?;
+    profile::write(&arguments.out, &made)?;
+    if let Some(path) = &arguments.plot {
+        plot(path, &calibration)?;
+    }
+    if let Some(path) = &arguments.report {
+        store::write_file(path, format!("{:#}\n", report(&calibration, family)).as_bytes())?;
+    }
+    say(&format!("wrote {}: {}", arguments.out.display(), made.sentence()))
+}
+
+fn today() -> Date {
+    jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
+}
+
+fn check(arguments: &Arguments) -> Result<(), UsageError> {
+    let same = |path: &Path| {
+        let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        real(path) == real(&arguments.readings)
+    };
+    let outputs =
+        [("--out", Some(&arguments.out)), ("--plot", arguments.plot.as_ref()), ("--report", arguments.report.as_ref())];
+    for (option, path) in outputs {
+        if let Some(path) = path.filter(|path| same(path)) {
+            return Err(UsageError(format!(
+                "{option} {}: would replace the readings; expected another file",
+                path.display()
+            )));
+        }
+    }
+    match &arguments.plot {
+        Some(path) if !has_extension(path, "svg") && !has_extension(path, "png") => Err(UsageError(format!(
+            "--plot {}: is neither SVG nor PNG; expected a name that ends in .svg or .png",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}
+
+fn plot(path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
+    let figure = figures::calibration(calibration)
+        .ok_or_else(|| anyhow::anyhow!("{}: the chart cannot be drawn; expected readings that can", path.display()))?;
+    let bytes = if has_extension(path, "png") { figure.png()? } else { figure.svg.into_bytes() };
+    Ok(store::write_file(path, &bytes)?)
+}
+
+/// The findings in readable lines.
+fn tell(arguments: &Arguments, calibration: &Calibration, family: Family) -> anyhow::Result<()> {
+    let channels: Vec<&str> = calibration.readings.channels().iter().map(|channel| channel.name()).collect();
+    say(&format!(
+        "{}: {} readings of {}; they scatter by {:.2} %",
+        arguments.readings.display(),
+        calibration.readings.all().len(),
+        channels.join(", "),
+        100.0 * calibration.noise.relative
+    ))?;
+    let light = calibration.luminance_of(family);
+    say(&format!("black {:.4} cd/m², white {:.2} cd/m²", light.black_cd_m2, light.white_cd_m2))?;
+    say("")?;
+    say("model  channel  gamma              gain    offset   R²         largest error")?;
+    say("                                                              codes    cd/m²")?;
+    for model in &calibration.models {
+        for channel in &model.channels {
+            say(&line(model.family, channel))?;
+        }
+    }
+    say("")?;
+    validation(calibration)?;
+    say("")?;
+    if let Some(additivity) = &calibration.additivity {
+        let (percent, light) = (additivity.largest_percent(), additivity.largest_cd_m2());
+        say(&format!(
+            "additivity: gray differs from red + green + blue − 2 black by at most {:+.2} % (level {:.3}) and {:+.3} cd/m² (level {:.3})",
+            percent.deviation_percent(),
+            percent.level,
+            light.deviation_cd_m2(),
+            light.level
+        ))?;
+    }
+    calibration.notes.iter().try_for_each(|note| say(&format!("note: {note}")))?;
+    let why =
+        if arguments.model == "auto" { "the simplest that the readings do not speak against" } else { "as asked" };
+    say(&format!("chosen: {family}, {why}"))
+}
+
+fn line(family: Family, channel: &FittedChannel) -> String {
+    let gamma = match (channel.shape.and_then(|shape| shape.gamma()), channel.gamma_se) {
+        (Some(gamma), Some(se)) => format!("{gamma:.4} ± {se:.4}"),
+        (Some(gamma), None) => format!("{gamma:.4}"),
+        _ => "—".to_owned(),
+    };
+    let (gain, offset) = match channel.shape.and_then(|shape| shape.gain_and_offset()) {
+        Some((gain, offset)) => (format!("{gain:.4}"), format!("{offset:+.4}")),
+        None => ("—".to_owned(), "—".to_owned()),
+    };
+    format!(
+        "{:<6} {:<8} {gamma:<18} {gain:<7} {offset:<8} {:.6}  {:>6.2}  {:>7.3}",
+        family.name(),
+        channel.channel.name(),
+        channel.r_squared,
+        channel.largest_codes,
+        channel.largest_cd_m2
+    )
+}
+
+fn validation(calibration: &Calibration) -> anyhow::Result<()> {
+    say("model  error of levels left out in turn")?;
+    say("       rms codes  rms cd/m²  largest codes  in units of the noise")?;
+    for model in &calibration.models {
+        let Some(found) = &model.validation else { continue };
+        say(&format!(
+            "{:<6} {:>9.2}  {:>9.3}  {:>13.2}  {:>21.2}",
+            model.family.name(),
+            found.rms_codes,
+            found.rms_cd_m2,
+            found.largest_codes,
+            found.score.sqrt()
+        ))?;
+    }
+    say(&format!(
+        "better by cross-validation: {} (the simplest within one standard error of the best)",
+        calibration.better
+    ))
+}
+
+/// The findings as JSON.
+fn report(calibration: &Calibration, family: Family) -> Value {
+    let models: Vec<Value> = (calibration.models.iter())
+        .map(|model| {
+            let channels: Vec<Value> = model.channels.iter().map(channel_json).collect();
+            let validation = model.validation.as_ref().map(|found| {
+                json!({ "rms_codes": found.rms_codes, "rms_cd_m2": found.rms_cd_m2, "largest_codes": found.largest_codes, "score": found.score })
+            });
+            json!({ "model": model.family.name(), "common_shape": model.common_shape, "bent": model.bent, "channels": channels, "cross_validation": validation })
+        })
+        .collect();
+    let additivity = calibration.additivity.as_ref().map(|additivity| {
+        let sums: Vec<Value> = (additivity.sums.iter())
+            .map(|sum| json!({ "level": sum.level, "gray_cd_m2": sum.gray_cd_m2, "sum_cd_m2": sum.sum_cd_m2, "deviation_percent": sum.deviation_percent() }))
+            .collect();
+        json!({ "largest_percent": additivity.largest_percent().deviation_percent(), "largest_cd_m2": additivity.largest_cd_m2().deviation_cd_m2(), "levels": sums })
+    });
+    let notes: Vec<String> = calibration.notes.iter().map(ToString::to_string).collect();
+    json!({
+        "readings": calibration.readings.all().len(),
+        "noise": { "relative": calibration.noise.relative, "floor_cd_m2": calibration.noise.floor_cd_m2 },
+        "luminance": calibration.luminance_of(family),
+        "models": models,
+        "chosen": family.name(),
+        "better_by_cross_validation": calibration.better.name(),
+        "additivity": additivity,
+        "drift_percent": calibration.drift.map(|drift| drift.percent),
+        "notes": notes,
+    })
+}
+
+fn channel_json(channel: &FittedChannel) -> Value {
+    let shape = channel.shape.and_then(|shape| shape.gain_and_offset());
+    json!({
+        "channel": channel.channel.key(),
+        "gamma": channel.shape.and_then(|shape| shape.gamma()),
+        "gamma_se": channel.gamma_se,
+        "gain": shape.map(|(gain, _)| gain),
+        "offset": shape.map(|(_, offset)| offset),
+        "black_cd_m2": channel.response.black_cd_m2(),
+        "range_cd_m2": channel.response.range_cd_m2(),
+        "r_squared": channel.r_squared,
+        "largest_error_codes": channel.largest_codes,
+        "largest_error_cd_m2": channel.largest_cd_m2,
+    })
+}

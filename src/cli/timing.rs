@@ -1,0 +1,71 @@
+//! `machband timing`
+
+use std::path::PathBuf;
+
+use crate::{
+    app,
+    app::timing::{Patch, Place, Plan, SceneKind, Slot, TimingRequest, WARNING},
+    report, store,
+};
+
+/// Measure how evenly frames come.
+///
+/// Opens a window that changes with every frame, and reports the intervals between frames, their percentiles, dropped
+/// frames (intervals above 1.5 refreshes) and missed refreshes. The patch is a target for a photodiode: its light is the
+/// only proof of when a frame reaches the eye.
+///
+/// With the scene `patch` a small patch flickers at the screen's refresh: do not look at it.
+#[derive(clap::Args)]
+#[command(after_help = "Example: machband timing --frames 1800 --fullscreen --out intervals.csv --plot intervals.svg")]
+pub(super) struct Arguments {
+    /// Frames to measure.
+    #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u32).range(2..=10_000_000))]
+    frames: u32,
+    /// On the whole screen.
+    #[arg(long, conflicts_with = "windowed")]
+    fullscreen: bool,
+    /// In a window; this is the default.
+    #[arg(long)]
+    windowed: bool,
+    /// What is drawn: a patch that flips, the screen of a trial, or the demo turning.
+    #[arg(long, value_name = "patch|trial|demo", default_value = "patch")]
+    scene: SceneKind,
+    /// Side of the patch in pixels.
+    #[arg(long, value_name = "PX", default_value_t = Patch::default().size_px, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    size: u32,
+    /// Where the patch is.
+    #[arg(long, value_name = "corner|center", default_value = "corner")]
+    place: Place,
+    /// Every interval as CSV.
+    #[arg(long, value_name = "FILE.csv")]
+    out: Option<PathBuf>,
+    /// The intervals as a picture.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let patch = Patch { size_px: arguments.size, place: arguments.place };
+    let plan = Plan { scene: arguments.scene, frames: arguments.frames, patch };
+    if plan.scene == SceneKind::Patch {
+        eprintln!("{WARNING}");
+    }
+    let found = Slot::default();
+    app::time(TimingRequest { plan, fullscreen: arguments.fullscreen, report: found.clone() })?;
+    let Some(found) = found.take() else {
+        anyhow::bail!(
+            "timing: the window was closed before {} frames were measured; expected it to close itself",
+            plan.frames
+        )
+    };
+    for (name, value) in found.rows() {
+        super::say(&format!("{name:<18}{value}"))?;
+    }
+    if let Some(path) = &arguments.out {
+        store::write_file(path, found.csv().as_bytes())?;
+    }
+    if let Some(path) = &arguments.plot {
+        store::write_file(path, report::intervals::svg(found.intervals_us(), found.refresh).as_bytes())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,196 @@
+//! `machband calibrate`, and the files it reads and writes.
+
+use std::{
+    path::Path,
+    process::{Command, Output},
+};
+
+use machband::{
+    display::photometer::{Channel, Reading},
+    light::Transfer,
+    store::{profile, readings},
+};
+
+fn machband(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_machband")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Readings without noise of a display with γ 2.2 and a black of 0.3 cd/m².
+fn good(levels: usize) -> Vec<Reading> {
+    let ranges = [25.0, 80.0, 10.0, 115.0];
+    let one = |channel: usize, step: usize| {
+        let level = step as f64 / (levels - 1) as f64;
+        Reading { channel: Channel::ALL[channel], level, luminance_cd_m2: 0.3 + ranges[channel] * level.powf(2.2) }
+    };
+    (0..4).flat_map(|channel| (0..levels).map(move |step| one(channel, step))).collect()
+}
+
+fn faults(text: &str) -> Vec<String> {
+    readings::parse("r.csv", text).unwrap_err().0.iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn a_profile_a_plot_and_a_report_come_of_readings() {
+    let folder = tempfile::tempdir().unwrap();
+    readings::write(&folder.path().join("r.csv"), &good(9)).unwrap();
+    let arguments = [
+        "calibrate",
+        "r.csv",
+        "--out",
+        "left.toml",
+        "--name",
+        "Left",
+        "--by",
+        "AB",
+        "--with",
+        "LS-150",
+        "--on",
+        "2026-02-03",
+        "--plot",
+        "left.svg",
+        "--report",
+        "left.json",
+    ];
+    let output = machband(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", told(&output));
+    let said = String::from_utf8(output.stdout).unwrap();
+    for part in
+        ["gamma  green    2.2000", "chosen: gamma", "better by cross-validation: gamma", "additivity", "white 115.30"]
+    {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let made = profile::open(&folder.path().join("left.toml")).unwrap();
+    assert_eq!(made.name, "Left");
+    let Some(Transfer::Gamma(gamma)) = made.transfers.uniform() else { panic!("{:?}", made.transfers) };
+    assert!((gamma - 2.2).abs() < 1e-6);
+    let light = made.luminance.unwrap();
+    assert!((light.black_cd_m2 - 0.3).abs() < 1e-6 && (light.white_cd_m2 - 115.3).abs() < 1e-5);
+    let measured = made.measured.unwrap();
+    assert_eq!((measured.on.unwrap().to_string().as_str(), measured.by.as_deref()), ("2026-02-03", Some("AB")));
+    let svg = std::fs::read_to_string(folder.path().join("left.svg")).unwrap();
+    assert!(svg.contains("Luminance (cd/m²)") && svg.contains("Encoded value"));
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("left.json")).unwrap()).unwrap();
+    assert_eq!((report["chosen"].as_str(), report["models"].as_array().map(Vec::len)), (Some("gamma"), Some(4)));
+    // The chart as an image, and a table asked for.
+    let table =
+        machband(folder.path(), &["calibrate", "r.csv", "--out", "t.toml", "--model", "table", "--plot", "t.png"]);
+    assert!(table.status.success(), "{}", told(&table));
+    assert!(profile::open(&folder.path().join("t.toml")).unwrap().transfers.has_table());
+    assert!(std::fs::read(folder.path().join("t.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn each_bad_file_has_its_own_message_and_no_profile() {
+    let folder = tempfile::tempdir().unwrap();
+    let changed = |change: &dyn Fn(&mut Reading)| {
+        let mut readings = good(9);
+        readings.iter_mut().for_each(change);
+        readings
+    };
+    let only = |channel: Channel| good(9).into_iter().filter(|one| one.channel == channel).collect::<Vec<_>>();
+    let exchange = |channel: Channel| match channel {
+        Channel::Red => Channel::Blue,
+        Channel::Blue => Channel::Red,
+        other => other,
+    };
+    let cases = [
+        (
+            changed(&|one| {
+                if one.level == 0.5 {
+                    one.luminance_cd_m2 *= 0.2
+                }
+            }),
+            "not monotone",
+        ),
+        (
+            changed(&|one| {
+                if one.level > 0.7 {
+                    one.luminance_cd_m2 = 0.3 + 0.5 * range(one.channel)
+                }
+            }),
+            "saturated",
+        ),
+        (only(Channel::Green), "single channel"),
+        (changed(&|one| one.channel = exchange(one.channel)), "are red and blue exchanged?"),
+    ];
+    for (readings, expected) in cases {
+        readings::write(&folder.path().join("bad.csv"), &readings).unwrap();
+        let output = machband(folder.path(), &["calibrate", "bad.csv", "--out", "bad.toml"]);
+        assert_eq!(output.status.code(), Some(1), "{expected}: {}", told(&output));
+        let lines = told(&output);
+        assert!(lines.lines().all(|line| line.starts_with("error: bad.csv: ") && line.contains(expected)), "{lines}");
+        assert!(!folder.path().join("bad.toml").exists());
+    }
+}
+
+fn range(channel: Channel) -> f64 {
+    [25.0, 80.0, 10.0, 115.0][Channel::ALL.iter().position(|one| *one == channel).unwrap()]
+}
+
+#[test]
+fn readings_are_never_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.csv");
+    readings::write(&path, &good(6)).unwrap();
+    let before = std::fs::read(&path).unwrap();
+    for arguments in [["--out", "r.csv", "--name", "x"], ["--out", "p.toml", "--report", "./r.csv"]] {
+        let output = machband(folder.path(), &[["calibrate", "r.csv"].as_slice(), &arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", told(&output));
+        assert_eq!(std::fs::read(&path).unwrap(), before);
+    }
+    let output = machband(folder.path(), &["calibrate", "r.csv", "--out", "p.toml", "--plot", "p.jpg"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn every_fault_of_a_file_is_told_with_its_place() {
+    let found = faults("channel,level,luminance_cd_m2\nr,0,0.3\nviolet,half,1\nr,0.5,\n\ng,1,x\n");
+    assert_eq!(
+        found,
+        [
+            "r.csv:3:1: channel \"violet\" is not known; expected r, g, b or gray",
+            "r.csv:3:8: level \"half\" is no number; expected one such as 0.5",
+            "r.csv:4:7: luminance_cd_m2 is empty; expected a value",
+            "r.csv:6:5: luminance_cd_m2 \"x\" is no number; expected one such as 0.5",
+        ]
+    );
+    let found = faults("channel,level,luminance_cd_m2\nr,0,0.3\nr,1.5,20\nr,1,-2\nr,0.25,NaN\n");
+    assert_eq!(found.len(), 3, "{found:?}");
+    assert!(
+        found[0].starts_with("r.csv:3:3: level 1.5") && found[1].starts_with("r.csv:4:5: luminance -2"),
+        "{found:?}"
+    );
+    assert!(faults("channel,code,cd\n")[0].starts_with("r.csv:1:1: the header lacks level, luminance_cd_m2"));
+    assert!(faults("")[0].starts_with("r.csv:1:1: "));
+    assert!(faults("channel,level,luminance_cd_m2\n")[0].contains("there are no readings"));
+    assert!(
+        faults("channel,level,luminance_cd_m2\nr,0,0.3\nr,128,2\nr,255,9\n")[0]
+            .starts_with("r.csv:3:3: level 128 looks")
+    );
+}
+
+#[test]
+fn other_programs_tables_are_read() {
+    let mut text = "note;Luminance_cd_m2;level;channel\r\n".to_owned();
+    for one in good(6) {
+        let channel = one.channel.name().to_uppercase();
+        text += &format!("\"a;b\";{};{};{channel}\r\n", one.luminance_cd_m2, one.level).replace('.', ",");
+    }
+    let read = readings::parse("r.csv", &format!("\u{feff}{text}")).unwrap();
+    assert_eq!(read.all().len(), 24);
+    for (found, known) in read.all().iter().zip(good(6)) {
+        assert_eq!(
+            (found.channel, found.level, found.luminance_cd_m2),
+            (known.channel, known.level, known.luminance_cd_m2)
+        );
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("new/r.csv");
+    readings::write(&path, read.all()).unwrap();
+    assert_eq!(readings::open(&path).unwrap(), read);
+}

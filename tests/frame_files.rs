@@ -1,0 +1,239 @@
+//! The file of frames beside a session's rows, and rows that are older than some of their columns.
+
+use std::{fs, path::Path, time::Duration};
+
+use machband::{
+    display::frames::Refresh,
+    experiment::{
+        Event, FrameCount, Identity, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions, Shown,
+        State, TRAILING, TrialRecord, columns,
+    },
+    report::Study,
+    store::{
+        StoreError,
+        check::check,
+        dataset::SessionPaths,
+        definition,
+        frames::{self, FrameFile, FrameRow, HEADER},
+        ratings::Reading,
+        results,
+        session::SessionStore,
+        sidecar::{Sidecar, Sitting},
+    },
+};
+
+const DEFINITION: &str = "schema = 1\nname = \"few\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.2]\ntanh_k = [2, 3]\n[recovery]\nduration_s = 0.1\n";
+
+fn protocol() -> Protocol {
+    definition::parse("few.toml", DEFINITION).unwrap()
+}
+
+fn identity() -> Identity {
+    Identity::new("S001", "1").unwrap()
+}
+
+fn paths(results: &Path) -> SessionPaths {
+    SessionPaths::new(results, &protocol(), &identity())
+}
+
+fn row(intervals_us: &[u32]) -> FrameRow {
+    FrameRow {
+        sitting: 1,
+        phase: Phase::Main,
+        trial: 2,
+        attempt: 1,
+        shown: Shown::Stimulus,
+        refresh: Refresh::from_hz(59.94).ok(),
+        intervals_us: intervals_us.to_vec(),
+    }
+}
+
+/// Rates trials at 60 Hz, as the window does, until `trials` are rated.
+fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sitting: u32, trials: usize) {
+    let (protocol, identity) = (protocol(), identity());
+    let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / 60.0) };
+    let mut session = Session::new(protocol.clone(), schedule.clone(), resumed, options);
+    let context = RowContext { protocol: &protocol, schedule, identity: &identity, sitting };
+    let mut rated = 0;
+    for frame in 0.. {
+        let now = Duration::from_secs_f64(f64::from(frame) / 60.0);
+        let event = match session.state() {
+            State::Stimulus { .. } => Event::Rate(2),
+            State::PhaseStart(_) | State::Break => Event::Continue,
+            State::Done => break,
+            _ => Event::Frame,
+        };
+        if let machband::experiment::Effect::Record(response) = session.step(event, now) {
+            store.append(&TrialRecord::new(&context, &response, jiff::Timestamp::UNIX_EPOCH + response.onset)).unwrap();
+            session.step(Event::Stored, now);
+            let rows = session.take_stretches().into_iter();
+            store.append_frames(&rows.filter_map(|s| FrameRow::new(s, schedule, sitting)).collect::<Vec<_>>());
+            rated += 1;
+        }
+        if rated == trials {
+            break;
+        }
+        session.step(Event::Frame, now);
+    }
+}
+
+/// A session of which `trials` are rated.
+fn session(results: &Path, trials: usize) -> SessionStore {
+    let mut store = SessionStore::create(results, &protocol(), &identity(), 7, Sitting::default()).unwrap();
+    let schedule = Schedule::new(&protocol(), &identity(), 7).unwrap();
+    rate(&mut store, &schedule, &Resumed::default(), 1, trials);
+    store
+}
+
+#[test]
+fn what_is_written_is_what_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a_frames.csv");
+    let mut file = FrameFile::new(&path);
+    file.append(&[]).unwrap();
+    assert!(!path.exists(), "a session without frames has no file");
+    let rows = [
+        row(&[16_683, 16_684, 33_367]),
+        FrameRow { phase: Phase::Practice, shown: Shown::Recovery, refresh: None, sitting: 2, ..row(&[u32::MAX]) },
+        FrameRow { shown: Shown::Response, attempt: 3, ..row(&[1]) },
+        FrameRow { shown: Shown::Closing, ..row(&[7, 8]) },
+    ];
+    file.append(&rows[..1]).unwrap();
+    file.append(&rows[1..]).unwrap();
+    assert_eq!(
+        fs::read_to_string(&path).unwrap().lines().nth(1),
+        Some("1,main,2,1,stimulus,16683.350,16683 16684 33367")
+    );
+    let found = frames::read(&path).unwrap();
+    for (found, row) in found.iter().zip(&rows) {
+        let near = |a: Option<Refresh>, b: Option<Refresh>| {
+            a.is_some() == b.is_some() && a.zip(b).is_none_or(|(a, b)| (a.seconds() - b.seconds()).abs() < 1e-9)
+        };
+        assert!(near(found.refresh, row.refresh), "{found:?}");
+        assert_eq!(FrameRow { refresh: None, ..found.clone() }, FrameRow { refresh: None, ..row.clone() });
+    }
+    assert_eq!(found.len(), rows.len());
+    assert!(check(path.to_str().unwrap()).unwrap().contains("7 intervals in 4 stretches"));
+    // Cut in the middle, as by a power cut: it goes on after the last whole row.
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, &text[..text.len() - 3]).unwrap();
+    FrameFile::resume(&path).unwrap().append(&rows[3..]).unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), text);
+    // What is somebody else's is left alone.
+    fs::write(&path, "name,age\n").unwrap();
+    assert!(FrameFile::resume(&path).is_err());
+    assert!(FrameFile::new(&path).append(&rows).is_err());
+    assert_eq!(fs::read_to_string(&path).unwrap(), "name,age\n");
+}
+
+#[test]
+fn every_fault_of_a_file_of_frames_has_its_place() {
+    let good = "1,main,2,1,stimulus,16683.350,16683 16684";
+    let text = |line: &str| format!("{HEADER}\n{good}\n{line}\n");
+    for (line, expected) in [
+        ("1,main,2,1,stimulus,16683.350", "f.csv:3:1: the row has 6 cells; expected 7"),
+        ("0,main,2,1,stimulus,16683.350,1", "f.csv:3:1: sitting is \"0\"; expected a whole number from 1"),
+        ("1,mean,2,1,stimulus,16683.350,1", "f.csv:3:3: phase is \"mean\"; expected practice or main"),
+        (
+            "1,main,2,1,blank,16683.350,1",
+            "f.csv:3:12: state is \"blank\"; expected recovery, stimulus, response or closing",
+        ),
+        ("1,main,2,1,stimulus,-1,1", "f.csv:3:21: refresh_us is \"-1\"; expected microseconds"),
+        ("1,main,2,1,stimulus,16683.350,1  2", "f.csv:3:31: intervals_us is not a list"),
+        ("1,main,2,1,stimulus,16683.350,", "f.csv:3:31: intervals_us is not a list"),
+    ] {
+        let error = frames::parse("f.csv", &text(line)).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    assert_eq!(frames::parse("f.csv", &text(good)).unwrap().len(), 2);
+    assert!(frames::parse("f.csv", "").unwrap_err().to_string().starts_with("f.csv:1:1: "));
+}
+
+#[test]
+fn frames_stand_beside_the_rows_and_are_not_taken_for_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = session(folder.path(), 4);
+    let paths = paths(folder.path());
+    assert_eq!(store.frames_file().as_deref(), Some("subject-S001_session-1_task-few_frames.csv"));
+    store.finish(true, "then".to_owned(), None).unwrap();
+    let frames = frames::read(&paths.frames).unwrap();
+    let shown: Vec<_> = frames.iter().map(|row| (row.trial, row.shown, row.intervals_us.len())).collect();
+    let expected: Vec<_> = (1..=4).flat_map(|n| [(n, Shown::Recovery, 6), (n, Shown::Stimulus, 1)]).collect();
+    assert_eq!(shown, expected);
+    let rows = read(&paths.csv);
+    assert_eq!(rows.iter().map(|row| (row.late_onset, row.frames)).collect::<Vec<_>>(), [(Some(false), Some(1)); 4]);
+    assert!(rows.iter().all(|row| (row.stimulus_s.unwrap().0 - 1.0 / 60.0).abs() < 1e-4));
+    // By the folder and by a pattern of names, only the rows are read.
+    for named in [vec![folder.path().to_owned()], vec![paths.csv.clone(), paths.frames.clone()]] {
+        let source = Study::read(&named, &Reading::default()).unwrap().source;
+        assert_eq!((source.files.len(), source.faults.len()), (1, 0), "{named:?}");
+    }
+    // None is written over, also where the rows are gone.
+    fs::remove_file(&paths.csv).unwrap();
+    fs::remove_file(&paths.sidecar).unwrap();
+    let again = SessionStore::create(folder.path(), &protocol(), &identity(), 7, Sitting::default());
+    assert!(matches!(again, Err(StoreError::Exists(path)) if path == paths.frames));
+}
+
+fn read(csv: &Path) -> Vec<TrialRecord> {
+    results::parse("rows", &fs::read(csv).unwrap(), &columns(&protocol())).unwrap()
+}
+
+#[test]
+fn frames_that_cannot_be_written_are_noted_once_and_take_nothing_with_them() {
+    let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let mut store = SessionStore::create(first.path(), &protocol(), &identity(), 7, Sitting::default()).unwrap();
+    let schedule = Schedule::new(&protocol(), &identity(), 7).unwrap();
+    // A folder stands in its place.
+    let place = paths(first.path()).frames;
+    fs::create_dir(&place).unwrap();
+    rate(&mut store, &schedule, &Resumed::default(), 1, 2);
+    assert_eq!(read(&paths(first.path()).csv).len(), 2);
+    // Moved, everything is there.
+    store.move_to(second.path()).unwrap();
+    store.finish(false, "then".to_owned(), None).unwrap();
+    assert_eq!(frames::read(&paths(second.path()).frames).unwrap().len(), 4);
+    let sidecar = Sidecar::read(&paths(second.path()).sidecar).unwrap().unwrap();
+    let incidents = &sidecar.sittings[0].incidents;
+    let noted = incidents.iter().filter(|incident| incident.contains("frames could not be written")).count();
+    assert_eq!(noted, 1, "{incidents:?}");
+}
+
+/// The columns after the factors came later: a session that lacks them is read, checked and gone on with as it is.
+#[test]
+fn a_session_that_is_older_than_some_columns_goes_on_without_them() {
+    let folder = tempfile::tempdir().unwrap();
+    drop(session(folder.path(), 2));
+    let paths = paths(folder.path());
+    let text = fs::read_to_string(&paths.csv).unwrap();
+    // Without the last `missing` columns.
+    let cut = |missing: usize| -> String {
+        text.lines().map(|line| line.rsplitn(missing + 1, ',').last().unwrap().to_owned() + "\n").collect()
+    };
+    for missing in 0..=TRAILING {
+        fs::write(&paths.csv, cut(missing)).unwrap();
+        let rows = read(&paths.csv);
+        assert!(rows.len() == 2 && ["2", "3"].contains(&rows[0].further[0].as_str()), "{rows:?}");
+        let known = (rows[0].stimulus_s.is_some(), rows[0].late_onset.is_some());
+        assert_eq!(known, (missing < TRAILING, missing < TRAILING - 1), "{missing}");
+        assert!(check(paths.csv.to_str().unwrap()).is_ok());
+    }
+    let old = cut(TRAILING);
+    let (mut store, found) =
+        SessionStore::resume(folder.path(), &protocol(), &identity(), None, Sitting::default()).unwrap();
+    rate(&mut store, &found.schedule, &found.resumed, 2, 2);
+    store.finish(true, "then".to_owned(), None).unwrap();
+    drop(store);
+    let text = fs::read_to_string(&paths.csv).unwrap();
+    assert!(text.starts_with(&old));
+    let width = old.lines().next().unwrap().split(',').count();
+    assert!(text.lines().all(|line| line.split(',').count() == width), "{text}");
+    assert_eq!(read(&paths.csv).len(), 4);
+    assert!(check(paths.csv.to_str().unwrap()).unwrap().contains("4 of 4 planned trials"));
+    // Without its sidecar it is known by its header.
+    fs::remove_file(&paths.sidecar).unwrap();
+    assert!(check(paths.csv.to_str().unwrap()).unwrap().contains("4 rows"));
+    // What lacks another column is none of them.
+    fs::write(&paths.csv, text.replacen(",seed,", ",sead,", 1)).unwrap();
+    assert!(check(paths.csv.to_str().unwrap()).unwrap_err().to_string().contains("expected \"seed\""));
+}

@@ -1,0 +1,199 @@
+//! The photometer's page, driven without a display: patches, typed readings, the fit, the profile.
+
+use std::path::Path;
+
+use eframe::egui::{self, Key};
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT as _, Queryable as _},
+};
+use machband::{
+    app::{App, Launch},
+    light::Transfer,
+    store::{profile, readings},
+};
+
+fn harness() -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size([1000.0, 1000.0])
+        .with_pixels_per_point(1.0)
+        .with_step_dt(1.0 / 10.0)
+        .build_eframe(|cc| App::new(cc, Launch::default()));
+    harness.run_steps(3);
+    harness
+}
+
+fn click(harness: &mut Harness<'static, App>, label: &str) {
+    harness.get_by_label(label).click();
+    harness.run_steps(3);
+}
+
+fn press(harness: &mut Harness<'static, App>, key: Key) {
+    harness.key_press(key);
+    harness.run_steps(2);
+}
+
+/// Replaces what is in a field.
+fn fill(harness: &mut Harness<'static, App>, label: &str, text: &str) {
+    let field = harness.get_by_role_and_label(egui::Role::TextInput, label);
+    field.focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    harness.run_steps(2);
+    let field = harness.get_by_role_and_label(egui::Role::TextInput, label);
+    field.type_text(text);
+    harness.run_steps(2);
+}
+
+fn open(harness: &mut Harness<'static, App>) {
+    click(harness, "Display…");
+    click(harness, "Photometer");
+    harness.get_by_label("Show patches");
+}
+
+/// Channel and code of the patch on the screen.
+fn patch(harness: &Harness<'static, App>) -> Option<(String, f64)> {
+    let node = harness.query_by_label_contains("Patch ")?;
+    let name = node.accesskit_node().label()?;
+    let mut words = name.split(' ').skip(1);
+    Some((words.next()?.to_owned(), words.next()?.parse().ok()?))
+}
+
+fn cd_m2(channel: &str, code: f64) -> f64 {
+    let range = match channel {
+        "red" => 25.0,
+        "green" => 80.0,
+        "blue" => 10.0,
+        _ => 115.0,
+    };
+    0.3 + range * (code / 255.0f64).powf(2.2)
+}
+
+fn answer(harness: &mut Harness<'static, App>, text: &str) {
+    // The line has the keyboard.
+    harness.run_steps(12);
+    harness.event(egui::Event::Text(text.to_owned()));
+    harness.run_steps(2);
+    press(harness, Key::Enter);
+}
+
+fn begin(harness: &mut Harness<'static, App>, csv: &Path) {
+    open(harness);
+    fill(harness, "Readings are kept in", &csv.display().to_string());
+    fill(harness, "Seconds to settle", "0.5");
+    click(harness, "red, green, blue");
+    click(harness, "Show patches");
+}
+
+#[test]
+fn patches_are_read_and_become_a_profile() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, toml) = (folder.path().join("left.csv"), folder.path().join("left.toml"));
+    let mut harness = harness();
+    begin(&mut harness, &csv);
+    // White first. What is no number is told, and so is a reading before the patch has settled.
+    assert_eq!(patch(&harness), Some(("gray".to_owned(), 255.0)));
+    answer(&mut harness, "bright");
+    harness.get_by_label_contains("is no luminance; expected cd/m²");
+    assert_eq!(readings::open_begun(&csv).unwrap(), []);
+    fill(&mut harness, "gray 255 · cd/m²", "115.3");
+    press(&mut harness, Key::Enter);
+    let second = patch(&harness).unwrap();
+    assert_eq!(readings::open_begun(&csv).unwrap().len(), 1, "kept at once");
+    // Too soon.
+    harness.event(egui::Event::Text("1".to_owned()));
+    press(&mut harness, Key::Enter);
+    harness.get_by_label_contains("has not settled yet");
+    assert_eq!(patch(&harness).unwrap(), second);
+    // More light than white: asked once more, then taken back by going to the patch before.
+    fill(&mut harness, &format!("gray {} · cd/m²", second.1), "900");
+    harness.run_steps(8);
+    press(&mut harness, Key::Enter);
+    harness.get_by_label_contains("does not fit gray 255");
+    fill(&mut harness, &format!("gray {} · cd/m²", second.1), &cd_m2("gray", second.1).to_string());
+    press(&mut harness, Key::Enter);
+    click(&mut harness, "Previous");
+    assert_eq!(patch(&harness).unwrap(), second);
+    harness.run_steps(8);
+    press(&mut harness, Key::Enter);
+    // Left and come back to: the same settings go on where they were.
+    click(&mut harness, "Pause");
+    harness.get_by_label_contains("Paused after 2 of");
+    click(&mut harness, "Show patches");
+    let mut n = 2;
+    while let Some((channel, code)) = patch(&harness) {
+        answer(&mut harness, &cd_m2(&channel, code).to_string());
+        n += 1;
+        assert!(n < 60, "the patches do not end");
+    }
+    let read = readings::open(&csv).unwrap();
+    assert_eq!(read.all().len(), n);
+    harness.get_by_label_contains("Chosen: gamma");
+    harness.get_by_label_contains("red, green, blue not read");
+    fill(&mut harness, "Measured by", "AB");
+    fill(&mut harness, "Photometer", "LS-150");
+    fill(&mut harness, "Save as", &toml.display().to_string());
+    harness.get_by_label("Save the profile").scroll_to_me();
+    harness.run_steps(20);
+    click(&mut harness, "Save the profile");
+    harness.get_by_label_contains("Saved as");
+    let made = profile::open(&toml).unwrap();
+    let Some(Transfer::Gamma(gamma)) = made.transfers.uniform() else { panic!("{:?}", made.transfers) };
+    assert!((gamma - 2.2).abs() < 1e-6, "{gamma}");
+    let measured = made.measured.unwrap();
+    assert_eq!((measured.by.as_deref(), measured.with.as_deref()), (Some("AB"), Some("LS-150")));
+}
+
+#[test]
+fn a_file_of_readings_is_fitted_and_a_bad_one_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = |levels: &[f64]| {
+        let row = |channel: &str, v: &f64| {
+            format!("{},{v},{}\n", &channel[..if channel == "gray" { 4 } else { 1 }], cd_m2(channel, 255.0 * v))
+        };
+        let channels = ["red", "green", "blue", "gray"];
+        let rows: String = channels.iter().flat_map(|channel| levels.iter().map(move |v| row(channel, v))).collect();
+        format!("channel,level,luminance_cd_m2\n{rows}")
+    };
+    let good = folder.path().join("good.csv");
+    std::fs::write(&good, rows(&[0.0, 0.25, 0.5, 0.75, 1.0])).unwrap();
+    let bad = folder.path().join("bad.csv");
+    std::fs::write(&bad, rows(&[0.0, 0.5, 1.0])).unwrap();
+    let mut harness = harness();
+    open(&mut harness);
+    fill(&mut harness, "File of readings", &bad.display().to_string());
+    click(&mut harness, "Fit this file");
+    harness.get_by_label_contains("red: too few levels: 3");
+    click(&mut harness, "Back");
+    fill(&mut harness, "File of readings", &good.display().to_string());
+    click(&mut harness, "Fit this file");
+    harness.get_by_label_contains("Chosen: gamma");
+    harness.get_by_label_contains("Gray differs from the sum of its channels");
+    press(&mut harness, Key::Escape);
+    harness.get_by_label("Show patches");
+}
+
+#[test]
+fn looks() {
+    let folder = tempfile::tempdir().unwrap();
+    let shot = |harness: &mut Harness<'static, App>, name: &str| {
+        harness.render().unwrap().save(format!("/tmp/hA/{name}.png")).unwrap();
+    };
+    let mut harness = harness();
+    open(&mut harness);
+    shot(&mut harness, "setup");
+    fill(&mut harness, "Readings are kept in", &folder.path().join("x.csv").display().to_string());
+    click(&mut harness, "Show patches");
+    harness.run_steps(12);
+    answer(&mut harness, "115.2");
+    answer(&mut harness, "900");
+    shot(&mut harness, "patch");
+    press(&mut harness, Key::Escape);
+    shot(&mut harness, "paused");
+    fill(&mut harness, "File of readings", "/tmp/hA/sim.csv");
+    click(&mut harness, "Fit this file");
+    shot(&mut harness, "outcome1");
+    harness.get_by_label("Save the profile").scroll_to_me();
+    harness.run_steps(20);
+    shot(&mut harness, "outcome2");
+}

@@ -1,0 +1,109 @@
+//! The measurement of frames, driven without a display: here every frame takes a 60th of a second.
+
+use std::fs;
+
+use eframe::egui::Key;
+use egui_kittest::{Harness, kittest::Queryable as _};
+use machband::app::{
+    App, Launch,
+    timing::{Patch, Plan, SceneKind, Slot, TimingRequest},
+};
+
+type Window = Harness<'static, App>;
+
+fn builder() -> egui_kittest::HarnessBuilder<App> {
+    Harness::builder().with_size([1000.0, 900.0]).with_step_dt(1.0 / 60.0)
+}
+
+fn click(window: &mut Window, label: &str) {
+    window.get_by_label(label).scroll_to_me();
+    window.run_steps(20);
+    window.get_by_label(label).click();
+    window.run_steps(3);
+}
+
+/// Display, then Timing, from Home.
+fn pane() -> Window {
+    let mut window = builder().build_eframe(|cc| App::new(cc, Launch::default()));
+    window.run_steps(3);
+    click(&mut window, "Display…");
+    click(&mut window, "Timing");
+    window
+}
+
+fn says(window: &Window, text: &str) -> bool {
+    window.query_all_by_label_contains(text).next().is_some()
+}
+
+#[test]
+fn the_pane_measures_tells_and_exports() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("frames.csv");
+    let mut window = pane();
+    assert!(!says(&window, "photosensitive"), "the trial does not flicker");
+    click(&mut window, "Measure");
+    window.run_steps(640);
+    for text in ["600", "60.000 Hz, 16.667 ms, measured", "dropped frames", "missed refreshes"] {
+        assert!(says(&window, text), "{text}");
+    }
+    assert!(says(&window, "16.667 ms"));
+    let field = window.get_by_label("Export to");
+    field.focus();
+    window.run_steps(2);
+    window.key_press_modifiers(eframe::egui::Modifiers::COMMAND, Key::A);
+    window.get_by_label("Export to").type_text(out.to_str().unwrap());
+    window.run_steps(2);
+    click(&mut window, "Export");
+    let csv = fs::read_to_string(&out).unwrap();
+    assert_eq!(csv.lines().next(), Some("frame,interval_us,dropped"));
+    let intervals: Vec<u32> =
+        csv.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect();
+    assert_eq!(intervals.len(), 600);
+    assert!(intervals.iter().all(|us| (16_666..=16_667).contains(us)));
+    assert!(csv.lines().skip(1).all(|line| line.ends_with(",0")));
+    assert!(fs::read_to_string(out.with_extension("svg")).unwrap().starts_with("<svg"));
+    // Keys lead back.
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    assert!(window.query_by_label("Timing").is_some());
+}
+
+#[test]
+fn a_flicker_is_warned_of_twice_and_can_be_stopped() {
+    let mut window = pane();
+    click(&mut window, "A patch that flips");
+    assert!(says(&window, "photosensitive epilepsy"));
+    click(&mut window, "Measure");
+    assert!(says(&window, "It begins in 3 s. Esc stops.") && says(&window, "photosensitive epilepsy"));
+    window.run_steps(60);
+    assert!(says(&window, "It begins in 2 s"));
+    window.run_steps(150);
+    assert!(!says(&window, "photosensitive"), "it flickers");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(says(&window, "Measure") && !says(&window, "median"));
+}
+
+#[test]
+fn the_command_gets_its_report_and_the_window_closes() {
+    for scene in [SceneKind::Patch, SceneKind::Trial, SceneKind::Demo] {
+        let found = Slot::default();
+        let request = TimingRequest {
+            plan: Plan { scene, frames: 50, patch: Patch::default() },
+            fullscreen: false,
+            report: found.clone(),
+        };
+        let mut window: Window = builder().build_eframe(|cc| App::timing(cc, request));
+        window.run_steps(40);
+        assert!(found.take().is_none(), "not before its end");
+        window.run_steps(250);
+        let report = found.take().expect("measured");
+        assert_eq!(report.intervals_us().len(), 50, "{scene:?}");
+        assert!(report.first.is_some_and(|first| first.since_start_s >= 0.0 && first.unix_s > 1e9));
+        assert_eq!(report.csv().lines().count(), 51);
+        let rows = report.rows();
+        assert!(rows.contains(&("median", "16.667 ms".to_owned())), "{rows:?}");
+    }
+}
