@@ -13,9 +13,11 @@ fn dictionary() -> String {
          results/EXPERIMENT/dataset_description.json\n\
          results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_data.csv    one row a trial, on disk before the next trial is shown\n\
          results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_data.json   the sidecar: definition, seed, program, screen, geometry, frames, columns\n\
+         results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_frames.csv  every frame interval in microseconds, one row for what stood on the screen\n\
          ```\n\n\
          NAME is the experiment's name without hyphens. Missing values are empty. A corrected response is a new row with\n\
-         `attempt` + 1; the last attempt counts. A factor without a column below has one of its own name, after these.\n\n\
+         `attempt` + 1; the last attempt counts. A factor without a column below has one of its own name, after `seed`;\n\
+         files of earlier versions end before some of the columns after that.\n\n\
          | column | unit | what |\n|---|---|---|\n",
     );
     for column in columns(&definition::open("bangay2003").unwrap()) {

@@ -5,8 +5,8 @@ use std::{fs, path::Path, time::Duration};
 use machband::{
     display::frames::Refresh,
     experiment::{
-        Event, FrameCount, Identity, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions, Shown,
-        State, TRAILING, TrialRecord, columns,
+        Effect, Event, FrameCount, Identity, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
+        Shown, State, TRAILING, TrialRecord, columns,
     },
     report::Study,
     store::{
@@ -58,12 +58,12 @@ fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sittin
     for frame in 0.. {
         let now = Duration::from_secs_f64(f64::from(frame) / 60.0);
         let event = match session.state() {
-            State::Stimulus { .. } => Event::Rate(2),
-            State::PhaseStart(_) | State::Break => Event::Continue,
+            State::Stimulus { .. } => Some(Event::Rate(2)),
+            State::PhaseStart(_) | State::Break => Some(Event::Continue),
             State::Done => break,
-            _ => Event::Frame,
+            _ => None,
         };
-        if let machband::experiment::Effect::Record(response) = session.step(event, now) {
+        if let Some(Effect::Record(response)) = event.map(|event| session.step(event, now)) {
             store.append(&TrialRecord::new(&context, &response, jiff::Timestamp::UNIX_EPOCH + response.onset)).unwrap();
             session.step(Event::Stored, now);
             let rows = session.take_stretches().into_iter();

@@ -195,7 +195,7 @@ fn a_display_that_is_no_power_is_told() {
         let level = &gray.levels[level];
         assert!((level.code - code).abs() < 4.0 * level.code_error.max(0.5), "{level:?}");
     }
-    assert_eq!(estimates.transfers().unwrap().uniform().is_some(), true);
+    assert!(estimates.transfers().unwrap().uniform().is_some());
     assert!(estimates.with().starts_with("visual nulling by staircase, 80 answers"), "{}", estimates.with());
 }
 
@@ -312,10 +312,10 @@ fn the_check_vanishes_only_where_the_profile_is_right() {
         for (lit, period) in CHECKED {
             let field = |error| CheckField::new(&transfers, channel, [lit, period], 1, error);
             let expected = quantizer.codes([field(0.0).share() as f32; 3]).map(|code| code as u8);
-            for i in 0..3 {
+            for (i, expected) in expected.into_iter().enumerate() {
                 let carried = channel.index().is_none_or(|index| index == i);
                 let patch = field(0.0).patch[i];
-                assert_eq!(patch, if carried { expected[i] } else { 0 });
+                assert_eq!(patch, if carried { expected } else { 0 });
                 if carried && lit * 4 <= period * 2 {
                     assert!(field(0.2).patch[i] >= patch + 2 && field(-0.2).patch[i] <= patch - 2, "{channel} {lit}");
                 }

@@ -532,7 +532,7 @@ mod faults {
             ),
             (
                 Box::new(|file| edit(file, |text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1))),
-                "S1.csv:18:1: the row has 27 cells; expected 26, as the header has",
+                "S1.csv:18:1: the row has 30 cells; expected 29, as the header has",
                 23,
             ),
             (
@@ -552,7 +552,7 @@ mod faults {
             ),
             (
                 Box::new(|file| edit(file, |text| text.replace(",rating,", ",ratings,"))),
-                "S1.csv:1:1: the column rating is missing; expected one of row_id, experiment, subject_id, session_id, phase, block, trial, attempt, repetition, stimulus, width, depth, orientation_deg, low, high, color, ratings, response_time_s, onset_s, recovery_s, frames, dropped_frames, started_at, sitting, seed, tanh_k; did you mean ratings?",
+                "S1.csv:1:1: the column rating is missing; expected one of row_id, experiment, subject_id, session_id, phase, block, trial, attempt, repetition, stimulus, width, depth, orientation_deg, low, high, color, ratings, response_time_s, onset_s, recovery_s, frames, dropped_frames, started_at, sitting, seed, tanh_k, stimulus_s, late_onset, response_uncertainty_s; did you mean ratings?",
                 12,
             ),
             (

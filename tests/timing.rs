@@ -456,10 +456,10 @@ mod session {
         let kept = serde_json::to_value(&protocol).unwrap();
         assert_eq!(definition::from_json("sidecar", &kept).unwrap(), protocol);
         for (presentation, place) in [
-            ("duration_s = 0", "t.toml:6:14: duration_s 0 is outside 0.001…600"),
+            ("duration_s = 0", "t.toml:6:1: duration_s 0 is outside 0.001…600"),
             ("duration = 1", "t.toml:6:1: unknown key \"duration\""),
             ("", "presentation.duration_s is missing"),
-            ("duration_s = \"long\"", "t.toml:6:14: presentation.duration_s is the text \"long\"; expected a number"),
+            ("duration_s = \"long\"", "presentation.duration_s is the text \"long\"; expected a number"),
         ] {
             let faults = definition::parse("t.toml", &text(presentation)).unwrap_err().to_string();
             assert!(faults.contains(place), "{presentation}: {faults}");

@@ -64,9 +64,9 @@ impl Staircase {
         let mut steps: Vec<Step> = Vec::with_capacity(changes.len());
         let mut after = first;
         for (u, channel, code) in changes {
-            for twin in channel..3 {
+            for (twin, after) in after.iter_mut().enumerate() {
                 if alike(twin, channel) {
-                    after[twin] = code;
+                    *after = code;
                 }
             }
             let x = (u - 0.5) * ramp.width;

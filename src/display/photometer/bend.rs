@@ -44,7 +44,7 @@ pub(super) struct Stiffness {
 
 /// A shift as a function of the encoded value.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Bend {
+pub(super) struct Bend {
     at: Vec<f64>,
     weights: Vec<f64>,
     length: f64,

@@ -109,11 +109,15 @@ fn curve(readings: &Readings, channel: Channel) -> Vec<ReadingFault> {
         })
     });
     let falls: Vec<ReadingFault> = falls.collect();
-    if falls.is_empty() { saturated(channel, &means, black_cd_m2).into_iter().collect() } else { falls }
+    if falls.is_empty() {
+        saturated(channel, &means, black_cd_m2, readings.resolution_cd_m2()).into_iter().collect()
+    } else {
+        falls
+    }
 }
 
 /// The lowest level from which on the light has stopped rising, where there is one.
-fn saturated(channel: Channel, means: &[LevelMean], black_cd_m2: f64) -> Option<ReadingFault> {
+fn saturated(channel: Channel, means: &[LevelMean], black_cd_m2: f64, resolution: f64) -> Option<ReadingFault> {
     let (white, below) = means.split_last()?;
     let light = |at: &LevelMean| at.luminance_cd_m2 - black_cd_m2;
     let stopped = |at: &&LevelMean| {
@@ -124,7 +128,9 @@ fn saturated(channel: Channel, means: &[LevelMean], black_cd_m2: f64) -> Option<
         // The exponent on the way up to this level, at least that of a linear display.
         let exponent = ((light(at) / light(half)).ln() / (at.level / half.level).ln()).clamp(1.0, 3.0);
         let promised = exponent * (1.0 / at.level).ln();
-        promised >= CLEAR_RISE && (light(white) / light(at)).ln() < STOPPED * promised
+        // Equal to the last digit, though a step would show.
+        let same = white.luminance_cd_m2 == at.luminance_cd_m2 && promised * light(at) > 5.0 * resolution;
+        same || promised >= CLEAR_RISE && (light(white) / light(at)).ln() < STOPPED * promised
     };
     // A flat top alone is saturation: above the level that is found, all are.
     let upper: Vec<&LevelMean> =

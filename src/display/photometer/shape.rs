@@ -11,7 +11,7 @@ pub enum Family {
     Gamma,
     /// Gain, offset and gamma: L = B + S·(max(V + k, 0)^γ − k₊^γ)/((1 + k)^γ − k₊^γ), k the offset divided by the gain.
     Gog,
-    /// The best of these, bent to the readings: see [`super::bend`].
+    /// The best of these, bent to the readings where they ask for it; monotone.
     Table,
 }
 

@@ -72,7 +72,7 @@ impl NullingPane {
                     go = ToolGo::Saved(path);
                     Stage::Results(results)
                 }
-                results::Go::Check(profile) => Stage::Check(results, Box::new(CheckScreen::new(profile))),
+                results::Go::Check(profile) => Stage::Check(results, Box::new(CheckScreen::new(*profile))),
             },
             Stage::Check(results, mut check) => match check.show(ui, monitor) {
                 ToolGo::Stay => Stage::Check(results, check),
@@ -148,10 +148,10 @@ fn paused(ui: &mut egui::Ui, mut trials: Box<Trials>) -> Stage {
     }
 }
 
-/// Space or Enter, where no control has the keyboard.
+/// Space, where no control has the keyboard. Not Enter: that ends the typing in a field, and is for the field alone.
 fn proceeds(ui: &egui::Ui) -> bool {
     let focused = ui.ctx().memory(|memory| memory.focused().is_some());
-    !focused && ui.input(|input| input.key_pressed(Key::Space) || input.key_pressed(Key::Enter))
+    !focused && ui.input(|input| input.key_pressed(Key::Space))
 }
 
 fn full_screen(ctx: &egui::Context, full: bool) {

@@ -33,7 +33,7 @@ pub struct Results {
 pub enum Go {
     Stay,
     Again,
-    Check(DisplayProfile),
+    Check(Box<DisplayProfile>),
     Saved(PathBuf),
 }
 
@@ -115,7 +115,7 @@ impl Results {
             if ui.button("Check on the screen…").clicked()
                 && let Some(profile) = self.named()
             {
-                *go = Go::Check(profile);
+                *go = Go::Check(Box::new(profile));
             }
             if theme::primary(ui, "Save and use", !self.name.trim().is_empty(), "")
                 && let Some(named) = self.named()

@@ -173,8 +173,8 @@ impl Trials {
     /// Keys and progress, or what went wrong.
     fn below(&self, ui: &mut egui::Ui) {
         let keys = match self.nulling.plan().method {
-            Method::Staircase => "The square is brighter: ↑  darker: ↓  the same: S",
-            Method::Adjustment => "Make the square vanish: ← →  then Enter",
+            Method::Staircase => "The square is brighter: arrow up · darker: arrow down · the same: S",
+            Method::Adjustment => "Make the square vanish: arrows left and right, then Enter",
         };
         let progress = self.nulling.progress();
         let text = format!("{keys} · {} of {} · Esc pauses", progress.done + 1, progress.total);

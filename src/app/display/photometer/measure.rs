@@ -249,5 +249,8 @@ fn draw(ui: &mut egui::Ui, patch: &Patch, area: Rect, percent: u32) {
     ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(red, green, blue));
     let name = format!("Patch {} {}", patch.channel, patch.code);
     let response = ui.interact(rect, ui.scope_id().with("patch"), egui::Sense::hover());
+    if response.hovered() {
+        ui.ctx().set_cursor_icon(egui::CursorIcon::None);
+    }
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
 }
