@@ -58,6 +58,12 @@ fn a_profile_a_plot_and_a_report_come_of_readings() {
     let output = machband(folder.path(), &arguments);
     assert!(output.status.success(), "{}", told(&output));
     let said = String::from_utf8(output.stdout).unwrap();
+    // Both files are what `check` takes them for.
+    let checked = machband(folder.path(), &["check", "r.csv", "left.toml"]);
+    assert!(checked.status.success(), "{}", told(&checked));
+    let found = String::from_utf8(checked.stdout).unwrap();
+    assert!(found.contains("36 readings of a photometer, red, green, blue, gray"), "{found}");
+    assert!(found.contains("display profile Left (γ 2.200"), "{found}");
     for part in
         ["gamma  green    2.2000", "chosen: gamma", "better by cross-validation: gamma", "additivity", "white 115.30"]
     {

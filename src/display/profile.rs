@@ -113,8 +113,8 @@ impl DisplayProfile {
     #[must_use]
     pub fn sentence(&self) -> String {
         let transfer = match self.transfers.uniform() {
-            None if self.transfers.has_table() => "a table for each channel".to_owned(),
-            _ => self.transfers.to_string(),
+            Some(transfer) => in_words(transfer),
+            None => self.transfers.channels().each_ref().map(in_words).join(" / "),
         };
         let luminance = self.luminance.map_or_else(String::new, |range| {
             format!(", {} to {} cd/m²", short(range.black_cd_m2), short(range.white_cd_m2))
@@ -149,6 +149,15 @@ impl DisplayProfile {
             }
             Some(_) => None,
         }
+    }
+}
+
+/// A transfer function for people: no more digits than a measurement has.
+fn in_words(transfer: &Transfer) -> String {
+    match transfer {
+        Transfer::Gamma(gamma) => format!("γ {gamma:.3}"),
+        Transfer::Gog(gog) => format!("γ {:.3}, gain {:.3}, offset {:+.3}", gog.gamma(), gog.gain(), gog.offset()),
+        Transfer::Linear | Transfer::Srgb | Transfer::Table(_) => transfer.to_string(),
     }
 }
 

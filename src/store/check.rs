@@ -3,12 +3,13 @@
 use std::{collections::HashMap, path::Path};
 
 use super::{
-    FileFault, FileFaults, definition, frames, image, observer, profile, results, sidecar::Sidecar, text, toml_reader,
+    FileFault, FileFaults, definition, frames, image, nulling, observer, profile, readings, results, sidecar::Sidecar,
+    text, toml_reader,
 };
 use crate::experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns, columns_by_header};
 
-/// Checks a definition, a display profile, an observer (`.toml`) or a result file (`.csv`), or a built-in definition by
-/// its name, and says in one sentence what it is.
+/// Checks a definition, a display profile, an observer (`.toml`), a result file, a photometer's readings or the answers of a
+/// nulling (`.csv`), an image (`.png`), or a built-in definition by its name, and says in one sentence what it is.
 ///
 /// # Errors
 /// Every fault.
@@ -19,7 +20,11 @@ pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
     let path = Path::new(name_or_path);
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("csv") if name_or_path.ends_with(frames::SUFFIX) => check_frames(path),
-        Some("csv") => check_results(path),
+        Some("csv") => match first_column(path).as_deref() {
+            Some("channel") => check_readings(path),
+            Some("event") => check_nulling(path),
+            _ => check_results(path),
+        },
         Some("png") => image::prove(path),
         Some("toml") => check_toml(name_or_path, &text::read(path)?),
         _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path)
@@ -27,7 +32,7 @@ pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
             .unwrap_or_else(|| FileFaults::whole(name_or_path, "cannot be checked; expected a .toml or .csv file"))),
         _ => Err(FileFaults::whole(
             name_or_path,
-            "is of no known kind; expected a definition, display profile or observer (.toml), a result file (.csv), or an image (.png)",
+            "is of no known kind; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
         )),
     }
 }
@@ -88,6 +93,23 @@ fn check_results(path: &Path) -> Result<String, FileFaults> {
         _ => summary += "; no sidecar beside it, so the order was not checked",
     }
     if faults.is_empty() { Ok(summary) } else { Err(FileFaults(faults)) }
+}
+
+/// The name of a table's first column; `None` where there is none to be read.
+fn first_column(path: &Path) -> Option<String> {
+    let text = std::fs::read(path).ok()?;
+    let name = text.split(|byte| b",;\r\n".contains(byte)).next()?;
+    Some(String::from_utf8_lossy(name).trim_start_matches('\u{feff}').trim().to_owned())
+}
+
+fn check_readings(path: &Path) -> Result<String, FileFaults> {
+    let readings = readings::open(path)?;
+    let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
+    Ok(format!("{} readings of a photometer, {}", readings.all().len(), channels.join(", ")))
+}
+
+fn check_nulling(path: &Path) -> Result<String, FileFaults> {
+    Ok(format!("{} answers of a visual nulling", nulling::open(path)?.len()))
 }
 
 /// The frames beside a result file.
