@@ -205,7 +205,7 @@ impl Home {
         });
         row(ui, "Display profile", |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                ui.add(egui::TextEdit::singleline(&mut self.form.profile).desired_width(300.0).hint_text("sRGB"))
+                ui.add(egui::TextEdit::singleline(&mut self.form.profile).desired_width(210.0).hint_text("sRGB"))
                     .labelled_by(label);
                 self.browse(ui, Field::Profile, "Choose a display profile…");
                 measure = ui.button("Measure…").on_hover_text("The screen's light, size and timing.").clicked();

@@ -53,15 +53,13 @@ impl CheckScreen {
             ui.add_space(8.0);
             for strip in self.made.iter().flat_map(|(_, strips)| strips) {
                 ui.strong(capital(strip.channel));
-                ui.horizontal_wrapped(|ui| {
-                    for (text, texture) in &strip.fields {
-                        ui.vertical(|ui| {
-                            let label = format!("{}, {text}", strip.channel);
-                            wide_picture(ui, texture, [FIELD_PX; 2], &label);
-                            ui.label(theme::quiet(text));
-                        });
-                    }
-                });
+                // As many beside each other as there is room for.
+                let side = FIELD_PX as f32 / ui.ctx().pixels_per_point();
+                let gap = ui.spacing().item_spacing.x;
+                let beside = ((ui.available_width() + gap) / (side + gap)).floor().max(1.0) as usize;
+                for fields in strip.fields.chunks(beside) {
+                    ui.horizontal(|ui| fields.iter().for_each(|field| show_field(ui, strip.channel, field)));
+                }
                 ui.add_space(8.0);
             }
         });
@@ -89,6 +87,13 @@ impl CheckScreen {
         let strips = [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(strip);
         self.made = Some((row_px, strips.into()));
     }
+}
+
+fn show_field(ui: &mut egui::Ui, channel: Channel, (text, texture): &(String, TextureHandle)) {
+    ui.vertical(|ui| {
+        wide_picture(ui, texture, [FIELD_PX; 2], &format!("{channel}, {text}"));
+        ui.label(theme::quiet(text));
+    });
 }
 
 /// The channel's name with which a line begins.
