@@ -4,6 +4,7 @@
 //! finish → analysis.
 
 mod analysis;
+mod blit;
 pub mod demo;
 mod dialog;
 mod display;
@@ -202,6 +203,7 @@ impl App {
 
     fn at(cc: &eframe::CreationContext<'_>, page: Page, direct: bool) -> Self {
         theme::apply(&cc.egui_ctx);
+        blit::install(cc);
         let (form, input) = (form::Form::default(), input::Input::default());
         Self { page, behind: None, direct, monitors: Vec::new(), form, input }
     }

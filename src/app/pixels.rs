@@ -2,8 +2,13 @@
 //!
 //! A texture drawn at physical pixels, without filtering and tint, reaches the screen byte for byte.
 
-use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, TextureHandle, TextureId, TextureOptions, Vec2};
+use std::sync::Arc;
 
+use eframe::egui::{
+    self, Color32, ColorImage, Pos2, Rect, TextureHandle, TextureId, TextureOptions, Vec2, epaint::ImageDelta,
+};
+
+use super::blit::{self, Part};
 use crate::{
     light::{CodeImage, Quantizer},
     stimulus::Stimulus,
@@ -27,7 +32,10 @@ pub fn texture_of(ctx: &egui::Context, name: &str, image: &CodeImage) -> Texture
         Some(bytes) => ColorImage::from_rgb(size, bytes),
         None => ColorImage::filled(size, Color32::BLACK),
     };
-    ctx.load_texture(name, pixels, TextureOptions::NEAREST)
+    let pixels = Arc::new(pixels);
+    let texture = ctx.load_texture(name, pixels.clone(), TextureOptions::NEAREST);
+    blit::upload(ctx, texture.id(), &ImageDelta::full(pixels, TextureOptions::NEAREST));
+    texture
 }
 
 /// The colour of a uniform field of linear light.
@@ -46,6 +54,9 @@ pub fn draw_centred(ui: &egui::Ui, texture: &TextureHandle, size: u32, area: Rec
 
 /// Draws a texture of `size` physical pixels one to one with its upper left corner at `min`, a whole pixel.
 fn draw_at(ui: &egui::Ui, texture: &TextureHandle, size: u32, min: Pos2) {
+    if blit::draw(ui, texture.id(), part(ui, [size; 2], 0..size, min)) {
+        return;
+    }
     let side = size as f32 / ui.ctx().pixels_per_point();
     let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
     ui.painter().image(texture.id(), Rect::from_min_size(min, Vec2::splat(side)), whole, Color32::WHITE);
@@ -67,10 +78,24 @@ pub fn draw_columns(ui: &egui::Ui, texture: TextureId, size: [u32; 2], columns: 
     if columns.is_empty() {
         return;
     }
+    if blit::draw(ui, texture, part(ui, size, columns.clone(), min)) {
+        return;
+    }
     let scale = ui.ctx().pixels_per_point();
     let [width, height] = size.map(|side| side as f32);
     let [from, to] = [columns.start as f32, columns.end as f32];
     let rect = Rect::from_min_max(min + Vec2::new(from, 0.0) / scale, min + Vec2::new(to, height) / scale);
     let part = Rect::from_min_max(Pos2::new(from / width, 0.0), Pos2::new(to / width, 1.0));
     ui.painter().image(texture, rect, part, Color32::WHITE);
+}
+
+/// The columns `columns` of a picture of `size` physical pixels whose upper left corner is at `min`, a whole pixel.
+fn part(ui: &egui::Ui, size: [u32; 2], columns: std::ops::Range<u32>, min: Pos2) -> Part {
+    let corner = (min.to_vec2() * ui.ctx().pixels_per_point()).round();
+    let from = columns.start as f32;
+    Part {
+        at: [corner.x + from, corner.y],
+        from: [from, 0.0],
+        size: [(columns.end - columns.start) as f32, size[1] as f32],
+    }
 }
