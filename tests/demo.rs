@@ -407,7 +407,7 @@ fn ignoring_gamma_shows_only_between_vertices() {
     let compared = Comparison::default();
     let frame = compared.frame(&Surface::new(MeshChoice::Named(Shape::Cube, 8).mesh().unwrap()), 128, 128);
     let naive = side.frame(&frame, &Transfer::Srgb);
-    let quantizer = Quantizer::new(&side.transfer(&Transfer::Srgb), Bits::Eight);
+    let quantizer = Quantizer::new(side.transfer(&Transfer::Srgb), Bits::Eight);
     let right = Quantizer::new(&Transfer::Srgb, Bits::Eight);
     let mut apart = 0;
     for t in 0..frame.triangles.len() {

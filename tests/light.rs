@@ -247,7 +247,7 @@ fn transfers_are_read_and_refused_with_reasons() {
         assert_eq!(text.parse::<Transfer>().unwrap().to_string(), text);
     }
     let message = |text: &str| text.parse::<Transfer>().unwrap_err().to_string();
-    assert!(message("rec709").contains("expected srgb, linear or gamma:G"));
+    assert!(message("rec709").contains("expected srgb, linear, gamma:G such as gamma:2.2, or gog:"));
     for text in ["gamma:0", "gamma:-1", "gamma:nan", "gamma:inf", "gamma:", "gamma:11"] {
         assert!(message(text).contains("outside 0.1…10"), "{text}: {}", message(text));
     }

@@ -46,7 +46,7 @@ fn fill(harness: &mut Harness<'static, App>, label: &str, text: &str) {
 }
 
 fn open(harness: &mut Harness<'static, App>) {
-    click(harness, "Display…");
+    click(harness, "Measure…");
     click(harness, "Photometer");
     harness.get_by_label("Show patches");
 }

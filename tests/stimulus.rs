@@ -231,7 +231,7 @@ proptest! {
     ) {
         prop_assert_eq!(band.validate(), Ok(()));
         let quantizer = match transfer {
-            7 => Quantizer::new(&Transfer::gamma(gamma).unwrap(), Bits::Eight),
+            7 => Quantizer::new(Transfer::gamma(gamma).unwrap(), Bits::Eight),
             other => quantizers().swap_remove(other),
         };
         assert_fast_is_reference(&band, size, &quantizer);

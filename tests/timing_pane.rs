@@ -26,7 +26,7 @@ fn click(window: &mut Window, label: &str) {
 fn pane() -> Window {
     let mut window = builder().build_eframe(|cc| App::new(cc, Launch::default()));
     window.run_steps(3);
-    click(&mut window, "Display…");
+    click(&mut window, "Measure…");
     click(&mut window, "Timing");
     window
 }
