@@ -330,7 +330,7 @@ pub fn hash(profile: &DisplayProfile) -> String {
     Sha256::digest(canonical.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Writes a profile, whole or not at all; [`open`] reads it back the same.
+/// Writes a profile, whole or not at all; [`open`](fn@open) reads it back the same.
 ///
 /// # Errors
 /// The system's refusal.
