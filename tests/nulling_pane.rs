@@ -161,7 +161,7 @@ fn an_observer_at_the_keys_gets_the_gamma_of_the_screen() {
     assert_eq!(nulling::open(&file).unwrap().len(), 42);
     let broken = text.replace(",red,", ",rot,");
     let faults = nulling::parse("answers", &broken).unwrap_err().to_string();
-    assert!(faults.contains("expected red, green, blue or gray"), "{faults}");
+    assert!(faults.contains("expected r, g, b or gray"), "{faults}");
 }
 
 #[test]

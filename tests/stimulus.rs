@@ -220,6 +220,19 @@ prop_compose! {
     }
 }
 
+/// Below an offset all codes are dark: the first twelve have one threshold, the smallest light there is.
+#[test]
+fn codes_that_a_dark_toe_skips_are_skipped() {
+    let quantizer = Quantizer::new(Transfer::gog(2.2, 1.05, -0.05).unwrap(), Bits::Eight);
+    for (width, orientation_deg) in [(0.884_692_315_109_643_1, -234.444_854_903_795_72), (1.0, -234.444_854_903_795_72)]
+    {
+        for depth in (1..=32).map(Depth::Finite) {
+            let band = MachBand { width, depth, orientation_deg, low: 0.0, high: 1.0, ..MachBand::default() };
+            assert_fast_is_reference(&band, 93, &quantizer);
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1500))]
 

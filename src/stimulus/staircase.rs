@@ -39,9 +39,9 @@ pub(super) fn codes(weights: [f64; 3], luminance: f64, quantizer: &Quantizer) ->
 impl Staircase {
     pub fn new(ramp: &Ramp, weights: [f64; 3], quantizer: &Quantizer) -> Self {
         let first = codes(weights, ramp.low, quantizer);
-        let last = codes(weights, ramp.high, quantizer);
+        let end = codes(weights, ramp.high, quantizer);
         if ramp.width == 0.0 {
-            let steps = if first == last { vec![] } else { vec![Step { x: 0.0, after: last }] };
+            let steps = if first == end { vec![] } else { vec![Step { x: 0.0, after: end }] };
             return Self { first, steps, doubt: DOUBT_X };
         }
         let doubt_u = doubt_u(&ramp.interpolation);
@@ -51,10 +51,15 @@ impl Staircase {
         for channel in 0..3 {
             // Channels that are alike change together: the first of them stands for all.
             if (0..channel).all(|before| !alike(before, channel)) {
-                let mut u = 0.0;
-                changes.extend((first[channel]..last[channel]).map(|code| {
+                // A display with a dark toe skips codes: they have one threshold, and must have one place.
+                let (mut last, mut u) = (None, 0.0);
+                changes.extend((first[channel]..end[channel]).map(|code| {
                     let threshold = quantizer.channel(channel).threshold(u16::from(code) + 1);
-                    u = reach(ramp, weights[channel], threshold, doubt_u, u);
+                    if last != Some(threshold) {
+                        // Never before the code below, whatever the last digits do.
+                        u = reach(ramp, weights[channel], threshold, doubt_u, u).max(u);
+                        last = Some(threshold);
+                    }
                     (u, channel, code + 1)
                 }));
             }

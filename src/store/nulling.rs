@@ -8,7 +8,10 @@ use std::{
 };
 
 use super::{FileFault, FileFaults, StoreError, dataset::sync_folder, fault::io, text};
-use crate::display::nulling::{NullingStimulus, Observation, RowField};
+use crate::display::{
+    UnknownChannel,
+    nulling::{NullingStimulus, Observation, RowField},
+};
 
 /// The columns. `event` is `answer` or `taken-back`; `level` counts from 0 in the order of the plan; `lit` of `period`
 /// rows, `row_px` pixels thick, have the code `hi`, the others `lo`; `time_s` is the time since the first picture;
@@ -174,7 +177,7 @@ fn row(line: &str) -> Result<(&str, Observation), String> {
     if rows.lit == 0 || rows.lit >= rows.period || rows.row_px == 0 {
         return Err(format!("{lit} of {period} rows of {row_px} pixels; expected at least one lit and one not"));
     }
-    let channel = channel.parse().map_err(|expected| format!("channel {channel:?}: {expected}"))?;
+    let channel = channel.parse().map_err(|error: UnknownChannel| error.to_string())?;
     let observation = Observation {
         trial: number("trial", trial)?,
         level: number("level", level)?,
