@@ -10,6 +10,7 @@ use super::{
     identity::{Identity, fnv1a},
     protocol::{Order, Protocol},
 };
+use crate::light::shuffle::shuffle;
 
 /// How an order follows from a seed, for the sidecar. Changing what this names changes recorded data's meaning.
 pub const GENERATOR: &str = "ChaCha8, seed_from_u64(seed), stream FNV-1a-64(subject_id NUL session_id), Fisher-Yates from the end, rejection sampling";
@@ -201,24 +202,6 @@ fn number(phase: Phase, conditions: usize, cells: impl Iterator<Item = (u32, usi
             Trial { phase, block, number, repetition: seen[condition], condition }
         })
         .collect()
-}
-
-/// Fisher–Yates, written out so that no library's next version can change an order.
-fn shuffle<T>(items: &mut [T], rng: &mut ChaCha8Rng) {
-    for i in (1..items.len()).rev() {
-        items.swap(i, below(rng, i as u64 + 1) as usize);
-    }
-}
-
-/// Uniform in `0..bound`, by rejection: no value is likelier than another.
-fn below(rng: &mut ChaCha8Rng, bound: u64) -> u64 {
-    let limit = u64::MAX - u64::MAX % bound;
-    loop {
-        let draw = rng.next_u64();
-        if draw < limit {
-            return draw % bound;
-        }
-    }
 }
 
 /// Rearranges the shuffled `cells` from `settled` on until no factor keeps a level for more than `max_run` trials in a

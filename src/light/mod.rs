@@ -20,6 +20,7 @@ pub mod interpolation;
 pub mod matrix;
 pub mod palette;
 pub mod quantize;
+pub mod shuffle;
 pub mod transfers;
 
 pub use depth::{Depth, DepthError};

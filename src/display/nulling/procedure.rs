@@ -11,6 +11,7 @@ use super::{
     observation::{Judgement, NullingStimulus, Observation, RowField},
     plan::{Method, Plan, PlanError},
 };
+use crate::light::shuffle::{below, shuffle};
 
 /// How far a patch is placed from the believed match, in spreads of the observer's comparison: near, since there an
 /// answer tells most of the match; not at it, since two codes tell of the spread too.
@@ -196,22 +197,4 @@ fn schedule(plan: &Plan, rng: &mut ChaCha8Rng) -> Vec<Trial> {
 /// Uniform in −1…1.
 fn draw(rng: &mut ChaCha8Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-}
-
-/// Fisher–Yates, written out so that no library's next version can change an order.
-fn shuffle<T>(items: &mut [T], rng: &mut ChaCha8Rng) {
-    for i in (1..items.len()).rev() {
-        items.swap(i, below(rng, i as u64 + 1) as usize);
-    }
-}
-
-/// Uniform in `0..bound`, by rejection.
-fn below(rng: &mut ChaCha8Rng, bound: u64) -> u64 {
-    let limit = u64::MAX - u64::MAX % bound;
-    loop {
-        let draw = rng.next_u64();
-        if draw < limit {
-            return draw % bound;
-        }
-    }
 }

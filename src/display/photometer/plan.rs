@@ -1,15 +1,13 @@
 //! In which order patches are shown, and what repeated whites say.
 
-use rand_chacha::{
-    ChaCha8Rng,
-    rand_core::{Rng, SeedableRng as _},
-};
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
     fault::LEAST_LEVELS,
     reading::{Channel, Reading},
     readings::Readings,
 };
+use crate::light::shuffle::shuffle;
 
 /// How an order follows from a seed. Changing what this names changes the order.
 pub const GENERATOR: &str = "ChaCha8, seed_from_u64(seed), Fisher-Yates from the end, rejection sampling";
@@ -141,23 +139,6 @@ fn patch(settings: &PlanSettings, channel: Channel, step: usize) -> Patch {
     let largest = f64::from(settings.largest_code);
     let code = (largest * step as f64 / (settings.levels - 1) as f64).round();
     Patch { channel, code: code as u16, level: code / largest }
-}
-
-fn shuffle<T>(items: &mut [T], rng: &mut ChaCha8Rng) {
-    for last in (1..items.len()).rev() {
-        items.swap(last, below(last as u64 + 1, rng) as usize);
-    }
-}
-
-/// Evenly among 0…`n` − 1.
-fn below(n: u64, rng: &mut ChaCha8Rng) -> u64 {
-    let whole = u64::MAX - u64::MAX % n;
-    loop {
-        let drawn = rng.next_u64();
-        if drawn < whole {
-            return drawn % n;
-        }
-    }
 }
 
 /// How the most light of a channel changed from its first reading to its last.

@@ -1,0 +1,21 @@
+//! Orders that follow from a seed, written out so that no library's next version can change one.
+
+use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
+
+/// Brings `items` into a random order: Fisher and Yates.
+pub fn shuffle<T>(items: &mut [T], rng: &mut ChaCha8Rng) {
+    for i in (1..items.len()).rev() {
+        items.swap(i, below(rng, i as u64 + 1) as usize);
+    }
+}
+
+/// Uniform in `0..bound`, by rejection: no value is likelier than another. `bound` is above 0.
+pub fn below(rng: &mut ChaCha8Rng, bound: u64) -> u64 {
+    let limit = u64::MAX - u64::MAX % bound;
+    loop {
+        let draw = rng.next_u64();
+        if draw < limit {
+            return draw % bound;
+        }
+    }
+}
