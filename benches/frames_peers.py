@@ -11,7 +11,9 @@ moment the process is started to the moment its first frame has been handed over
     peers/bin/pip install pyglet==1.5.27 numpy pillow scipy pandas matplotlib packaging pyyaml requests freetype-py \\
         opencv-python-headless json_tricks python-bidi arabic-reshaper openpyxl pyparsing msgpack gevent tables \\
         msgpack-numpy psutil six
-    DISPLAY=:20 python3 benches/frames_peers.py --machband target/release/machband --python peers/bin/python
+    cargo build --release --example bare_window
+    DISPLAY=:20 python3 benches/frames_peers.py --machband target/release/machband --python peers/bin/python \\
+        --bare target/release/examples/bare_window
 
 Prints a line a pair and then medians, 99 % and ratios. Exit status 0; 1 where a program fails.
 """
@@ -68,12 +70,16 @@ def machband(arguments, scene):
 
 def psychopy(arguments):
     size = arguments.size if arguments.fullscreen else arguments.window
+    full = "1" if arguments.fullscreen else "0"
+    return told("PsychoPy", [arguments.python, "-c", PEER, repr(size), str(arguments.frames), full])
+
+
+def told(name, command):
     began = time.time()
-    command = [arguments.python, "-c", PEER, repr(size), str(arguments.frames), "1" if arguments.fullscreen else "0"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT")), None)
     if line is None:
-        sys.exit(f"PsychoPy failed:\n{done.stdout}\n{done.stderr}")
+        sys.exit(f"{name} failed:\n{done.stdout}\n{done.stderr}")
     _, first, *times = line.split()
     return [float(t) * 1e3 for t in times], float(first) - began
 
@@ -87,6 +93,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--machband", required=True, help="the release binary")
     parser.add_argument("--python", default=sys.executable, help="a Python that has PsychoPy")
+    parser.add_argument("--bare", help="the example bare_window, for what the graphics take for nothing")
     parser.add_argument("--frames", type=int, default=300)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--fullscreen", action="store_true", help="needs a window manager for machband")
@@ -94,12 +101,19 @@ def main():
     parser.add_argument("--window", type=pair, default=(1100, 860), help="a window, WIDTHxHEIGHT; machband's own size")
     arguments = parser.parse_args()
     runs = {"machband trial": [], "machband demo": [], "PsychoPy": []}
+    if arguments.bare:
+        runs["bare window"] = []
     for turn in range(arguments.rounds):
         order = list(runs)
         # Each comes first in its turn.
-        order = order[turn % 3 :] + order[: turn % 3]
+        order = order[turn % len(order) :] + order[: turn % len(order)]
         for name in order:
-            run = psychopy(arguments) if name == "PsychoPy" else machband(arguments, name.split()[1])
+            if name == "PsychoPy":
+                run = psychopy(arguments)
+            elif name == "bare window":
+                run = told(name, [arguments.bare, str(arguments.frames)])
+            else:
+                run = machband(arguments, name.split()[1])
             runs[name].append(run)
             median, start = statistics.median(run[0]), run[1]
             print(f"{turn + 1}  {name:<15} median {median:7.3f} ms  99 % {percentile(run[0], 0.99):7.3f} ms  first frame {start:6.3f} s", flush=True)

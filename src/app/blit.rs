@@ -117,12 +117,12 @@ pub struct Part {
 }
 
 /// Brings a new picture to the graphics at once: egui does so only when the frame is drawn, and the frame that shows a
-/// picture first is the one that counts.
-pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::ImageDelta) {
+/// picture first is the one that counts. `false` where there are no graphics.
+pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::ImageDelta) -> bool {
     let found: Option<Textures> = ctx.data(|data| data.get_temp(Id::NULL));
-    if let Some(Textures { renderer, device, queue }) = found {
-        renderer.write().update_texture(&device, &queue, texture, delta);
-    }
+    let Some(Textures { renderer, device, queue }) = found else { return false };
+    renderer.write().update_texture(&device, &queue, texture, delta);
+    true
 }
 
 /// Draws a part of a picture pixel for pixel; `false` where egui has to, since the picture has not reached the graphics

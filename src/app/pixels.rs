@@ -32,10 +32,38 @@ pub fn texture_of(ctx: &egui::Context, name: &str, image: &CodeImage) -> Texture
         Some(bytes) => ColorImage::from_rgb(size, bytes),
         None => ColorImage::filled(size, Color32::BLACK),
     };
-    let pixels = Arc::new(pixels);
+    load(ctx, name, Arc::new(pixels))
+}
+
+fn load(ctx: &egui::Context, name: &str, pixels: Arc<ColorImage>) -> TextureHandle {
     let texture = ctx.load_texture(name, pixels.clone(), TextureOptions::NEAREST);
     blit::upload(ctx, texture.id(), &ImageDelta::full(pixels, TextureOptions::NEAREST));
     texture
+}
+
+/// A texture whose picture is another with every frame: it is made once, and each picture is uploaded once.
+#[derive(Default)]
+pub struct Canvas {
+    /// The frame in which the texture was made, and the texture.
+    made: Option<(u64, TextureHandle)>,
+}
+
+impl Canvas {
+    /// Puts a picture in the place of the one before.
+    pub fn put(&mut self, ctx: &egui::Context, name: &str, pixels: Arc<ColorImage>) -> TextureHandle {
+        let frame = ctx.cumulative_frame_nr();
+        // In the frame that made it, egui has its first picture still to upload, and would put it over this one.
+        if let Some((made, texture)) = &self.made
+            && *made != frame
+            && texture.size() == pixels.size
+            && blit::upload(ctx, texture.id(), &ImageDelta::partial([0, 0], pixels.clone(), TextureOptions::NEAREST))
+        {
+            return texture.clone();
+        }
+        let texture = load(ctx, name, pixels);
+        self.made = Some((frame, texture.clone()));
+        texture
+    }
 }
 
 /// The colour of a uniform field of linear light.

@@ -48,6 +48,8 @@ pub struct Demo {
     file: FileField,
     export: export::Export,
     dragging: bool,
+    /// Turned from outside since the last frame.
+    turning: bool,
     /// What the last timing found.
     times: Vec<String>,
 }
@@ -75,15 +77,17 @@ impl Default for Demo {
             file: FileField::default(),
             export: export::Export::default(),
             dragging: false,
+            turning: false,
             times: Vec::new(),
         }
     }
 }
 
 impl Demo {
-    /// Turns the mesh about the upright axis.
+    /// Turns the mesh about the upright axis, as a hand that drags it does.
     pub(super) fn turn(&mut self, degrees: f64) {
         self.compared.turn(degrees, 0.0);
+        self.turning = true;
     }
 
     /// Draws the page.
@@ -224,7 +228,8 @@ impl Demo {
         let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
         let (rect, size) = canvas::whole_pixels(ui.ctx(), room);
         let label = format!("The surface: {} on the left, {} on the right", titles[0], titles[1]);
-        self.dragging = canvas::interact(ui, rect, &mut self.compared, &mut self.look, &label);
+        let dragged = canvas::interact(ui, rect, &mut self.compared, &mut self.look, &label);
+        self.dragging = dragged || std::mem::take(&mut self.turning);
         self.refresh(ui.ctx(), size);
         self.draw(ui, rect, size);
         canvas::draw_marks(ui, rect, &self.compared, &self.look);
@@ -346,7 +351,7 @@ impl Demo {
         let pictures = self.pictures.as_ref()?;
         let split = |left: &CodeImage, right: &CodeImage| render::split(left, right, self.look.column(left.width));
         Some(match self.look.show {
-            Show::Split => split(&*pictures.sides[0].codes()?, &*pictures.sides[1].codes()?),
+            Show::Split => split(&pictures.sides[0].codes()?, &pictures.sides[1].codes()?),
             Show::Difference => self.difference.as_ref()?.codes.clone(),
             Show::Creases => {
                 let [left, right] = self.metric.as_ref()?.drawn()?;

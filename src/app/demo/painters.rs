@@ -1,8 +1,11 @@
 //! Who draws the pictures: the rasteriser, or the graphics card.
 
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
-use eframe::{egui, egui_wgpu::RenderState};
+use eframe::{
+    egui::{self, Color32, ColorImage},
+    egui_wgpu::RenderState,
+};
 
 use super::{
     card::Card,
@@ -10,8 +13,8 @@ use super::{
     render::Picture,
 };
 use crate::{
-    app::pixels,
-    light::{CodeImage, Samples, Transfer},
+    app::pixels::Canvas,
+    light::Transfer,
     shading::{
         Frame, Shade,
         raster::{Encoder, Prepared, Rasterizer},
@@ -31,6 +34,8 @@ pub enum DrawnBy {
 pub struct Painters {
     rasterizer: Rasterizer,
     encoder: Option<(Transfer, Encoder)>,
+    /// What the rasteriser's pictures are shown on, left and right.
+    canvases: [Canvas; 2],
     card: Result<Card, String>,
     /// Who is to draw, if both can.
     pub wanted: DrawnBy,
@@ -48,6 +53,7 @@ impl Painters {
         Painters {
             rasterizer: Rasterizer::new(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
             encoder: None,
+            canvases: Default::default(),
             card,
             wanted: if fast { DrawnBy::Card } else { DrawnBy::Cpu },
         }
@@ -81,8 +87,15 @@ impl Painters {
         }
     }
 
-    /// Draws one side of a frame.
-    pub fn draw(&mut self, ctx: &egui::Context, frame: &Frame, side: &Side, transfer: &Transfer) -> Picture {
+    /// Draws one side of a frame: left for `which` 0, right for 1.
+    pub fn draw(
+        &mut self,
+        ctx: &egui::Context,
+        which: usize,
+        frame: &Frame,
+        side: &Side,
+        transfer: &Transfer,
+    ) -> Picture {
         let shown = side.frame(frame, transfer);
         let transfer = side.transfer(transfer);
         if self.by() == DrawnBy::Card
@@ -94,20 +107,19 @@ impl Painters {
                 Err(fault) => self.card = Err(fault.to_string()),
             }
         }
-        let (rgba, ms) = self.draw_here(&shown, &side.shade, &transfer);
-        let codes = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-        let codes = CodeImage { width: frame.width, height: frame.height, samples: Samples::Eight(codes) };
-        let texture = pixels::texture_of(ctx, "demo", &codes);
-        Picture::here(codes, texture, ms)
+        let (pixels, ms) = self.draw_here(&shown, &side.shade, &transfer);
+        let pixels = Arc::new(pixels);
+        let texture = self.canvases[which].put(ctx, "demo", pixels.clone());
+        Picture::here(pixels, texture, ms)
     }
 
-    fn draw_here(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> (Vec<u8>, f64) {
+    fn draw_here(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> (ColorImage, f64) {
         let encoder = encoder(&mut self.encoder, transfer);
         let begun = Instant::now();
         let prepared = Prepared::new(frame, shade);
-        let mut rgba = vec![0; 4 * frame.width as usize * frame.height as usize];
-        self.rasterizer.draw_codes(&prepared, encoder, &mut rgba);
-        (rgba, begun.elapsed().as_secs_f64() * 1e3)
+        let mut pixels = ColorImage::filled([frame.width as usize, frame.height as usize], Color32::BLACK);
+        self.rasterizer.draw_codes(&prepared, encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
+        (pixels, begun.elapsed().as_secs_f64() * 1e3)
     }
 
     /// How long each that can draw takes for each side, the median of several, in words.

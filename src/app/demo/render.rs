@@ -1,8 +1,8 @@
 //! From a comparison to the two pictures: computed when something has changed, and then kept.
 
-use std::{borrow::Cow, rc::Rc, time::Instant};
+use std::{rc::Rc, sync::Arc, time::Instant};
 
-use eframe::egui::{self, TextureHandle, TextureId};
+use eframe::egui::{self, ColorImage, TextureHandle, TextureId};
 
 use super::{
     card::CardPicture,
@@ -75,7 +75,7 @@ pub struct Picture {
 
 /// Where a picture is.
 enum Image {
-    Here(CodeImage, TextureHandle),
+    Here(Arc<ColorImage>, TextureHandle),
     OnCard(CardPicture),
 }
 
@@ -99,7 +99,7 @@ impl Pictures {
         }
         for (i, side) in compared.sides.iter().enumerate() {
             if pictures.compared.sides[i] != *side {
-                pictures.sides[i] = painters.draw(ctx, &pictures.frame, side, &compared.transfer);
+                pictures.sides[i] = painters.draw(ctx, i, &pictures.frame, side, &compared.transfer);
                 pictures.edition += 1;
             }
         }
@@ -117,7 +117,7 @@ impl Pictures {
         let begun = Instant::now();
         let frame = compared.frame(model.surface(), size[0], size[1]);
         let frame_ms = ms_since(begun);
-        let sides = compared.sides.map(|side| painters.draw(ctx, &frame, &side, &compared.transfer));
+        let sides = [0, 1].map(|i| painters.draw(ctx, i, &frame, &compared.sides[i], &compared.transfer));
         let by = painters.by();
         Pictures { compared: compared.clone(), version: model.version, size, by, edition: 0, frame, frame_ms, sides }
     }
@@ -130,8 +130,8 @@ impl Pictures {
 
 impl Picture {
     /// One that took `ms` milliseconds, in memory and as a texture.
-    pub fn here(codes: CodeImage, texture: TextureHandle, ms: f64) -> Picture {
-        Picture { image: Image::Here(codes, texture), ms }
+    pub fn here(pixels: Arc<ColorImage>, texture: TextureHandle, ms: f64) -> Picture {
+        Picture { image: Image::Here(pixels, texture), ms }
     }
 
     /// One that took `ms` milliseconds, on the card.
@@ -148,10 +148,14 @@ impl Picture {
     }
 
     /// Its codes; `None` where the card does not give them back.
-    pub fn codes(&self) -> Option<Cow<'_, CodeImage>> {
+    pub fn codes(&self) -> Option<CodeImage> {
         match &self.image {
-            Image::Here(codes, _) => Some(Cow::Borrowed(codes)),
-            Image::OnCard(picture) => picture.codes().map(Cow::Owned),
+            Image::Here(pixels, _) => {
+                let [width, height] = pixels.size.map(|side| side as u32);
+                let codes = pixels.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
+                Some(CodeImage { width, height, samples: Samples::Eight(codes) })
+            }
+            Image::OnCard(picture) => picture.codes(),
         }
     }
 }
@@ -178,7 +182,7 @@ impl Difference {
             return Some(before);
         }
         let [left, right] = &pictures.sides;
-        let codes = difference(&*left.codes()?, &*right.codes()?, factor);
+        let codes = difference(&left.codes()?, &right.codes()?, factor);
         let texture = pixels::texture_of(ctx, "difference", &codes);
         Some(Difference { edition: pictures.edition, factor, codes, texture })
     }

@@ -20,6 +20,7 @@ use crate::{
     experiment::FrameCount,
     store::{
         dataset::SessionPaths,
+        profile,
         sidecar::{PreflightNote, Sidecar},
     },
 };
@@ -34,8 +35,8 @@ const SETTLE_S: f64 = 0.7;
 /// The page.
 pub struct Preflight {
     request: Request,
-    /// Transfer function and stimulus size of the sitting that was interrupted.
-    before: Option<(String, u64)>,
+    /// What the sitting that was interrupted had.
+    before: Option<Before>,
     since: Option<f64>,
     frames: FrameStatistics,
     /// What the system tells of the screen, looked up when the window has come to rest.
@@ -47,12 +48,29 @@ pub struct Preflight {
     refused: Option<String>,
 }
 
-fn sitting_before(request: &Request) -> Option<(String, u64)> {
+/// The screen of an earlier sitting.
+struct Before {
+    /// In words.
+    profile: String,
+    /// Whether its profile is the one that is in use now.
+    same_profile: bool,
+    size_px: u64,
+}
+
+fn sitting_before(request: &Request) -> Option<Before> {
     let paths = SessionPaths::new(&request.results, &request.protocol, &request.identity);
     let sidecar = Sidecar::read(&paths.sidecar).ok()??;
     let sitting = sidecar.sittings.last()?;
-    let transfer = sitting.display.as_ref()?["transfer"].as_str()?.to_owned();
-    Some((transfer, sitting.viewing.as_ref()?["stimulus_px"].as_u64()?))
+    let display = sitting.display.as_ref()?;
+    let transfer = display["transfer"].as_str()?;
+    Some(Before {
+        profile: format!("{} ({transfer})", display["name"].as_str().unwrap_or("a profile")),
+        same_profile: match display["sha256"].as_str() {
+            Some(hash) => hash == profile::hash(&request.display),
+            None => transfer == request.display.transfers.to_string(),
+        },
+        size_px: sitting.viewing.as_ref()?["stimulus_px"].as_u64()?,
+    })
 }
 
 /// What was found.
@@ -257,8 +275,8 @@ impl Preflight {
             },
             window,
         });
-        if let (Some((transfer, size_px)), Some(now)) = (&self.before, &prepared) {
-            let same = *transfer == self.request.display.transfers.to_string() && *size_px == u64::from(now.size_px);
+        if let (Some(Before { profile, same_profile, size_px }), Some(now)) = (&self.before, &prepared) {
+            let same = *same_profile && *size_px == u64::from(now.size_px);
             note(
                 "same_as_before",
                 same,
@@ -266,7 +284,7 @@ impl Preflight {
                     "Display profile and stimulus size are those of the sitting before.".to_owned()
                 } else {
                     format!(
-                        "The sitting before had {transfer} and a stimulus of {size_px} pixels: go back and restore that, unless you mean to change it."
+                        "The sitting before had the display profile {profile} and a stimulus of {size_px} pixels: go back and restore that, unless you mean to change it."
                     )
                 },
             );
