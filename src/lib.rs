@@ -1,4 +1,4 @@
-//! machband: measure, analyse and generate, and later predict, the visibility of Mach bands.
+//! machband: measure, analyse, generate and predict the visibility of Mach bands.
 //!
 //! **Scope.** Full-screen rating experiments on luminance ramps (width, continuity depth, orientation), their exact
 //! stimulus images, their data; shaders of meshes without the bands. **Not in scope**: reaction-time or threshold paradigms in general, other modalities,
@@ -15,7 +15,8 @@
 //! | 0 | [`light`] | interpolation I_n, transfer functions, light to codes, images |
 //! | 1 | [`display`] | visual angle, cm and pixels; what is known of a screen |
 //! | 1 | [`shading`] | meshes, illumination, the shaders on CPU and graphics card, how far their slopes jump |
-//! | 2 | [`stimulus`] | a validated description becomes an image |
+//! | 1 | [`vision`] | image or profile → how visible its bands are |
+//! | 2 | [`stimulus`] | a validated description becomes an image, and what is seen of it |
 //! | 3 | [`experiment`] | definition, order, session, record, observers |
 //! | 4 | [`analysis`] | counts of ratings in, ordinal models and tests out |
 //! | 4 | [`store`] | every file format |
@@ -35,3 +36,4 @@ pub mod report;
 pub mod shading;
 pub mod stimulus;
 pub mod store;
+pub mod vision;

@@ -10,6 +10,7 @@ mod counts;
 mod options;
 mod parallel;
 mod plan;
+mod predict;
 mod ratings;
 mod run;
 mod shade;
@@ -43,6 +44,7 @@ enum Command {
     Simulate(simulate::Arguments),
     Check(check::Arguments),
     Plan(plan::Arguments),
+    Predict(predict::Arguments),
     Analyze(analyze::Arguments),
     Calibrate(calibrate::Arguments),
     Counts(counts::Arguments),
@@ -67,6 +69,7 @@ pub fn main() -> ExitCode {
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Plan(arguments)) => plan::run(&arguments),
+        Some(Command::Predict(arguments)) => predict::run(&arguments),
         Some(Command::Analyze(arguments)) => analyze::run(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Counts(arguments)) => counts::run(&arguments),

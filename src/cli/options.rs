@@ -38,6 +38,14 @@ impl TransferOptions {
     }
 }
 
+impl TransferOptions {
+    /// The luminance of white, cd/m², where a profile has it.
+    pub(super) fn white(&self) -> anyhow::Result<Option<f64>> {
+        let profile = self.display.as_deref().map(store::profile::open).transpose()?;
+        Ok(profile.and_then(|profile| profile.luminance).map(|range| range.white_cd_m2))
+    }
+}
+
 /// How light becomes codes.
 #[derive(clap::Args)]
 pub(super) struct ImageOptions {

@@ -13,7 +13,7 @@ use super::{UsageError, parallel, progress_style};
 use crate::{
     experiment::{
         FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions, TrialRecord,
-        UniformObserver, simulate,
+        UniformObserver, VisionObserver, simulate,
     },
     store::{
         StoreError, definition, observer,
@@ -41,10 +41,11 @@ pub(super) struct Arguments {
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value_os_t = super::default_results())]
     results: PathBuf,
-    /// Who rates: `paper` follows the paper's findings, `random` presses any key.
-    #[arg(long, default_value = "paper", value_parser = ["paper", "random"])]
+    /// Who rates: `paper` follows the paper's findings, `vision` rates what the model of vision sees, `random` presses
+    /// any key.
+    #[arg(long, default_value = "paper", value_parser = ["paper", "random", "vision"])]
     observer: String,
-    /// Parameters of the `paper` observer; the documented default is experiments/observers/paper.toml.
+    /// Parameters of the `paper` or the `vision` observer; the documented defaults are in experiments/observers.
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
     /// Go on with what an interrupted run left; sessions that are complete stay as they are.
@@ -59,7 +60,7 @@ struct Rater {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let protocol = definition::open(&arguments.experiment)?;
-    let rater = rater(arguments)?;
+    let rater = rater(arguments, &protocol)?;
     let started = Instant::now();
     let trials = protocol.main_trials() + protocol.design.practice as usize;
     let total = arguments.participants as usize;
@@ -77,13 +78,21 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     ))
 }
 
-fn rater(arguments: &Arguments) -> anyhow::Result<Rater> {
+fn rater(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<Rater> {
     match (arguments.observer.as_str(), &arguments.observer_file) {
         ("random", None) => {
             Ok(Rater { observer: Box::new(UniformObserver), description: json!({ "observer": "random" }) })
         }
         ("random", Some(_)) => {
-            Err(UsageError("--observer-file belongs to --observer paper; expected one of them alone".to_owned()).into())
+            Err(UsageError("--observer-file belongs to --observer paper or vision; expected one of them".to_owned())
+                .into())
+        }
+        ("vision", file) => {
+            let parameters = file.as_deref().map(observer::open_vision).transpose()?.unwrap_or_default();
+            let description = json!({ "observer": "vision", "vision": parameters });
+            let observer = VisionObserver::new(parameters, protocol)
+                .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.experiment))?;
+            Ok(Rater { observer: Box::new(observer), description })
         }
         (_, file) => {
             let parameters = match file {

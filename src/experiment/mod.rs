@@ -17,7 +17,7 @@ mod texts;
 pub use condition::{Condition, Factor};
 pub use frame_log::{Shown, Stretch};
 pub use identity::{Identity, IdentityError};
-pub use observer::{Observer, OrderedLogit, UniformObserver, simulate};
+pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate};
 pub use protocol::{
     Category, Design, Fault, Order, Presentation, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan,
     name_fault,

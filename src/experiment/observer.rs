@@ -9,12 +9,15 @@ use rand_chacha::{
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::{
+    condition::Condition,
     identity::{Identity, fnv1a},
+    protocol::Protocol,
     session::{Effect, Event, Session, State, TrialResponse},
 };
 use crate::{
     light::interpolation::Depth,
     stimulus::{ParameterValue, Stimulus},
+    vision::{Criterion, Eye, VisionError},
 };
 
 /// Something that rates a stimulus.
@@ -130,6 +133,69 @@ impl OrderedLogit {
 impl Observer for OrderedLogit {
     fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
         self.rate_at(self.predictor(stimulus, subject), rng)
+    }
+}
+
+/// An observer who rates how visible the model of vision finds a band.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct VisionRater {
+    /// Where one rating gives way to the next.
+    pub criterion: Criterion,
+    /// Standard deviation of the participants, on ln visibility.
+    pub subject_sd: f64,
+    /// Probability of a random key.
+    pub lapse: f64,
+}
+
+impl Default for VisionRater {
+    /// As `experiments/observers/vision.toml`.
+    fn default() -> Self {
+        Self { criterion: Criterion::default(), subject_sd: 0.4, lapse: 0.01 }
+    }
+}
+
+/// A [`VisionRater`] in front of the conditions of an experiment, each looked at once.
+#[derive(Clone, Debug)]
+pub struct VisionObserver {
+    rater: VisionRater,
+    seen: Vec<(Stimulus, f64)>,
+}
+
+/// Pixels of the window in which stimuli are looked at.
+const SEEN_PX: u32 = 512;
+
+impl VisionObserver {
+    /// Looks at every condition of `protocol` in its window.
+    ///
+    /// # Errors
+    /// [`VisionError`] where a stimulus cannot be seen, such as one that is all black.
+    pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, VisionError> {
+        let window = protocol.viewing.window_deg;
+        let eye = Eye { field_deg: window, ..Eye::default() };
+        // A validated protocol has them.
+        let conditions = protocol.conditions().unwrap_or_default();
+        let look = |condition: Condition| {
+            let view = condition.stimulus.seen(SEEN_PX, f64::from(SEEN_PX) / window, &eye)?;
+            Ok((condition.stimulus, view.visibility().max()))
+        };
+        Ok(Self { rater, seen: conditions.into_iter().map(look).collect::<Result<_, VisionError>>()? })
+    }
+
+    /// How visible it finds a stimulus of the experiment; 0 for any other.
+    #[must_use]
+    pub fn visibility(&self, stimulus: &Stimulus) -> f64 {
+        self.seen.iter().find(|(known, _)| known == stimulus).map_or(0.0, |(_, visibility)| *visibility)
+    }
+}
+
+impl Observer for VisionObserver {
+    fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
+        let VisionRater { criterion, subject_sd, lapse } = &self.rater;
+        if unit(rng) < *lapse {
+            return any_key(rng);
+        }
+        let u = unit(rng);
+        criterion.rate(self.visibility(stimulus) * (subject_sd * subject).exp(), (u / (1.0 - u)).ln())
     }
 }
 

@@ -8,6 +8,7 @@ pub mod figures;
 pub mod html;
 pub mod intervals;
 mod output;
+pub mod prediction;
 mod study;
 pub mod tables;
 

@@ -15,6 +15,7 @@ pub mod mach_band;
 mod orientation;
 pub mod parameter;
 pub mod recipe;
+mod seen;
 mod shaded_mesh;
 mod staircase;
 mod vasarely;
@@ -31,6 +32,7 @@ pub use cylinder::{Cylinder, Shading};
 pub use kanizsa::Kanizsa;
 pub use mach_band::{MachBand, Ramp, RampSpace};
 pub use parameter::{Parameter, ParameterError, ParameterValue};
+pub use seen::View;
 pub use shaded_mesh::{ShadedMesh, Triple};
 pub use vasarely::Vasarely;
 

@@ -91,6 +91,16 @@ pub fn write_shaded(
     write_whole(path, &bytes, false)
 }
 
+/// Writes codes for a screen with sRGB's transfer function, without a word of how they were made.
+///
+/// # Errors
+/// The system's refusal.
+pub fn write_codes(path: &Path, image: &CodeImage) -> Result<(), StoreError> {
+    let bytes = encode(image, &Transfer::Srgb.into(), &[])
+        .map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
+    write_whole(path, &bytes, false)
+}
+
 fn dots(recipe: &Recipe, screen: Screen) -> Result<CodeImage, HalftoneError> {
     let linear = recipe.linear();
     let of = |transfer| Halftone::new(screen.matrix, screen.bits, transfer)?.enlarged(&linear);

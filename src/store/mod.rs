@@ -15,6 +15,7 @@ pub mod manifest;
 pub mod nulling;
 pub mod obj;
 pub mod observer;
+pub mod picture;
 pub mod profile;
 pub mod ratings;
 pub mod readings;

@@ -1,0 +1,170 @@
+//! Predicted visibility held against ratings: a criterion fitted to them, and how well the order agrees.
+
+use crate::{
+    analysis::{
+        ModelSpec,
+        counts::{Counts, CountsBuilder},
+        fit,
+        terms::Terms,
+    },
+    vision::Criterion,
+};
+
+/// Visibility that counts as this at least: below half of what is just seen there is nothing to tell apart, and the
+/// logarithm of nothing is none.
+const LEAST: f64 = 0.5;
+
+/// How a prediction stands to ratings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    /// Where one rating gives way to the next, by maximum likelihood.
+    pub criterion: Criterion,
+    /// Conditions that both have.
+    pub conditions: usize,
+    /// Ratings of them.
+    pub ratings: u64,
+    /// Spearman's correlation of visibility and mean rating over conditions.
+    pub rank_correlation: Option<f64>,
+    /// The same with each subject alone, the mean over subjects.
+    pub with_subjects: Option<f64>,
+    /// What any model could reach of that: the mean over subjects of the correlation with the mean of the others, and
+    /// with the mean of all (Nili et al. 2014, PLoS Comput. Biol. 10:e1003553). `None` for a single subject.
+    pub ceiling: Option<[f64; 2]>,
+}
+
+/// Why ratings say nothing about a prediction.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HeldError {
+    /// Nothing in common.
+    #[error("the ratings have none of the conditions predicted; expected ratings of this experiment")]
+    NoCondition,
+    /// Another scale.
+    #[error("{0} categories are rated; expected the four of the scale 0–3")]
+    Categories(usize),
+    /// No thresholds can be had.
+    #[error("{0}; expected ratings that rise with visibility and use all of the scale")]
+    NoFit(String),
+}
+
+/// Holds `visibilities`, one for each of the counts' conditions and `None` where it is not predicted, against ratings.
+///
+/// # Errors
+/// [`HeldError`], where they have nothing in common, or no criterion can be fitted.
+pub fn hold(counts: &Counts, visibilities: &[Option<f64>]) -> Result<Held, HeldError> {
+    if counts.categories.len() != 4 {
+        return Err(HeldError::Categories(counts.categories.len()));
+    }
+    let predicted = |condition: u32| visibilities.get(condition as usize).copied().flatten();
+    let conditions = (0..counts.conditions.len() as u32).filter(|c| predicted(*c).is_some()).count();
+    if conditions == 0 {
+        return Err(HeldError::NoCondition);
+    }
+    let ratings = counts.rows.iter().filter(|row| predicted(row.condition).is_some()).map(|row| row.count).sum();
+    let means = means(counts, conditions_of(counts, visibilities));
+    let pooled = pooled(&means);
+    let model: Vec<f64> = conditions_of(counts, visibilities).map(|(_, visibility)| visibility).collect();
+    let each: Vec<f64> = means.iter().filter_map(|mean| rank_correlation(mean, &model)).collect();
+    Ok(Held {
+        criterion: criterion(counts, predicted)?,
+        conditions,
+        ratings,
+        rank_correlation: rank_correlation(&pooled, &model),
+        with_subjects: mean(&each),
+        ceiling: ceiling(&means, &pooled),
+    })
+}
+
+fn conditions_of<'a>(counts: &'a Counts, visibilities: &'a [Option<f64>]) -> impl Iterator<Item = (u32, f64)> + 'a {
+    (0..counts.conditions.len() as u32).filter_map(|c| Some((c, visibilities.get(c as usize).copied().flatten()?)))
+}
+
+fn criterion(counts: &Counts, predicted: impl Fn(u32) -> Option<f64>) -> Result<Criterion, HeldError> {
+    let fail = |error: &dyn std::fmt::Display| HeldError::NoFit(error.to_string());
+    let mut builder = CountsBuilder::new(&["visibility"]).with_categories(&counts.categories);
+    for row in &counts.rows {
+        let Some(visibility) = predicted(row.condition) else { continue };
+        let log = visibility.max(LEAST).ln().to_string();
+        let (subject, rating) = (&counts.subjects[row.subject as usize], &counts.categories[row.rating as usize]);
+        builder.add(subject, &[log], rating, row.count).map_err(|error| fail(&error))?;
+    }
+    let terms = Terms::parse("num:visibility").map_err(|error| fail(&error))?;
+    let model = fit(&builder.finish(), &ModelSpec::new(terms)).map_err(|error| fail(&error))?;
+    let slope = model.coefficients.first().map_or(f64::NAN, |coefficient| coefficient.estimate);
+    if !(slope.is_finite() && slope > 0.0) {
+        return Err(HeldError::NoFit(format!("ratings change by {slope:.3} with the logarithm of visibility")));
+    }
+    let thresholds: Vec<f64> =
+        model.thresholds.iter().map(|threshold| (threshold.estimate / slope).exp()).collect();
+    match <[f64; 3]>::try_from(thresholds) {
+        Ok(thresholds) if thresholds.iter().all(|t| t.is_finite() && *t > 0.0) => {
+            Ok(Criterion { thresholds, spread: 1.0 / slope })
+        }
+        _ => Err(HeldError::NoFit("some rating was never given".to_owned())),
+    }
+}
+
+/// Mean rating of every subject in every condition; NaN where there is none.
+fn means(counts: &Counts, conditions: impl Iterator<Item = (u32, f64)>) -> Vec<Vec<f64>> {
+    let places: Vec<u32> = conditions.map(|(condition, _)| condition).collect();
+    let mut sums = vec![vec![(0.0, 0.0); places.len()]; counts.subjects.len()];
+    for row in &counts.rows {
+        if let Ok(place) = places.binary_search(&row.condition) {
+            let (sum, n) = &mut sums[row.subject as usize][place];
+            *sum += f64::from(row.rating) * row.count as f64;
+            *n += row.count as f64;
+        }
+    }
+    sums.into_iter().map(|cells| cells.into_iter().map(|(sum, n)| sum / n).collect()).collect()
+}
+
+/// Mean over subjects, of those who have it.
+fn pooled(means: &[Vec<f64>]) -> Vec<f64> {
+    let conditions = means.first().map_or(0, Vec::len);
+    (0..conditions)
+        .map(|c| {
+            let known: Vec<f64> = means.iter().map(|mean| mean[c]).filter(|value| value.is_finite()).collect();
+            mean(&known).unwrap_or(f64::NAN)
+        })
+        .collect()
+}
+
+fn ceiling(means: &[Vec<f64>], pooled_over_all: &[f64]) -> Option<[f64; 2]> {
+    if means.len() < 2 {
+        return None;
+    }
+    let others = |i: usize| {
+        let rest: Vec<Vec<f64>> =
+            means.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, mean)| mean.clone()).collect();
+        pooled(&rest)
+    };
+    let lower: Vec<f64> =
+        means.iter().enumerate().filter_map(|(i, mean)| rank_correlation(mean, &others(i))).collect();
+    let upper: Vec<f64> = means.iter().filter_map(|mean| rank_correlation(mean, pooled_over_all)).collect();
+    Some([mean(&lower)?, mean(&upper)?])
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Spearman's correlation, ties at their mean rank, of the pairs that both have; `None` where one does not vary.
+#[must_use]
+pub fn rank_correlation(a: &[f64], b: &[f64]) -> Option<f64> {
+    let pairs: Vec<(f64, f64)> =
+        a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
+    let ranks = |of: fn(&(f64, f64)) -> f64| -> Vec<f64> {
+        let rank = |value: f64| {
+            let below = pairs.iter().filter(|pair| of(pair) < value).count() as f64;
+            let equal = pairs.iter().filter(|pair| of(pair) == value).count() as f64;
+            below + (equal - 1.0) / 2.0
+        };
+        pairs.iter().map(|pair| rank(of(pair))).collect()
+    };
+    let (a, b) = (ranks(|pair| pair.0), ranks(|pair| pair.1));
+    let (mean_a, mean_b) = (mean(&a)?, mean(&b)?);
+    let sum = |x: &[f64], mean_x: f64, y: &[f64], mean_y: f64| -> f64 {
+        x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum()
+    };
+    let (aa, bb) = (sum(&a, mean_a, &a, mean_a), sum(&b, mean_b, &b, mean_b));
+    (aa > 0.0 && bb > 0.0).then(|| sum(&a, mean_a, &b, mean_b) / (aa * bb).sqrt())
+}

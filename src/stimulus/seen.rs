@@ -1,0 +1,48 @@
+//! What the model of vision makes of a stimulus.
+
+use super::Stimulus;
+use crate::vision::{Border, Eye, Line, LineView, Picture, PictureView, VisionError, Visibility, luminance, luminances};
+
+/// What is seen of a stimulus.
+#[derive(Clone, Debug)]
+pub enum View {
+    /// Of one that varies in one direction only.
+    Line(LineView),
+    /// Of any other.
+    Picture(Box<PictureView>),
+}
+
+impl View {
+    /// How strong its bands are.
+    #[must_use]
+    pub fn visibility(&self) -> Visibility {
+        match self {
+            Self::Line(view) => view.visibility,
+            Self::Picture(view) => view.visibility,
+        }
+    }
+}
+
+impl Stimulus {
+    /// Whether it varies along its orientation alone.
+    #[must_use]
+    pub fn is_line(&self) -> bool {
+        matches!(self, Self::MachBand(_) | Self::Chevreul(_) | Self::Cornsweet(_) | Self::Cylinder(_))
+    }
+
+    /// What `eye` sees of it in a window of `size` pixels, `px_per_deg` to a degree. What varies in one direction is
+    /// taken to go on beyond the window as it ends there.
+    ///
+    /// # Errors
+    /// [`VisionError`] for a window that is too small, and for one that is all black.
+    pub fn seen(&self, size: u32, px_per_deg: f64, eye: &Eye) -> Result<View, VisionError> {
+        if self.is_line() {
+            let light: Vec<f64> = self.profile(size).into_iter().map(luminance).collect();
+            return Ok(View::Line(Line::new(light.len(), px_per_deg, eye)?.see(&light, Border::Continues)?));
+        }
+        let light = luminances(&self.linear(size));
+        let side = size as usize;
+        let picture = Picture { light: &light, width: side, height: side, px_per_deg, mask: None };
+        Ok(View::Picture(Box::new(picture.see(eye)?)))
+    }
+}

@@ -1,0 +1,120 @@
+//! When an energy peak is a band, and how strong it is.
+
+use rustfft::num_complex::Complex64;
+
+use super::eye::PER_OCTAVE;
+
+/// Bright or dark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Polarity {
+    /// A line brighter than what is on both sides.
+    Bright,
+    /// A line darker than what is on both sides.
+    Dark,
+}
+
+/// A band that the model sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// Where, degrees from the middle: to the right, and up.
+    pub at_deg: [f64; 2],
+    /// Direction across the band, degrees counter-clockwise from the right, 0…180: a stimulus's `orientation_deg`.
+    pub orientation_deg: f64,
+    /// Bright or dark.
+    pub polarity: Polarity,
+    /// In multiples of what is just seen: contrast times sensitivity.
+    pub strength: f64,
+    /// The channel that sees it, cycles a degree; its scale is the reciprocal.
+    pub frequency: f64,
+}
+
+/// How strong bands are seen, over all channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Visibility {
+    /// The strongest bright band.
+    pub bright: f64,
+    /// The strongest dark band.
+    pub dark: f64,
+}
+
+impl Visibility {
+    /// Of the stronger of both; 0 for no band.
+    #[must_use]
+    pub fn max(&self) -> f64 {
+        self.bright.max(self.dark)
+    }
+
+    /// Of one polarity.
+    #[must_use]
+    pub fn of(&self, polarity: Polarity) -> f64 {
+        match polarity {
+            Polarity::Bright => self.bright,
+            Polarity::Dark => self.dark,
+        }
+    }
+}
+
+/// Part of the odd response that the even one has to exceed: at 1 a band's phase is within 45° of a line's, at ½ within
+/// 63°. Morrone & Burr 1988 (Proc. R. Soc. B 235:221): a feature looks like a line or like an edge by its phase.
+const ODD: f64 = 0.5;
+/// Energy has to fall on both sides by this share before there is anything, and by the second for all of it: the crests
+/// of a grating are no bands.
+const PROMINENCE: [f64; 2] = [0.3, 0.5];
+/// How far it may take to fall, periods of the channel.
+pub(super) const FALL_PERIODS: f64 = 2.0;
+/// Exponent with which channels add up; Quick 1974 (Kybernetik 16:65), 3 to 4 over frequencies.
+const POOLING: f64 = 3.0;
+/// Light that is everywhere, relative to white: the room's on the screen, and scattered in the eye. Without it bands on
+/// black would have no end.
+const VEIL: f64 = 0.01;
+
+/// Strength of a peak of the energy, 0 for none: `response` is even + i·odd in light × sensitivity, `lowest` the energy's
+/// least value on the side where it falls less, `light` the mean light there.
+pub(super) fn strength(response: Complex64, lowest: f64, light: f64) -> f64 {
+    let energy = response.norm();
+    let even = response.re.abs() - ODD * response.im.abs();
+    if even <= 0.0 || energy <= 0.0 {
+        return 0.0;
+    }
+    let fall = ((1.0 - lowest / energy) - PROMINENCE[0]) / (PROMINENCE[1] - PROMINENCE[0]);
+    even * fall.clamp(0.0, 1.0) / (light.max(0.0) + VEIL)
+}
+
+/// Value and place, −½…½ steps from the middle, of the peak of the energy of three neighbours; the response there.
+pub(super) fn peak([before, here, after]: [Complex64; 3]) -> (f64, Complex64) {
+    let [a, b, c] = [before, here, after].map(|response| response.norm());
+    let curve = a - 2.0 * b + c;
+    let at = if curve < 0.0 { (0.5 * (a - c) / curve).clamp(-0.5, 0.5) } else { 0.0 };
+    (at, here + (after - before) * (at / 2.0) + (after - here * 2.0 + before) * (at * at / 2.0))
+}
+
+/// Adds up channels: each gives what its strongest band has.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pool {
+    bright: f64,
+    dark: f64,
+}
+
+impl Pool {
+    /// One more channel.
+    pub(super) fn add(&mut self, strongest: Visibility) {
+        self.bright += strongest.bright.powf(POOLING);
+        self.dark += strongest.dark.powf(POOLING);
+    }
+
+    pub(super) fn visibility(self) -> Visibility {
+        let root = |sum: f64| (sum / f64::from(PER_OCTAVE)).powf(1.0 / POOLING);
+        Visibility { bright: root(self.bright), dark: root(self.dark) }
+    }
+}
+
+impl Visibility {
+    /// Keeps the stronger.
+    pub(super) fn take(&mut self, polarity: Polarity, strength: f64) {
+        let strongest = match polarity {
+            Polarity::Bright => &mut self.bright,
+            Polarity::Dark => &mut self.dark,
+        };
+        *strongest = strongest.max(strength);
+    }
+}

@@ -1,0 +1,76 @@
+//! How sensitive the eye is to fine and to coarse gratings.
+
+use std::f64::consts::LN_2;
+
+/// The eye of a standard observer, adapted to a screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Eye {
+    /// Mean luminance of what is seen, cd/m².
+    pub luminance: f64,
+    /// Side of the field that is seen, degrees.
+    pub field_deg: f64,
+}
+
+impl Default for Eye {
+    /// 50 cd/m², half of a common screen's white; 10° as in Bangay §3.1.
+    fn default() -> Self {
+        Self { luminance: 50.0, field_deg: 10.0 }
+    }
+}
+
+impl Eye {
+    /// Contrast sensitivity for a grating of `frequency` cycles a degree, above 0: the reciprocal of the contrast that
+    /// is just seen. Barten 2003, *Formula for the contrast sensitivity of the human eye* (Proc. SPIE 5294), eq. 11,
+    /// which holds the optics ([`Eye::optics`]), the noise of photons and neurons, and lateral inhibition, by which
+    /// coarse gratings are lost.
+    #[must_use]
+    pub fn sensitivity(&self, frequency: f64) -> f64 {
+        let u2 = frequency * frequency;
+        let field = 1.0 + 144.0 / (self.field_deg * self.field_deg) + 0.64 * u2;
+        let photons = 63.0 / self.luminance.powf(0.83);
+        let inhibition = -(-0.02 * u2).exp_m1();
+        5200.0 * self.optics(frequency) / (field * (photons + 1.0 / inhibition)).sqrt()
+    }
+
+    /// Share of a grating's contrast that the optics leave: the pupil, and so the blur, is the larger the darker it is.
+    /// The exponential of Barten 2003, eq. 11.
+    #[must_use]
+    pub fn optics(&self, frequency: f64) -> f64 {
+        (-0.0016 * frequency * frequency * (1.0 + 100.0 / self.luminance).powf(0.08)).exp()
+    }
+}
+
+/// One channel: what it passes of a grating, a Gaussian of the logarithm of frequency (log-Gabor; Field 1987, J. Opt.
+/// Soc. Am. A 4:2379).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Channel {
+    /// The frequency that it passes best, cycles a degree.
+    pub frequency: f64,
+}
+
+/// σ of a channel on the logarithm of frequency, as the ratio of frequencies: 0.65 is a bandwidth of 1.5 octaves at half
+/// height, the median of cells in V1 (De Valois, Albrecht & Thorell 1982, Vis. Res. 22:545: 1.4).
+const RATIO: f64 = 0.65;
+/// Lowest channel, cycles a degree: half a period is the window of 8°.
+const LOWEST: f64 = 0.0625;
+/// Channels in an octave: with fewer, what is seen of a smooth end depends on where the channels happen to lie.
+pub(super) const PER_OCTAVE: u32 = 4;
+/// The highest is 11.3 cycles a degree, above which the eye sees little: 7.5 octaves.
+const CHANNELS: u32 = 31;
+/// Beyond this ratio of frequencies a channel passes less than a hundred-thousandth.
+pub(super) const REACH: f64 = 8.0;
+
+impl Channel {
+    /// All, from the coarsest.
+    pub fn all() -> impl Iterator<Item = Channel> {
+        (0..CHANNELS)
+            .map(|k| Channel { frequency: LOWEST * (LN_2 * f64::from(k) / f64::from(PER_OCTAVE)).exp() })
+    }
+
+    /// Share of a grating's amplitude that it passes, 0…1.
+    #[must_use]
+    pub fn passes(&self, frequency: f64) -> f64 {
+        let octaves = (frequency / self.frequency).ln() / RATIO.ln();
+        (-0.5 * octaves * octaves).exp()
+    }
+}

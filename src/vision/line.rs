@@ -1,0 +1,218 @@
+//! Along a line: for stimuli that vary in one direction only.
+
+use std::{f64::consts::PI, sync::Arc};
+
+use rustfft::{Fft, FftPlanner, num_complex::Complex64};
+
+use super::{
+    Border, VisionError,
+    band::{Band, FALL_PERIODS, Polarity, Pool, Visibility, peak, strength},
+    eye::{Channel, Eye, REACH},
+};
+
+/// Beyond the ends of a profile, degrees: as long as the coarsest channel's period, so that the profile does not meet
+/// itself.
+const BEYOND_DEG: f64 = 16.0;
+/// Samples of a channel's response in a period of it.
+const SAMPLES_PER_PERIOD: f64 = 16.0;
+/// σ of the Gaussian over which the eye takes its mean light, degrees.
+const ADAPTATION_DEG: f64 = 0.5;
+/// Samples of the mean light in a degree.
+const MEAN_PER_DEG: f64 = 16.0;
+
+/// Sees profiles of one length and one sampling; makes its filters once.
+pub struct Line {
+    samples: usize,
+    px_per_deg: f64,
+    /// Samples until the profile repeats.
+    period: usize,
+    forward: Arc<dyn Fft<f64>>,
+    channels: Vec<Filter>,
+}
+
+struct Filter {
+    channel: Channel,
+    /// The first frequency that it passes, in cycles a repeat.
+    first: usize,
+    /// Gain of this and of those that follow.
+    gains: Vec<Complex64>,
+    inverse: Arc<dyn Fft<f64>>,
+}
+
+/// What is seen along a line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LineView {
+    /// Of every channel, the strongest first.
+    pub bands: Vec<Band>,
+    /// Over all channels.
+    pub visibility: Visibility,
+}
+
+impl Line {
+    /// For profiles of `samples` pixels of 1/`px_per_deg` degree.
+    ///
+    /// # Errors
+    /// [`VisionError`] for a profile of less than two samples, and a sampling that is not above 0.
+    pub fn new(samples: usize, px_per_deg: f64, eye: &Eye) -> Result<Line, VisionError> {
+        if samples < 2 {
+            return Err(VisionError::TooSmall { width: samples, height: 1, least: 2 });
+        }
+        if !(px_per_deg.is_finite() && px_per_deg > 0.0) {
+            return Err(VisionError::Sampling(px_per_deg));
+        }
+        let period = smooth(samples + (BEYOND_DEG * px_per_deg).ceil() as usize);
+        let length = period as f64 / px_per_deg;
+        let mut planner = FftPlanner::new();
+        let forward = planner.plan_fft_forward(period);
+        let channels = Channel::all().map(|channel| Filter::new(channel, length, eye, &mut planner)).collect();
+        Ok(Line { samples, px_per_deg, period, forward, channels })
+    }
+
+    /// What is seen of `light`, linear, 1 for white. It goes on beyond its ends as it ends.
+    ///
+    /// # Errors
+    /// [`VisionError`] for another number of samples, light that is negative or no number, and all black.
+    pub fn see(&self, light: &[f64], border: Border) -> Result<LineView, VisionError> {
+        super::check(light.iter().copied(), self.samples, 1, light.len())?;
+        let spectrum = self.spectrum(light);
+        let mean = Mean::new(light, self.px_per_deg);
+        let length = self.period as f64 / self.px_per_deg;
+        let mut view = LineView::default();
+        let mut pool = Pool::default();
+        let mut response = Vec::new();
+        for filter in &self.channels {
+            filter.respond(&spectrum, &mut response);
+            let mut strongest = Visibility::default();
+            for band in filter.bands(&response, length, self.samples as f64 / self.px_per_deg, border, &mean) {
+                strongest.take(band.polarity, band.strength);
+                view.bands.push(band);
+            }
+            pool.add(strongest);
+        }
+        view.bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+        view.visibility = pool.visibility();
+        Ok(view)
+    }
+
+    /// Of the light's jumps from pixel to pixel: pixels are squares, and their light is a staircase.
+    fn spectrum(&self, light: &[f64]) -> Vec<Complex64> {
+        let mut jumps = vec![Complex64::default(); self.period];
+        for (i, pair) in light.windows(2).enumerate() {
+            jumps[i + 1].re = pair[1] - pair[0];
+        }
+        self.forward.process(&mut jumps);
+        jumps
+    }
+}
+
+impl Filter {
+    fn new(channel: Channel, length: f64, eye: &Eye, planner: &mut FftPlanner<f64>) -> Filter {
+        let first = ((channel.frequency / REACH * length).ceil() as usize).max(1);
+        let last = (channel.frequency * REACH * length).floor() as usize;
+        let gain = |j: usize| {
+            let frequency = j as f64 / length;
+            // From jumps to light: divided by 2πif. Twice, since only frequencies above 0 are kept.
+            Complex64::new(0.0, -channel.passes(frequency) * eye.sensitivity(frequency) / (PI * frequency * length))
+        };
+        let samples = smooth((SAMPLES_PER_PERIOD * channel.frequency * length).ceil() as usize).max(last + 1);
+        Filter {
+            channel,
+            first,
+            gains: (first..=last.max(first)).map(gain).collect(),
+            inverse: planner.plan_fft_inverse(samples.max(last.max(first) + 1)),
+        }
+    }
+
+    /// Even + i·odd along the whole repeat.
+    fn respond(&self, spectrum: &[Complex64], response: &mut Vec<Complex64>) {
+        response.clear();
+        response.resize(self.inverse.len(), Complex64::default());
+        for (j, gain) in (self.first..).zip(&self.gains) {
+            response[j] = gain * spectrum[j % spectrum.len()];
+        }
+        self.inverse.process(response);
+    }
+
+    /// Peaks within the first `seen` of `length` degrees.
+    fn bands(
+        &self,
+        response: &[Complex64],
+        length: f64,
+        seen: f64,
+        border: Border,
+        mean: &Mean,
+    ) -> Vec<Band> {
+        let n = response.len();
+        let step = length / n as f64;
+        let frequency = self.channel.frequency;
+        let margin = border.margin_deg(frequency);
+        let fall = (FALL_PERIODS / frequency / step) as usize;
+        let fall = fall.min(n / 2);
+        let energy: Vec<f64> = response.iter().map(|value| value.norm_sqr()).collect();
+        let first = (margin / step).ceil() as usize;
+        let end = (((seen - margin) / step).floor().max(0.0) as usize + 1).min(n);
+        let band = |i: usize| {
+            let at = |offset: usize| (i + n + offset) % n;
+            let (before, after) = (at(n - 1), at(1));
+            if energy[i] <= energy[before] || energy[i] < energy[after] {
+                return None;
+            }
+            let (shift, value) = peak([response[before], response[i], response[after]]);
+            let least = |toward: &dyn Fn(usize) -> usize| (1..=fall).map(|k| energy[toward(k)]).fold(f64::MAX, f64::min);
+            let lowest = least(&|k| at(n - k)).max(least(&|k| at(k))).sqrt();
+            let place = (i as f64 + shift) * step;
+            let strength = strength(value, lowest, mean.at(place));
+            let polarity = if value.re > 0.0 { Polarity::Bright } else { Polarity::Dark };
+            let at_deg = [place - seen / 2.0, 0.0];
+            (strength > 0.0).then_some(Band { at_deg, orientation_deg: 0.0, polarity, strength, frequency })
+        };
+        (first..end).filter_map(band).collect()
+    }
+}
+
+/// Mean light, for which the eye is set.
+struct Mean {
+    values: Vec<f64>,
+}
+
+impl Mean {
+    fn new(light: &[f64], px_per_deg: f64) -> Mean {
+        let length = light.len() as f64 / px_per_deg;
+        let cells = (length * MEAN_PER_DEG).ceil() as usize + 1;
+        let sample = |x: f64| light[((x * px_per_deg).max(0.0) as usize).min(light.len() - 1)];
+        // The middle of every cell stands for the pixels in it; so few differ that a mean of them would be the same.
+        let coarse: Vec<f64> = (0..cells).map(|i| sample(i as f64 / MEAN_PER_DEG)).collect();
+        let reach = (3.0 * ADAPTATION_DEG * MEAN_PER_DEG) as isize;
+        let weight = |k: isize| (-0.5 * (k as f64 / (ADAPTATION_DEG * MEAN_PER_DEG)).powi(2)).exp();
+        let weights: Vec<f64> = (-reach..=reach).map(weight).collect();
+        let total: f64 = weights.iter().sum();
+        let values = (0..cells as isize)
+            .map(|i| {
+                let near = (-reach..=reach).map(|k| coarse[(i + k).clamp(0, cells as isize - 1) as usize]);
+                near.zip(&weights).map(|(light, weight)| light * weight).sum::<f64>() / total
+            })
+            .collect();
+        Mean { values }
+    }
+
+    /// At `x` degrees from the profile's beginning.
+    fn at(&self, x: f64) -> f64 {
+        let x = (x * MEAN_PER_DEG).clamp(0.0, (self.values.len() - 1) as f64);
+        let i = (x as usize).min(self.values.len().saturating_sub(2));
+        let part = x - i as f64;
+        self.values[i] * (1.0 - part) + self.values.get(i + 1).unwrap_or(&self.values[i]) * part
+    }
+}
+
+/// The next number that has no prime factor above 5: quick to transform.
+pub(super) fn smooth(least: usize) -> usize {
+    let is_smooth = |mut n: usize| {
+        for factor in [2, 3, 5] {
+            while n.is_multiple_of(factor) {
+                n /= factor;
+            }
+        }
+        n == 1
+    };
+    (least.max(1)..).find(|n| is_smooth(*n)).unwrap_or(least)
+}
