@@ -91,6 +91,27 @@ fn a_profile_a_plot_and_a_report_come_of_readings() {
 }
 
 #[test]
+fn what_was_written_and_replaced_is_named_and_an_old_day_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    readings::write(&folder.path().join("r.csv"), &good(9)).unwrap();
+    let calibrate = |more: &[&str]| {
+        let output = machband(folder.path(), &[&["calibrate", "r.csv", "--out", "left.toml"], more].concat());
+        assert!(output.status.success(), "{}", told(&output));
+        (String::from_utf8(output.stdout.clone()).unwrap(), told(&output))
+    };
+    let (said, warned) = calibrate(&["--plot", "left.svg", "--report", "left.json"]);
+    for line in ["wrote left.svg\n", "wrote left.json\n", "wrote left.toml: left (γ 2.200"] {
+        assert!(said.contains(line), "{line}: {said}");
+    }
+    assert_eq!(warned, "");
+    let (said, warned) = calibrate(&["--on", "2020-02-29"]);
+    assert!(said.contains("replaced left.toml: left (γ 2.200"), "{said}");
+    assert!(warned.starts_with("warning: left.toml: ") && warned.contains("days ago; after 30 days"), "{warned}");
+    let (_, warned) = calibrate(&["--on", "2999-01-01"]);
+    assert!(warned.starts_with("warning: left.toml: ") && warned.contains("still to come"), "{warned}");
+}
+
+#[test]
 fn each_bad_file_has_its_own_message_and_no_profile() {
     let folder = tempfile::tempdir().unwrap();
     let changed = |change: &dyn Fn(&mut Reading)| {
@@ -178,6 +199,52 @@ fn every_fault_of_a_file_is_told_with_its_place() {
         faults("channel,level,luminance_cd_m2\nr,0,0.3\nr,128,2\nr,255,9\n")[0]
             .starts_with("r.csv:3:3: level 128 looks")
     );
+}
+
+#[test]
+fn a_decimal_comma_is_no_reading() {
+    let found = faults("channel,level,luminance_cd_m2\ng,0,0.3\ng,0.3750,8,4263\ng,1,2\n");
+    assert_eq!(found, ["r.csv:3:1: 4 fields; expected 3 (a decimal comma?)"]);
+    // A further column has a field of its own, and an empty one counts.
+    assert_eq!(
+        faults("channel,level,luminance_cd_m2,note\n\ng,0.3750,8,4263,\n"),
+        ["r.csv:3:1: 5 fields; expected 4 (a decimal comma?)"]
+    );
+    let semicolons = faults("channel;level;luminance_cd_m2\ng;0,3750;8;4263\n");
+    assert_eq!(semicolons, ["r.csv:2:1: 4 fields; expected 3"]);
+    // Begun files too, and in the whole table it is one fault.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.csv");
+    let rows: String = (0..9).map(|step| format!("g,0.{step}00,{step},5\n")).collect();
+    std::fs::write(&path, format!("channel,level,luminance_cd_m2\n{rows}")).unwrap();
+    let told = readings::open_begun(&path).unwrap_err().to_string();
+    assert!(told.ends_with("r.csv:2:1: 4 fields; expected 3 (a decimal comma?); 9 rows are like this one"), "{told}");
+    assert_eq!(told.lines().count(), 1);
+    let output = machband(folder.path(), &["calibrate", "r.csv", "--out", "p.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(!folder.path().join("p.toml").exists());
+}
+
+#[test]
+fn what_is_wrong_in_every_row_is_told_once() {
+    let swapped: String =
+        good(8).iter().map(|one| format!("{},{},{}\n", one.channel.key(), one.luminance_cd_m2, one.level)).collect();
+    let found = faults(&format!("channel,level,luminance_cd_m2\n{swapped}"));
+    let outside = good(8).iter().filter(|one| one.luminance_cd_m2 > 1.0).count();
+    assert!(outside > 20 && found.len() == 1, "{found:?}");
+    assert!(
+        found[0].starts_with("r.csv:4:3: level ") && found[0].contains("outside 0…1; expected the code"),
+        "{found:?}"
+    );
+    assert!(found[0].contains("are the columns level and luminance_cd_m2 exchanged?"), "{found:?}");
+    assert!(found[0].ends_with(&format!("; {outside} rows are like this one")), "{found:?}");
+    // Codes for levels are no exchange, and other kinds keep lines of their own.
+    let codes: String = (0..9).map(|step| format!("g,{},{}\n", 31 * step, 0.3 + f64::from(step * step))).collect();
+    let found = faults(&format!("channel,level,luminance_cd_m2\n{codes}g,248,-1\nr,0,-2\n"));
+    assert_eq!(found.len(), 3, "{found:?}");
+    assert!(found[0].contains("looks like a code") && !found[0].contains("exchanged"), "{found:?}");
+    assert!(found[0].ends_with("; 9 rows are like this one"), "{found:?}");
+    assert!(found[1].contains("luminance -1") && found[2].contains("luminance -2"), "{found:?}");
 }
 
 #[test]

@@ -459,7 +459,7 @@ mod stimulus {
         let folder = tempfile::tempdir().unwrap();
         for (bits, dark, bright) in [("8", 137_u16, 225_u16), ("16", 35199, 57725)] {
             let arguments = ["stimulus", "--size", "100", "--bits", bits, "--out", "a.png", "--profile", "a.csv"];
-            assert_eq!(succeeds(folder.path(), &arguments), "");
+            assert_eq!(succeeds(folder.path(), &arguments), "wrote a.png\nwrote a.csv\n");
             let (info, data) = pixels(&folder.path().join("a.png"));
             assert_eq!((info.width, info.height, info.color_type), (100, 100, png::ColorType::Rgb));
             assert!(info.srgb.is_some(), "the file says what its codes mean");
@@ -550,5 +550,52 @@ mod stimulus {
             ],
         );
         assert_eq!(fs::read(folder.path().join("b.png")).unwrap(), again, "equal inputs, equal bytes");
+    }
+}
+
+mod profiles {
+    use super::*;
+
+    fn profile(measured: &str) -> String {
+        format!("schema = 1\nname = \"left\"\ntransfer = \"gamma:2.2\"\n{measured}")
+    }
+
+    /// Each command that takes a profile, in a folder with `p.toml`.
+    const COMMANDS: [&[&str]; 4] = [
+        &["check", "p.toml"],
+        &["stimulus", "--size", "8", "--out", "x.png", "--display", "p.toml"],
+        &["stimuli", "quick", "--size", "8", "--out", "many", "--display", "p.toml"],
+        &["shade", "--shader", "gouraud", "--size", "8", "--out", "cube.png", "--display", "p.toml"],
+    ];
+
+    #[test]
+    fn a_doubtful_one_is_warned_of_once_and_used() {
+        for (day, expected) in
+            [("2020-02-29", "days ago; after 30 days"), ("2999-01-01", "a day that is still to come")]
+        {
+            let folder = tempfile::tempdir().unwrap();
+            fs::write(folder.path().join("p.toml"), profile(&format!("[measured]\non = \"{day}\"\n"))).unwrap();
+            for arguments in COMMANDS {
+                let output = run(folder.path(), arguments);
+                let warned = text(&output.stderr);
+                assert_eq!(output.status.code(), Some(0), "{arguments:?}: {warned}");
+                assert_eq!(warned.lines().count(), 1, "{arguments:?}: {warned}");
+                assert!(warned.starts_with("warning: p.toml: The "), "{arguments:?}: {warned}");
+                assert!(warned.contains(expected), "{arguments:?}: {warned}");
+            }
+            assert!(folder.path().join("x.png").exists() && folder.path().join("many/manifest.csv").exists());
+        }
+    }
+
+    #[test]
+    fn one_of_today_and_an_assumption_are_not() {
+        let today = jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date();
+        for measured in [format!("[measured]\non = \"{today}\"\n"), String::new()] {
+            let folder = tempfile::tempdir().unwrap();
+            fs::write(folder.path().join("p.toml"), profile(&measured)).unwrap();
+            for arguments in COMMANDS {
+                succeeds(folder.path(), arguments);
+            }
+        }
     }
 }

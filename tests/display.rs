@@ -4,7 +4,10 @@
 use std::{path::Path, process::Command};
 
 use eframe::egui::Key;
-use egui_kittest::{Harness, kittest::Queryable as _};
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT as _, Queryable as _},
+};
 use machband::{
     app::{App, Launch, Request},
     display::{DisplayProfile, LuminanceRange, Measurement},
@@ -238,6 +241,101 @@ fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
     };
     assert_eq!(value(&harness, "Screen width, cm").as_deref(), Some("30"));
     assert_eq!(value(&harness, "Viewing distance, cm").as_deref(), Some("57.3"));
+}
+
+/// The smallest window that the program allows, on its list of tools.
+fn small() -> Harness<'static, App> {
+    let mut harness = builder().with_size([420.0, 360.0]).build_eframe(|cc| App::new(cc, Launch::default()));
+    harness.run_steps(3);
+    click(&mut harness, "Measure…");
+    harness
+}
+
+fn click(harness: &mut Harness<'static, App>, label: &str) {
+    harness.get_by_label(label).scroll_to_me();
+    harness.run_steps(30);
+    harness.get_by_label(label).click();
+    harness.run_steps(3);
+}
+
+#[test]
+fn every_tool_fits_the_smallest_window() {
+    let mut harness = small();
+    for tool in
+        ["Size and distance", "Photometer", "Gamma by eye", "Check the gamma", "Steps of equal brightness", "Timing"]
+    {
+        click(&mut harness, tool);
+        let wide: Vec<String> = (harness.root().children_recursive())
+            .filter_map(|node| Some((node.accesskit_node().label()?, node.accesskit_node().bounding_box()?.x1)))
+            // The table of the steps scrolls by itself.
+            .filter(|(label, right)| *right > 420.0 - 12.0 && label != "nearest j")
+            .map(|(label, right)| format!("{label:?} up to {right}"))
+            .collect();
+        assert!(wide.is_empty(), "{tool}: {wide:#?}");
+        press(&mut harness, Key::Escape);
+        harness.run_steps(3);
+    }
+}
+
+/// The width that a card gives follows from the outline alone: not from the window, and not from opening the dialog.
+#[test]
+fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
+    let mut harness = small();
+    click(&mut harness, "Size and distance");
+    let width = |harness: &Harness<'static, App>| {
+        let field = "Width of the lit part, cm";
+        harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, field).value().unwrap()
+    };
+    // 420 pixels at 96 an inch.
+    assert_eq!(width(&harness), "11.1");
+    harness.get_by_label_contains("This width is assumed");
+    click(&mut harness, "Measure with a card…");
+    harness.get_by_label("The screen is 11.1 cm wide.");
+    // All of it can be reached.
+    harness.get_by_label("Cancel").scroll_to_me();
+    harness.run_steps(30);
+    let cancel = harness.get_by_label("Cancel").rect();
+    assert!(cancel.bottom() <= 360.0 - 24.0 && cancel.right() <= 420.0 - 24.0, "{cancel:?}");
+    press(&mut harness, Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(width(&harness), "11.1");
+    // 8.56 · 420/11.1 is an outline of 324 pixels; 20 fewer are 8.56 · 420/304 = 11.8 cm.
+    click(&mut harness, "Measure with a card…");
+    for _ in 0..20 {
+        press(&mut harness, Key::ArrowLeft);
+    }
+    harness.get_by_label("The screen is 11.8 cm wide.");
+    press(&mut harness, Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(width(&harness), "11.8");
+    assert!(harness.query_by_label_contains("This width is assumed").is_none());
+    // Escape leaves everything as it was.
+    click(&mut harness, "Measure with a card…");
+    press(&mut harness, Key::ArrowRight);
+    press(&mut harness, Key::Escape);
+    harness.run_steps(3);
+    assert_eq!(width(&harness), "11.8");
+}
+
+#[test]
+fn measured_light_is_told_with_three_digits() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.toml");
+    let luminance = Some(LuminanceRange { black_cd_m2: 0.250_592_758_493_736_2, white_cd_m2: 134.217_6 });
+    profile::write(&path, &DisplayProfile { luminance, ..differing() }).unwrap();
+    let mut harness = builder().build_eframe(|cc| App::new(cc, Launch::default()));
+    harness.run_steps(3);
+    harness.get_by_label("Measure…").click();
+    harness.run_steps(3);
+    harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, "Profile in use").focus();
+    harness.step();
+    harness
+        .get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, "Profile in use")
+        .type_text(&path.display().to_string());
+    harness.run_steps(3);
+    click(&mut harness, "Steps of equal brightness");
+    harness.get_by_label("Measured: 0.251 to 134 cd/m².");
+    assert!(harness.query_by_label_contains("0.25059").is_none());
 }
 
 #[test]

@@ -128,7 +128,10 @@ fn patches_are_read_and_become_a_profile() {
     // Left and come back to: the same settings go on where they were.
     click(&mut harness, "Pause");
     harness.get_by_label_contains("Paused after 2 of");
-    click(&mut harness, "Show patches");
+    click(&mut harness, "Back");
+    click(&mut harness, "Photometer");
+    harness.get_by_label_contains("Paused after 2 of");
+    click(&mut harness, "Go on");
     let mut n = 2;
     while let Some((channel, code)) = patch(&harness) {
         answer(&mut harness, &cd_m2(&channel, code).to_string());
@@ -151,6 +154,84 @@ fn patches_are_read_and_become_a_profile() {
     assert!((gamma - 2.2).abs() < 1e-6, "{gamma}");
     let measured = made.measured.unwrap();
     assert_eq!((measured.by.as_deref(), measured.with.as_deref()), (Some("AB"), Some("LS-150")));
+}
+
+/// What the line holds.
+fn typed(harness: &Harness<'static, App>) -> String {
+    let (channel, code) = patch(harness).unwrap();
+    let label = format!("{channel} {code} · cd/m²");
+    harness.get_by_role_and_label(egui::Role::TextInput, &label).value().unwrap_or_default()
+}
+
+#[test]
+fn typing_over_a_reading_that_was_gone_back_to_replaces_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("left.csv");
+    let read = |index: usize| readings::open_begun(&csv).unwrap()[index].luminance_cd_m2;
+    let mut harness = harness();
+    begin(&mut harness, &csv);
+    answer(&mut harness, "100");
+    let (_, second) = patch(&harness).unwrap();
+    assert_eq!((read(0), typed(&harness).as_str()), (100.0, ""));
+    // An empty line is written from its beginning, one letter after the other.
+    for letter in ["1", "2"] {
+        harness.event(egui::Event::Text(letter.to_owned()));
+        harness.step();
+    }
+    assert_eq!(typed(&harness), "12");
+    for _ in 0..2 {
+        press(&mut harness, Key::Backspace);
+    }
+    assert_eq!(typed(&harness), "");
+    // By the key: the old value is there, and the next letters take its place.
+    harness.key_press(Key::Backspace);
+    harness.step();
+    harness.run_steps(1);
+    assert_eq!((patch(&harness).unwrap().1, typed(&harness).as_str()), (255.0, "100"));
+    answer(&mut harness, "90");
+    assert_eq!((read(0), patch(&harness).unwrap().1), (90.0, second));
+    assert_eq!(typed(&harness), "", "the next patch was not read yet");
+    // By the button, and with the letters right behind it.
+    harness.get_by_label("Previous").click();
+    harness.run_steps(2);
+    harness.event(egui::Event::Text("8".to_owned()));
+    harness.step();
+    assert_eq!(typed(&harness), "8");
+    // What is refused is selected too.
+    answer(&mut harness, "x");
+    harness.get_by_label_contains("is no luminance");
+    answer(&mut harness, "95.5");
+    assert_eq!(read(0), 95.5);
+    // The value as it was stays with Enter alone.
+    harness.key_press(Key::Backspace);
+    harness.run_steps(12);
+    press(&mut harness, Key::Enter);
+    assert_eq!((read(0), patch(&harness).unwrap().1), (95.5, second));
+}
+
+#[test]
+fn replacing_a_profile_is_told_until_another_is_in_use() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, toml) = (folder.path().join("left.csv"), folder.path().join("left.toml"));
+    let rows = [0.0, 0.25, 0.5, 0.75, 1.0].map(|v| format!("gray,{v},{}\n", cd_m2("gray", 255.0 * v)));
+    std::fs::write(&csv, format!("channel,level,luminance_cd_m2\n{}", rows.concat())).unwrap();
+    let mut harness = harness();
+    click(&mut harness, "Measure…");
+    for said in ["Saved as", "Replaced"] {
+        click(&mut harness, "Photometer");
+        fill(&mut harness, "File of readings", &csv.display().to_string());
+        click(&mut harness, "Fit this file");
+        // The choice and the way to keep it come before the plots and the table.
+        let top = |harness: &Harness<'static, App>, text: &str| harness.get_by_label_contains(text).rect().top();
+        assert!(top(&harness, "Chosen: gamma") < top(&harness, "Name of the display"));
+        assert!(top(&harness, "Save as") < top(&harness, "Luminance: readings"));
+        assert!(top(&harness, "How far each reading") < top(&harness, "Largest error"));
+        fill(&mut harness, "Save as", &toml.display().to_string());
+        click(&mut harness, if said == "Replaced" { "Replace the profile" } else { "Save the profile" });
+        harness.get_by_label_contains(said);
+    }
+    fill(&mut harness, "Profile in use", "other.toml");
+    assert!(harness.query_by_label_contains("Replaced").is_none());
 }
 
 #[test]

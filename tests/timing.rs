@@ -203,6 +203,83 @@ fn a_refresh_is_not_made_up() {
     assert!((estimate.hz() - 60.0).abs() < 0.005);
 }
 
+/// Dropped frames and jitter are a screen's; times in between two refreshes are not.
+#[test]
+fn frames_that_scatter_follow_no_refresh() {
+    let refresh = Refresh::from_hz(60.0).unwrap();
+    let us = |refreshes: f64| (refreshes * 1e6 / 60.0).round() as u32;
+    let run = |one: &dyn Fn(usize, f64) -> f64| -> Vec<u32> {
+        noise(7).take(600).enumerate().map(|(i, x)| us(one(i, x))).collect()
+    };
+    assert!(refresh.is_followed_by(&run(&|_, x| 1.0 + 0.2 * x)), "jitter");
+    assert!(refresh.is_followed_by(&run(&|i, x| if i % 10 == 0 { 2.0 } else { 1.0 + 0.1 * x })), "dropped frames");
+    assert!(refresh.is_followed_by(&run(&|i, _| if i == 50 { 190.3 } else { 1.0 })), "an interruption");
+    assert!(!refresh.is_followed_by(&run(&|_, x| 1.0 + 0.5 * x)), "anything within a refresh");
+    assert!(!refresh.is_followed_by(&run(&|i, x| if i % 20 == 0 { 2.5 + x } else { 1.0 })), "late by anything");
+    assert!(!refresh.is_followed_by(&run(&|_, _| 0.3)), "faster than the screen");
+}
+
+mod report {
+    //! What `machband timing` and its page say of frames.
+
+    use machband::app::{Monitor, timing::TimingReport};
+
+    use super::*;
+
+    fn report(intervals_us: Vec<u32>, refresh_hz: Option<f64>) -> TimingReport {
+        let monitor = Monitor { name: None, width_px: 1920, height_px: 1080, refresh_hz, scale: 1.0 };
+        TimingReport::new(intervals_us, &monitor)
+    }
+
+    fn row(report: &TimingReport, name: &str) -> String {
+        report.rows().into_iter().find(|(found, _)| *found == name).unwrap().1
+    }
+
+    /// As on a screen that nothing holds the frames to: a median of 8 ms, from 4 to 20.
+    fn scattered() -> Vec<u32> {
+        noise(11).take(600).map(|x| (8000.0 * (0.4 * x).exp() + if x > 0.9 { 9000.0 } else { 0.0 }) as u32).collect()
+    }
+
+    #[test]
+    fn without_a_steady_refresh_nothing_is_judged() {
+        assert!(Refresh::estimate(&scattered()).is_some(), "otherwise this proves nothing");
+        let found = report(scattered(), None);
+        assert_eq!((found.refresh, found.source, found.is_one_by_one()), (None, "unknown", Some(false)));
+        for name in ["refresh", "dropped frames", "missed refreshes"] {
+            assert_eq!(row(&found, name), "not known");
+        }
+        assert!(found.csv().lines().skip(1).all(|line| line.ends_with(',')));
+        let said = found.verdict();
+        assert!(
+            said.starts_with("The frames follow no steady refresh, so that none can be judged as dropped"),
+            "{said}"
+        );
+        // A refresh that the system reports stays, and that the frames do not follow it is told.
+        let found = report(scattered(), Some(60.0));
+        assert_eq!((found.source, found.is_one_by_one()), ("reported", Some(false)));
+        let said = found.verdict();
+        assert!(said.contains("no steady refresh, not that of 60.00 Hz either, which the system reports"), "{said}");
+    }
+
+    #[test]
+    fn a_steady_refresh_is_told_with_what_was_dropped() {
+        let mut intervals = vec![16_667; 600];
+        let found = report(intervals.clone(), None);
+        assert_eq!((found.source, found.is_one_by_one()), ("measured", Some(true)));
+        assert_eq!(found.verdict(), "The frames follow the refresh of 60.00 Hz one by one: none of 600 was dropped.");
+        intervals.iter_mut().step_by(50).for_each(|us| *us = 33_333);
+        for reported in [None, Some(60.0)] {
+            let found = report(intervals.clone(), reported);
+            assert_eq!((row(&found, "dropped frames").as_str(), found.is_one_by_one()), ("12", Some(false)));
+            let said = found.verdict();
+            assert!(said.contains("of 60.00 Hz, but 12 of 600 (2.0 %) were dropped"), "{said}");
+        }
+        let found = report(vec![16_667; 29], Some(60.0));
+        assert_eq!(found.is_one_by_one(), None);
+        assert_eq!(found.verdict(), "29 frames are too few to tell; expected 30 or more.");
+    }
+}
+
 #[test]
 fn two_seconds_at_59_94_hz_are_120_refreshes() {
     let refresh = Refresh::from_hz(59.94).unwrap();

@@ -47,6 +47,7 @@ fn the_pane_measures_tells_and_exports() {
         assert!(says(&window, text), "{text}");
     }
     assert!(says(&window, "16.667 ms"));
+    assert!(says(&window, "The frames follow the refresh of 60.00 Hz one by one: none of 600 was dropped."));
     let field = window.get_by_label("Export to");
     field.focus();
     window.run_steps(2);
@@ -66,6 +67,23 @@ fn the_pane_measures_tells_and_exports() {
     window.key_press(Key::Escape);
     window.run_steps(2);
     assert!(window.query_by_label("Timing").is_some());
+}
+
+#[test]
+fn frames_that_follow_no_refresh_are_told_and_not_judged() {
+    let mut window = pane();
+    click(&mut window, "Measure");
+    let mut now = 100.0;
+    for frame in 0_u32..640 {
+        // From 5 to 21 ms, in no order.
+        now += 0.005 + f64::from(frame.wrapping_mul(2_654_435_761) >> 16) / 65_536.0 * 0.016;
+        window.input_mut().time = Some(now);
+        window.step();
+    }
+    window.input_mut().time = None;
+    window.run_steps(3);
+    assert!(says(&window, "The frames follow no steady refresh, so that none can be judged as dropped"));
+    assert!(says(&window, "not known") && !says(&window, "measured"));
 }
 
 #[test]

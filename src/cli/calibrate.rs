@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use jiff::civil::Date;
 use serde_json::{Value, json};
 
-use super::{UsageError, say};
+use super::{UsageError, doubt, say, today, wrote};
 use crate::{
     display::{
         Measurement,
@@ -68,18 +68,19 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         with: Some(arguments.with.clone()),
     };
     let made = calibration.profile(family, arguments.name.as_deref().unwrap_or(&stem), measured)?;
+    let done = if arguments.out.exists() { "replaced" } else { "wrote" };
     profile::write(&arguments.out, &made)?;
     if let Some(path) = &arguments.plot {
         plot(path, &calibration)?;
+        wrote(path)?;
     }
     if let Some(path) = &arguments.report {
         store::write_file(path, format!("{:#}\n", report(&calibration, family)).as_bytes())?;
+        wrote(path)?;
     }
-    say(&format!("wrote {}: {}", arguments.out.display(), made.sentence()))
-}
-
-fn today() -> Date {
-    jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
+    let out = arguments.out.display().to_string();
+    doubt(&out, &made);
+    say(&format!("{done} {out}: {}", made.sentence()))
 }
 
 fn check(arguments: &Arguments) -> Result<(), UsageError> {

@@ -3,6 +3,8 @@
 use super::UsageError;
 
 /// Check definitions, result files, display profiles, observers and images; every fault is named.
+///
+/// A display profile that is old, or dated in the future, is no fault: a warning on stderr says so.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
 pub(super) struct Arguments {
@@ -17,8 +19,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         if file.is_empty() {
             return Err(UsageError("a file name is empty; expected a path".to_owned()).into());
         }
-        match crate::store::check::check(file) {
-            Ok(sentence) => super::say(&format!("{file}: {sentence}"))?,
+        match crate::store::check::look(file) {
+            Ok(found) => {
+                if let Some(profile) = &found.profile {
+                    super::doubt(file, profile);
+                }
+                super::say(&format!("{file}: {}", found.sentence))?;
+            }
             Err(error) => faults.push(error.to_string()),
         }
     }

@@ -1,7 +1,7 @@
 //! Floor 6: the commands. Each is a headless twin of what the window does.
 //!
 //! Exit status 0: done; 1: failed; 2: wrong usage. Errors go to stderr as `error: WHERE: what is wrong; what is
-//! expected`, data to stdout or the named files.
+//! expected`, what is doubtful as `warning: WHERE: …`, data to stdout or the named files.
 
 mod analyze;
 mod calibrate;
@@ -21,11 +21,13 @@ mod timing;
 
 use std::{
     io::{ErrorKind, Write as _},
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::ExitCode,
 };
 
 use clap::{Parser, Subcommand};
+
+use crate::display::DisplayProfile;
 
 /// Measure how visible Mach bands are.
 ///
@@ -99,6 +101,25 @@ fn say(line: &str) -> anyhow::Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Says that a file was written.
+fn wrote(path: &Path) -> anyhow::Result<()> {
+    say(&format!("wrote {}", path.display()))
+}
+
+/// What speaks against a measured profile, on stderr: reason to measure again, and none to stop. `place` says whose
+/// profile it is. An assumption says itself that it is one.
+fn doubt(place: &str, profile: &DisplayProfile) {
+    if let Some(doubt) = profile.doubt(today()).filter(|_| profile.measured.is_some()) {
+        // Where nobody listens, nothing is lost.
+        let _ = writeln!(std::io::stderr(), "warning: {place}: {doubt}");
+    }
+}
+
+/// The day, by the system's clock.
+fn today() -> jiff::civil::Date {
+    jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }
 
 /// Where results go unless told otherwise.

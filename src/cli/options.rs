@@ -29,6 +29,7 @@ impl TransferOptions {
         Ok(match (&self.display, &self.transfer) {
             (Some(path), _) => {
                 let profile = store::profile::open(path)?;
+                super::doubt(&path.display().to_string(), &profile);
                 let hash = store::profile::hash(&profile);
                 (profile.transfers, Some(hash))
             }
@@ -66,7 +67,8 @@ pub(super) struct ImageOptions {
 }
 
 impl ImageOptions {
-    /// The complete description of an image of this stimulus.
+    /// The complete description of an image of this stimulus. Reads the display profile: to be called once, since it
+    /// says what is doubtful about that.
     pub(super) fn recipe(&self, stimulus: Stimulus) -> anyhow::Result<Recipe> {
         let usage = |message: String| UsageError(message);
         let (transfers, display_sha256) = self.transfer.transfers()?;

@@ -5,7 +5,11 @@ use std::{path::PathBuf, str::FromStr, thread::available_parallelism, time::Inst
 use indicatif::ProgressBar;
 
 use super::{options::ImageOptions, parallel, progress_style};
-use crate::store::{definition, manifest::Manifest};
+use crate::{
+    experiment::Condition,
+    stimulus::recipe::Recipe,
+    store::{definition, manifest::Manifest},
+};
 
 /// Write every distinct condition of a definition as an image, and a manifest.
 #[derive(clap::Args)]
@@ -51,10 +55,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let started = Instant::now();
     let protocol = definition::open(&arguments.experiment)?;
     let conditions = protocol.conditions()?;
-    let recipes = conditions
-        .iter()
-        .map(|condition| arguments.image.recipe(condition.stimulus.clone()))
-        .collect::<anyhow::Result<Vec<_>>>()?;
+    let like = arguments.image.recipe(protocol.stimulus.clone())?;
+    let of = |condition: &Condition| Recipe { stimulus: condition.stimulus.clone(), ..like.clone() };
+    let recipes: Vec<Recipe> = conditions.iter().map(of).collect();
     let Shard { index, of } = arguments.shard;
     let manifest = Manifest::open(&arguments.out, &protocol, &conditions, &recipes, (index, of))?;
     let mine: Vec<usize> = (0..recipes.len()).filter(|i| i % of == index - 1).collect();

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::{
     UsageError,
     options::{ImageOptions, StimulusOptions},
+    wrote,
 };
 use crate::{
     light::{Bits, Quantizer, halftone::Screen, palette::Reduction},
@@ -49,7 +50,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let screen = screen.map_err(|error| UsageError(format!("--halftone: {error}")))?;
     if let (Some(out), Some(screen)) = (&arguments.out, screen) {
         store::image::write_halftone(out, &recipe, screen)?;
-        return profile(arguments, &recipe, &quantizer);
+        return tell(arguments, &recipe, &quantizer);
     }
     match (&arguments.out, reduction) {
         (Some(_), Some(_)) if recipe.bits == Bits::Sixteen => {
@@ -67,12 +68,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (Some(out), None) => _ = store::image::write_recipe(out, &recipe, &quantizer)?,
         (None, _) => {}
     }
-    profile(arguments, &recipe, &quantizer)
+    tell(arguments, &recipe, &quantizer)
 }
 
-fn profile(arguments: &Arguments, recipe: &Recipe, quantizer: &Quantizer) -> anyhow::Result<()> {
+/// Writes the profile that was asked for, and says what was written.
+fn tell(arguments: &Arguments, recipe: &Recipe, quantizer: &Quantizer) -> anyhow::Result<()> {
     if let Some(profile) = &arguments.profile {
         store::curve::write_profile(profile, recipe, quantizer)?;
     }
-    Ok(())
+    arguments.out.iter().chain(&arguments.profile).try_for_each(|path| wrote(path))
 }

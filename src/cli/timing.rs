@@ -11,7 +11,7 @@ use crate::{
 /// Measure how evenly frames come.
 ///
 /// Opens a window that changes with every frame, and reports the intervals between frames, their percentiles, dropped
-/// frames (intervals above 1.5 refreshes) and missed refreshes. The patch is a target for a photodiode: its light is the
+/// frames (intervals above 1.5 refreshes) and missed refreshes, and whether the frames follow a steady refresh at all. The patch is a target for a photodiode: its light is the
 /// only proof of when a frame reaches the eye.
 ///
 /// With the scene `patch` a small patch flickers at the screen's refresh: do not look at it.
@@ -61,11 +61,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     for (name, value) in found.rows() {
         super::say(&format!("{name:<18}{value}"))?;
     }
+    super::say(&found.verdict())?;
     if let Some(path) = &arguments.out {
         store::write_file(path, found.csv().as_bytes())?;
+        super::wrote(path)?;
     }
     if let Some(path) = &arguments.plot {
         store::write_file(path, report::intervals::svg(found.intervals_us(), found.refresh).as_bytes())?;
+        super::wrote(path)?;
     }
     Ok(())
 }

@@ -13,6 +13,12 @@ pub const ESTIMATE_LEAST: usize = 30;
 const ESTIMATE_LONGEST: f64 = 8.5;
 /// Share of the intervals that must be of one refresh for an estimate.
 const ESTIMATE_STEADY: f64 = 0.7;
+/// How far from a whole number of refreshes an interval may be, in refreshes, to count as held to the screen.
+const HELD_WITHIN: f64 = 0.25;
+/// Share of the intervals that may be farther off where frames follow a refresh at all: their jitter.
+const HELD_JITTER: f64 = 0.1;
+/// Share of the intervals that may be long, above [`DROPPED_ABOVE`] refreshes, and farther off.
+const HELD_LONG: f64 = 0.01;
 /// Longest refresh that frames are taken to be held to, seconds: slower ones wait for something else.
 const ESTIMATE_SLOWEST_S: f64 = 0.1;
 /// Longest refresh that is taken for one, seconds.
@@ -73,6 +79,18 @@ impl Refresh {
         }
         let steady = ones as f64 >= ESTIMATE_STEADY * intervals_us.len() as f64;
         Self::new(refresh).ok().filter(|_| steady && refresh <= ESTIMATE_SLOWEST_S)
+    }
+
+    /// Whether frames that stood for these times follow this refresh: nearly all of them stood for a whole number of
+    /// refreshes, and 99 % of them for one, or for several as dropped frames do. Frames that stand for as long as their
+    /// work takes scatter in between; to count dropped frames among those would be to make them up.
+    #[must_use]
+    pub fn is_followed_by(self, intervals_us: &[u32]) -> bool {
+        let refreshes = intervals_us.iter().map(|us| f64::from(*us) * 1e-6 / self.0);
+        let off = refreshes.filter(|taken| (taken - taken.round().max(1.0)).abs() > HELD_WITHIN);
+        let (short, long): (Vec<f64>, Vec<f64>) = off.partition(|taken| *taken <= DROPPED_ABOVE);
+        let share = |count: usize| count as f64 / intervals_us.len().max(1) as f64;
+        share(long.len()) <= HELD_LONG && share(short.len() + long.len()) <= HELD_JITTER
     }
 
     /// Seconds.

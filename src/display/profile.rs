@@ -53,6 +53,12 @@ impl LuminanceRange {
     pub fn lowest_intensity(&self) -> f64 {
         self.black_cd_m2 / self.white_cd_m2
     }
+
+    /// Both for people: "0.251 to 134 cd/m²".
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        format!("{} to {} cd/m²", short(self.black_cd_m2), short(self.white_cd_m2))
+    }
 }
 
 /// CIE 1931 chromaticities x, y.
@@ -116,9 +122,7 @@ impl DisplayProfile {
             Some(transfer) => in_words(transfer),
             None => self.transfers.channels().each_ref().map(in_words).join(" / "),
         };
-        let luminance = self.luminance.map_or_else(String::new, |range| {
-            format!(", {} to {} cd/m²", short(range.black_cd_m2), short(range.white_cd_m2))
-        });
+        let luminance = self.luminance.map_or_else(String::new, |range| format!(", {}", range.sentence()));
         let Some(measured) = &self.measured else {
             return format!("{} ({transfer}{luminance}), assumed: this screen was not measured", self.name);
         };
@@ -161,8 +165,9 @@ fn in_words(transfer: &Transfer) -> String {
     }
 }
 
-/// Three digits that count.
-fn short(value: f64) -> String {
+/// A number for people: three digits that count, at most six after the point.
+#[must_use]
+pub fn short(value: f64) -> String {
     let digits = (2 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;
     format!("{value:.digits$}")
 }

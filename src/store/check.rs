@@ -6,19 +6,45 @@ use super::{
     FileFault, FileFaults, definition, frames, image, nulling, observer, profile, readings, results, sidecar::Sidecar,
     text, toml_reader,
 };
-use crate::experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns, columns_by_header};
+use crate::{
+    display::DisplayProfile,
+    experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns, columns_by_header},
+};
+
+/// A file without a fault.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// What it is.
+    pub sentence: String,
+    /// The display profile, where it is one: what speaks against relying on it depends on the day.
+    pub profile: Option<DisplayProfile>,
+}
+
+impl From<String> for Found {
+    fn from(sentence: String) -> Self {
+        Self { sentence, profile: None }
+    }
+}
+
+/// As [`look`], for the sentence alone.
+///
+/// # Errors
+/// Every fault.
+pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
+    look(name_or_path).map(|found| found.sentence)
+}
 
 /// Checks a definition, a display profile, an observer (`.toml`), a result file, a photometer's readings or the answers of a
 /// nulling (`.csv`), an image (`.png`), or a built-in definition by its name, and says in one sentence what it is.
 ///
 /// # Errors
 /// Every fault.
-pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
+pub fn look(name_or_path: &str) -> Result<Found, FileFaults> {
     if definition::BUILT_IN.iter().any(|built_in| built_in.name == name_or_path) {
-        return check_definition(definition::open(name_or_path)?);
+        return check_definition(definition::open(name_or_path)?).map(Found::from);
     }
     let path = Path::new(name_or_path);
-    match path.extension().and_then(|extension| extension.to_str()) {
+    let sentence = match path.extension().and_then(|extension| extension.to_str()) {
         Some("csv") if name_or_path.ends_with(frames::SUFFIX) => check_frames(path),
         Some("csv") => match first_column(path).as_deref() {
             Some("channel") => check_readings(path),
@@ -26,7 +52,7 @@ pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
             _ => check_results(path),
         },
         Some("png") => image::prove(path),
-        Some("toml") => check_toml(name_or_path, &text::read(path)?),
+        Some("toml") => return check_toml(name_or_path, &text::read(path)?),
         _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path)
             .err()
             .unwrap_or_else(|| FileFaults::whole(name_or_path, "cannot be checked; expected a .toml or .csv file"))),
@@ -34,20 +60,22 @@ pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
             name_or_path,
             "is of no known kind; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
         )),
-    }
+    };
+    sentence.map(Found::from)
 }
 
 /// The three kinds of TOML file differ in a key that each must have.
-fn check_toml(file: &str, text: &str) -> Result<String, FileFaults> {
+fn check_toml(file: &str, text: &str) -> Result<Found, FileFaults> {
     let table = toml_reader::parse(file, text)?;
     if table.contains_key("transfer") || table.contains_key("channels") {
-        return Ok(format!("display profile {}", profile::parse(file, text)?.sentence()));
+        let profile = profile::parse(file, text)?;
+        return Ok(Found { sentence: format!("display profile {}", profile.sentence()), profile: Some(profile) });
     }
     if table.contains_key("thresholds") {
         observer::parse(file, text)?;
-        return Ok("parameters of the ordered-logit observer".to_owned());
+        return Ok("parameters of the ordered-logit observer".to_owned().into());
     }
-    check_definition(definition::parse(file, text)?)
+    check_definition(definition::parse(file, text)?).map(Found::from)
 }
 
 fn check_definition(protocol: Protocol) -> Result<String, FileFaults> {

@@ -33,6 +33,9 @@ const COLUMNS: [&str; 14] = [
     "seed",
 ];
 
+/// Most files of answers beside a profile.
+const MOST_FILES: u32 = 10_000;
+
 /// The file of a running procedure. What was given is kept in memory too until it is on disk.
 #[derive(Debug)]
 pub struct NullingFile {
@@ -50,11 +53,9 @@ impl NullingFile {
     /// # Errors
     /// The system's refusal.
     pub fn create_beside(profile: &Path, seed: u64) -> Result<Self, StoreError> {
-        let stem = profile.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut number = 1;
         loop {
-            let suffix = if number == 1 { String::new() } else { format!("-{number}") };
-            let path = profile.with_file_name(format!("{stem}-nulling{suffix}.csv"));
+            let path = numbered(profile, number);
             match OpenOptions::new().write(true).create_new(true).open(&path) {
                 Ok(file) => {
                     let mut made = Self { path, file, seed, content: Vec::new(), on_disk: 0 };
@@ -62,7 +63,7 @@ impl NullingFile {
                     sync_folder(&made.path);
                     return Ok(made);
                 }
-                Err(error) if error.kind() == ErrorKind::AlreadyExists && number < 10_000 => number += 1,
+                Err(error) if error.kind() == ErrorKind::AlreadyExists && number < MOST_FILES => number += 1,
                 Err(error) => return Err(io(&path, "create")(error)),
             }
         }
@@ -123,6 +124,26 @@ impl NullingFile {
         self.on_disk = self.content.len();
         Ok(())
     }
+}
+
+/// The last file of answers beside a profile, where there is one, and the file that the next answers would go into.
+#[must_use]
+pub fn beside(profile: &Path) -> (Option<PathBuf>, PathBuf) {
+    let (mut last, mut next) = (None, numbered(profile, 1));
+    for number in 2..=MOST_FILES {
+        if !next.exists() {
+            break;
+        }
+        last = Some(std::mem::replace(&mut next, numbered(profile, number)));
+    }
+    (last, next)
+}
+
+/// The name of a profile's nth file of answers, from 1.
+fn numbered(profile: &Path, number: u32) -> PathBuf {
+    let stem = profile.file_stem().unwrap_or_default().to_string_lossy();
+    let suffix = if number == 1 { String::new() } else { format!("-{number}") };
+    profile.with_file_name(format!("{stem}-nulling{suffix}.csv"))
 }
 
 /// Reads the answers that count, in the order in which they were given.

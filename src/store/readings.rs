@@ -1,6 +1,9 @@
 //! Readings of a photometer (CSV): `channel,level,luminance_cd_m2`.
 
-use std::path::Path;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 use super::{
     FileFault, FileFaults, StoreError,
@@ -10,13 +13,16 @@ use super::{
 };
 use crate::display::photometer::{Channel, Reading, ReadingFault, Readings};
 
+/// Faults of one kind that are told one by one; of more of them the first is told, with their number.
+const TOLD_EACH: usize = 3;
+
 /// The columns, in the order in which they are written. Further columns are passed over.
 pub const COLUMNS: [&str; 3] = ["channel", "level", "luminance_cd_m2"];
 
 /// Reads readings that a profile can be made from, in the order in which they were taken.
 ///
 /// # Errors
-/// Every fault, that of a cell with its line and column.
+/// Every fault, that of a cell with its line and column; of many of one kind the first, with their number.
 pub fn open(path: &Path) -> Result<Readings, FileFaults> {
     parse(&path.display().to_string(), &text::read(path)?)
 }
@@ -24,26 +30,73 @@ pub fn open(path: &Path) -> Result<Readings, FileFaults> {
 /// Reads readings from their text; `file` names it in messages.
 ///
 /// # Errors
-/// Every fault, that of a cell with its line and column.
+/// Every fault, that of a cell with its line and column; of many of one kind the first, with their number.
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileFaults> {
     let rows = rows(file, text)?;
     let readings = rows.iter().map(|row| row.reading).collect();
     Readings::new(readings).map_err(|faults| {
-        let told = faults.iter().map(|found| {
-            let place = found.index.and_then(|index| rows.get(index)).map(|row| match found.fault {
-                ReadingFault::Luminance(_) => row.luminance_at,
-                _ => row.level_at,
-            });
-            FileFault { file: file.to_owned(), position: place, message: found.to_string() }
+        let found = faults.iter().map(|found| {
+            let row = found.index.and_then(|index| rows.get(index));
+            let (kind, position) = match found.fault {
+                ReadingFault::Luminance(_) => (Kind::Luminance, row.map(|row| row.luminance_at)),
+                ReadingFault::Level(_) | ReadingFault::LevelIsCode(_) => (Kind::Level, row.map(|row| row.level_at)),
+                _ => (Kind::Whole, None),
+            };
+            Found { kind, position, message: found.to_string() }
         });
-        FileFaults(told.collect())
+        let mut found: Vec<Found> = found.collect();
+        if rows.iter().all(|row| (0.0..=1.0).contains(&row.reading.luminance_cd_m2)) {
+            found.iter_mut().filter(|found| found.kind == Kind::Level).for_each(|found| found.message += EXCHANGED);
+        }
+        told(file, found)
     })
+}
+
+/// What levels outside 0…1 beside luminances within are likely to be.
+const EXCHANGED: &str = " (every luminance_cd_m2 is within 0…1: are the columns level and luminance_cd_m2 exchanged?)";
+
+/// Kinds of faults that can be in many rows for one reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    /// Of the readings together, or of the table: each is told.
+    Whole,
+    Fields,
+    /// Of the cell in the nth of [`COLUMNS`].
+    Empty(usize),
+    Cell(usize),
+    Level,
+    Luminance,
+}
+
+/// A fault, and where it stands: line and column from 1.
+struct Found {
+    kind: Kind,
+    position: Option<(usize, usize)>,
+    message: String,
+}
+
+/// The faults as they are told: what is wrong in every row for one reason is one line, and not a line a row.
+fn told(file: &str, found: Vec<Found>) -> FileFaults {
+    let mut counts = BTreeMap::new();
+    found.iter().for_each(|one| *counts.entry(one.kind).or_insert(0_usize) += 1);
+    let mut begun = BTreeSet::new();
+    let each = found.into_iter().filter_map(|Found { kind, position, mut message }| {
+        let count = counts[&kind];
+        if kind != Kind::Whole && count > TOLD_EACH {
+            if !begun.insert(kind) {
+                return None;
+            }
+            message += &format!("; {count} rows are like this one");
+        }
+        Some(FileFault { file: file.to_owned(), position, message })
+    });
+    FileFaults(each.collect())
 }
 
 /// Reads readings as they stand in a file that may not be complete, to go on with it.
 ///
 /// # Errors
-/// Cells that are no readings, each with its line and column.
+/// Cells that are no readings, each with its line and column; of many of one kind the first, with their number.
 pub fn open_begun(path: &Path) -> Result<Vec<Reading>, FileFaults> {
     let rows = rows(&path.display().to_string(), &text::read(path)?)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
@@ -75,6 +128,8 @@ struct Row {
 /// What a table of readings looks like.
 struct Shape {
     separator: u8,
+    /// Fields of the header.
+    fields: usize,
     /// Indices of [`COLUMNS`].
     columns: [usize; 3],
 }
@@ -91,14 +146,13 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
                 Ok(row) => rows.push(row),
                 Err(found) => faults.extend(found),
             },
-            Err(error) => faults.push((None, format!("is no CSV: {error}; expected rows of cells"))),
+            Err(error) => {
+                let message = format!("is no CSV: {error}; expected rows of cells");
+                faults.push(Found { kind: Kind::Whole, position: None, message });
+            }
         }
     }
-    if faults.is_empty() {
-        return Ok(rows);
-    }
-    let fault = |(position, message)| FileFault { file: file.to_owned(), position, message };
-    Err(FileFaults(faults.into_iter().map(fault).collect()))
+    if faults.is_empty() { Ok(rows) } else { Err(told(file, faults)) }
 }
 
 fn shape(file: &str, text: &str) -> Result<Shape, FileFaults> {
@@ -110,7 +164,7 @@ fn shape(file: &str, text: &str) -> Result<Shape, FileFaults> {
     let index = |column: &str| names.iter().position(|name| name == column);
     match COLUMNS.map(index) {
         [Some(channel), Some(level), Some(luminance)] => {
-            Ok(Shape { separator: separator as u8, columns: [channel, level, luminance] })
+            Ok(Shape { separator: separator as u8, fields: names.len(), columns: [channel, level, luminance] })
         }
         found => {
             let missing: Vec<&str> =
@@ -122,38 +176,33 @@ fn shape(file: &str, text: &str) -> Result<Shape, FileFaults> {
     }
 }
 
-type Faults = Vec<(Option<(usize, usize)>, String)>;
-
-fn row(text: &str, shape: &Shape, record: &csv::StringRecord) -> Result<Row, Faults> {
+fn row(text: &str, shape: &Shape, record: &csv::StringRecord) -> Result<Row, Vec<Found>> {
     let start = record.position().map_or(0, |position| position.byte() as usize);
     // The reader's position may be before line ends that it passed over.
     let start = start + text[start..].len() - text[start..].trim_start_matches(['\r', '\n']).len();
     let place = |column: usize| position(text, start + cell_start(&text[start..], column, shape.separator));
-    let [channel_at, level_at, luminance_at] = shape.columns;
-    let mut faults = Faults::new();
-    let mut cell = |column: usize, name: &str| match record.get(column).map(str::trim) {
-        Some(text) if !text.is_empty() => Some(text),
-        _ => {
-            faults.push((Some(place(column.min(record.len()))), format!("{name} is empty; expected a value")));
-            None
-        }
-    };
-    let cells = [channel_at, level_at, luminance_at].map(|column| {
-        let name = COLUMNS[shape.columns.iter().position(|at| *at == column).unwrap_or(0)];
-        (column, name, cell(column, name))
-    });
+    if record.len() > shape.fields {
+        return Err(vec![too_many(record.len(), shape, place(0).0)]);
+    }
+    let mut faults = Vec::new();
     let mut channel = None;
     let mut numbers = [None; 2];
-    for (index, (column, name, cell)) in cells.into_iter().enumerate() {
-        let Some(cell) = cell else { continue };
+    for (index, (column, name)) in shape.columns.into_iter().zip(COLUMNS).enumerate() {
+        let Some(cell) = record.get(column).map(str::trim).filter(|cell| !cell.is_empty()) else {
+            let position = Some(place(column.min(record.len())));
+            let message = format!("{name} is empty; expected a value");
+            faults.push(Found { kind: Kind::Empty(index), position, message });
+            continue;
+        };
         let wrong = if index == 0 {
             cell.parse::<Channel>().map(|known| channel = Some(known)).err().map(|error| error.to_string())
         } else {
             numbers[index - 1] = number(cell, shape.separator);
             numbers[index - 1].is_none().then(|| format!("{name} {cell:?} is no number; expected one such as 0.5"))
         };
-        faults.extend(wrong.map(|message| (Some(place(column)), message)));
+        faults.extend(wrong.map(|message| Found { kind: Kind::Cell(index), position: Some(place(column)), message }));
     }
+    let [_, level_at, luminance_at] = shape.columns;
     match (channel, numbers) {
         (Some(channel), [Some(level), Some(luminance_cd_m2)]) => Ok(Row {
             reading: Reading { channel, level, luminance_cd_m2 },
@@ -162,6 +211,13 @@ fn row(text: &str, shape: &Shape, record: &csv::StringRecord) -> Result<Row, Fau
         }),
         _ => Err(faults),
     }
+}
+
+/// More fields than the header names: which of them are the reading cannot be known.
+fn too_many(fields: usize, shape: &Shape, line: usize) -> Found {
+    let why = if shape.separator == b',' { " (a decimal comma?)" } else { "" };
+    let message = format!("{fields} fields; expected {}{why}", shape.fields);
+    Found { kind: Kind::Fields, position: Some((line, 1)), message }
 }
 
 fn number(cell: &str, separator: u8) -> Option<f64> {

@@ -1,6 +1,6 @@
 //! Measures the screen with a bank card held against it.
 
-use eframe::egui::{self, Color32, Sense, Slider, Stroke, Vec2};
+use eframe::egui::{self, Color32, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Stroke, Vec2};
 
 use crate::app::theme;
 use crate::display::geometry::{CARD_WIDTH_CM, width_cm_from_card};
@@ -8,9 +8,20 @@ use crate::display::geometry::{CARD_WIDTH_CM, width_cm_from_card};
 /// Height over width of an ISO/IEC 7810 ID-1 card, 53.98 mm by 85.60 mm.
 const CARD_ASPECT: f32 = 53.98 / 85.60;
 
+/// From the dialog's edge to its content, points: as on the pages.
+const PADDING: f32 = 24.0;
+/// Least room between the dialog and the window's edge, points.
+const AROUND: f32 = 8.0;
+/// Room for the number beside the slider, points.
+const NUMBER: f32 = 80.0;
+/// Smallest outline, physical pixels.
+const LEAST_PX: f32 = 100.0;
+
 /// The card helper: an outline to be made as large as a card.
 pub struct CardHelper {
     card_px: f32,
+    /// The slider, once it was drawn and given the keyboard.
+    slider: Option<Id>,
 }
 
 /// How the helper was left.
@@ -27,43 +38,82 @@ impl CardHelper {
     /// Starts from the outline that the present width would give.
     pub fn new(screen_width_cm: f64, screen_width_px: u32) -> Self {
         let px_per_cm = f64::from(screen_width_px) / screen_width_cm.clamp(1.0, 1000.0);
-        Self { card_px: (px_per_cm * CARD_WIDTH_CM) as f32 }
+        Self { card_px: (px_per_cm * CARD_WIDTH_CM) as f32, slider: None }
     }
 
     /// Draws it; physical pixels on both sides of the conversion.
     pub fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> CardOutcome {
-        let scale = ctx.pixels_per_point();
-        let mut outcome = CardOutcome::Open;
-        let shown = egui::Modal::new(egui::Id::unique("card")).show(ctx, |ui| {
-            ui.set_max_width((ctx.content_rect().width() - 80.0).max(300.0));
-            ui.heading("Measure the screen with a card");
-            ui.label("Hold a bank card (8.56 cm wide) against the screen and make the outline just as wide. Arrow keys move the slider.");
-            let largest = (screen_width_px as f32).min((ctx.content_rect().width() - 120.0) * scale).max(200.0);
-            self.card_px = self.card_px.min(largest);
-            let label = ui.label("Width of the outline, pixels");
-            ui.spacing_mut().slider_width = 360.0;
-            ui.add(Slider::new(&mut self.card_px, 100.0..=largest).step_by(1.0)).labelled_by(label.id);
-            let size = Vec2::new(self.card_px, self.card_px * CARD_ASPECT) / scale;
-            let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-            ui.painter().rect(rect, 10.0, Color32::from_gray(0x3a), Stroke::new(1.0, Color32::WHITE), egui::StrokeKind::Inside);
-            match width_cm_from_card(f64::from(self.card_px), screen_width_px) {
-                Ok(width) => {
-                    ui.label(format!("The screen is {width:.1} cm wide."));
-                    ui.horizontal(|ui| {
-                        if theme::primary(ui, "Use this width", true, "") {
-                            outcome = CardOutcome::Measured((width * 10.0).round() / 10.0);
-                        }
-                        if ui.button("Cancel").clicked() {
-                            outcome = CardOutcome::Closed;
-                        }
-                    });
-                }
-                Err(error) => theme::fault(ui, &error.to_string()),
-            }
+        // Enter in the number's field ends the typing, and on a button it is the button's.
+        let free = ctx.memory(|memory| memory.focused()).is_none_or(|focused| self.slider == Some(focused));
+        let accepted = free && self.slider.is_some() && ctx.input(|input| input.key_pressed(Key::Enter));
+        let room = ctx.content_rect().size() - Vec2::splat(2.0 * (PADDING + AROUND));
+        let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(PADDING);
+        let shown = egui::Modal::new(Id::unique("card")).frame(frame).show(ctx, |ui| {
+            ui.set_width(room.x.min(theme::COLUMN.max(self.outline(ctx).x)));
+            // As high as the window allows: what the dialog took before does not bind it when the outline grows.
+            let scrolling = ScrollArea::vertical().max_height(room.y).min_scrolled_height(room.y);
+            scrolling.show(ui, |ui| self.content(ui, screen_width_px, accepted)).inner
         });
-        if shown.should_close() && matches!(outcome, CardOutcome::Open) {
-            outcome = CardOutcome::Closed;
+        match shown.inner {
+            CardOutcome::Open if shown.should_close() => CardOutcome::Closed,
+            outcome => outcome,
         }
-        outcome
     }
+
+    /// Size of the outline, points.
+    fn outline(&self, ctx: &egui::Context) -> Vec2 {
+        Vec2::new(self.card_px, self.card_px * CARD_ASPECT) / ctx.pixels_per_point()
+    }
+
+    fn content(&mut self, ui: &mut egui::Ui, screen_width_px: u32, accepted: bool) -> CardOutcome {
+        ui.heading("Measure the screen with a card");
+        ui.label("Hold a bank card (8.56 cm wide) against the screen and make the outline just as wide. The arrow keys left and right change it; Enter accepts.");
+        self.slider(ui, screen_width_px);
+        self.draw(ui);
+        match width_cm_from_card(f64::from(self.card_px), screen_width_px) {
+            Ok(width) => buttons(ui, width, accepted),
+            Err(error) => {
+                theme::fault(ui, &error.to_string());
+                CardOutcome::Open
+            }
+        }
+    }
+
+    /// The slider, up to the whole screen whatever the window: a small window is no reason for another width.
+    fn slider(&mut self, ui: &mut egui::Ui, screen_width_px: u32) {
+        let label = ui.label("Width of the outline, pixels");
+        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).clamp(LEAST_PX, 360.0);
+        let range = LEAST_PX..=(screen_width_px as f32).max(2.0 * LEAST_PX);
+        let slider = Slider::new(&mut self.card_px, range).step_by(1.0).max_decimals(0).clamping(SliderClamping::Edits);
+        let slider = ui.add(slider).labelled_by(label.id);
+        if self.slider.is_none() {
+            slider.request_focus();
+            self.slider = Some(slider.id);
+        }
+    }
+
+    fn draw(&self, ui: &mut egui::Ui) {
+        let size = self.outline(ui.ctx());
+        if size.x > ui.available_width() {
+            ui.label(theme::quiet("The outline is wider than this window: make the window larger to see all of it."));
+        }
+        ScrollArea::horizontal().id_salt("outline").show(ui, |ui| {
+            let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+            let stroke = Stroke::new(1.0, Color32::WHITE);
+            ui.painter().rect(rect, 10.0, Color32::from_gray(0x3a), stroke, egui::StrokeKind::Inside);
+        });
+    }
+}
+
+/// The screen's width in cm, and the ways out.
+fn buttons(ui: &mut egui::Ui, width: f64, accepted: bool) -> CardOutcome {
+    ui.label(format!("The screen is {width:.1} cm wide."));
+    ui.horizontal_wrapped(|ui| {
+        let used = theme::primary(ui, "Use this width", true, "");
+        if ui.button("Cancel").clicked() {
+            return CardOutcome::Closed;
+        }
+        if used || accepted { CardOutcome::Measured((width * 10.0).round() / 10.0) } else { CardOutcome::Open }
+    })
+    .inner
 }

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Key, TextureHandle};
 
-use super::{ToolGo, picture::wide_picture, tool};
+use super::{ToolGo, picture::wide_picture, signed, tool};
 use crate::{
     app::{Monitor, pixels, theme},
     display::{
@@ -81,7 +81,8 @@ impl CheckScreen {
                     .picture(FIELD_PX, FIELD_PX, PATCH_PX)
             };
             let right = CHECKED.map(|rows| field(format!("{} of {} rows", rows.0, rows.1), &drawn(rows, 0.0)));
-            let wrong = [-ERROR, ERROR].map(|error| field(format!("wrong by {error:+}"), &drawn(CHECKED[0], error)));
+            let wrong = [-ERROR, ERROR]
+                .map(|error| field(format!("wrong by {}", signed(&format!("{error:+}"))), &drawn(CHECKED[0], error)));
             Strip { channel, fields: right.into_iter().chain(wrong).collect() }
         };
         let strips = [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(strip);

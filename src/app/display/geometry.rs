@@ -85,6 +85,10 @@ impl GeometryPane {
                 self.width_cm = format!("{cm:.1}");
             }
         });
+        if self.width_cm.trim() == format!("{:.1}", monitor.assumed_width_cm()) {
+            let text = "This width is assumed from 96 pixels an inch: measure it, or compare the ruler below.";
+            ui.add(egui::Label::new(egui::RichText::new(text).small().color(theme::NOTE)).wrap());
+        }
         ui.horizontal_wrapped(|ui| {
             let label = ui.label("Distance from eye to screen, cm");
             ui.add(egui::TextEdit::singleline(&mut self.distance_cm).desired_width(90.0)).labelled_by(label.id);

@@ -26,7 +26,7 @@ use super::{
 };
 use crate::{
     display::{DisplayProfile, Screen, Viewing},
-    store::{definition, profile},
+    store::{StoreError, definition, profile},
 };
 
 /// Where a tool leads.
@@ -36,7 +36,26 @@ pub enum ToolGo {
     /// Back to the list of tools.
     Back,
     /// Back, with a profile that was written.
-    Saved(PathBuf),
+    Saved(Saved),
+}
+
+/// A profile that was written.
+pub struct Saved {
+    path: PathBuf,
+    /// In the place of another.
+    replaced: bool,
+}
+
+impl Saved {
+    /// Writes a profile and tells whether one was there before.
+    ///
+    /// # Errors
+    /// The system's refusal.
+    pub fn write(path: PathBuf, made: &DisplayProfile) -> Result<Self, StoreError> {
+        let replaced = path.exists();
+        profile::write(&path, made)?;
+        Ok(Self { path, replaced })
+    }
 }
 
 /// The tool that is open.
@@ -57,13 +76,16 @@ pub struct Display {
     read: Option<(String, Result<DisplayProfile, String>)>,
     tool: Option<Tool>,
     dialog: Dialog,
-    saved: Option<PathBuf>,
+    /// What a tool wrote; told for as long as it is in use.
+    saved: Option<Saved>,
+    /// Patches that were left before all were read, to be gone on with.
+    paused: Option<Box<PhotometerPane>>,
 }
 
 impl Display {
     /// The tools, with what Home's fields say.
     pub fn new(form: Form) -> Self {
-        Self { form, read: None, tool: None, dialog: Dialog::default(), saved: None }
+        Self { form, read: None, tool: None, dialog: Dialog::default(), saved: None, paused: None }
     }
 
     /// Home's fields, as they are now.
@@ -99,14 +121,17 @@ impl Display {
         match go {
             ToolGo::Stay => return Go::Stay,
             ToolGo::Back => {}
-            ToolGo::Saved(path) => {
-                self.form.profile = path.display().to_string();
+            ToolGo::Saved(saved) => {
+                self.form.profile = saved.path.display().to_string();
                 // What was there before is no longer what is there.
                 self.read = None;
-                self.saved = Some(path);
+                self.saved = Some(saved);
             }
         }
-        self.tool = None;
+        self.paused = match self.tool.take() {
+            Some(Tool::Photometer(pane)) => Some(pane).filter(|pane| pane.is_paused()),
+            _ => self.paused.take(),
+        };
         ui.ctx().request_repaint();
         Go::Stay
     }
@@ -186,14 +211,18 @@ impl Display {
             }
             Err(faults) => faults.lines().for_each(|fault| theme::fault(ui, fault)),
         }
-        if let Some(path) = &self.saved {
-            ui.label(RichText::new(format!("Saved as {}, and in use.", path.display())).small().color(theme::GOOD));
+        self.saved = self.saved.take().filter(|saved| self.form.profile.trim() == saved.path.display().to_string());
+        if let Some(Saved { path, replaced }) = &self.saved {
+            let path = path.display();
+            let said =
+                if *replaced { format!("Replaced {path}; in use.") } else { format!("Saved as {path}, and in use.") };
+            ui.add(egui::Label::new(RichText::new(said).small().color(theme::GOOD)).wrap());
         }
     }
 }
 
 /// A tool's name, what it is for, and how it begins.
-type Entry = (&'static str, &'static str, fn(&Display, DisplayProfile, &Monitor) -> Tool);
+type Entry = (&'static str, &'static str, fn(&mut Display, DisplayProfile, &Monitor) -> Tool);
 
 /// All tools, in the order in which a new screen needs them.
 const TOOLS: &[Entry] = &[
@@ -210,7 +239,12 @@ const TOOLS: &[Entry] = &[
     (
         "Photometer",
         "The light of every level, measured: patches to point it at, or readings from a file; the fit and the profile.",
-        |_, profile, _| Tool::Photometer(Box::new(PhotometerPane::new(profile))),
+        |display, profile, _| {
+            Tool::Photometer(match display.paused.take() {
+                Some(pane) => Box::new(pane.for_profile(profile)),
+                None => Box::new(PhotometerPane::new(profile)),
+            })
+        },
     ),
     (
         "Gamma by eye",
@@ -237,7 +271,7 @@ const TOOLS: &[Entry] = &[
 /// A tool's page: its name, the way back, and its content in a column that scrolls.
 fn tool<R>(ui: &mut egui::Ui, name: &str, back: &mut bool, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
     theme::page_from(ui, 0.02, |ui| {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.heading(name);
             *back |= ui.button("Back").clicked();
             ui.label(theme::quiet("Esc"));
@@ -245,4 +279,16 @@ fn tool<R>(ui: &mut egui::Ui, name: &str, back: &mut bool, add: impl FnOnce(&mut
         ui.add_space(8.0);
         add(ui)
     })
+}
+
+/// Begins a new row where what follows needs more than is left of this one, points.
+fn room_for(ui: &mut egui::Ui, width: f32) {
+    if ui.available_size_before_wrap().x < width {
+        ui.end_row();
+    }
+}
+
+/// A number in a text, with the minus sign of print.
+fn signed(number: &str) -> String {
+    number.replace('-', "−")
 }

@@ -7,6 +7,7 @@ use crate::{
     app::{Monitor, form::parse, pixels, theme},
     display::{
         DisplayProfile,
+        profile::short,
         steps::{Step, csv, steps},
     },
     light::{CodeImage, Samples},
@@ -68,7 +69,7 @@ impl StepsPane {
             ui.add(egui::TextEdit::singleline(&mut self.i0).desired_width(100.0)).labelled_by(label.id);
         });
         let from = match self.profile.luminance {
-            Some(range) => format!("Measured: {} and {} cd/m².", range.black_cd_m2, range.white_cd_m2),
+            Some(range) => format!("Measured: {}.", range.sentence()),
             None => "Black was not measured on this screen: the number is assumed.".to_owned(),
         };
         ui.add(egui::Label::new(theme::quiet(from)).wrap());
@@ -136,7 +137,7 @@ fn table(ui: &mut egui::Ui, steps: &[Step]) {
                 let cells = [
                     step.level.to_string(),
                     format!("{:.5}", step.intensity),
-                    step.cd_m2.map_or_else(|| "–".to_owned(), |value| format!("{value:.2}")),
+                    step.cd_m2.map_or_else(|| "–".to_owned(), short),
                     step.codes[0].to_string(),
                     step.codes[1].to_string(),
                     step.codes[2].to_string(),

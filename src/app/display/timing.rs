@@ -92,6 +92,8 @@ impl TimingPane {
 
     fn found(&mut self, ui: &mut egui::Ui) {
         let Some(report) = &self.report else { return };
+        verdict(ui, report);
+        ui.add_space(4.0);
         table(ui, report);
         ui.add_space(8.0);
         plot(ui, report);
@@ -108,6 +110,12 @@ impl TimingPane {
             None => {}
         }
     }
+}
+
+/// Whether the frames do what the page asks.
+fn verdict(ui: &mut egui::Ui, report: &TimingReport) {
+    let color = if report.is_one_by_one() == Some(true) { theme::GOOD } else { theme::NOTE };
+    ui.add(egui::Label::new(egui::RichText::new(report.verdict()).strong().color(color)).wrap());
 }
 
 /// The intervals, and beside them their plot.

@@ -7,7 +7,7 @@ use eframe::egui;
 use super::FirstFrame;
 use crate::{
     app::{Monitor, theme},
-    display::frames::{FrameTimes, Refresh},
+    display::frames::{ESTIMATE_LEAST, FrameTimes, Refresh},
 };
 
 /// Frame intervals, and what they are judged against.
@@ -24,11 +24,12 @@ pub struct TimingReport {
 }
 
 impl TimingReport {
-    /// From intervals in microseconds. The refresh is the monitor's, or what the frames themselves are held to.
+    /// From intervals in microseconds. The refresh is the monitor's, or the one that the frames follow by themselves;
+    /// where they scatter there is none, and no frame is judged.
     #[must_use]
     pub fn new(intervals_us: Vec<u32>, monitor: &Monitor) -> Self {
         let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz).ok());
-        let measured = Refresh::estimate(&intervals_us);
+        let measured = Refresh::estimate(&intervals_us).filter(|refresh| refresh.is_followed_by(&intervals_us));
         let (refresh, source) = match (reported, measured) {
             (Some(_), _) => (reported, "reported"),
             (None, Some(_)) => (measured, "measured"),
@@ -60,7 +61,7 @@ impl TimingReport {
             (
                 "refresh",
                 self.refresh.map_or_else(
-                    || "not known: nothing holds the frames to the screen".to_owned(),
+                    || "not known".to_owned(),
                     |refresh| format!("{:.3} Hz, {:.3} ms, {}", refresh.hz(), refresh.seconds() * 1e3, self.source),
                 ),
             ),
@@ -77,6 +78,49 @@ impl TimingReport {
             rows.push(("at", format!("{:.3} s since 1970", first.unix_s)));
         }
         rows
+    }
+
+    /// Whether the frames follow the screen's refresh one by one; `None` where there are too few to tell.
+    #[must_use]
+    pub fn is_one_by_one(&self) -> Option<bool> {
+        let enough = self.intervals_us().len() >= ESTIMATE_LEAST;
+        let followed = self.refresh.is_some_and(|refresh| refresh.is_followed_by(self.intervals_us()));
+        enough.then_some(followed && self.times.dropped() == Some(0))
+    }
+
+    /// What the measurement says, in one or two sentences.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let count = self.intervals_us().len();
+        if count < ESTIMATE_LEAST {
+            return format!("{count} frames are too few to tell; expected {ESTIMATE_LEAST} or more.");
+        }
+        let Some(refresh) = self.refresh.filter(|refresh| refresh.is_followed_by(self.intervals_us())) else {
+            return self.scatter();
+        };
+        let (hz, dropped) = (refresh.hz(), self.times.dropped().unwrap_or_default());
+        let percent = 100.0 * dropped as f64 / count as f64;
+        if dropped == 0 {
+            format!("The frames follow the refresh of {hz:.2} Hz one by one: none of {count} was dropped.")
+        } else {
+            format!(
+                "The frames follow the refresh of {hz:.2} Hz, but {dropped} of {count} ({percent:.1} %) were dropped: close other programs."
+            )
+        }
+    }
+
+    /// That the frames follow no refresh, and how they come instead.
+    fn scatter(&self) -> String {
+        let ms = |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3;
+        let judged = match self.refresh {
+            Some(refresh) => format!("not that of {:.2} Hz either, which the system reports", refresh.hz()),
+            None => "so that none can be judged as dropped".to_owned(),
+        };
+        format!(
+            "The frames follow no steady refresh, {judged}: 98 % of their intervals are from {:.1} to {:.1} ms. Close other programs, and measure on the full screen.",
+            ms(0.01),
+            ms(0.99)
+        )
     }
 
     /// Every interval: `frame` from 1, `interval_us`, `dropped` 0 or 1, empty where it is not known.

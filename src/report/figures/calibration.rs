@@ -63,10 +63,10 @@ pub fn calibration(calibration: &Calibration) -> Option<Figure> {
     Some(Figure { name: "calibration", title, caption, wide: false, svg })
 }
 
-/// Channel, level and distance from the curve in 8-bit codes of every reading above black.
+/// Channel, level and distance from the curve in 8-bit codes of every reading.
 fn residuals(calibration: &Calibration) -> impl Iterator<Item = (Channel, f64, f64)> + '_ {
     let model = calibration.model(calibration.chosen);
-    calibration.readings.all().iter().filter(|one| one.level > 0.0).filter_map(move |one| {
+    calibration.readings.all().iter().filter_map(move |one| {
         let fitted = model.channels.iter().find(|fitted| fitted.channel == one.channel)?;
         Some((one.channel, one.level, 255.0 * (fitted.response.encoded(one.luminance_cd_m2) - one.level)))
     })

@@ -68,8 +68,8 @@ impl NullingPane {
             Stage::Results(mut results) => match results.show(ui) {
                 results::Go::Stay => Stage::Results(results),
                 results::Go::Again => Stage::Setup,
-                results::Go::Saved(path) => {
-                    go = ToolGo::Saved(path);
+                results::Go::Saved(saved) => {
+                    go = ToolGo::Saved(saved);
                     Stage::Results(results)
                 }
                 results::Go::Check(profile) => Stage::Check(results, Box::new(CheckScreen::new(*profile))),
@@ -134,6 +134,7 @@ fn paused(ui: &mut egui::Ui, mut trials: Box<Trials>) -> Stage {
         ui.add_space(12.0);
         resume = theme::primary(ui, "Go on", true, "Space");
         leave = ui.button("Leave; the answers so far stay in their file").clicked();
+        ui.add(egui::Label::new(theme::quiet("What is left cannot be gone on with later: it begins anew.")).wrap());
     });
     resume |= proceeds(ui);
     match () {

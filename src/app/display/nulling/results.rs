@@ -5,14 +5,16 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Key};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 
-use super::{Trials, tool};
+use super::{
+    super::{Saved, signed},
+    Trials, tool,
+};
 use crate::{
     app::{display::check::capital, theme, today},
     display::{
         DisplayProfile, Measurement,
         nulling::{Channel, ChannelEstimate, Estimates, estimate},
     },
-    store::profile,
 };
 
 /// The page.
@@ -34,7 +36,7 @@ pub enum Go {
     Stay,
     Again,
     Check(Box<DisplayProfile>),
-    Saved(PathBuf),
+    Saved(Saved),
 }
 
 impl Results {
@@ -120,8 +122,8 @@ impl Results {
             if theme::primary(ui, "Save and use", !self.name.trim().is_empty(), "")
                 && let Some(named) = self.named()
             {
-                match profile::write(&path, &named) {
-                    Ok(()) => *go = Go::Saved(path),
+                match Saved::write(path, &named) {
+                    Ok(saved) => *go = Go::Saved(saved),
                     Err(error) => self.said = Some(error.to_string()),
                 }
             }
@@ -206,7 +208,7 @@ fn levels(ui: &mut egui::Ui, estimates: &Estimates) {
                     let sd = level.code_sd.map_or_else(String::new, |sd| format!(" (SD {sd:.1})"));
                     ui.label(format!("{:.1} ± {:.1}{sd}", level.code, level.code_error));
                     ui.label(level.answers.to_string());
-                    ui.label(format!("{:+.1} % light", level.excess * 100.0));
+                    ui.label(format!("{} % light", signed(&format!("{:+.1}", level.excess * 100.0))));
                     ui.end_row();
                 }
             }

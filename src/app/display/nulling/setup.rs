@@ -15,7 +15,7 @@ use crate::{
         nulling::{Channel, Effort, Method, Nulling, Pattern, Plan},
     },
     experiment::session_seed,
-    store::nulling::NullingFile,
+    store::nulling::{NullingFile, beside},
 };
 
 /// Periods a degree from which on rows of full contrast blend: near the limit of sight, 50 to 60.
@@ -127,7 +127,20 @@ impl Setup {
             let label = ui.label("Save the profile as");
             ui.add(egui::TextEdit::singleline(&mut self.path).desired_width(360.0)).labelled_by(label.id);
         });
-        ui.add(egui::Label::new(theme::quiet("The answers go into a CSV file beside it.")).wrap());
+        ui.add(egui::Label::new(theme::quiet(self.answers_sentence())).wrap());
+    }
+
+    /// Where the answers go, and that those of an earlier time are not gone on with.
+    fn answers_sentence(&self) -> String {
+        let (earlier, next) = beside(&self.path());
+        let next = next.display();
+        match earlier {
+            None => format!("The answers go into {next}."),
+            Some(earlier) => format!(
+                "Answers of an earlier time stay in {}, and a matching that was left cannot be gone on with: it begins anew, and the answers go into {next}.",
+                earlier.display()
+            ),
+        }
     }
 
     fn plan(&self) -> Plan {
@@ -175,11 +188,12 @@ pub fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
     };
     let per_deg = viewing.px_per_degree() / f64::from(period_px.max(1));
     let needed_cm = viewing.distance_cm() * BLEND_PER_DEG / per_deg;
+    let from = viewing.distance_cm();
+    let counted = format!("periods of rows ({period_px} pixels each) to a degree");
     if per_deg >= BLEND_PER_DEG {
-        return format!("From {:.0} cm, {per_deg:.0} rows to a degree, the rows blend.", viewing.distance_cm());
+        return format!("From {from:.0} cm there are {per_deg:.0} {counted}: the rows blend.");
     }
     format!(
-        "From {:.0} cm there are {per_deg:.0} rows to a degree, and they may be seen; from {needed_cm:.0} cm on they blend. {otherwise}",
-        viewing.distance_cm()
+        "From {from:.0} cm there are {per_deg:.0} {counted}, and the rows may be seen; from {needed_cm:.0} cm on they blend. {otherwise}"
     )
 }

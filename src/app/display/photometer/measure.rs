@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Color32, Key, Rect, RichText, TextEdit, UiBuilder, Vec2};
+use eframe::egui::{
+    self, Color32, Key, Rect, RichText, TextEdit, UiBuilder, Vec2,
+    text::{CCursor, CCursorRange},
+};
 
 use crate::{
     app::{form::parse, theme},
@@ -39,6 +42,8 @@ pub struct Measuring {
     path: PathBuf,
     viewing: Viewing,
     entry: String,
+    /// The line is to take the keyboard with all of its text selected, so that typing replaces it.
+    select: bool,
     /// When the patch on the screen appeared.
     since: Option<f64>,
     message: Option<String>,
@@ -85,6 +90,7 @@ impl Measuring {
             path: path.to_owned(),
             viewing,
             entry: String::new(),
+            select: true,
             since: None,
             message: None,
             doubted: None,
@@ -151,7 +157,11 @@ impl Measuring {
         ui.horizontal_wrapped(|ui| {
             let label = ui.label(format!("{} {} · cd/m²", patch.channel, patch.code));
             let empty = self.entry.is_empty();
-            let field = ui.add(TextEdit::singleline(&mut self.entry).desired_width(110.0)).labelled_by(label.id);
+            if std::mem::take(&mut self.select) {
+                select_all(ui.ctx(), &self.entry);
+            }
+            let field = TextEdit::singleline(&mut self.entry).id(field_id()).desired_width(110.0);
+            let field = ui.add(field).labelled_by(label.id);
             accept = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             previous = empty && field.has_focus() && ui.input(|input| input.key_pressed(Key::Backspace));
             // The line is all there is to type into.
@@ -183,6 +193,7 @@ impl Measuring {
 
     /// Takes what is typed as the reading of a patch.
     fn accept(&mut self, at: usize, left_s: f64) {
+        self.select = true;
         let value = parse(&self.entry).filter(|value| *value >= 0.0);
         self.message = match value {
             None => Some(format!("{:?} is no luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim())),
@@ -214,6 +225,7 @@ impl Measuring {
     /// The next patch: its line, empty or with what was read before.
     fn fresh(&mut self, before: Option<f64>) {
         self.entry = before.map_or_else(String::new, |value| value.to_string());
+        self.select = true;
         self.since = None;
         self.message = None;
         self.doubted = None;
@@ -233,6 +245,21 @@ impl Measuring {
             other.channel, other.code
         ))
     }
+}
+
+/// The line, which is the same from patch to patch.
+fn field_id() -> egui::Id {
+    egui::Id::unique("reading of the photometer")
+}
+
+/// Gives the line the keyboard and selects its text. To be done before the line is drawn: what is typed in the same
+/// frame then replaces the text as well.
+fn select_all(ctx: &egui::Context, text: &str) {
+    ctx.memory_mut(|memory| memory.request_focus(field_id()));
+    let mut state = TextEdit::load_state(ctx, field_id()).unwrap_or_default();
+    let end = CCursor::new(text.chars().count());
+    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::default(), end)));
+    TextEdit::store_state(ctx, field_id(), state);
 }
 
 /// The patch in the middle of the screen, on whole pixels.

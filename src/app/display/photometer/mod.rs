@@ -40,6 +40,16 @@ impl PhotometerPane {
         Self { setup: Setup::new(&profile), profile, stage: Stage::Setup }
     }
 
+    /// The same, for what is known of the screen by now.
+    pub fn for_profile(self, profile: DisplayProfile) -> Self {
+        Self { profile, ..self }
+    }
+
+    /// Whether patches were left before all were read.
+    pub fn is_paused(&self) -> bool {
+        self.setup.is_paused()
+    }
+
     /// Draws the stage that is on.
     pub fn show(&mut self, ui: &mut egui::Ui) -> ToolGo {
         let (next, go) = match std::mem::replace(&mut self.stage, Stage::Setup) {
@@ -69,10 +79,11 @@ impl PhotometerPane {
         let next = match measuring.show(ui) {
             MeasureGo::Stay => return (Stage::Measuring(measuring), ToolGo::Stay),
             MeasureGo::Pause => {
-                self.setup.paused(measuring.progress());
+                self.setup.left(Some(&measuring));
                 Stage::Setup
             }
             MeasureGo::Done => {
+                self.setup.left(None);
                 let outcome = self.outcome(measuring.path());
                 Stage::Outcome(outcome, Some(measuring))
             }
@@ -96,7 +107,7 @@ impl PhotometerPane {
                 ui.ctx().request_repaint();
                 (Stage::Measuring(measuring), ToolGo::Stay)
             }
-            (OutcomeGo::Saved(path), _) => (Stage::Setup, ToolGo::Saved(path)),
+            (OutcomeGo::Saved(saved), _) => (Stage::Setup, ToolGo::Saved(saved)),
             (_, measuring) => (Stage::Outcome(outcome, measuring), ToolGo::Stay),
         }
     }

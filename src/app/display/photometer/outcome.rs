@@ -5,18 +5,22 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Color32, Key, RichText};
 use egui_plot::{Corner, Legend, Line, MarkerShape, Plot, Points};
 
-use super::{super::tool, setup::file_name};
+use super::{
+    super::{Saved, signed, tool},
+    setup::file_name,
+};
 use crate::{
     app::{theme, today},
     display::{
         DisplayProfile, Measurement,
         photometer::{Calibration, Channel, Family, FittedChannel, ReadingFault, Readings},
     },
-    store::profile,
 };
 
 /// Steps of a curve in the plot.
 const STEPS: usize = 100;
+/// Room for the numbers beside a plot, points: the same for all, so that their encoded values stand below each other.
+const AXIS_ROOM: f32 = 80.0;
 
 /// The page.
 pub struct Outcome {
@@ -43,7 +47,7 @@ pub enum OutcomeGo {
     /// To patches that are to be read again.
     Again(Vec<(Channel, f64)>),
     /// Out, with a profile.
-    Saved(PathBuf),
+    Saved(Saved),
 }
 
 impl Outcome {
@@ -86,25 +90,28 @@ impl Outcome {
                 }
                 Ok(calibration) => {
                     summary(ui, calibration, self.family.unwrap_or(calibration.chosen));
+                    choice(ui, calibration);
                     ui.add_space(8.0);
-                    table(ui, calibration);
-                    ui.add_space(8.0);
-                    validation(ui, calibration);
-                    ui.add_space(8.0);
-                    plots(ui, calibration, self.family.unwrap_or(calibration.chosen));
                 }
             }
-            if self.found.is_ok() {
+            if self.found.is_ok()
+                && let Some(saved) = self.save_fields(ui)
+            {
+                go = OutcomeGo::Saved(saved);
+            }
+            if let Ok(calibration) = &self.found {
                 ui.add_space(8.0);
-                if let Some(path) = self.save_fields(ui) {
-                    go = OutcomeGo::Saved(path);
-                }
+                plots(ui, calibration, self.family.unwrap_or(calibration.chosen));
+                ui.add_space(8.0);
+                table(ui, calibration);
+                ui.add_space(8.0);
+                validation(ui, calibration);
             }
         });
         if back || ui.input(|input| input.key_pressed(Key::Escape)) { OutcomeGo::Back } else { go }
     }
 
-    fn save_fields(&mut self, ui: &mut egui::Ui) -> Option<PathBuf> {
+    fn save_fields(&mut self, ui: &mut egui::Ui) -> Option<Saved> {
         ui.label(RichText::new("Profile").strong());
         ui.horizontal_wrapped(|ui| {
             let label = ui.label("Model");
@@ -144,9 +151,9 @@ impl Outcome {
         if save { self.save() } else { None }
     }
 
-    fn save(&mut self) -> Option<PathBuf> {
+    fn save(&mut self) -> Option<Saved> {
         match self.written() {
-            Ok(path) => Some(path),
+            Ok(saved) => Some(saved),
             Err(fault) => {
                 self.fault = Some(fault);
                 None
@@ -154,7 +161,7 @@ impl Outcome {
         }
     }
 
-    fn written(&self) -> Result<PathBuf, String> {
+    fn written(&self) -> Result<Saved, String> {
         let calibration = self.found.as_ref().map_err(Clone::clone)?;
         let some = |text: &str| (!text.trim().is_empty()).then(|| text.trim().to_owned());
         let with = some(&self.with).or_else(|| Some("photometer".to_owned()));
@@ -172,8 +179,7 @@ impl Outcome {
                 format!("{}: cannot be made: {error}; expected a place that can be written", folder.display())
             })?;
         }
-        profile::write(&path, &made).map_err(|error| error.to_string())?;
-        Ok(path)
+        Saved::write(path, &made).map_err(|error| error.to_string())
     }
 }
 
@@ -200,9 +206,9 @@ fn summary(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
     if let Some(additivity) = &calibration.additivity {
         let (percent, cd_m2) = (additivity.largest_percent(), additivity.largest_cd_m2());
         ui.label(format!(
-            "Gray differs from the sum of its channels by at most {:+.1} % and {:+.2} cd/m².",
-            percent.deviation_percent(),
-            cd_m2.deviation_cd_m2()
+            "Gray differs from the sum of its channels by at most {} % and {} cd/m².",
+            signed(&format!("{:+.1}", percent.deviation_percent())),
+            signed(&format!("{:+.2}", cd_m2.deviation_cd_m2()))
         ));
     }
     for note in &calibration.notes {
@@ -241,7 +247,7 @@ fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
         family.to_string(),
         channel.channel.to_string(),
         gamma,
-        offset.map_or_else(none, |(_, offset)| format!("{offset:+.4}")),
+        offset.map_or_else(none, |(_, offset)| signed(&format!("{offset:+.4}"))),
         format!("{:.5}", channel.r_squared),
         format!("{:.2}", channel.largest_codes),
         format!("{:.3}", channel.largest_cd_m2),
@@ -256,10 +262,11 @@ fn validation(ui: &mut egui::Ui, calibration: &Calibration) {
         })
         .collect();
     ui.label(format!("Root mean square error of levels left out in turn: {}.", errors.join("; ")));
-    ui.label(format!(
-        "Cross-validation prefers {}. Chosen: {}, the simplest that the readings do not speak against.",
-        calibration.better, calibration.chosen
-    ));
+    ui.label(format!("Cross-validation prefers {}.", calibration.better));
+}
+
+fn choice(ui: &mut egui::Ui, calibration: &Calibration) {
+    ui.strong(format!("Chosen: {}, the simplest that the readings do not speak against.", calibration.chosen));
 }
 
 fn look(channel: Channel) -> (Color32, MarkerShape) {
@@ -271,8 +278,12 @@ fn look(channel: Channel) -> (Color32, MarkerShape) {
     }
 }
 
+/// A plot over all encoded values, as wide as the others beside its axis.
 fn plot<'a>(id: &'static str, height: f32, values: &str) -> Plot<'a> {
     Plot::new(id)
+        .include_x(0.0)
+        .include_x(1.0)
+        .y_axis_min_width(AXIS_ROOM)
         .height(height)
         .allow_drag(false)
         .allow_zoom(false)
@@ -301,7 +312,6 @@ fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
         for channel in channels {
             let (color, marker) = look(channel.channel);
             let off = of(channel.channel)
-                .filter(|one| one.level > 0.0)
                 .map(|one| [one.level, 255.0 * (channel.response.encoded(one.luminance_cd_m2) - one.level)]);
             let points = Points::new(channel.channel.name(), off.collect::<Vec<_>>());
             plot.points(points.shape(marker).radius(4.0).color(color));

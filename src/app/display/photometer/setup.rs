@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Key, Slider};
 
 use super::{
-    super::tool,
+    super::{room_for, tool},
     measure::{Measuring, Viewing},
 };
 use crate::{
@@ -22,6 +22,8 @@ use crate::{
 
 /// Seconds that reading and typing take, for the estimate.
 const READING_S: f64 = 5.0;
+/// Room for a slider and its number, points.
+const SLIDER_ROOM: f32 = 190.0;
 
 /// The page.
 pub struct Setup {
@@ -38,7 +40,8 @@ pub struct Setup {
     /// A file of readings to fit.
     file: String,
     fault: Option<String>,
-    paused: Option<(usize, usize)>,
+    /// The file of patches that were left, how many of them were read, and how many there are.
+    paused: Option<(PathBuf, usize, usize)>,
     dialog: Dialog,
 }
 
@@ -81,9 +84,17 @@ impl Setup {
         self.name.trim()
     }
 
-    /// The patches were left with so many of them read.
-    pub fn paused(&mut self, progress: (usize, usize)) {
-        self.paused = Some(progress);
+    /// Patches were left before all were read; `None` where all are.
+    pub fn left(&mut self, measuring: Option<&Measuring>) {
+        self.paused = measuring.map(|measuring| {
+            let (done, all) = measuring.progress();
+            (measuring.path().to_owned(), done, all)
+        });
+    }
+
+    /// Whether patches were left before all were read.
+    pub fn is_paused(&self) -> bool {
+        self.paused.is_some()
     }
 
     /// Draws the page.
@@ -106,12 +117,12 @@ impl Setup {
                 }
                 Err(fault) => theme::fault(ui, fault),
             }
-            if let Some((done, all)) = self.paused {
-                ui.label(theme::quiet(format!(
-                    "Paused after {done} of {all} readings. They are saved; the same settings go on."
-                )));
+            let begun = self.begun();
+            if let Some(sentence) = &begun {
+                ui.label(theme::quiet(sentence));
             }
-            begin = theme::primary(ui, "Show patches", plan.is_ok(), "fills the screen; Esc pauses");
+            let text = if begun.is_some() { "Go on" } else { "Show patches" };
+            begin = theme::primary(ui, text, plan.is_ok(), "fills the screen; Esc pauses");
             if let Some(fault) = &self.fault {
                 theme::fault(ui, fault);
             }
@@ -125,6 +136,19 @@ impl Setup {
             return SetupGo::Fit(PathBuf::from(self.file.trim()));
         }
         if begin { self.begin() } else { SetupGo::Stay }
+    }
+
+    /// That the file has readings already, from this time or an earlier one; `None` where it is a new one.
+    fn begun(&self) -> Option<String> {
+        let path = Path::new(self.path.trim());
+        match &self.paused {
+            Some((left, done, all)) if left == path => {
+                Some(format!("Paused after {done} of {all} readings. They are saved; the same settings go on."))
+            }
+            _ => path.is_file().then(|| {
+                "This file has readings of an earlier time. The same settings go on with them; for new ones, name another file.".to_owned()
+            }),
+        }
     }
 
     fn begin(&mut self) -> SetupGo {
@@ -228,6 +252,7 @@ fn text(
 fn slider<N: egui::emath::Numeric>(ui: &mut egui::Ui, name: &str, value: &mut N, range: std::ops::RangeInclusive<N>) {
     ui.horizontal_wrapped(|ui| {
         let label = ui.label(name);
+        room_for(ui, SLIDER_ROOM);
         ui.add(Slider::new(value, range)).labelled_by(label.id);
     });
 }
