@@ -26,7 +26,8 @@ impl FrameStatistics {
 
     /// The screen's refresh, if the frames are held to one.
     pub fn refresh(&self) -> Option<Refresh> {
-        Refresh::estimate(self.0.intervals_us())
+        let intervals = self.0.intervals_us();
+        Refresh::estimate(intervals).filter(|refresh| refresh.is_followed_by(intervals))
     }
 }
 

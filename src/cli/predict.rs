@@ -215,12 +215,7 @@ fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     }
 }
 
-fn write(
-    arguments: &Arguments,
-    header: &[String],
-    rows: &[Prediction],
-    criterion: &Criterion,
-) -> anyhow::Result<()> {
+fn write(arguments: &Arguments, header: &[String], rows: &[Prediction], criterion: &Criterion) -> anyhow::Result<()> {
     let mut table = csv::Writer::from_writer(Vec::new());
     let columns = ["visibility", "predicted_rating", "visibility_bright", "visibility_dark"];
     table.write_record(header.iter().map(String::as_str).chain(columns))?;

@@ -93,8 +93,7 @@ fn criterion(counts: &Counts, predicted: impl Fn(u32) -> Option<f64>) -> Result<
     if !(slope.is_finite() && slope > 0.0) {
         return Err(HeldError::NoFit(format!("ratings change by {slope:.3} with the logarithm of visibility")));
     }
-    let thresholds: Vec<f64> =
-        model.thresholds.iter().map(|threshold| (threshold.estimate / slope).exp()).collect();
+    let thresholds: Vec<f64> = model.thresholds.iter().map(|threshold| (threshold.estimate / slope).exp()).collect();
     match <[f64; 3]>::try_from(thresholds) {
         Ok(thresholds) if thresholds.iter().all(|t| t.is_finite() && *t > 0.0) => {
             Ok(Criterion { thresholds, spread: 1.0 / slope })
@@ -137,8 +136,7 @@ fn ceiling(means: &[Vec<f64>], pooled_over_all: &[f64]) -> Option<[f64; 2]> {
             means.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, mean)| mean.clone()).collect();
         pooled(&rest)
     };
-    let lower: Vec<f64> =
-        means.iter().enumerate().filter_map(|(i, mean)| rank_correlation(mean, &others(i))).collect();
+    let lower: Vec<f64> = means.iter().enumerate().filter_map(|(i, mean)| rank_correlation(mean, &others(i))).collect();
     let upper: Vec<f64> = means.iter().filter_map(|mean| rank_correlation(mean, pooled_over_all)).collect();
     Some([mean(&lower)?, mean(&upper)?])
 }

@@ -1,7 +1,9 @@
 //! What the model of vision makes of a stimulus.
 
 use super::Stimulus;
-use crate::vision::{Border, Eye, Line, LineView, Picture, PictureView, VisionError, Visibility, luminance, luminances};
+use crate::vision::{
+    Border, Eye, Line, LineView, Picture, PictureView, Visibility, VisionError, luminance, luminances,
+};
 
 /// What is seen of a stimulus.
 #[derive(Clone, Debug)]

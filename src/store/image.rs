@@ -96,8 +96,8 @@ pub fn write_shaded(
 /// # Errors
 /// The system's refusal.
 pub fn write_codes(path: &Path, image: &CodeImage) -> Result<(), StoreError> {
-    let bytes = encode(image, &Transfer::Srgb.into(), &[])
-        .map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
+    let bytes =
+        encode(image, &Transfer::Srgb.into(), &[]).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
     write_whole(path, &bytes, false)
 }
 

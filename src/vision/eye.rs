@@ -51,6 +51,8 @@ pub struct Channel {
 /// σ of a channel on the logarithm of frequency, as the ratio of frequencies: 0.65 is a bandwidth of 1.5 octaves at half
 /// height, the median of cells in V1 (De Valois, Albrecht & Thorell 1982, Vis. Res. 22:545: 1.4).
 const RATIO: f64 = 0.65;
+/// σ of the Gaussian over which the eye takes its mean light, degrees: light adapts in places, not over the whole field.
+pub(super) const ADAPTATION_DEG: f64 = 0.5;
 /// Lowest channel, cycles a degree: half a period is the window of 8°.
 const LOWEST: f64 = 0.0625;
 /// Channels in an octave: with fewer, what is seen of a smooth end depends on where the channels happen to lie.
@@ -63,8 +65,7 @@ pub(super) const REACH: f64 = 8.0;
 impl Channel {
     /// All, from the coarsest.
     pub fn all() -> impl Iterator<Item = Channel> {
-        (0..CHANNELS)
-            .map(|k| Channel { frequency: LOWEST * (LN_2 * f64::from(k) / f64::from(PER_OCTAVE)).exp() })
+        (0..CHANNELS).map(|k| Channel { frequency: LOWEST * (LN_2 * f64::from(k) / f64::from(PER_OCTAVE)).exp() })
     }
 
     /// Share of a grating's amplitude that it passes, 0…1.

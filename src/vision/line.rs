@@ -7,7 +7,7 @@ use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 use super::{
     Border, VisionError,
     band::{Band, FALL_PERIODS, Polarity, Pool, Visibility, peak, strength},
-    eye::{Channel, Eye, REACH},
+    eye::{ADAPTATION_DEG, Channel, Eye, REACH},
 };
 
 /// Beyond the ends of a profile, degrees: as long as the coarsest channel's period, so that the profile does not meet
@@ -15,8 +15,6 @@ use super::{
 const BEYOND_DEG: f64 = 16.0;
 /// Samples of a channel's response in a period of it.
 const SAMPLES_PER_PERIOD: f64 = 16.0;
-/// σ of the Gaussian over which the eye takes its mean light, degrees.
-const ADAPTATION_DEG: f64 = 0.5;
 /// Samples of the mean light in a degree.
 const MEAN_PER_DEG: f64 = 16.0;
 
@@ -74,7 +72,7 @@ impl Line {
     /// [`VisionError`] for another number of samples, light that is negative or no number, and all black.
     pub fn see(&self, light: &[f64], border: Border) -> Result<LineView, VisionError> {
         super::check(light.iter().copied(), self.samples, 1, light.len())?;
-        let spectrum = self.spectrum(light);
+        let spectrum = self.spectrum(light, border);
         let mean = Mean::new(light, self.px_per_deg);
         let length = self.period as f64 / self.px_per_deg;
         let mut view = LineView::default();
@@ -95,10 +93,20 @@ impl Line {
     }
 
     /// Of the light's jumps from pixel to pixel: pixels are squares, and their light is a staircase.
-    fn spectrum(&self, light: &[f64]) -> Vec<Complex64> {
+    /// Beyond an edge that cuts, jumps come back as they went and fade: light and slope go on.
+    fn spectrum(&self, light: &[f64], border: Border) -> Vec<Complex64> {
         let mut jumps = vec![Complex64::default(); self.period];
         for (i, pair) in light.windows(2).enumerate() {
             jumps[i + 1].re = pair[1] - pair[0];
+        }
+        if border == Border::Cut {
+            let n = self.samples;
+            let beyond = ((self.period - n) / 2).min(n - 1);
+            for k in 0..beyond {
+                let fade = 0.5 + 0.5 * (PI * (k + 1) as f64 / (beyond + 1) as f64).cos();
+                jumps[n + k].re = fade * jumps[n - 1 - k].re;
+                jumps[(self.period - k) % self.period].re = fade * jumps[1 + k].re;
+            }
         }
         self.forward.process(&mut jumps);
         jumps
@@ -134,14 +142,7 @@ impl Filter {
     }
 
     /// Peaks within the first `seen` of `length` degrees.
-    fn bands(
-        &self,
-        response: &[Complex64],
-        length: f64,
-        seen: f64,
-        border: Border,
-        mean: &Mean,
-    ) -> Vec<Band> {
+    fn bands(&self, response: &[Complex64], length: f64, seen: f64, border: Border, mean: &Mean) -> Vec<Band> {
         let n = response.len();
         let step = length / n as f64;
         let frequency = self.channel.frequency;
@@ -158,7 +159,8 @@ impl Filter {
                 return None;
             }
             let (shift, value) = peak([response[before], response[i], response[after]]);
-            let least = |toward: &dyn Fn(usize) -> usize| (1..=fall).map(|k| energy[toward(k)]).fold(f64::MAX, f64::min);
+            let least =
+                |toward: &dyn Fn(usize) -> usize| (1..=fall).map(|k| energy[toward(k)]).fold(f64::MAX, f64::min);
             let lowest = least(&|k| at(n - k)).max(least(&|k| at(k))).sqrt();
             let place = (i as f64 + shift) * step;
             let strength = strength(value, lowest, mean.at(place));

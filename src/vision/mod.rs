@@ -14,6 +14,7 @@
 //! source where it is defined. [`Line`] is for what varies in one direction, [`Picture`] for images; they agree.
 
 mod band;
+pub mod baselines;
 mod eye;
 mod line;
 mod picture;

@@ -8,15 +8,13 @@ use rustfft::{FftPlanner, num_complex::Complex64};
 use super::{
     Border, VisionError,
     band::{Band, Polarity, Pool, Visibility},
-    eye::{Channel, Eye},
+    eye::{ADAPTATION_DEG, Channel, Eye},
     line::smooth,
     ridge::{Field, Ridge},
 };
 
 /// Frequencies of a channel that are computed, times its own: beyond, it passes less than a hundredth.
 const REACH: f64 = 6.0;
-/// σ of the Gaussian over which the eye takes its mean light, degrees.
-const ADAPTATION_DEG: f64 = 0.5;
 /// Highest frequency of the mean light, cycles a degree.
 const MEAN_TOP: f64 = 2.0;
 /// Least pixels on a side.
@@ -345,8 +343,7 @@ fn periodic(picture: &Picture, columns: usize, rows: usize) -> Vec<Complex64> {
     }
     for x in 0..columns {
         for k in 0..rows - height {
-            values[(height + k) * columns + x].re =
-                beyond(k, rows - height, height, |y| values[y * columns + x].re);
+            values[(height + k) * columns + x].re = beyond(k, rows - height, height, |y| values[y * columns + x].re);
         }
     }
     values

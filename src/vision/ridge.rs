@@ -46,11 +46,7 @@ impl Local {
         Local {
             value: b[1],
             slope: [(b[2] - b[0]) / 2.0, (c[1] - a[1]) / 2.0],
-            curvature: [
-                b[0] - 2.0 * b[1] + b[2],
-                (c[2] - c[0] - a[2] + a[0]) / 4.0,
-                a[1] - 2.0 * b[1] + c[1],
-            ],
+            curvature: [b[0] - 2.0 * b[1] + b[2], (c[2] - c[0] - a[2] + a[0]) / 4.0, a[1] - 2.0 * b[1] + c[1]],
         }
     }
 
@@ -81,8 +77,13 @@ impl Field<'_> {
     /// The ridges where `counts` says so of a place in pixels; `mean` is the mean light.
     pub(super) fn ridges(&self, mean: &Grid, counts: impl Fn(f64, f64) -> bool) -> Vec<Ridge> {
         let Grid { columns, rows, step, middle, .. } = *self.even;
-        let energy: Vec<f64> =
-            self.even.values.iter().zip(&self.odd.values).map(|(even, odd)| even.re * even.re + odd.norm_sqr()).collect();
+        let energy: Vec<f64> = self
+            .even
+            .values
+            .iter()
+            .zip(&self.odd.values)
+            .map(|(even, odd)| even.re * even.re + odd.norm_sqr())
+            .collect();
         let mut ridges = Vec::new();
         for row in 0..rows {
             // The grid begins at the image's middle and goes on round its edges.

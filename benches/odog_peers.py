@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""ODOG (Blakeslee & McCourt 1999) of machband beside multyscale's, on the same picture.
+
+multyscale (computational-psychology/multyscale, MIT licence) makes the model's filters, `ODOG_RHS2007(shape, extent)`, and
+then runs it, `.apply(picture)`; machband does the same two steps. The picture is a linear ramp between plateaus, 512 x 512
+pixels at 32 pixels a degree. The two take turns, so that a machine that grows slow slows both; each run is a process of its
+own. The first round also compares what they answer, where machband writes it.
+
+    python3 -m venv peers && peers/bin/pip install numpy scipy
+    git clone https://github.com/computational-psychology/multyscale && git -C multyscale checkout 5d29c68e49ed   # 0.2.0
+    peers/bin/pip install --no-deps ./multyscale
+    cargo build --release --example odog
+    python3 benches/odog_peers.py --python peers/bin/python \\
+        --machband-command "target/release/examples/odog {size} {ppd} {out}"
+
+In the command {size}, {ppd} and {out} are filled in. It prints `construct_s SECONDS run_s SECONDS`; where it does not, its
+wall time counts as both together. Where it uses {out}, it writes its response there: float32, row by row, as the machine
+has them. Pass `OPENBLAS_NUM_THREADS` and the like in the environment; none is set here.
+
+Prints a line a run and then medians and ratios. Exit status 0; 1 where a program fails.
+"""
+
+import argparse
+import array
+import os
+import re
+import shlex
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+PEER = """
+import sys, time
+import numpy as np
+import multyscale
+size, ppd, out = int(sys.argv[1]), float(sys.argv[2]), sys.argv[3]
+half = (size - 1) / 2 / ppd
+ramp = np.clip((np.arange(size) / size - 0.4) / 0.2, 0, 1)
+picture = np.tile(0.25 + 0.5 * ramp, (size, 1))
+began = time.perf_counter()
+model = multyscale.models.ODOG_RHS2007((size, size), (-half, half, -half, half))
+made = time.perf_counter()
+response = model.apply(picture)
+done = time.perf_counter()
+response.astype(np.float32).tofile(out)
+print("construct_s", made - began, "run_s", done - made)
+"""
+
+TIMES = re.compile(r"construct_s\s+(\S+)\s+run_s\s+(\S+)")
+
+
+def timed(name, command):
+    """Seconds to construct (None where the program does not tell) and to run."""
+    began = time.perf_counter()
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=1800)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        sys.exit(f"{name} failed: {error}")
+    wall = time.perf_counter() - began
+    if done.returncode != 0:
+        sys.exit(f"{name} failed:\n{done.stdout}\n{done.stderr}")
+    told = TIMES.search(done.stdout)
+    return (float(told[1]), float(told[2])) if told else (None, wall)
+
+
+def response(path):
+    values = array.array("f")
+    with open(path, "rb") as file:
+        values.frombytes(file.read())
+    return values
+
+
+def compare(ours, peer):
+    """Correlation, and the largest difference as a part of the peer's range."""
+    if len(ours) != len(peer):
+        return f"different sizes: {len(ours)} and {len(peer)} values"
+    spread = max(peer) - min(peer)
+    worst = max(abs(a - b) for a, b in zip(ours, peer)) / spread
+    return f"correlation {statistics.correlation(ours, peer):.9f}, largest difference {worst:.2e} of the range"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--machband-command", required=True, help="with {size}, {ppd} and, to compare answers, {out}")
+    parser.add_argument("--python", default=sys.executable, help="a Python that has multyscale")
+    parser.add_argument("--size", type=int, default=512, help="pixels a side")
+    parser.add_argument("--px-per-deg", type=float, default=32.0)
+    parser.add_argument("--rounds", type=int, default=5)
+    arguments = parser.parse_args()
+    runs = {"machband": [], "multyscale": []}
+    with tempfile.TemporaryDirectory() as folder:
+        out = {name: os.path.join(folder, name) for name in runs}
+        filled = {"size": arguments.size, "ppd": arguments.px_per_deg, "out": shlex.quote(out["machband"])}
+        size, ppd = str(arguments.size), str(arguments.px_per_deg)
+        commands = {
+            "machband": shlex.split(arguments.machband_command.format(**filled)),
+            "multyscale": [arguments.python, "-c", PEER, size, ppd, out["multyscale"]],
+        }
+        for turn in range(arguments.rounds):
+            # Each comes first in its turn.
+            for name in list(runs) if turn % 2 == 0 else list(runs)[::-1]:
+                construct, run = timed(name, commands[name])
+                runs[name].append((construct, run))
+                made = "" if construct is None else f"construct {construct:8.3f} s  "
+                print(f"{turn + 1}  {name:<10} {made}run {run:8.3f} s", flush=True)
+            if turn == 0 and os.path.exists(out["machband"]):
+                print("   " + compare(response(out["machband"]), response(out["multyscale"])), flush=True)
+    print()
+    peers = runs["multyscale"]
+    for name, found in runs.items():
+        steps = [("construct", 0), ("run", 1)]
+        if any(construct is None for construct, _ in found):
+            steps = [("wall", 1)]
+        for step, at in steps:
+            times = [run[at] for run in found]
+            theirs = [sum(run) if step == "wall" else run[at] for run in peers]
+            ratio = statistics.median(other / own for own, other in zip(times, theirs))
+            print(
+                f"{name:<10} {step:<9} median {statistics.median(times):8.3f} s"
+                f" ({min(times):.3f} to {max(times):.3f})  multyscale takes {ratio:.1f} times as long"
+            )
+
+
+if __name__ == "__main__":
+    main()

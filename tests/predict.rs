@@ -1,0 +1,107 @@
+//! `machband predict`, and the observer who sees, from the outside.
+
+use std::{fs, path::Path, process::Command};
+
+fn machband(arguments: &[&str], folder: &Path) -> (String, String, i32) {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_machband")).args(arguments).current_dir(folder).output().expect("it starts");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    (text(output.stdout), text(output.stderr), output.status.code().expect("an exit status"))
+}
+
+fn ok(arguments: &[&str], folder: &Path) -> String {
+    let (out, error, status) = machband(arguments, folder);
+    assert_eq!((status, error.as_str()), (0, ""), "{arguments:?}");
+    out
+}
+
+fn column(table: &str, name: &str) -> Vec<String> {
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let place = reader.headers().unwrap().iter().position(|header| header == name).expect(name);
+    reader.records().map(|record| record.unwrap()[place].to_owned()).collect()
+}
+
+fn numbers(table: &str, name: &str) -> Vec<f64> {
+    column(table, name).iter().map(|text| text.parse().unwrap()).collect()
+}
+
+#[test]
+fn a_stimulus_a_definition_and_an_image_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = ok(&["predict", "--width", "0.1", "--size", "512"], folder.path());
+    let all = ok(&["predict", "bangay2003", "--size", "512"], folder.path());
+    assert!(all.starts_with("width,depth,orientation_deg,visibility,predicted_rating,"), "{all}");
+    assert_eq!(all.lines().count(), 121);
+    let found = all.lines().find(|line| line.starts_with("0.1,1,0,")).unwrap();
+    assert!(found.contains(&column(&one, "visibility")[0]), "{found} and {one}");
+    let ratings = numbers(&all, "predicted_rating");
+    assert!(ratings.iter().all(|rating| (0.0..=3.0).contains(rating)));
+    for (pair, depths) in numbers(&all, "visibility").windows(2).zip(column(&all, "depth").windows(2)) {
+        assert!(depths[0] >= depths[1] || depths[0] == depths[1] || pair[0] >= pair[1] - 0.5, "{pair:?} {depths:?}");
+    }
+    // 16 bits: 8 make steps of their own, which the eye sees.
+    ok(
+        &["stimulus", "--width", "0.1", "--size", "512", "--bits", "16", "--orientation", "30", "--out", "ramp.png"],
+        folder.path(),
+    );
+    let image = ok(&["predict", "--image", "ramp.png", "--map", "bands.png"], folder.path());
+    let ratio = numbers(&image, "visibility")[0] / numbers(&one, "visibility")[0];
+    assert!((0.9..1.1).contains(&ratio), "{ratio}");
+    assert!(fs::metadata(folder.path().join("bands.png")).unwrap().len() > 1000);
+}
+
+/// The thresholds of a simulated observer come back.
+#[test]
+fn a_criterion_is_recovered_from_ratings() {
+    let folder = tempfile::tempdir().unwrap();
+    let known = "schema = 1\nthresholds = [2.0, 7.0, 20.0]\nspread = 0.5\nsubject_sd = 0.0\nlapse = 0.0\n";
+    fs::write(folder.path().join("known.toml"), known).unwrap();
+    let simulate = ["simulate", "bangay2003", "--participants", "20", "--observer", "vision", "--observer-file"];
+    ok(&[&simulate[..], &["known.toml"]].concat(), folder.path());
+    // The observer looked at 512 pixels.
+    let fit = ["predict", "bangay2003", "--size", "512", "--fit", "results/bangay2003", "--criterion", "found.toml"];
+    let said = ok(&[&fit[..], &["--out", "predicted.csv"]].concat(), folder.path());
+    let found: toml::Table = fs::read_to_string(folder.path().join("found.toml")).unwrap().parse().unwrap();
+    let thresholds: Vec<f64> = found["thresholds"].as_array().unwrap().iter().map(|t| t.as_float().unwrap()).collect();
+    for (found, known) in thresholds.iter().zip([2.0_f64, 7.0, 20.0]) {
+        assert!((found / known).ln().abs() < 0.08, "{found} for {known}");
+    }
+    assert!((found["spread"].as_float().unwrap() / 0.5 - 1.0).abs() < 0.1, "{found}");
+    let rho = said.lines().find(|line| line.starts_with("rank correlation")).unwrap();
+    assert!(rho.rsplit(' ').next().unwrap().parse::<f64>().unwrap() > 0.95, "{said}");
+    assert!(said.contains("noise ceiling"), "{said}");
+    assert_eq!(fs::read_to_string(folder.path().join("predicted.csv")).unwrap().lines().count(), 121);
+}
+
+#[test]
+fn what_cannot_be_predicted_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let png = |name: &str, side: u32, color: png::ColorType, codes: &[u8]| {
+        let file = fs::File::create(folder.path().join(name)).unwrap();
+        let mut encoder = png::Encoder::new(file, side, side);
+        encoder.set_color(color);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.write_header().unwrap().write_image_data(codes).unwrap();
+    };
+    png("alpha.png", 32, png::ColorType::Rgba, &[128; 32 * 32 * 4]);
+    png("black.png", 64, png::ColorType::Grayscale, &[0; 64 * 64]);
+    png("dot.png", 1, png::ColorType::Grayscale, &[128]);
+    png("small.png", 20, png::ColorType::Rgb, &[128; 20 * 20 * 3]);
+    fs::write(folder.path().join("text.png"), "no image").unwrap();
+    for (file, what) in [
+        ("alpha.png", "alpha"),
+        ("black.png", "all black"),
+        ("dot.png", "1 × 1 pixels is too small"),
+        ("small.png", "20 × 20 pixels is too small"),
+        ("text.png", "not a whole PNG"),
+        ("none.png", "cannot be opened"),
+    ] {
+        let (out, error, status) = machband(&["predict", "--image", file, "--window", "0.1"], folder.path());
+        assert_eq!((out.as_str(), status), ("", 1), "{file}");
+        assert!(error.starts_with(&format!("error: {file}")) && error.contains(what), "{error}");
+    }
+    let (_, error, status) = machband(&["predict", "--window=-1"], folder.path());
+    assert!(status == 2 && error.contains("--window"), "{error}");
+    let (_, error, status) = machband(&["predict", "bangay2003", "--fit", "nowhere"], folder.path());
+    assert!(status == 1 && error.contains("nowhere"), "{error}");
+}

@@ -1,0 +1,294 @@
+//! The model of vision against what is known of Mach bands, each fact with its source; and against itself.
+
+use machband::{
+    light::Depth,
+    stimulus::{MachBand, Stimulus},
+    vision::{Border, Eye, Line, LineView, Picture, Polarity, VisionError, luminance, luminances},
+};
+
+/// Windows, degrees, and pixels in a degree, in which the facts are to hold.
+const WINDOWS: [f64; 3] = [2.0, 5.0, 10.0];
+const SAMPLINGS: [f64; 3] = [32.0, 64.0, 128.0];
+const DEPTHS: [Depth; 4] = [Depth::Finite(1), Depth::Finite(2), Depth::Finite(3), Depth::Finite(4)];
+
+/// A ramp of `width` degrees in a window.
+fn band(width: f64, depth: Depth, window: f64) -> MachBand {
+    MachBand { width: width / window, depth, ..MachBand::default() }
+}
+
+fn light(band: &MachBand, window: f64, px_per_deg: f64) -> Vec<f64> {
+    let size = (window * px_per_deg).round() as u32;
+    (0..size).map(|i| band.luminance_at(Stimulus::place(i, size))).collect()
+}
+
+fn see_light(light: &[f64], px_per_deg: f64, border: Border) -> LineView {
+    Line::new(light.len(), px_per_deg, &Eye::default()).unwrap().see(light, border).unwrap()
+}
+
+fn see(width: f64, depth: Depth, window: f64, px_per_deg: f64) -> LineView {
+    see_light(&light(&band(width, depth, window), window, px_per_deg), px_per_deg, Border::Continues)
+}
+
+fn visibility(width: f64, depth: Depth, window: f64, px_per_deg: f64) -> f64 {
+    see(width, depth, window, px_per_deg).visibility.max()
+}
+
+/// Widths from a hundredth of a degree to four fifths of the window, in steps of a quarter.
+fn widths(from: f64, window: f64) -> Vec<f64> {
+    let steps = ((0.8 * window / from).ln() / 1.25_f64.ln()).floor() as i32;
+    (0..=steps).map(|k| from * 1.25_f64.powi(k)).collect()
+}
+
+fn each_condition(mut check: impl FnMut(f64, f64, f64)) {
+    for window in WINDOWS {
+        for px_per_deg in SAMPLINGS {
+            let most = widths(0.1, window)
+                .into_iter()
+                .map(|width| visibility(width, Depth::Finite(1), window, px_per_deg))
+                .fold(0.0, f64::max);
+            assert!(most > 10.0, "{window}° at {px_per_deg}: nothing is seen");
+            check(window, px_per_deg, most);
+        }
+    }
+}
+
+/// Ross, Morrone & Burr 1989: no bands at a sharp step, nor at a ramp that the eye cannot tell from one.
+#[test]
+fn a_step_has_no_band_and_a_very_narrow_ramp_hardly_one() {
+    each_condition(|window, px, most| {
+        let step = visibility(0.0, Depth::Finite(1), window, px);
+        assert!(step <= 0.01 * most, "{window}° at {px}: {step} of {most}");
+        for width in [0.005, 0.01, 0.015, 0.02] {
+            let narrow = visibility(width, Depth::Finite(1), window, px);
+            assert!(narrow <= 0.1 * most, "{width}° of {window}° at {px}: {narrow} of {most}");
+        }
+    });
+}
+
+/// Ross, Morrone & Burr 1989, Bangay's Figure 4: one best width, and a fall on both sides of it.
+#[test]
+fn visibility_has_one_optimum_of_width() {
+    each_condition(|window, px, most| {
+        let widths = widths(0.02, window);
+        let seen: Vec<f64> = widths.iter().map(|width| visibility(*width, Depth::Finite(1), window, px)).collect();
+        let best = (0..seen.len()).max_by(|a, b| seen[*a].total_cmp(&seen[*b])).unwrap();
+        assert!(0 < best && best < seen.len() - 1, "{window}° at {px}: best at {}°", widths[best]);
+        for i in 1..seen.len() {
+            let change = if i <= best { seen[i] - seen[i - 1] } else { seen[i - 1] - seen[i] };
+            // Ramps a few pixels wide are drawn by chance.
+            let least = if widths[i] * px < 8.0 { 0.2 } else { 0.05 };
+            assert!(change > -least * most, "{window}° at {px}, {}°: {:?}", widths[i], &seen[i - 1..=i]);
+            assert!(
+                i <= best + 2 || change > -0.01 * most,
+                "{window}° at {px}, {}°: {:?}",
+                widths[i],
+                &seen[i - 1..=i]
+            );
+        }
+        assert!(seen[seen.len() - 1] < 0.75 * most, "{window}° at {px}: it falls with width");
+    });
+}
+
+/// Bangay's Figure 4: visibility falls with n, and still after n = 3; ∞ is at most n = 3.
+#[test]
+fn visibility_falls_with_depth() {
+    each_condition(|window, px, most| {
+        let mut sums = [0.0; 4];
+        for width in widths((12.0 / px).max(0.15), window) {
+            let seen = DEPTHS.map(|depth| visibility(width, depth, window, px));
+            let infinite = visibility(width, Depth::Infinite, window, px);
+            for (lower, higher) in [(seen[0], seen[1]), (seen[1], seen[2]), (seen[2], seen[3]), (seen[2], infinite)] {
+                assert!(higher <= lower + 0.06 * most, "{window}° at {px}, {width}°: {seen:?}, ∞ {infinite} of {most}");
+            }
+            sums = std::array::from_fn(|i| sums[i] + seen[i]);
+        }
+        assert!(sums.windows(2).all(|pair| pair[1] < 0.8 * pair[0]), "{window}° at {px}: {sums:?}");
+        assert!(sums[3] > 0.0, "n = 4 is still to be seen");
+    });
+}
+
+/// Wallis & Georgeson 2012: doubling all sizes changes little; contrasts of 20 to 80 % neither.
+#[test]
+fn order_survives_size_and_contrast() {
+    let conditions: Vec<(f64, Depth)> = [0.2, 0.5, 1.0, 2.0, 4.0, 8.0]
+        .into_iter()
+        .flat_map(|width| DEPTHS.into_iter().chain([Depth::Infinite]).map(move |depth| (width, depth)))
+        .collect();
+    let seen = |scale: f64| -> Vec<f64> {
+        conditions.iter().map(|(width, depth)| visibility(scale * width, *depth, scale * 10.0, 64.0)).collect()
+    };
+    let rho = machband::report::prediction::rank_correlation(&seen(1.0), &seen(2.0)).unwrap();
+    assert!(rho >= 0.95, "sizes doubled: {rho}");
+    let with_contrast = |contrast: f64| -> Vec<f64> {
+        let seen = |(width, depth): &(f64, Depth)| {
+            let band =
+                MachBand { low: 0.5 * (1.0 - contrast), high: 0.5 * (1.0 + contrast), ..band(*width, *depth, 10.0) };
+            see_light(&light(&band, 10.0, 64.0), 64.0, Border::Continues).visibility.bright
+        };
+        conditions.iter().map(seen).collect()
+    };
+    let middle = with_contrast(0.5);
+    for contrast in [0.2, 0.8] {
+        let rho = machband::report::prediction::rank_correlation(&middle, &with_contrast(contrast)).unwrap();
+        assert!(rho >= 0.99, "contrast {contrast}: {rho}");
+    }
+}
+
+/// What has no band: Ross, Morrone & Burr 1989.
+#[test]
+fn uniform_fields_gratings_and_blurred_edges_have_none() {
+    each_condition(|window, px, most| {
+        let n = (window * px) as usize;
+        let x = |i: usize| (i as f64 + 0.5) / px - window / 2.0;
+        let seen = |value: &dyn Fn(f64) -> f64, border: Border| {
+            let light: Vec<f64> = (0..n).map(|i| value(x(i))).collect();
+            see_light(&light, px, border).visibility.max()
+        };
+        assert_eq!(seen(&|_| 0.5, Border::Cut), 0.0, "a uniform field");
+        for sigma in [0.02, 0.05, 0.1, 0.2, 0.5, 1.0].into_iter().filter(|s| s * px >= 3.0 && *s < window / 6.0) {
+            let blurred = seen(&|x| 0.5 + 0.25 * erf(x / sigma / 2.0_f64.sqrt()), Border::Continues);
+            assert!(blurred <= 0.01 * most, "{window}° at {px}: an edge blurred by {sigma}° has {blurred} of {most}");
+        }
+        for (frequency, phase) in [0.5, 1.0, 2.0, 4.0].into_iter().flat_map(|f| [0.0, 0.8, 1.6, 2.4].map(|p| (f, p))) {
+            let grating = |i: usize| 0.5 + 0.25 * (std::f64::consts::TAU * frequency * x(i) + phase).sin();
+            let light: Vec<f64> = (0..n).map(grating).collect();
+            // Coarser channels see where the window cuts it.
+            let crests = see_light(&light, px, Border::Cut)
+                .bands
+                .iter()
+                .filter(|band| band.frequency >= frequency)
+                .map(|band| band.strength)
+                .fold(0.0, f64::max);
+            assert!(crests <= 0.01 * most, "{window}° at {px}: {frequency} c/deg, phase {phase}: {crests} of {most}");
+        }
+    });
+}
+
+/// Error function, Abramowitz & Stegun 7.1.26: to 1.5e-7.
+fn erf(x: f64) -> f64 {
+    let t = 1.0 / (1.0 + 0.327_591_1 * x.abs());
+    let poly =
+        t * (0.254_829_592 + t * (-0.284_496_736 + t * (1.421_413_741 + t * (-1.453_152_027 + t * 1.061_405_429))));
+    (1.0 - poly * (-x * x).exp()).copysign(x)
+}
+
+/// A bright band at the upper end, a dark one at the lower, each within its channel's scale of the end.
+#[test]
+fn bands_lie_at_the_ends_of_the_ramp_and_have_the_right_sign() {
+    each_condition(|window, px, most| {
+        for width in widths(0.2, window) {
+            let view = see(width, Depth::Finite(1), window, px);
+            for (polarity, end) in [(Polarity::Bright, 0.5 * width), (Polarity::Dark, -0.5 * width)] {
+                let band = view.bands.iter().find(|band| band.polarity == polarity).unwrap();
+                let away = (band.at_deg[0] - end).abs();
+                assert!(away <= 1.0 / band.frequency, "{window}° at {px}, {width}°: {away}° from the end in {band:?}");
+            }
+            let wrong = view
+                .bands
+                .iter()
+                .filter(|band| (band.polarity == Polarity::Bright) != (band.at_deg[0] > 0.0))
+                .map(|band| band.strength)
+                .fold(0.0, f64::max);
+            assert!(wrong <= 0.02 * most, "{window}° at {px}, {width}°: {wrong} on the wrong side");
+        }
+    });
+}
+
+/// Pixels of half the size show the same, where a ramp is wide enough to be drawn: 16 pixels.
+#[test]
+fn resolution_changes_little() {
+    for window in WINDOWS {
+        let most = visibility(0.4, Depth::Finite(1), window, 128.0);
+        for px in [32.0, 64.0] {
+            for width in widths(16.0 / px, window) {
+                for depth in [Depth::Finite(1), Depth::Finite(2)] {
+                    let [coarse, fine] = [px, 2.0 * px].map(|px| visibility(width, depth, window, px));
+                    let change = (coarse - fine).abs();
+                    assert!(change <= 0.03 * most, "{window}°, {width}°, {depth:?} at {px}: {coarse} and {fine}");
+                }
+            }
+        }
+    }
+}
+
+fn picture(width: f64, depth: Depth, orientation_deg: f64) -> (Vec<f64>, f64) {
+    let band = MachBand { orientation_deg, ..band(width, depth, 10.0) };
+    (luminances(&band.linear(512)), 51.2)
+}
+
+fn seen(light: &[f64], px_per_deg: f64) -> machband::vision::PictureView {
+    Picture { light, width: 512, height: 512, px_per_deg, mask: None }.see(&Eye::default()).unwrap()
+}
+
+/// Along a line and in an image the same is seen, whatever the orientation: Bangay §3.2.
+#[test]
+fn an_image_of_a_ramp_is_seen_as_the_ramp_at_every_orientation() {
+    for (width, depth) in [
+        (0.3, Depth::Finite(1)),
+        (0.5, Depth::Finite(1)),
+        (1.0, Depth::Finite(1)),
+        (2.0, Depth::Finite(1)),
+        (1.0, Depth::Finite(2)),
+    ] {
+        let (flat, px) = picture(width, depth, 0.0);
+        let line = see_light(&flat[256 * 512..][..512], px, Border::Cut).visibility.max();
+        for orientation in [0.0, 90.0, 45.0, 135.0, 30.0, 200.0] {
+            let (light, px) = picture(width, depth, orientation);
+            let view = seen(&light, px);
+            let away = (view.visibility.max() / line - 1.0).abs();
+            let most = if orientation % 90.0 == 0.0 { 0.03 } else { 0.05 };
+            assert!(away <= most, "{width}°, {depth:?} at {orientation}°: {away} off {line}");
+            let across = (view.bands[0].orientation_deg - orientation).rem_euclid(180.0);
+            assert!(across.min(180.0 - across) < 3.0, "{orientation}°: {:?}", view.bands[0]);
+        }
+    }
+}
+
+/// Turning the image turns the map.
+#[test]
+fn the_map_turns_with_the_image() {
+    let mesh = Stimulus::default_of("vasarely").unwrap();
+    let band = luminances(&MachBand { orientation_deg: 20.0, width: 0.1, ..MachBand::default() }.linear(512));
+    let squares = luminances(&mesh.linear(512));
+    for light in [band, squares] {
+        let turned: Vec<f64> = (0..512 * 512).map(|i| light[(i % 512) * 512 + 511 - i / 512]).collect();
+        let (view, other) = (seen(&light, 51.2), seen(&turned, 51.2));
+        let most = view.map.bright.iter().chain(&view.map.dark).copied().fold(0.0, f64::max);
+        assert!(most > 1.0);
+        assert!((view.visibility.max() - other.visibility.max()).abs() <= 1e-6 * most);
+        assert!((view.density - other.density).abs() <= 1e-6 * view.density, "{} and {}", view.density, other.density);
+        // Strokes are drawn pixel by pixel, and which of two pixels a place between them belongs to is chance.
+        let sums = [&view.map, &other.map].map(|map| map.bright.iter().chain(&map.dark).sum::<f64>());
+        assert!((sums[0] - sums[1]).abs() <= 0.01 * sums[0], "{sums:?}");
+    }
+}
+
+/// A mask hides what is behind it, and what is near it.
+#[test]
+fn what_is_masked_is_not_seen() {
+    let (light, px_per_deg) = picture(0.5, Depth::Finite(1), 0.0);
+    let mask: Vec<bool> = (0..512 * 512).map(|i| i % 512 < 150).collect();
+    let masked = Picture { light: &light, width: 512, height: 512, px_per_deg, mask: Some(&mask) };
+    let view = masked.see(&Eye::default()).unwrap();
+    assert!(view.bands.iter().all(|band| band.at_deg[0] < -2.0), "{:?}", view.bands.first());
+    assert!(view.visibility.max() < 0.05 * seen(&light, px_per_deg).visibility.max());
+}
+
+#[test]
+fn what_cannot_be_seen_is_said() {
+    let eye = Eye::default();
+    let of = |light: &[f64], width: usize, height: usize, px_per_deg: f64| {
+        Picture { light, width, height, px_per_deg, mask: None }.see(&eye).map(|_| ()).unwrap_err()
+    };
+    assert!(matches!(of(&[0.5], 1, 1, 50.0), VisionError::TooSmall { width: 1, height: 1, .. }));
+    assert!(matches!(of(&[0.5; 400], 20, 20, 200.0), VisionError::TooSmall { .. }), "smaller than the smallest filter");
+    assert_eq!(of(&[0.0; 10_000], 100, 100, 50.0), VisionError::AllBlack);
+    let mut nan = vec![0.5; 10_000];
+    nan[205] = f64::NAN;
+    assert!(of(&nan, 100, 100, 50.0).to_string().contains("column 5, row 2"));
+    assert!(matches!(of(&nan[..50], 100, 100, 50.0), VisionError::Count { found: 50, expected: 10_000 }));
+    assert_eq!(of(&[0.5; 10_000], 100, 100, 0.0), VisionError::Sampling(0.0));
+    assert!(Line::new(1, 50.0, &eye).is_err());
+    assert!(Line::new(10, 50.0, &eye).unwrap().see(&[0.1; 9], Border::Cut).is_err());
+    assert!((luminance([1.0; 3]) - 1.0).abs() < 1e-12);
+}
