@@ -64,12 +64,16 @@ pub fn look(name_or_path: &str) -> Result<Found, FileFaults> {
     sentence.map(Found::from)
 }
 
-/// The three kinds of TOML file differ in a key that each must have.
+/// The kinds of TOML file differ in a key that each must have.
 fn check_toml(file: &str, text: &str) -> Result<Found, FileFaults> {
     let table = toml_reader::parse(file, text)?;
     if table.contains_key("transfer") || table.contains_key("channels") {
         let profile = profile::parse(file, text)?;
         return Ok(Found { sentence: format!("display profile {}", profile.sentence()), profile: Some(profile) });
+    }
+    if table.contains_key("spread") {
+        observer::parse_vision(file, text)?;
+        return Ok("parameters of the observer who sees".to_owned().into());
     }
     if table.contains_key("thresholds") {
         observer::parse(file, text)?;

@@ -66,14 +66,21 @@ pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileFaults> {
     Ok(observer)
 }
 
-/// Reads an observer who sees; what is absent keeps its default.
+/// Reads an observer who sees.
 ///
 /// # Errors
 /// Every fault with its line and column.
 pub fn open_vision(path: &Path) -> Result<VisionRater, FileFaults> {
-    let (file, text) = (path.display().to_string(), text::read(path)?);
-    let table = toml_reader::parse(&file, &text)?;
-    let reader = toml_reader::Reader::new(&file, &text);
+    parse_vision(&path.display().to_string(), &text::read(path)?)
+}
+
+/// Reads an observer who sees from its text; what is absent keeps its default.
+///
+/// # Errors
+/// Every fault with its line and column.
+pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileFaults> {
+    let table = toml_reader::parse(file, text)?;
+    let reader = toml_reader::Reader::new(file, text);
     let root = reader.root(&table);
     root.schema();
     let default = VisionRater::default();

@@ -64,6 +64,9 @@ const PROMINENCE: [f64; 2] = [0.3, 0.5];
 pub(super) const FALL_PERIODS: f64 = 2.0;
 /// Exponent with which channels add up; Quick 1974 (Kybernetik 16:65), 3 to 4 over frequencies.
 const POOLING: f64 = 3.0;
+/// Parts of a finer channel's energy at the same place: a channel that has less than the first is masked by it wholly, one
+/// that has the second not at all. What strong fine structure leaves of coarse responses is no band.
+const MASKED: [f64; 2] = [0.3, 0.35];
 /// Light that is everywhere, relative to white: the room's on the screen, and scattered in the eye. Without it bands on
 /// black would have no end.
 const VEIL: f64 = 0.01;
@@ -78,6 +81,14 @@ pub(super) fn strength(response: Complex64, lowest: f64, light: f64) -> f64 {
     }
     let fall = ((1.0 - lowest / energy) - PROMINENCE[0]) / (PROMINENCE[1] - PROMINENCE[0]);
     even * fall.clamp(0.0, 1.0) / (light.max(0.0) + VEIL)
+}
+
+/// Share of a band's strength that is left beside a finer channel of the energy `finer`, where its own is `energy`.
+pub(super) fn unmasked(energy: f64, finer: f64) -> f64 {
+    if finer <= 0.0 {
+        return 1.0;
+    }
+    ((energy / finer - MASKED[0]) / (MASKED[1] - MASKED[0])).clamp(0.0, 1.0)
 }
 
 /// Value and place, −½…½ steps from the middle, of the peak of the energy of three neighbours; the response there.

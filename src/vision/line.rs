@@ -6,7 +6,7 @@ use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 
 use super::{
     Border, VisionError,
-    band::{Band, FALL_PERIODS, Polarity, Pool, Visibility, peak, strength},
+    band::{Band, FALL_PERIODS, Polarity, Pool, Visibility, peak, strength, unmasked},
     eye::{ADAPTATION_DEG, Channel, Eye, REACH},
 };
 
@@ -15,7 +15,7 @@ use super::{
 const BEYOND_DEG: f64 = 16.0;
 /// Samples of a channel's response in a period of it.
 const SAMPLES_PER_PERIOD: f64 = 16.0;
-/// Samples of the mean light in a degree.
+/// Samples of the mean light, and of what masks, in a degree.
 const MEAN_PER_DEG: f64 = 16.0;
 
 /// Sees profiles of one length and one sampling; makes its filters once.
@@ -78,14 +78,21 @@ impl Line {
         let mut view = LineView::default();
         let mut pool = Pool::default();
         let mut response = Vec::new();
-        for filter in &self.channels {
+        let seen = self.samples as f64 / self.px_per_deg;
+        let mut finer = Finer::new(seen);
+        // The finest first: they mask the others.
+        for filter in self.channels.iter().rev() {
             filter.respond(&spectrum, &mut response);
             let mut strongest = Visibility::default();
-            for band in filter.bands(&response, length, self.samples as f64 / self.px_per_deg, border, &mean) {
+            for (mut band, energy) in filter.bands(&response, length, seen, border, &mean) {
+                band.strength *= unmasked(energy, finer.at(band.at_deg[0] + seen / 2.0));
                 strongest.take(band.polarity, band.strength);
-                view.bands.push(band);
+                if band.strength > 0.0 {
+                    view.bands.push(band);
+                }
             }
             pool.add(strongest);
+            finer.add(&response, length);
         }
         view.bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
         view.visibility = pool.visibility();
@@ -141,14 +148,19 @@ impl Filter {
         self.inverse.process(response);
     }
 
-    /// Peaks within the first `seen` of `length` degrees.
-    fn bands(&self, response: &[Complex64], length: f64, seen: f64, border: Border, mean: &Mean) -> Vec<Band> {
+    /// Peaks within the first `seen` of `length` degrees, each with its energy.
+    fn bands(&self, response: &[Complex64], length: f64, seen: f64, border: Border, mean: &Mean) -> Vec<(Band, f64)> {
         let n = response.len();
         let step = length / n as f64;
         let frequency = self.channel.frequency;
         let margin = border.margin_deg(frequency);
-        let fall = (FALL_PERIODS / frequency / step) as usize;
-        let fall = fall.min(n / 2);
+        let fall = ((FALL_PERIODS / frequency / step) as usize).min(n / 2);
+        // How far it may be seen to fall: not where an edge already bends it.
+        let beside = border.beside_deg(frequency);
+        let clear = |deg: f64| match border {
+            Border::Continues => fall,
+            Border::Cut => (((deg - beside) / step).max(0.0) as usize).min(fall),
+        };
         let energy: Vec<f64> = response.iter().map(|value| value.norm_sqr()).collect();
         let first = (margin / step).ceil() as usize;
         let end = (((seen - margin) / step).floor().max(0.0) as usize + 1).min(n);
@@ -159,16 +171,42 @@ impl Filter {
                 return None;
             }
             let (shift, value) = peak([response[before], response[i], response[after]]);
-            let least =
-                |toward: &dyn Fn(usize) -> usize| (1..=fall).map(|k| energy[toward(k)]).fold(f64::MAX, f64::min);
-            let lowest = least(&|k| at(n - k)).max(least(&|k| at(k))).sqrt();
             let place = (i as f64 + shift) * step;
+            let least = |far: usize, toward: &dyn Fn(usize) -> usize| {
+                (1..=far).map(|k| energy[toward(k)]).fold(f64::MAX, f64::min)
+            };
+            let before = least(clear(place), &|k| at(n - k));
+            let lowest = before.max(least(clear(seen - place), &|k| at(k))).sqrt();
             let strength = strength(value, lowest, mean.at(place));
             let polarity = if value.re > 0.0 { Polarity::Bright } else { Polarity::Dark };
             let at_deg = [place - seen / 2.0, 0.0];
-            (strength > 0.0).then_some(Band { at_deg, orientation_deg: 0.0, polarity, strength, frequency })
+            let band = Band { at_deg, orientation_deg: 0.0, polarity, strength, frequency };
+            (strength > 0.0).then_some((band, value.norm()))
         };
         (first..end).filter_map(band).collect()
+    }
+}
+
+/// The largest energy of the channels so far.
+struct Finer {
+    values: Vec<f64>,
+}
+
+impl Finer {
+    fn new(seen: f64) -> Finer {
+        Finer { values: vec![0.0; (seen * MEAN_PER_DEG).ceil() as usize + 1] }
+    }
+
+    fn add(&mut self, response: &[Complex64], length: f64) {
+        let step = response.len() as f64 / length / MEAN_PER_DEG;
+        for (i, value) in self.values.iter_mut().enumerate() {
+            *value = value.max(response[(i as f64 * step).round() as usize % response.len()].norm());
+        }
+    }
+
+    /// At `x` degrees from the profile's beginning.
+    fn at(&self, x: f64) -> f64 {
+        self.values[((x * MEAN_PER_DEG).round().max(0.0) as usize).min(self.values.len() - 1)]
     }
 }
 

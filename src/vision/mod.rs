@@ -38,8 +38,10 @@ pub enum Border {
     Cut,
 }
 
-/// How near to an edge a channel sees it, periods: its response has fallen to a thousandth.
+/// What is nearer to an edge than this, periods of a channel, is not judged by it.
 const MARGIN_PERIODS: f64 = 1.5;
+/// What is nearer than this is not even looked at: there the response is what the edge makes of it.
+const BESIDE_PERIODS: f64 = 0.75;
 
 impl Border {
     /// What is not judged along the edges, degrees.
@@ -47,6 +49,14 @@ impl Border {
         match self {
             Border::Continues => 0.0,
             Border::Cut => MARGIN_PERIODS / frequency,
+        }
+    }
+
+    /// What is not looked at along the edges, degrees.
+    fn beside_deg(self, frequency: f64) -> f64 {
+        match self {
+            Border::Continues => 0.0,
+            Border::Cut => BESIDE_PERIODS / frequency,
         }
     }
 }

@@ -7,7 +7,7 @@ use rustfft::{FftPlanner, num_complex::Complex64};
 
 use super::{
     Border, VisionError,
-    band::{Band, Polarity, Pool, Visibility},
+    band::{Band, Polarity, Pool, Visibility, unmasked},
     eye::{ADAPTATION_DEG, Channel, Eye},
     line::smooth,
     ridge::{Field, Ridge},
@@ -17,6 +17,8 @@ use super::{
 const REACH: f64 = 6.0;
 /// Highest frequency of the mean light, cycles a degree.
 const MEAN_TOP: f64 = 2.0;
+/// Places in a degree at which channels mask each other.
+const MASK_PER_DEG: f64 = 16.0;
 /// Least pixels on a side.
 const LEAST: usize = 16;
 
@@ -79,13 +81,13 @@ impl Picture<'_> {
             return Err(VisionError::TooSmall { width: self.width, height: self.height, least: least.max(LEAST) });
         }
         let mean = spectrum.mean();
-        let seen: Vec<Vec<Ridge>> = channels
+        let seen: Vec<(Vec<Ridge>, Coarse)> = channels
             .par_iter()
             // The finest first: they take longest.
             .rev()
             .map(|channel| self.ridges(*channel, &spectrum, &mean, &clear))
             .collect();
-        Ok(self.view(&seen, &clear))
+        Ok(self.view(&unmask(seen), &clear))
     }
 
     fn check(&self) -> Result<(), VisionError> {
@@ -99,11 +101,20 @@ impl Picture<'_> {
         super::check(self.light.iter().copied(), self.width, self.height, found)
     }
 
-    fn ridges(&self, channel: Channel, spectrum: &Spectrum, mean: &Grid, clear: &Clear) -> Vec<Ridge> {
+    /// A channel's ridges, and its energy for those that it masks.
+    fn ridges(&self, channel: Channel, spectrum: &Spectrum, mean: &Grid, clear: &Clear) -> (Vec<Ridge>, Coarse) {
         let [even, odd] = spectrum.respond(channel);
-        let margin = Border::Cut.margin_deg(channel.frequency) * self.px_per_deg;
-        let field = Field { even: &even, odd: &odd, channel, px_per_deg: self.px_per_deg };
-        field.ridges(mean, |x, y| clear.from(x, y) >= margin)
+        let px = |deg: f64| deg * self.px_per_deg;
+        let field = Field {
+            even: &even,
+            odd: &odd,
+            channel,
+            px_per_deg: self.px_per_deg,
+            clear,
+            margin: px(Border::Cut.margin_deg(channel.frequency)),
+            beside: px(Border::Cut.beside_deg(channel.frequency)),
+        };
+        (field.ridges(mean), Coarse::new(self, &field))
     }
 
     fn view(&self, seen: &[Vec<Ridge>], clear: &Clear) -> PictureView {
@@ -183,6 +194,75 @@ impl Picture<'_> {
             }
         }
     }
+}
+
+/// Energy at a few places.
+struct Coarse {
+    values: Vec<f64>,
+    columns: usize,
+    /// Pixels from one to the next.
+    step: f64,
+    /// Of the image, pixels.
+    size: [usize; 2],
+}
+
+impl Coarse {
+    fn new(picture: &Picture, field: &Field) -> Coarse {
+        let step = (picture.px_per_deg / MASK_PER_DEG).max(1.0);
+        let count = |side: usize| (side as f64 / step).ceil() as usize + 1;
+        let (columns, rows) = (count(picture.width), count(picture.height));
+        // About the middle, so that an image that is turned is masked as before.
+        let place = |i: usize, n: usize, side: usize| side as f64 / 2.0 + (i as f64 - (n - 1) as f64 / 2.0) * step;
+        let energy = |i: usize| {
+            let (x, y) = (place(i % columns, columns, picture.width), place(i / columns, rows, picture.height));
+            (field.even.at(x, y).re.powi(2) + field.odd.at(x, y).norm_sqr()).sqrt()
+        };
+        Coarse {
+            values: (0..columns * rows).map(energy).collect(),
+            columns,
+            step,
+            size: [picture.width, picture.height],
+        }
+    }
+
+    /// Of the four places around this one, pixels, in proportion.
+    fn at(&self, at: [f64; 2]) -> f64 {
+        let rows = self.values.len() / self.columns;
+        let index = |at: f64, n: usize, side: usize| {
+            let i = ((at - side as f64 / 2.0) / self.step + (n - 1) as f64 / 2.0).clamp(0.0, (n - 1) as f64);
+            let whole = (i as usize).min(n.saturating_sub(2));
+            (whole, (whole + 1).min(n - 1), i - whole as f64)
+        };
+        let (x0, x1, right) = index(at[0], self.columns, self.size[0]);
+        let (y0, y1, down) = index(at[1], rows, self.size[1]);
+        let value = |x: usize, y: usize| self.values[y * self.columns + x];
+        let upper = value(x0, y0) * (1.0 - right) + value(x1, y0) * right;
+        let lower = value(x0, y1) * (1.0 - right) + value(x1, y1) * right;
+        upper * (1.0 - down) + lower * down
+    }
+}
+
+/// Takes from every ridge what finer channels mask; the finest come first.
+fn unmask(seen: Vec<(Vec<Ridge>, Coarse)>) -> Vec<Vec<Ridge>> {
+    let mut finer: Option<Coarse> = None;
+    let mut left = Vec::with_capacity(seen.len());
+    for (mut ridges, coarse) in seen {
+        if let Some(finer) = &finer {
+            for ridge in &mut ridges {
+                ridge.strength *= unmasked(ridge.energy, finer.at(ridge.at));
+            }
+            ridges.retain(|ridge| ridge.strength > 0.0);
+        }
+        left.push(ridges);
+        finer = Some(match finer {
+            Some(mut finer) => {
+                finer.values.iter_mut().zip(&coarse.values).for_each(|(most, value)| *most = most.max(*value));
+                finer
+            }
+            None => coarse,
+        });
+    }
+    left
 }
 
 /// Values on a grid that is laid about the image's middle, so that an image that is turned or mirrored has the same.
@@ -384,7 +464,7 @@ fn transpose(from: &[Complex64], to: &mut [Complex64], columns: usize, rows: usi
 }
 
 /// How far every pixel is from where bands do not count.
-struct Clear {
+pub(super) struct Clear {
     distances: Vec<f64>,
     width: usize,
     height: usize,
@@ -407,7 +487,7 @@ impl Clear {
     }
 
     /// At a place, pixels; 0 outside.
-    fn from(&self, x: f64, y: f64) -> f64 {
+    pub(super) fn from(&self, x: f64, y: f64) -> f64 {
         if x < 0.0 || y < 0.0 || x >= self.width as f64 || y >= self.height as f64 {
             return 0.0;
         }

@@ -5,7 +5,7 @@ use rustfft::num_complex::Complex64;
 use super::{
     band::{FALL_PERIODS, Polarity, strength},
     eye::Channel,
-    picture::Grid,
+    picture::{Clear, Grid},
 };
 
 /// A place of a band.
@@ -19,6 +19,8 @@ pub(super) struct Ridge {
     pub(super) length_px: f64,
     pub(super) polarity: Polarity,
     pub(super) strength: f64,
+    /// Of even and odd response together.
+    pub(super) energy: f64,
     pub(super) frequency: f64,
 }
 
@@ -30,6 +32,12 @@ pub(super) struct Field<'a> {
     pub(super) odd: &'a Grid,
     pub(super) channel: Channel,
     pub(super) px_per_deg: f64,
+    /// How far from an edge places are.
+    pub(super) clear: &'a Clear,
+    /// Pixels to an edge from which on bands are judged.
+    pub(super) margin: f64,
+    /// Pixels to an edge from which on the response is looked at.
+    pub(super) beside: f64,
 }
 
 /// A value, its slope and its curvature, in steps of the grid.
@@ -74,8 +82,8 @@ impl Local {
 }
 
 impl Field<'_> {
-    /// The ridges where `counts` says so of a place in pixels; `mean` is the mean light.
-    pub(super) fn ridges(&self, mean: &Grid, counts: impl Fn(f64, f64) -> bool) -> Vec<Ridge> {
+    /// The ridges that are judged; `mean` is the mean light.
+    pub(super) fn ridges(&self, mean: &Grid) -> Vec<Ridge> {
         let Grid { columns, rows, step, middle, .. } = *self.even;
         let energy: Vec<f64> = self
             .even
@@ -90,7 +98,7 @@ impl Field<'_> {
             let y = place(row, rows, step[1], middle[1]);
             for column in 0..columns {
                 let x = place(column, columns, step[0], middle[0]);
-                if counts(x, y)
+                if self.clear.from(x, y) >= self.margin
                     && let Some(ridge) = self.ridge(&energy, mean, [column, row], [x, y])
                 {
                     ridges.push(ridge);
@@ -126,7 +134,9 @@ impl Field<'_> {
             Local::of(near(&|i| self.odd.values[i].im)).moved(across, shift),
         ];
         let response = Complex64::new(even.moved(across, shift), right.hypot(down));
-        let least = |toward: f64| self.lowest(energy, [column as f64, row as f64], across, toward, shift);
+        let least = |toward: f64| {
+            self.lowest(energy, [column as f64, row as f64], at, across.map(|part| part * toward), shift * toward)
+        };
         let lowest = least(1.0).max(least(-1.0)).sqrt();
         let moved = [at[0] + across[0] * shift * step[0], at[1] + across[1] * shift * step[1]];
         let strength = strength(response, lowest, mean.at(moved[0], moved[1]).re);
@@ -139,20 +149,26 @@ impl Field<'_> {
             length_px,
             polarity,
             strength,
+            energy: response.norm(),
             frequency: self.channel.frequency,
         })
     }
 
-    /// The least energy on one side.
-    fn lowest(&self, energy: &[f64], [x, y]: [f64; 2], across: [f64; 2], toward: f64, shift: f64) -> f64 {
+    /// The least energy on one side, from a place of the grid and of the image on, as far as no edge is near; none at
+    /// all is as good as no fall.
+    fn lowest(&self, energy: &[f64], [x, y]: [f64; 2], at: [f64; 2], across: [f64; 2], shift: f64) -> f64 {
         let Grid { columns, rows, step, .. } = *self.even;
         let far = FALL_PERIODS / self.channel.frequency * self.px_per_deg / step[0];
         let far = far.min(columns.min(rows) as f64 / 2.0);
         let mut least = f64::MAX;
         let mut along = 1.0;
         while along <= far {
-            let x = (x + across[0] * (shift + toward * along)).rem_euclid(columns as f64);
-            let y = (y + across[1] * (shift + toward * along)).rem_euclid(rows as f64);
+            let by = across.map(|part| part * (shift + along));
+            if self.clear.from(at[0] + by[0] * step[0], at[1] + by[1] * step[1]) < self.beside {
+                break;
+            }
+            let x = (x + by[0]).rem_euclid(columns as f64);
+            let y = (y + by[1]).rem_euclid(rows as f64);
             let (x0, y0) = (x as usize % columns, y as usize % rows);
             let (x1, y1) = ((x0 + 1) % columns, (y0 + 1) % rows);
             let (right, down) = (x - x.floor(), y - y.floor());
