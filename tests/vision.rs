@@ -276,6 +276,12 @@ fn what_cannot_be_seen_is_said() {
     };
     assert!(matches!(of(&[0.5], 1, 1, 50.0), VisionError::TooSmall { width: 1, height: 1, .. }));
     assert!(matches!(of(&[0.5; 400], 20, 20, 200.0), VisionError::TooSmall { .. }), "smaller than the smallest filter");
+    let VisionError::TooSmall { least, .. } = of(&[0.5; 400], 20, 20, 200.0) else { unreachable!("it is too small") };
+    let see = |side: usize| {
+        let light = vec![0.5; side * side];
+        Picture { light: &light, width: side, height: side, px_per_deg: 200.0, mask: None }.see(&eye).map(|_| ())
+    };
+    assert_eq!((see(least), see(least - 1).is_err()), (Ok(()), true), "{least} pixels are what it says");
     assert_eq!(of(&[0.0; 10_000], 100, 100, 50.0), VisionError::AllBlack);
     let mut nan = vec![0.5; 10_000];
     nan[205] = f64::NAN;

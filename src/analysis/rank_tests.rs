@@ -99,7 +99,7 @@ pub fn friedman(means: &SubjectMeans) -> Option<Friedman> {
 }
 
 /// Mid-ranks from 1, and Σ(t³ − t) over the groups of ties.
-fn ranks(values: &[f64]) -> (Vec<f64>, f64) {
+pub(crate) fn ranks(values: &[f64]) -> (Vec<f64>, f64) {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|l, r| values[*l].total_cmp(&values[*r]));
     let mut ranks = vec![0.0; values.len()];

@@ -37,9 +37,7 @@ impl TransferOptions {
             (None, None) => (Transfer::Srgb.into(), None),
         })
     }
-}
 
-impl TransferOptions {
     /// The luminance of white, cd/m², where a profile has it.
     pub(super) fn white(&self) -> anyhow::Result<Option<f64>> {
         let profile = self.display.as_deref().map(store::profile::open).transpose()?;

@@ -76,7 +76,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         value => Ok(value),
     };
     let window = positive("window", arguments.window)?;
-    let white = positive("white", arguments.white)?;
+    let white = match positive("white", arguments.white)? {
+        Some(white) => white,
+        None => arguments.transfer.white()?.unwrap_or(100.0),
+    };
     if let Some(experiment) = &arguments.experiment {
         let protocol = definition::open(experiment)?;
         return all(arguments, &protocol, window, white);
@@ -89,7 +92,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return write(arguments, &["image".to_owned()], &[row], &criterion);
     }
     let stimulus = arguments.stimulus.stimulus()?;
-    let seen = see(&stimulus, arguments, window, white)?;
+    let seen = see(&stimulus, arguments.size, window, white)?;
     let names: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
     let header: Vec<String> = std::iter::once("stimulus").chain(names.iter().copied()).map(str::to_owned).collect();
     let value = |name: &&str| stimulus.get(name).map_or_else(String::new, |value| value.to_string());
@@ -98,29 +101,24 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// An eye that is set for the stimulus' mean light.
-fn eye(arguments: &Arguments, mean: f64, window: f64, white: Option<f64>) -> anyhow::Result<Eye> {
-    let white = match white {
-        Some(white) => white,
-        None => arguments.transfer.white()?.unwrap_or(100.0),
-    };
-    Ok(Eye { luminance: (white * mean).max(0.01), field_deg: window })
+fn eye(mean: f64, window: f64, white: f64) -> Eye {
+    Eye { luminance: (white * mean).max(0.01), field_deg: window }
 }
 
-fn see(stimulus: &Stimulus, arguments: &Arguments, window: f64, white: Option<f64>) -> anyhow::Result<Visibility> {
-    let light: Vec<f64> = stimulus.profile(arguments.size).into_iter().map(crate::vision::luminance).collect();
+fn see(stimulus: &Stimulus, size: u32, window: f64, white: f64) -> anyhow::Result<Visibility> {
+    let light: Vec<f64> = stimulus.profile(size).into_iter().map(crate::vision::luminance).collect();
     let mean = light.iter().sum::<f64>() / light.len() as f64;
-    let eye = eye(arguments, mean, window, white)?;
-    let view = stimulus.seen(arguments.size, f64::from(arguments.size) / window, &eye);
+    let view = stimulus.seen(size, f64::from(size) / window, &eye(mean, window, white));
     view.map(|view| view.visibility()).map_err(|error| anyhow::anyhow!("{}: {error}", stimulus.kind()))
 }
 
-fn image(arguments: &Arguments, path: &Path, window: f64, white: Option<f64>) -> anyhow::Result<Visibility> {
+fn image(arguments: &Arguments, path: &Path, window: f64, white: f64) -> anyhow::Result<Visibility> {
     let (transfers, _) = arguments.transfer.transfers()?;
     let image = store::picture::read(path, &transfers)?;
     let light = luminances(&image);
     let (width, height) = (image.width as usize, image.height as usize);
     let mean = light.iter().sum::<f64>() / light.len().max(1) as f64;
-    let eye = eye(arguments, mean, window, white)?;
+    let eye = eye(mean, window, white);
     let picture = Picture { light: &light, width, height, px_per_deg: f64::from(image.width) / window, mask: None };
     let view = picture.see(&eye).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
     if let Some(map) = &arguments.map {
@@ -134,13 +132,13 @@ fn image(arguments: &Arguments, path: &Path, window: f64, white: Option<f64>) ->
     Ok(view.visibility)
 }
 
-fn all(arguments: &Arguments, protocol: &Protocol, window: Option<f64>, white: Option<f64>) -> anyhow::Result<()> {
+fn all(arguments: &Arguments, protocol: &Protocol, window: Option<f64>, white: f64) -> anyhow::Result<()> {
     let conditions = protocol.conditions()?;
     let window = window.unwrap_or(protocol.viewing.window_deg);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let seen = std::sync::Mutex::new(vec![Visibility::default(); conditions.len()]);
     parallel::each(conditions.len(), threads, |i| {
-        let visibility = see(&conditions[i].stimulus, arguments, window, white)?;
+        let visibility = see(&conditions[i].stimulus, arguments.size, window, white)?;
         seen.lock().unwrap_or_else(std::sync::PoisonError::into_inner)[i] = visibility;
         anyhow::Ok(())
     })?;

@@ -5,6 +5,7 @@ use crate::{
         ModelSpec,
         counts::{Counts, CountsBuilder},
         fit,
+        rank_tests::ranks,
         terms::Terms,
     },
     vision::Criterion,
@@ -150,15 +151,8 @@ fn mean(values: &[f64]) -> Option<f64> {
 pub fn rank_correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let pairs: Vec<(f64, f64)> =
         a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
-    let ranks = |of: fn(&(f64, f64)) -> f64| -> Vec<f64> {
-        let rank = |value: f64| {
-            let below = pairs.iter().filter(|pair| of(pair) < value).count() as f64;
-            let equal = pairs.iter().filter(|pair| of(pair) == value).count() as f64;
-            below + (equal - 1.0) / 2.0
-        };
-        pairs.iter().map(|pair| rank(of(pair))).collect()
-    };
-    let (a, b) = (ranks(|pair| pair.0), ranks(|pair| pair.1));
+    let (a, b): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+    let (a, b) = (ranks(&a).0, ranks(&b).0);
     let (mean_a, mean_b) = (mean(&a)?, mean(&b)?);
     let sum = |x: &[f64], mean_x: f64, y: &[f64], mean_y: f64| -> f64 {
         x.iter().zip(y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum()

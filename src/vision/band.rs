@@ -43,15 +43,6 @@ impl Visibility {
     pub fn max(&self) -> f64 {
         self.bright.max(self.dark)
     }
-
-    /// Of one polarity.
-    #[must_use]
-    pub fn of(&self, polarity: Polarity) -> f64 {
-        match polarity {
-            Polarity::Bright => self.bright,
-            Polarity::Dark => self.dark,
-        }
-    }
 }
 
 /// Part of the odd response that the even one has to exceed: at 1 a band's phase is within 45° of a line's, at ½ within
@@ -94,9 +85,14 @@ pub(super) fn unmasked(energy: f64, finer: f64) -> f64 {
 /// Value and place, −½…½ steps from the middle, of the peak of the energy of three neighbours; the response there.
 pub(super) fn peak([before, here, after]: [Complex64; 3]) -> (f64, Complex64) {
     let [a, b, c] = [before, here, after].map(|response| response.norm());
-    let curve = a - 2.0 * b + c;
-    let at = if curve < 0.0 { (0.5 * (a - c) / curve).clamp(-0.5, 0.5) } else { 0.0 };
+    let at = vertex(a, b, c);
     (at, here + (after - before) * (at / 2.0) + (after - here * 2.0 + before) * (at * at / 2.0))
+}
+
+/// Where the parabola through (−1, `a`), (0, `b`) and (1, `c`) is highest, within −½…½; 0 where it is flat.
+pub(super) fn vertex(a: f64, b: f64, c: f64) -> f64 {
+    let bend = 2.0 * b - a - c;
+    if bend > 0.0 { (0.5 * (c - a) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
 /// Adds up channels: each gives what its strongest band has.

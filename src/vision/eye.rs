@@ -20,7 +20,7 @@ impl Default for Eye {
 
 impl Eye {
     /// Contrast sensitivity for a grating of `frequency` cycles a degree, above 0: the reciprocal of the contrast that
-    /// is just seen. Barten 2003, *Formula for the contrast sensitivity of the human eye* (Proc. SPIE 5294), eq. 11,
+    /// is just seen. Barten 2003, *Formula for the contrast sensitivity of the human eye* (Proc. SPIE 5294),
     /// which holds the optics ([`Eye::optics`]), the noise of photons and neurons, and lateral inhibition, by which
     /// coarse gratings are lost.
     #[must_use]
@@ -33,7 +33,7 @@ impl Eye {
     }
 
     /// Share of a grating's contrast that the optics leave: the pupil, and so the blur, is the larger the darker it is.
-    /// The exponential of Barten 2003, eq. 11.
+    /// The exponential in Barten 2003.
     #[must_use]
     pub fn optics(&self, frequency: f64) -> f64 {
         (-0.0016 * frequency * frequency * (1.0 + 100.0 / self.luminance).powf(0.08)).exp()

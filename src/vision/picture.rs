@@ -64,7 +64,7 @@ impl Picture<'_> {
     /// What `eye` sees of it.
     ///
     /// # Errors
-    /// [`VisionError`] for an image smaller than 16 × 16 pixels or than two periods of the finest channel, for light
+    /// [`VisionError`] for an image smaller than 16 × 16 pixels or than three periods of the finest channel, for light
     /// that is negative or no number, and for all black.
     pub fn see(&self, eye: &Eye) -> Result<PictureView, VisionError> {
         self.check()?;
@@ -74,11 +74,11 @@ impl Picture<'_> {
         // A channel without room between its margins sees nothing.
         let channels: Vec<Channel> = Channel::all()
             .filter(|channel| 2.0 * Border::Cut.margin_deg(channel.frequency) < side)
-            .filter(|channel| channel.frequency < self.px_per_deg / 2.0)
+            .filter(|channel| is_sampled(*channel, self.px_per_deg))
             .collect();
         if channels.is_empty() {
-            let least = (2.0 * self.px_per_deg / Channel::all().last().map_or(1.0, |c| c.frequency)).ceil() as usize;
-            return Err(VisionError::TooSmall { width: self.width, height: self.height, least: least.max(LEAST) });
+            let least = least_side(self.px_per_deg);
+            return Err(VisionError::TooSmall { width: self.width, height: self.height, least });
         }
         let mean = spectrum.mean();
         let seen: Vec<(Vec<Ridge>, Coarse)> = channels
@@ -265,6 +265,18 @@ fn unmask(seen: Vec<(Vec<Ridge>, Coarse)>) -> Vec<Vec<Ridge>> {
     left
 }
 
+/// Whether an image of this sampling has the channel's frequency.
+fn is_sampled(channel: Channel, px_per_deg: f64) -> bool {
+    channel.frequency < px_per_deg / 2.0
+}
+
+/// Pixels that a side needs for the finest channel to have room between its margins.
+fn least_side(px_per_deg: f64) -> usize {
+    let finest = Channel::all().filter(|channel| is_sampled(*channel, px_per_deg)).last();
+    let margins = finest.map_or(0.0, |channel| 2.0 * Border::Cut.margin_deg(channel.frequency) * px_per_deg);
+    (margins.floor() as usize + 1).max(LEAST)
+}
+
 /// Values on a grid that is laid about the image's middle, so that an image that is turned or mirrored has the same.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
@@ -278,6 +290,13 @@ pub(super) struct Grid {
 }
 
 impl Grid {
+    /// With the values of which these are the transform.
+    fn transformed(mut self, mut transformed: Vec<Complex64>) -> Grid {
+        transform(&mut transformed, self.columns, self.rows, true);
+        self.values = transformed;
+        self
+    }
+
     /// At a place of the image, pixels: between four values.
     pub(super) fn at(&self, x: f64, y: f64) -> Complex64 {
         let place = |x: f64, middle: f64, step: f64, n: usize| {
@@ -336,35 +355,32 @@ impl Spectrum {
         (0..n).map(|k| cycles(k) * self.px_per_deg / whole as f64).collect()
     }
 
-    /// A grid for frequencies up to `top`, empty.
+    /// A grid for frequencies up to `top`, still without its values.
     fn grid(&self, top: f64) -> Grid {
         let fit = |n: usize| smooth(((2.0 * top * n as f64 / self.px_per_deg).ceil() as usize).max(8)).min(n);
         let (columns, rows) = (fit(self.columns), fit(self.rows));
         let step = [self.columns as f64 / columns as f64, self.rows as f64 / rows as f64];
-        Grid { values: vec![Complex64::default(); columns * rows], columns, rows, step, middle: self.middle }
+        Grid { values: Vec::new(), columns, rows, step, middle: self.middle }
     }
 
     /// For every place of the grid's transform: its index, the index of the same frequency here, the frequency to the
     /// right and down, and what moves the grid's first place to the image's middle.
     fn each(&self, grid: &Grid, mut each: impl FnMut(usize, usize, [f64; 2], Complex64)) {
-        let axis = |n: usize, whole: usize, middle: f64, step: f64| -> Vec<(usize, f64, Complex64)> {
+        let axis = |n: usize, whole: usize, middle: f64, step: f64| -> Vec<(usize, usize, f64, Complex64)> {
             let frequencies = self.frequencies(n, whole);
             // From the middle of the first pixel.
             let shift = (middle + step / 2.0 - 0.5) / self.px_per_deg;
             let place = |k: usize| if 2 * k < n { k } else { whole - (n - k) };
             (0..n)
                 .filter(|k| 2 * k != n)
-                .map(|k| (place(k), frequencies[k], Complex64::cis(2.0 * PI * frequencies[k] * shift)))
+                .map(|k| (k, place(k), frequencies[k], Complex64::cis(2.0 * PI * frequencies[k] * shift)))
                 .collect()
         };
         let across = axis(grid.columns, self.columns, self.middle[0], grid.step[0]);
         let down = axis(grid.rows, self.rows, self.middle[1], grid.step[1]);
-        // The place in the grid that `filter` left out is the one in the middle.
-        let own = |k: usize, n: usize| if n.is_multiple_of(2) && k >= n / 2 { k + 1 } else { k };
-        for (j, (row, fy, turn)) in down.iter().enumerate() {
-            let to = own(j, grid.rows) * grid.columns;
-            for (i, (column, fx, turned)) in across.iter().enumerate() {
-                each(to + own(i, grid.columns), row * self.columns + column, [*fx, *fy], turn * turned);
+        for (to_row, row, fy, turn) in &down {
+            for (to_column, column, fx, turned) in &across {
+                each(to_row * grid.columns + to_column, row * self.columns + column, [*fx, *fy], turn * turned);
             }
         }
     }
@@ -373,33 +389,31 @@ impl Spectrum {
     /// its odd part, to the right and down, is the response of the quadrature pair that is turned across the local
     /// structure, so that all orientations are seen alike and none has to be sampled.
     fn respond(&self, channel: Channel) -> [Grid; 2] {
-        let mut even = self.grid(REACH * channel.frequency);
+        let grid = self.grid(REACH * channel.frequency);
+        let mut even = vec![Complex64::default(); grid.columns * grid.rows];
         let mut odd = even.clone();
         let scale = 1.0 / (self.columns * self.rows) as f64;
-        self.each(&even.clone(), |to, from, [fx, fy], shift| {
+        self.each(&grid, |to, from, [fx, fy], shift| {
             let f = (fx * fx + fy * fy).sqrt();
             if f > 0.0 {
                 let value = self.seen[from] * shift * (channel.passes(f) * scale);
-                even.values[to] = value;
-                odd.values[to] = value * Complex64::new(fy / f, -fx / f);
+                even[to] = value;
+                odd[to] = value * Complex64::new(fy / f, -fx / f);
             }
         });
-        for grid in [&mut even, &mut odd] {
-            transform(&mut grid.values, grid.columns, grid.rows, true);
-        }
-        [even, odd]
+        [even, odd].map(|values| grid.clone().transformed(values))
     }
 
     /// Mean light, for which the eye is set.
     fn mean(&self) -> Grid {
-        let mut mean = self.grid(MEAN_TOP);
+        let grid = self.grid(MEAN_TOP);
+        let mut mean = vec![Complex64::default(); grid.columns * grid.rows];
         let scale = 1.0 / (self.columns * self.rows) as f64;
-        self.each(&mean.clone(), |to, from, [fx, fy], shift| {
+        self.each(&grid, |to, from, [fx, fy], shift| {
             let passes = (-2.0 * (PI * ADAPTATION_DEG).powi(2) * (fx * fx + fy * fy)).exp();
-            mean.values[to] = self.light[from] * shift * (passes * scale);
+            mean[to] = self.light[from] * shift * (passes * scale);
         });
-        transform(&mut mean.values, mean.columns, mean.rows, true);
-        mean
+        grid.transformed(mean)
     }
 }
 

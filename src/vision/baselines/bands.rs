@@ -1,6 +1,7 @@
 //! From a model's response to the bands in it.
 
 use super::Mark;
+use crate::vision::band::vertex;
 
 /// Part of a response's range below which an extremum is rounding, not a band.
 const OF_RESPONSE: f64 = 1e-7;
@@ -103,12 +104,6 @@ fn center(peak: &Peak) -> f64 {
 /// Where the parabola through a maximum and its neighbours is highest.
 fn summit(values: &[f64], at: usize) -> f64 {
     at as f64 + vertex(values[at - 1], values[at], values[at + 1])
-}
-
-/// Where the parabola through (−1, `a`), (0, `b`) and (1, `c`) is highest, within −½…½; 0 where it is flat.
-pub fn vertex(a: f64, b: f64, c: f64) -> f64 {
-    let bend = 2.0 * b - a - c;
-    if bend > 0.0 { (0.5 * (c - a) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
 /// Largest less smallest of `values`.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
-use super::spectrum::fast_size;
+use crate::vision::line::smooth;
 
 /// Filters of one size, ready for pictures of the same size.
 pub struct Bank {
@@ -23,7 +23,7 @@ impl Bank {
     /// The bank of these filters, each `width` × `height` samples, row by row.
     pub fn new(kernels: &[Vec<f64>], width: usize, height: usize) -> Self {
         // Room for the picture and what a filter sees on either side of it.
-        let plane = Plane::new(fast_size(2 * width - 1), fast_size(2 * height - 1));
+        let plane = Plane::new(smooth(2 * width - 1), smooth(2 * height - 1));
         let pairs = kernels
             .chunks(2)
             .map(|pair| {

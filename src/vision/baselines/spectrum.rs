@@ -6,6 +6,8 @@ use std::sync::Arc;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
+use crate::vision::line::smooth;
+
 /// A profile of one dimension, continued beyond both ends by its end values, ready to be filtered.
 pub struct Spectrum {
     values: Vec<Complex<f64>>,
@@ -23,7 +25,7 @@ impl Spectrum {
     /// so long that no filter sees that jump from within the profile.
     pub fn new(light: &[f64], px_per_deg: f64, reach_deg: f64) -> Self {
         let before = (reach_deg * px_per_deg).ceil().max(1.0) as usize;
-        let size = fast_size(light.len() + 2 * before);
+        let size = smooth(light.len() + 2 * before);
         let at = |i: usize| light[i.saturating_sub(before).min(light.len() - 1)];
         // Half of the extra samples continue the end, half the beginning before the first.
         let mut values: Vec<_> = (0..size).map(|i| Complex::new(at(i), 0.0)).collect();
@@ -56,17 +58,4 @@ impl Spectrum {
 pub fn gaussian(sigma_deg: f64, f: f64) -> f64 {
     let turn = 2.0 * PI * sigma_deg * f;
     (-0.5 * turn * turn).exp()
-}
-
-/// The smallest size from `least` whose only prime factors are 2, 3 and 5: quick to transform.
-pub fn fast_size(least: usize) -> usize {
-    let is_fast = |size: &usize| {
-        let without = |rest: usize, prime: usize| {
-            std::iter::successors(Some(rest), |rest| rest.is_multiple_of(prime).then(|| rest / prime)).last()
-        };
-        [2, 3, 5].into_iter().try_fold(*size, without) == Some(1)
-    };
-    // The next power of two is one of them.
-    let least = least.max(1);
-    (least..=least.next_power_of_two()).find(is_fast).unwrap_or(least)
 }
