@@ -36,6 +36,54 @@ pub fn visible(frame: &Frame) -> Vec<u32> {
     seen
 }
 
+/// Whether each pixel shows the surface and lies on none of its outlines: beside the background, or where a nearer part
+/// of the surface hides a farther one.
+#[must_use]
+pub fn inside_outlines(frame: &Frame) -> Vec<bool> {
+    let (width, height) = (frame.width as usize, frame.height as usize);
+    let seen = visible(frame);
+    let mut inside: Vec<bool> = seen.iter().map(|triangle| *triangle != NONE).collect();
+    let mut split = |a: usize, b: usize| {
+        let (one, other) = (seen[a], seen[b]);
+        if one == other || one != NONE && other != NONE && is_joined(frame, one as usize, other as usize, a, b) {
+            return;
+        }
+        (inside[a], inside[b]) = (false, false);
+    };
+    for y in 0..height {
+        for x in 0..width {
+            let here = y * width + x;
+            if x + 1 < width {
+                split(here, here + 1);
+            }
+            if y + 1 < height {
+                split(here, here + width);
+            }
+        }
+    }
+    inside
+}
+
+/// Whether the surface goes on from one triangle at one pixel to another at its neighbour: they share a corner, or are as
+/// far away as their own slopes would have them.
+fn is_joined(frame: &Frame, one: usize, other: usize, here: usize, there: usize) -> bool {
+    let corners = [one, other].map(|t| frame.triangles[t].vertices);
+    if corners[0].iter().any(|vertex| corners[1].contains(vertex)) {
+        return true;
+    }
+    let centre = |pixel: usize| {
+        let (x, y) = (pixel % frame.width as usize, pixel / frame.width as usize);
+        DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
+    };
+    let depth = |t: usize, pixel: usize| {
+        let weights = frame.weights(t, centre(pixel));
+        frame.corners(t).iter().zip(weights).map(|(vertex, weight)| weight * vertex.depth).sum::<f64>()
+    };
+    let [first, second] = [(one, here), (other, there)].map(|(t, pixel)| depth(t, pixel));
+    let [ahead, behind] = [(one, there), (other, here)].map(|(t, pixel)| depth(t, pixel));
+    (first - second).abs() <= 2.0 * (first - ahead).abs().max((second - behind).abs())
+}
+
 /// The pixels of a row or column of `count` whose centres may lie in `low`…`high`.
 fn pixels(low: f64, high: f64, count: usize) -> std::ops::Range<usize> {
     // Casts from f64 saturate, and take NaN for 0.

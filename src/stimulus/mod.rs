@@ -32,7 +32,7 @@ pub use cylinder::{Cylinder, Shading};
 pub use kanizsa::Kanizsa;
 pub use mach_band::{MachBand, Ramp, RampSpace};
 pub use parameter::{Parameter, ParameterError, ParameterValue};
-pub use seen::View;
+pub use seen::{View, surface_seen};
 pub use shaded_mesh::{ShadedMesh, Triple};
 pub use vasarely::Vasarely;
 

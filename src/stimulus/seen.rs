@@ -1,8 +1,10 @@
 //! What the model of vision makes of a stimulus.
 
 use super::Stimulus;
-use crate::vision::{
-    Border, Eye, Line, LineView, Picture, PictureView, Visibility, VisionError, luminance, luminances,
+use crate::{
+    light::LinearImage,
+    shading::{Frame, Reference, coverage},
+    vision::{Border, Eye, Line, LineView, Picture, PictureView, Visibility, VisionError, luminance, luminances},
 };
 
 /// What is seen of a stimulus.
@@ -33,7 +35,7 @@ impl Stimulus {
     }
 
     /// What `eye` sees of it in a window of `size` pixels, `px_per_deg` to a degree. What varies in one direction is
-    /// taken to go on beyond the window as it ends there.
+    /// taken to go on beyond the window as it ends there; of a mesh the outlines are left out, see [`surface_seen`].
     ///
     /// # Errors
     /// [`VisionError`] for a window that is too small, and for one that is all black.
@@ -42,9 +44,32 @@ impl Stimulus {
             let light: Vec<f64> = self.profile(size).into_iter().map(luminance).collect();
             return Ok(View::Line(Line::new(light.len(), px_per_deg, eye)?.see(&light, Border::Continues)?));
         }
+        if let Self::ShadedMesh(shaded) = self
+            && let Some(frame) = shaded.frame(size)
+        {
+            let image = Reference::new(&frame, &shaded.shade()).image();
+            return Ok(View::Picture(Box::new(surface_seen(&frame, &image, px_per_deg, eye)?)));
+        }
         let light = luminances(&self.linear(size));
         let side = size as usize;
         let picture = Picture { light: &light, width: side, height: side, px_per_deg, mask: None };
         Ok(View::Picture(Box::new(picture.see(eye)?)))
     }
+}
+
+/// What `eye` sees of `image`, the picture of a surface, on the surface alone: its outlines are left out, where the
+/// light has every reason to jump.
+///
+/// # Errors
+/// [`VisionError`] for a picture of another size than the frame's, one that is too small, and one that is all black.
+pub fn surface_seen(
+    frame: &Frame,
+    image: &LinearImage,
+    px_per_deg: f64,
+    eye: &Eye,
+) -> Result<PictureView, VisionError> {
+    let mask = coverage::inside_outlines(frame);
+    let light = luminances(image);
+    let (width, height) = (frame.width as usize, frame.height as usize);
+    Picture { light: &light, width, height, px_per_deg, mask: Some(&mask) }.see(eye)
 }

@@ -158,7 +158,8 @@ impl ShadedMesh {
         shapes::mesh(self.mesh, self.vertices as usize)
     }
 
-    fn frame(&self, size: u32) -> Option<Frame> {
+    /// As seen in a window of `size` × `size` pixels; `None` for a stimulus that is not valid.
+    pub(super) fn frame(&self, size: u32) -> Option<Frame> {
         Some(self.scene().frame(&Surface::new(self.mesh().ok()?), size, size))
     }
 
