@@ -279,6 +279,20 @@ fn grid_is_a_square_whose_pairs_are_parallelograms() {
     assert_eq!(jittered, shapes::jittered_grid(28, 28, 9.0, |_, _| 0.0).unwrap());
 }
 
+/// The round shapes' normals are those of the surface: across it, as its neighbouring places tell ever better.
+#[test]
+fn round_shapes_have_the_normals_of_their_surface() {
+    for shape in [Shape::Sphere, Shape::Torus, Shape::Blob] {
+        let mesh = shapes::mesh(shape, 20_000).unwrap();
+        let places: Vec<DVec3> = mesh.vertices.iter().map(|v| v.position).collect();
+        let averaged = Mesh::new(&places, &mesh.triangles, 180.0).unwrap();
+        let apart = mesh.vertices.iter().zip(&averaged.vertices).map(|(a, b)| a.normal.angle_between(b.normal));
+        let worst = apart.fold(0.0, f64::max).to_degrees();
+        assert!(worst < 1.0, "{shape}: {worst}°");
+        assert!(mesh.vertices.iter().all(|v| v.normal.is_normalized()));
+    }
+}
+
 /// The largest difference between the curvature of the vertices and the true one, relative to the largest true one.
 fn curvature_error(mesh: &Mesh, truth: impl Fn(DVec3) -> DMat3) -> f64 {
     let surface = Surface::new(mesh.clone());
@@ -297,16 +311,6 @@ fn outer(a: DVec3) -> DMat3 {
     DMat3::from_cols(a * a.x, a * a.y, a * a.z)
 }
 
-/// `mesh` with the normals that `normal` gives its places.
-fn with_normals(mesh: &Mesh, normal: impl Fn(DVec3) -> DVec3) -> Mesh {
-    let places: Vec<DVec3> = mesh.vertices.iter().map(|v| v.position).collect();
-    let mut polygons = Polygons::default();
-    for t in &mesh.triangles {
-        polygons.push(t.map(|i| (i, Some(normal(places[i as usize])))));
-    }
-    Mesh::from_polygons(&places, &polygons, 0.0).unwrap()
-}
-
 #[test]
 fn curvature_of_a_sphere() {
     for radius in [1e-20, 0.25, 1.0, 1e15] {
@@ -317,7 +321,7 @@ fn curvature_of_a_sphere() {
         let truth = |p: DVec3| (DMat3::IDENTITY - outer((p + 0.1 * radius).normalize())) * (1.0 / radius);
         // True normals: their differences are the edges, and only the turn of the faces is left.
         let mesh = scaled(&shapes::sphere(16));
-        let exact = curvature_error(&with_normals(&mesh, |p| (p + 0.1 * radius).normalize()), truth);
+        let exact = curvature_error(&mesh.clone().with_normals(|p| p + 0.1 * radius), truth);
         assert!(exact < 1e-3, "{radius}: {exact}");
         // Averaged ones are themselves a little off where the triangles around are not alike.
         let averaged = curvature_error(&mesh, truth);
@@ -350,7 +354,7 @@ fn curvature_converges_on_uneven_triangles_with_true_normals() {
         let points = shapes::fibonacci_points(count);
         let places: Vec<DVec3> = points.iter().map(|p| *p * axes).collect();
         let mesh = Mesh::new(&places, &shapes::hull(&points).unwrap(), 180.0).unwrap();
-        curvature_error(&with_normals(&mesh, |p| gradient(p).normalize()), |p| {
+        curvature_error(&mesh.clone().with_normals(gradient), |p| {
             let flat = DMat3::IDENTITY - outer(gradient(p).normalize());
             flat * DMat3::from_diagonal(1.0 / (axes * axes)) * flat * (1.0 / gradient(p).length())
         })

@@ -121,6 +121,17 @@ impl Mesh {
         averaged(&Faced { positions, triangles, normals, faces: None }, crease_deg)
     }
 
+    /// This mesh lit by other normals: at each place the one that `normal` gives for it, of any length above 0. Those of
+    /// the surface itself, where that is known: averages over the faces of a mesh without order are off by degrees, which
+    /// no shader can mend that takes its lights from them.
+    #[must_use]
+    pub fn with_normals(mut self, normal: impl Fn(DVec3) -> DVec3) -> Mesh {
+        for vertex in &mut self.vertices {
+            vertex.normal = normal(vertex.position).normalize_or(vertex.normal);
+        }
+        self
+    }
+
     /// The mesh of `polygons` over `positions`, cut into triangles ([`triangulated`]). A polygon counts as one face in
     /// the averages, with its Newell normal. Corners for which a normal is given have that; such normals at one site
     /// that differ by less than 0.1° are one, and an edge is a crease where those of its two sides differ.

@@ -35,7 +35,14 @@ pub fn blob(count: usize) -> Result<Mesh, ShapeError> {
     let points = fibonacci_points(count);
     let triangles = hull::hull(&points)?;
     let positions: Vec<DVec3> = points.iter().map(|p| *p * radius(*p)).collect();
-    Ok(Mesh::new(&positions, &triangles, 180.0)?)
+    Ok(Mesh::new(&positions, &triangles, 180.0)?.with_normals(normal))
+}
+
+/// The surface is at the distance r(u) in the direction u; its normal is along u − ∇r/r, of the slope the part across u.
+fn normal(place: DVec3) -> DVec3 {
+    let out = place.normalize();
+    let slope = radius_slope(out);
+    out - (slope - out * slope.dot(out)) / radius(out)
 }
 
 /// Distance from the middle in the direction `p`: 0.66…1.34.
@@ -43,4 +50,17 @@ fn radius(p: DVec3) -> f64 {
     1.0 + 0.16 * (2.1 * p.x + 0.4).sin() * (2.6 * p.y - 0.3).cos()
         + 0.12 * (3.1 * p.z + 1.3 * p.x).sin()
         + 0.06 * (4.3 * p.y + 2.0 * p.z + 1.0).sin()
+}
+
+/// How [`radius`] changes along x, y and z.
+fn radius_slope(p: DVec3) -> DVec3 {
+    let (sin, cos) = (2.1 * p.x + 0.4).sin_cos();
+    let (down, up) = (2.6 * p.y - 0.3).sin_cos();
+    let wave = 0.12 * (3.1 * p.z + 1.3 * p.x).cos();
+    let ripple = 0.06 * (4.3 * p.y + 2.0 * p.z + 1.0).cos();
+    DVec3::new(
+        0.16 * 2.1 * cos * up + 1.3 * wave,
+        -0.16 * 2.6 * sin * down + 4.3 * ripple,
+        3.1 * wave + 2.0 * ripple,
+    )
 }

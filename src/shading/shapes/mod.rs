@@ -1,7 +1,8 @@
 //! Meshes by name.
 //!
-//! All are closed and counter-clockwise seen from outside, but for [`jittered_grid`]; their normals are averaged over
-//! the faces around each vertex, as the papers have them.
+//! All are closed and counter-clockwise seen from outside, but for [`jittered_grid`]. The round ones have the normals of
+//! the surface that they stand for; those of the others are averaged over the faces around each vertex, as the papers
+//! have them.
 
 mod blob;
 mod grid;

@@ -52,7 +52,7 @@ pub fn sphere(subdivisions: usize) -> Mesh {
             }
         }
     }
-    closed(&positions, &triangles)
+    closed(&positions, &triangles).with_normals(|place| place)
 }
 
 /// Corners of length 1, and faces counter-clockwise from outside.
@@ -106,7 +106,7 @@ pub fn torus(around: usize, tube: usize) -> Mesh {
             }
         }
     }
-    closed(&positions, &triangles)
+    closed(&positions, &triangles).with_normals(|place| place - DVec3::new(place.x, place.y, 0.0).normalize_or_zero())
 }
 
 /// The torus with about `vertices` places.
