@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use eframe::egui::Vec2;
+use eframe::egui::{Vec2, accesskit::Role};
 use egui_kittest::{
     Harness,
     kittest::{By, NodeT as _, Queryable as _},
@@ -134,7 +134,7 @@ fn seen(compared: &Comparison, side: &Side, size: [u32; 2]) -> f64 {
 fn visibilities(window: &Window) -> Vec<String> {
     let head = window.get_by_label("predicted visibility").rect();
     let mut cells: Vec<_> = window
-        .query_all(By::new().predicate(|node| node.bounding_box().is_some()))
+        .query_all(By::new().predicate(|node| node.role() == Role::Label))
         .map(|node| (node.rect(), node.accesskit_node().value().or_else(|| node.accesskit_node().label())))
         .filter(|(rect, text)| text.is_some() && (rect.left() - head.left()).abs() < 1.0)
         .filter(|(rect, _)| rect.top() > head.top() + 4.0 && rect.top() < head.bottom() + 40.0)

@@ -397,7 +397,7 @@ fn plot(
         .include_y(lowest(lines) + 0.02)
         .x_axis_label("position, window sides")
         .y_axis_label(axis)
-        .legend(Legend::default().position(Corner::LeftTop))
+        .legend(Legend::default().position(Corner::LeftTop).text_style(egui::TextStyle::Small).background_alpha(0.5))
         .show(ui, |plot| {
             for ((name, points), color) in lines.iter().zip(colors) {
                 plot.line(Line::new(*name, (*points).clone()).color(color).width(1.5));
