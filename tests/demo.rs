@@ -314,13 +314,25 @@ fn read(path: &Path) -> (u32, Vec<[u8; 3]>, serde_json::Value) {
     (info.width, pixels, parameters)
 }
 
+/// Steps until no number is missing.
+fn await_prediction(window: &mut Window) {
+    let begun = std::time::Instant::now();
+    while window.query_all_by_label("…").count() > 0 {
+        assert!(begun.elapsed().as_secs() < 240, "no prediction came");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        window.step();
+    }
+    window.run_steps(2);
+}
+
 #[test]
 fn the_exported_file_is_the_view() {
     let folder = tempfile::tempdir().unwrap();
     let Some(mut window) = open_with_pixels(1.0) else { return };
-    for (i, show) in ["Split", "Difference", "Creases"].into_iter().enumerate() {
+    for (i, show) in ["Split", "Difference", "Creases", "Predicted bands"].into_iter().enumerate() {
         window.get_by_label(show).click();
         window.run_steps(3);
+        await_prediction(&mut window);
         let shown = pixels(&mut window);
         let path = folder.path().join(format!("view-{i}.png"));
         scroll_to(&mut window, "Export to");

@@ -94,7 +94,10 @@ impl Home {
                     ui.spacing_mut().button_padding.x = 8.0;
                     if ui.button("Gallery of stimuli…").clicked() {
                         let profile = checked_display(&self.checked);
-                        go = Go::To(Page::Gallery(Box::new(Gallery::new(profile))));
+                        go = Go::To(Page::Gallery(Box::new(Gallery::new(
+                            profile,
+                            super::form::parse(&self.form.distance_cm),
+                        ))));
                     }
                     if ui.button("Shading demo…").clicked() {
                         go = Go::To(Page::Demo(Box::default()));

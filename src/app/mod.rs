@@ -19,12 +19,14 @@ mod monitor;
 mod pages;
 mod pixels;
 mod platform;
+mod predicted;
 mod preflight;
 mod scale;
 mod session;
 mod theme;
 pub mod timing;
 mod trouble;
+mod work;
 
 use std::{path::PathBuf, sync::Arc, time::Instant};
 

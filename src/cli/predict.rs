@@ -100,15 +100,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     write(arguments, &header, &[Prediction { values, visibility: seen }], &criterion)
 }
 
-/// An eye that is set for the stimulus' mean light.
+/// An eye that is set for an image's mean light.
 fn eye(mean: f64, window: f64, white: f64) -> Eye {
     Eye { luminance: (white * mean).max(0.01), field_deg: window }
 }
 
 fn see(stimulus: &Stimulus, size: u32, window: f64, white: f64) -> anyhow::Result<Visibility> {
-    let light: Vec<f64> = stimulus.profile(size).into_iter().map(crate::vision::luminance).collect();
-    let mean = light.iter().sum::<f64>() / light.len() as f64;
-    let view = stimulus.seen(size, f64::from(size) / window, &eye(mean, window, white));
+    let view = stimulus.seen(size, f64::from(size) / window, &stimulus.eye(size, window, white));
     view.map(|view| view.visibility()).map_err(|error| anyhow::anyhow!("{}: {error}", stimulus.kind()))
 }
 

@@ -7,6 +7,9 @@ use crate::{
     vision::{Border, Eye, Line, LineView, Picture, PictureView, Visibility, VisionError, luminance, luminances},
 };
 
+/// An eye is set for no less, cd/m²: a black window is no world.
+const LEAST_CD_M2: f64 = 0.01;
+
 /// What is seen of a stimulus.
 #[derive(Clone, Debug)]
 pub enum View {
@@ -32,6 +35,15 @@ impl Stimulus {
     #[must_use]
     pub fn is_line(&self) -> bool {
         matches!(self, Self::MachBand(_) | Self::Chevreul(_) | Self::Cornsweet(_) | Self::Cylinder(_))
+    }
+
+    /// An eye that is set for its mean light, in a window of `size` pixels that takes `window_deg` degrees, where white
+    /// has `white_cd_m2`.
+    #[must_use]
+    pub fn eye(&self, size: u32, window_deg: f64, white_cd_m2: f64) -> Eye {
+        let profile = self.profile(size);
+        let mean = profile.iter().map(|light| luminance(*light)).sum::<f64>() / profile.len().max(1) as f64;
+        Eye { luminance: (white_cd_m2 * mean).max(LEAST_CD_M2), field_deg: window_deg }
     }
 
     /// What `eye` sees of it in a window of `size` pixels, `px_per_deg` to a degree. What varies in one direction is

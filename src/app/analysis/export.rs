@@ -8,15 +8,13 @@ use std::{
 use eframe::egui;
 use jiff::Timestamp;
 
-use super::{
-    look,
-    work::{Progress, Work},
-};
+use super::look;
 use crate::{
     analysis::Results,
     app::{
         dialog::{Ask, Dialog},
         theme,
+        work::{Progress, Work},
     },
     report::{Extent, Repetition, Study, write_all},
 };

@@ -17,7 +17,6 @@ mod source;
 mod start;
 mod tables;
 mod words;
-mod work;
 
 use std::path::{Path, PathBuf};
 
@@ -27,6 +26,7 @@ use super::{
     Go,
     dialog::{Ask, Dialog},
     theme,
+    work::{Progress, Work},
 };
 use crate::{
     report::Study,
@@ -35,7 +35,6 @@ use crate::{
 use columns::Columns;
 use opened::{Opened, Tab};
 use start::{Start, Wish};
-use work::{Progress, Work};
 
 /// Narrower than this, the data and filters are a view of their own.
 const NARROW: f32 = 700.0;

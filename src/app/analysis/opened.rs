@@ -18,11 +18,13 @@ use super::{
     source::SourceView,
     tables::Tables,
     words::many,
-    work::{Progress, Work},
 };
 use crate::{
     analysis::{Options, Results, analyse},
-    app::theme,
+    app::{
+        theme,
+        work::{Progress, Work},
+    },
     report::Study,
     store::ratings::Reading,
 };

@@ -147,6 +147,16 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, look: &Look)
     }
 }
 
+/// Draws a word about the picture into its upper left corner.
+pub fn draw_note(ui: &egui::Ui, rect: Rect, text: &str) {
+    let painter = ui.painter().with_clip_rect(rect);
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let text = painter.layout(text.to_owned(), font, Color32::from_gray(0xec), rect.width() - 24.0);
+    let at = rect.min + Vec2::splat(12.0);
+    painter.rect_filled(Rect::from_min_size(at, text.size()).expand(6.0), 4.0, Color32::from_black_alpha(180));
+    painter.galley(at, text, Color32::WHITE);
+}
+
 /// What says that the divider can be moved: two arrowheads on a disc.
 fn grip(painter: &egui::Painter, at: Pos2) {
     painter.circle(at, 9.0, Color32::from_gray(0x30), Stroke::new(1.0, Color32::from_gray(0xc0)));

@@ -4,9 +4,9 @@ use glam::{DMat3, DVec3, EulerRot};
 use serde_json::{Value, json};
 
 use crate::{
-    light::{Depth, Transfer},
+    light::{Depth, LinearImage, Transfer},
     shading::{
-        Correction, Frame, Mesh, Scene, Shade, Shader, Surface,
+        Correction, Frame, Mesh, Reference, Scene, Shade, Shader, Surface,
         shapes::{self, Shape},
     },
     store,
@@ -89,6 +89,32 @@ impl Side {
     #[must_use]
     pub fn transfer(&self, transfer: &Transfer) -> Transfer {
         if self.is_naive() { Transfer::Linear } else { transfer.clone() }
+    }
+
+    /// The light that a display sends for the value `computed` by this side's shader: its code's light, where it computes
+    /// codes.
+    #[must_use]
+    pub fn light(&self, computed: DVec3, transfer: &Transfer) -> DVec3 {
+        if self.is_naive() {
+            DVec3::from_array(computed.to_array().map(|code| transfer.linear_from_encoded(code)))
+        } else {
+            computed
+        }
+    }
+
+    /// This side's picture of `frame` in the light that the display sends, no less than none and no more than white.
+    #[must_use]
+    pub fn emitted(&self, frame: &Frame, transfer: &Transfer) -> LinearImage {
+        let shaded = self.frame(frame, transfer);
+        let mut image = Reference::new(&shaded, &self.shade).image();
+        for pixel in image.data.chunks_exact_mut(3) {
+            let computed = DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into());
+            // What is no number is black, as it is on the screen.
+            let shown = |light: f64| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 };
+            let light = self.light(computed, transfer).to_array().map(shown);
+            pixel.copy_from_slice(&light);
+        }
+        image
     }
 
     /// The shader in words.

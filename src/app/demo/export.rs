@@ -6,6 +6,7 @@ use eframe::egui;
 use serde_json::{Value, json};
 
 use super::{
+    bands::{SHORTER_SIDE_DEG, predicted_size},
     comparison::{Comparison, MeshChoice},
     look::{Look, Show},
 };
@@ -45,10 +46,13 @@ impl Export {
             if path.exists() && !again {
                 self.said = Some(Err(format!("{} exists already; expected a new name", path.display())));
                 self.standing = Some(path);
-            } else if let Some((image, parameters)) = view() {
-                let written = store::image::write_shaded(&path, &image, &compared.transfer.clone().into(), &parameters);
-                self.said =
-                    Some(written.map(|()| format!("Written to {}", path.display())).map_err(|error| error.to_string()));
+            } else {
+                let written = view().ok_or_else(|| "this view is not there yet; try again in a moment".to_owned());
+                let written = written.and_then(|(image, parameters)| {
+                    store::image::write_shaded(&path, &image, &compared.transfer.clone().into(), &parameters)
+                        .map_err(|error| error.to_string())
+                });
+                self.said = Some(written.map(|()| format!("Written to {}", path.display())));
                 self.standing = None;
             }
         }
@@ -60,8 +64,8 @@ impl Export {
     }
 }
 
-/// The view's parameters.
-pub fn parameters(compared: &Comparison, look: &Look, size: [u32; 2], drawn_by: &str) -> Value {
+/// The view's parameters; `most` is the strength that is lightest and darkest in a map of predicted bands.
+pub fn parameters(compared: &Comparison, look: &Look, size: [u32; 2], drawn_by: &str, most: Option<f64>) -> Value {
     let mut all = compared.describe();
     all["size"] = json!(size);
     all["drawn_by"] = json!(drawn_by);
@@ -69,6 +73,13 @@ pub fn parameters(compared: &Comparison, look: &Look, size: [u32; 2], drawn_by: 
         Show::Split => json!({"show": "split", "right_from_column": look.column(size[0])}),
         Show::Difference => json!({"show": "difference of codes", "factor": look.factor}),
         Show::Creases => json!({"show": "creases", "right_from_column": look.column(size[0])}),
+        Show::Bands => json!({
+            "show": "predicted bands",
+            "right_from_column": look.column(size[0]),
+            "shorter_side_deg": SHORTER_SIDE_DEG,
+            "predicted_from_px": predicted_size(size),
+            "full_scale": most,
+        }),
     };
     all["program"] = json!(concat!("machband ", env!("CARGO_PKG_VERSION")));
     all
@@ -94,6 +105,10 @@ fn suggested(compared: &Comparison, look: &Look) -> String {
         (_, divider) if divider >= 1.0 => left,
         _ => format!("{left}-{right}"),
     };
-    let creases = if look.show == Show::Creases { "-creases" } else { "" };
-    format!("{mesh}-{shaders}{creases}.png")
+    let what = match look.show {
+        Show::Split | Show::Difference => "",
+        Show::Creases => "-creases",
+        Show::Bands => "-bands",
+    };
+    format!("{mesh}-{shaders}{what}.png")
 }

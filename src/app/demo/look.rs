@@ -11,6 +11,8 @@ pub enum Show {
     Difference,
     /// The creases of each on its side of the divider.
     Creases,
+    /// The bands that the model of vision predicts, of each on its side of the divider.
+    Bands,
 }
 
 /// What dragging on the picture moves.

@@ -2,16 +2,12 @@
 
 use eframe::egui::{self, TextureHandle};
 
-use super::{
-    comparison::{Comparison, Side},
-    render::Pictures,
-};
+use super::{comparison::Side, render::Pictures};
 use crate::{
     app::{pixels, theme},
     light::{Bits, CodeImage, Quantizer, Transfer},
     shading::{Creases, Frame, Reference, crease},
 };
-use glam::DVec3;
 
 /// The creases of both sides, and Gouraud's.
 pub struct Metric {
@@ -50,37 +46,19 @@ impl Metric {
         self.pictures.as_ref()
     }
 
-    /// The numbers, of these sides; `stale` while a drag goes on.
-    pub fn show(&self, ui: &mut egui::Ui, compared: &Comparison, stale: bool) {
-        let color = |color| if stale { theme::QUIET } else { color };
-        ui.spacing_mut().interact_size.y = 14.0;
-        egui::Grid::new("creases").num_columns(4).spacing([12.0, 2.0]).show(ui, |ui| {
-            for head in ["creases, light per pixel", "rms", "p95", "× Gouraud"] {
-                ui.label(theme::quiet(head));
-            }
-            ui.end_row();
-            for ((side, creases), own) in compared.sides.iter().zip(&self.sides).zip(super::canvas::COLORS) {
-                let over = creases.over(&self.gouraud).map_or_else(|| "—".to_owned(), |over| format!("{over:.4}"));
-                for text in [side.title(), format!("{:.2e}", creases.rms), format!("{:.2e}", creases.p95), over] {
-                    ui.label(egui::RichText::new(text).small().color(color(own)));
-                }
-                ui.end_row();
-            }
-        });
+    /// The numbers of side `which`: rms, 95th percentile, and how it compares with Gouraud's; `stale` while a drag goes on.
+    pub fn cells(&self, ui: &mut egui::Ui, which: usize, stale: bool) {
+        let color = if stale { theme::QUIET } else { super::canvas::COLORS[which] };
+        let creases = &self.sides[which];
+        let over = creases.over(&self.gouraud).map_or_else(|| "—".to_owned(), |over| format!("{over:.4}"));
+        for text in [format!("{:.2e}", creases.rms), format!("{:.2e}", creases.p95), over] {
+            ui.label(egui::RichText::new(text).small().color(color));
+        }
     }
 }
 
 fn creases(frame: &Frame, side: &Side, transfer: &Transfer) -> Creases {
     let shaded = side.frame(frame, transfer);
     let reference = Reference::new(&shaded, &side.shade);
-    Creases::of_field(frame, |triangle, w| emitted(reference.light(triangle, w), side, transfer))
-}
-
-/// The light that a display sends for what a side computes: its codes' light, where it computes codes.
-pub fn emitted(value: DVec3, side: &Side, transfer: &Transfer) -> DVec3 {
-    if side.is_naive() {
-        DVec3::from_array(value.to_array().map(|code| transfer.linear_from_encoded(code)))
-    } else {
-        value
-    }
+    Creases::of_field(frame, |triangle, w| side.light(reference.light(triangle, w), transfer))
 }

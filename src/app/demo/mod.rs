@@ -1,5 +1,6 @@
 //! The demo: one surface, one light, two shaders beside each other.
 
+mod bands;
 mod canvas;
 mod card;
 mod comparison;
@@ -13,7 +14,7 @@ mod render;
 mod scan;
 
 use eframe::{
-    egui::{self, Key, Rect, UiBuilder},
+    egui::{self, Key, Rect, RichText, TextureHandle, UiBuilder},
     egui_wgpu::RenderState,
 };
 
@@ -23,6 +24,7 @@ use super::{
     theme,
 };
 use crate::light::CodeImage;
+use bands::Bands;
 use look::{Hand, Look, Show};
 use metric::Metric;
 use painters::Painters;
@@ -33,6 +35,11 @@ pub use comparison::{Comparison, MeshChoice, Side};
 
 /// Height of the plots below the picture, points.
 const PLOTS: f32 = 170.0;
+/// A window narrower than this has the view above the controls, so high.
+const NARROW: f32 = 640.0;
+const NARROW_VIEW: f32 = 560.0;
+/// Narrower than this, creases and predicted bands have a table each.
+const TWO_TABLES: f32 = 600.0;
 
 /// The page.
 pub struct Demo {
@@ -43,6 +50,7 @@ pub struct Demo {
     painters: Option<Painters>,
     pictures: Option<Pictures>,
     metric: Option<Metric>,
+    bands: Bands,
     scan: Option<Scan>,
     difference: Option<Difference>,
     file: FileField,
@@ -72,6 +80,7 @@ impl Default for Demo {
             painters: None,
             pictures: None,
             metric: None,
+            bands: Bands::default(),
             scan: None,
             difference: None,
             file: FileField::default(),
@@ -98,27 +107,39 @@ impl Demo {
         // Escape closes an open list first.
         let listing = egui::Popup::is_any_open(ui.ctx());
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
+        let frame = egui::Frame::NONE.inner_margin(12.0);
         self.take_files(ui.ctx());
-        egui::Panel::left("demo").resizable(false).exact_size(width).frame(egui::Frame::NONE.inner_margin(12.0)).show(
-            ui,
-            |ui| {
+        if ui.available_width() < NARROW {
+            egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+                egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    theme::compact(ui);
+                    ui.set_max_width(ui.available_width() - 6.0);
+                    back = heading(ui);
+                    let size =
+                        egui::vec2(ui.available_width(), NARROW_VIEW + if self.look.scan { PLOTS + 8.0 } else { 0.0 });
+                    ui.allocate_ui(size, |ui| {
+                        ui.set_min_size(size);
+                        self.view(ui);
+                    });
+                    ui.separator();
+                    self.controls(ui);
+                });
+            });
+        } else {
+            egui::Panel::left("demo").resizable(false).exact_size(width).frame(frame).show(ui, |ui| {
                 egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     theme::compact(ui);
                     // Room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 6.0);
-                    ui.horizontal(|ui| {
-                        ui.heading("Shading");
-                        back = ui.button("Back").clicked();
-                        ui.label(theme::quiet("Esc"));
-                    });
+                    back = heading(ui);
                     self.controls(ui);
                 });
-            },
-        );
-        egui::CentralPanel::default().frame(egui::Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-            theme::compact(ui);
-            self.view(ui);
-        });
+            });
+            egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+                theme::compact(ui);
+                self.view(ui);
+            });
+        }
         let typing = ui.ctx().memory(|memory| memory.focused().is_some());
         if back || !typing && !listing && ui.input(|input| input.key_pressed(Key::Escape)) {
             Go::Back
@@ -222,7 +243,7 @@ impl Demo {
         self.toolbar(ui);
         let titles = self.compared.sides.map(|side| side.title());
         self.titles(ui, &titles);
-        let status = 84.0;
+        let status = if ui.available_width() < TWO_TABLES { 176.0 } else { 104.0 };
         let below = status + if self.look.scan { PLOTS + 8.0 } else { 0.0 };
         let rest = ui.available_rect_before_wrap();
         let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
@@ -245,19 +266,30 @@ impl Demo {
     }
 
     fn toolbar(&mut self, ui: &mut egui::Ui) {
+        // Where rows break anywhere, lines between groups would stand alone.
+        let lines = ui.available_width() >= TWO_TABLES;
         ui.horizontal_wrapped(|ui| {
-            ui.label(theme::quiet("Show"));
-            for (show, name) in [(Show::Split, "Split"), (Show::Difference, "Difference"), (Show::Creases, "Creases")] {
+            word(ui, "Show");
+            for (show, name) in [
+                (Show::Split, "Split"),
+                (Show::Difference, "Difference"),
+                (Show::Creases, "Creases"),
+                (Show::Bands, "Predicted bands"),
+            ] {
                 ui.selectable_value(&mut self.look.show, show, name);
             }
-            ui.separator();
-            ui.label(theme::quiet("Drag moves"));
+            if lines {
+                ui.separator();
+            }
+            word(ui, "Drag moves");
             for (hand, name) in [(Hand::Mesh, "the mesh"), (Hand::Light, "the light"), (Hand::Line, "a scan line")] {
                 if ui.selectable_value(&mut self.look.hand, hand, name).clicked() && hand == Hand::Line {
                     self.look.scan = true;
                 }
             }
-            ui.separator();
+            if lines {
+                ui.separator();
+            }
             if ui.checkbox(&mut self.look.scan, "Scan line").changed() && !self.look.scan {
                 self.look.hand = if self.look.hand == Hand::Line { Hand::Mesh } else { self.look.hand };
             }
@@ -306,6 +338,9 @@ impl Demo {
         if !self.dragging || self.metric.is_none() {
             self.metric = Some(Metric::refreshed(self.metric.take(), &pictures));
         }
+        if !self.dragging {
+            self.bands.want(ctx, &pictures, model.surface());
+        }
         if self.look.scan {
             self.scan = Some(Scan::refreshed(self.scan.take(), &pictures, &self.look));
         }
@@ -325,25 +360,75 @@ impl Demo {
                 Some(metric) => metric.pictures(ui.ctx(), &pictures.frame).each_ref().map(|(_, texture)| texture.id()),
                 None => return,
             },
+            Show::Bands => match self.bands.textures(ui.ctx(), pictures.edition) {
+                Some(textures) => textures.each_ref().map(TextureHandle::id),
+                // The pictures themselves, until the maps are there.
+                None => pictures.sides.each_ref().map(Picture::id),
+            },
         };
         canvas::draw(ui, rect, textures, size, &self.look);
+        if self.look.show == Show::Bands
+            && let Some(lack) = self.bands.lack(pictures.edition)
+        {
+            canvas::draw_note(ui, rect, &lack);
+        }
     }
 
-    /// Creases and times.
+    /// Creases, predicted bands and times.
     fn numbers(&self, ui: &mut egui::Ui) {
         let Some(pictures) = &self.pictures else { return };
-        ui.horizontal_top(|ui| {
-            if let Some(metric) = &self.metric {
-                metric.show(ui, pictures.compared(), self.dragging);
-            }
-        });
+        if ui.available_width() < TWO_TABLES {
+            self.table(ui, pictures, [true, false]);
+            self.table(ui, pictures, [false, true]);
+        } else {
+            self.table(ui, pictures, [true; 2]);
+        }
         let [left, right] = [0, 1].map(|i| pictures.sides[i].ms);
         let triangles = pictures.frame.triangles.len();
         let by = self.painters.as_ref().map_or_else(String::new, Painters::sentence);
-        ui.label(theme::quiet(format!(
-            "{by} {triangles} triangles seen. Vertices {:.1} ms, left {left:.1} ms, right {right:.1} ms.",
-            pictures.frame_ms
-        )));
+        let degrees = bands::SHORTER_SIDE_DEG;
+        for text in [
+            format!(
+                "A visibility of 1 is just seen; the picture's shorter side is taken to be {degrees}° of the eye's field."
+            ),
+            format!(
+                "{by} {triangles} triangles seen. Vertices {:.1} ms, left {left:.1} ms, right {right:.1} ms.",
+                pictures.frame_ms
+            ),
+        ] {
+            ui.add(egui::Label::new(theme::quiet(text)).wrap());
+        }
+    }
+
+    /// A row for each side, with its creases and its predicted bands where they are wanted.
+    fn table(&self, ui: &mut egui::Ui, pictures: &Pictures, [creases, bands]: [bool; 2]) {
+        let heads = [("creases, light per pixel", creases), ("rms", creases), ("p95", creases), ("× Gouraud", creases)];
+        let seen = [("", bands && !creases), ("predicted visibility", bands), ("× Gouraud", bands)];
+        let heads: Vec<&str> =
+            heads.into_iter().chain(seen).filter(|(_, wanted)| *wanted).map(|(head, _)| head).collect();
+        // What the numbers leave of the width.
+        let longest = (ui.available_width() - if creases && bands { 440.0 } else { 240.0 }).max(150.0);
+        ui.spacing_mut().interact_size.y = 14.0;
+        egui::Grid::new(("numbers", creases, bands)).num_columns(heads.len()).spacing([12.0, 2.0]).show(ui, |ui| {
+            for head in heads {
+                ui.label(theme::quiet(head));
+            }
+            ui.end_row();
+            for (which, side) in pictures.compared().sides.iter().enumerate() {
+                ui.scope(|ui| {
+                    ui.set_max_width(longest);
+                    let title = RichText::new(side.title()).small().color(canvas::COLORS[which]);
+                    ui.add(egui::Label::new(title).truncate());
+                });
+                if let Some(metric) = self.metric.as_ref().filter(|_| creases) {
+                    metric.cells(ui, which, self.dragging);
+                }
+                if bands {
+                    self.bands.cells(ui, which, pictures.edition);
+                }
+                ui.end_row();
+            }
+        });
     }
 
     /// The pixels of the view as they are on the screen, marks aside.
@@ -357,6 +442,10 @@ impl Demo {
                 let [left, right] = self.metric.as_ref()?.drawn()?;
                 split(&left.0, &right.0)
             }
+            Show::Bands => {
+                let [left, right] = self.bands.codes(pictures.edition)?;
+                split(left, right)
+            }
         })
     }
 
@@ -367,10 +456,27 @@ impl Demo {
             let by = self.painters.as_ref().map_or_else(String::new, Painters::drawn_by);
             export.show(ui, compared, &self.look, || {
                 let image = self.pixels()?;
-                let parameters = export::parameters(compared, &self.look, [image.width, image.height], &by);
+                let most = self.bands.seen(pictures.edition).map(|seen| seen.most);
+                let parameters = export::parameters(compared, &self.look, [image.width, image.height], &by, most);
                 Some((image, parameters))
             });
         }
         self.export = export;
     }
+}
+
+/// The page's name, and the way back: gives whether it is taken.
+fn heading(ui: &mut egui::Ui) -> bool {
+    ui.horizontal(|ui| {
+        ui.heading("Shading");
+        let back = ui.button("Back").clicked();
+        ui.label(theme::quiet("Esc"));
+        back
+    })
+    .inner
+}
+
+/// A word before its controls, in one piece.
+fn word(ui: &mut egui::Ui, text: &str) {
+    ui.add(egui::Label::new(theme::quiet(text)).extend());
 }

@@ -1,6 +1,6 @@
 //! From a comparison to the two pictures: computed when something has changed, and then kept.
 
-use std::{rc::Rc, sync::Arc, time::Instant};
+use std::{sync::Arc, time::Instant};
 
 use eframe::egui::{self, ColorImage, TextureHandle, TextureId};
 
@@ -18,7 +18,7 @@ use crate::{
 /// The surface shown: the last that could be made.
 pub struct Model {
     choice: MeshChoice,
-    surface: Rc<Surface>,
+    surface: Arc<Surface>,
     /// Counts the surfaces, to know one from another.
     version: u64,
 }
@@ -29,7 +29,7 @@ impl Model {
     /// # Errors
     /// In words, what is wrong with it.
     pub fn new(choice: &MeshChoice) -> Result<Model, String> {
-        Ok(Model { choice: choice.clone(), surface: Rc::new(Surface::new(choice.mesh()?)), version: 0 })
+        Ok(Model { choice: choice.clone(), surface: Arc::new(Surface::new(choice.mesh()?)), version: 0 })
     }
 
     /// Follows what is chosen. A mesh that cannot be made leaves the one before.
@@ -45,7 +45,7 @@ impl Model {
     }
 
     /// The surface.
-    pub fn surface(&self) -> &Rc<Surface> {
+    pub fn surface(&self) -> &Arc<Surface> {
         &self.surface
     }
 }

@@ -4,7 +4,7 @@ use eframe::egui::{self, Pos2};
 use egui_plot::{Line, Plot};
 use glam::{DVec2, DVec3};
 
-use super::{canvas::COLORS, look::Look, metric::emitted, render::Pictures};
+use super::{canvas::COLORS, look::Look, render::Pictures};
 use crate::{
     app::theme,
     shading::{Frame, Reference, coverage::Inside},
@@ -34,7 +34,7 @@ impl Scan {
         let light: [Vec<Vec<[f64; 2]>>; 2] = compared.sides.map(|side| {
             let shaded = side.frame(frame, &compared.transfer);
             let reference = Reference::new(&shaded, &side.shade);
-            let at = |triangle, w| luminance(emitted(reference.light(triangle, w), &side, &compared.transfer));
+            let at = |triangle, w| luminance(side.light(reference.light(triangle, w), &compared.transfer));
             samples.iter().map(|piece| piece.iter().map(|s| [s.px, at(s.triangle, s.weights)]).collect()).collect()
         });
         let slope = light.each_ref().map(|light| light.iter().map(|piece| slopes(piece)).collect());

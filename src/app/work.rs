@@ -50,3 +50,43 @@ impl Drop for Repaint {
         self.0.request_repaint();
     }
 }
+
+/// One computation at a time, of what is wanted last: it does not begin anew while an older one goes on.
+pub struct Latest<K, T> {
+    going: Option<(K, Work<Result<T, String>>)>,
+    done: Option<(K, Result<T, String>)>,
+}
+
+impl<K, T> Default for Latest<K, T> {
+    fn default() -> Self {
+        Self { going: None, done: None }
+    }
+}
+
+impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
+    /// Sees that the result for `key` comes: `job` is asked for what computes it, when that is to begin.
+    pub fn want<F>(&mut self, ctx: &egui::Context, key: K, job: impl FnOnce() -> F)
+    where
+        F: FnOnce() -> Result<T, String> + Send + 'static,
+    {
+        self.take();
+        let is_done = self.done.as_ref().is_some_and(|(done, _)| *done == key);
+        if self.going.is_none() && !is_done {
+            self.going = Some((key, Work::start(ctx, job())));
+        }
+    }
+
+    /// The result for `key`, as soon as it is there; of no other.
+    pub fn get(&self, key: &K) -> Option<&Result<T, String>> {
+        self.done.as_ref().filter(|(done, _)| done == key).map(|(_, result)| result)
+    }
+
+    fn take(&mut self) {
+        let Some((key, work)) = self.going.take() else { return };
+        match work.poll() {
+            Progress::Going => self.going = Some((key, work)),
+            Progress::Done(result) => self.done = Some((key, result)),
+            Progress::Lost => self.done = Some((key, Err("it could not be computed".to_owned()))),
+        }
+    }
+}

@@ -1,7 +1,9 @@
 //! The gallery: every stimulus of the catalog with its parameters, its luminance profile, and the way to take it along.
 
-use eframe::egui::{self, Key, TextureHandle};
-use egui_plot::{Corner, Legend, Line, Plot};
+mod prediction;
+
+use eframe::egui::{self, Color32, Key, TextureHandle};
+use egui_plot::{Corner, Legend, Line, MarkerShape, Plot, PlotUi, Points};
 
 use super::{Go, pixels, theme};
 use crate::{
@@ -9,12 +11,21 @@ use crate::{
     light::{Bits, Dither, Quantizer},
     stimulus::{Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
     store,
+    vision::Polarity,
 };
+use prediction::{Prediction, Sight};
 
 /// Samples of the plotted profile.
 const SAMPLES: u32 = 1024;
 /// Sides to choose from, physical pixels.
 const SIZES: [u32; 4] = [256, 384, 512, 768];
+/// Narrower than this, the picture is below its controls.
+const NARROW: f32 = 760.0;
+/// Of predicted bands; neither of the curves'.
+const BAND: Color32 = Color32::from_rgb(0xe0, 0x90, 0xc0);
+/// Strength whose mark is longest; of what is just seen it is shortest. Shares of the plotted light's range.
+const STRONGEST: f64 = 100.0;
+const MARKS: [f64; 2] = [0.06, 0.22];
 
 /// The page.
 pub struct Gallery {
@@ -28,7 +39,11 @@ pub struct Gallery {
     out: String,
     said: Option<Result<String, String>>,
     display: DisplayProfile,
+    prediction: Prediction,
 }
+
+/// What is wrong with parameters, by name, and with all of them together.
+type Faults = Vec<(Option<&'static str>, String)>;
 
 /// What is on the page now, and what it was made from.
 struct Shown {
@@ -46,9 +61,10 @@ struct Curves {
 }
 
 impl Gallery {
-    /// For a screen that `display` describes.
-    pub fn new(display: DisplayProfile) -> Self {
+    /// For a screen that `display` describes, seen from `distance_cm` centimetres where that is known.
+    pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
         let mut gallery = Self {
+            prediction: Prediction::new(Sight::new(&display, distance_cm)),
             entry: 0,
             values: Vec::new(),
             size: 512,
@@ -77,7 +93,7 @@ impl Gallery {
     }
 
     /// The stimulus that the controls describe, or what is wrong: by parameter, and as a whole.
-    fn stimulus(&self) -> Result<Stimulus, Vec<(Option<&'static str>, String)>> {
+    fn stimulus(&self) -> Result<Stimulus, Faults> {
         let mut stimulus = catalog::all()[self.entry].default_stimulus();
         let mut faults = Vec::new();
         for (parameter, text) in &self.values {
@@ -100,26 +116,41 @@ impl Gallery {
         if let Ok(stimulus) = &stimulus {
             self.refresh(ui.ctx(), stimulus);
         }
+        let faults = stimulus.as_ref().err();
+        let frame = egui::Frame::NONE.inner_margin(16.0);
         let mut back = false;
-        egui::Panel::left("gallery")
-            .resizable(false)
-            .exact_size(370.0)
-            .frame(egui::Frame::NONE.inner_margin(16.0))
-            .show(ui, |ui| {
+        if ui.available_width() < NARROW {
+            egui::CentralPanel::default().frame(frame).show(ui, |ui| {
                 egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    ui.horizontal(|ui| {
-                        ui.heading("Gallery");
-                        back = ui.button("Back").clicked();
-                        ui.label(theme::quiet("Esc"));
-                    });
-                    self.controls(ui, stimulus.as_ref().err());
-                    self.take_along(ui);
+                    // Room for the scroll bar.
+                    ui.set_max_width(ui.available_width() - 6.0);
+                    back = self.left(ui, faults);
+                    ui.separator();
+                    self.picture(ui);
                 });
             });
-        egui::CentralPanel::default().frame(egui::Frame::NONE.inner_margin(16.0)).show(ui, |ui| {
-            egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| self.picture(ui));
-        });
+        } else {
+            egui::Panel::left("gallery").resizable(false).exact_size(370.0).frame(frame).show(ui, |ui| {
+                egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| back = self.left(ui, faults));
+            });
+            egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+                egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.picture(ui));
+            });
+        }
         if back || ui.input(|input| input.key_pressed(Key::Escape)) { Go::Back } else { Go::Stay }
+    }
+
+    /// What there is to set, and to take along; gives whether to go back.
+    fn left(&mut self, ui: &mut egui::Ui, faults: Option<&Faults>) -> bool {
+        let mut back = false;
+        ui.horizontal(|ui| {
+            ui.heading("Gallery");
+            back = ui.button("Back").clicked();
+            ui.label(theme::quiet("Esc"));
+        });
+        self.controls(ui, faults);
+        self.take_along(ui);
+        back
     }
 
     /// Renders when something has changed.
@@ -133,6 +164,7 @@ impl Gallery {
             seed: 1,
             display_sha256: self.display.measured.is_some().then(|| store::profile::hash(&self.display)),
         };
+        self.prediction.refresh(ctx, stimulus, self.size);
         if self.shown.as_ref().is_some_and(|shown| shown.recipe == recipe) {
             return;
         }
@@ -143,7 +175,7 @@ impl Gallery {
         self.shown = Some(Shown { recipe, texture, curves });
     }
 
-    fn controls(&mut self, ui: &mut egui::Ui, faults: Option<&Vec<(Option<&'static str>, String)>>) {
+    fn controls(&mut self, ui: &mut egui::Ui, faults: Option<&Faults>) {
         let entries = catalog::all();
         let label = ui.label("Stimulus");
         let mut chosen = self.entry;
@@ -227,18 +259,70 @@ impl Gallery {
         }
     }
 
-    fn picture(&self, ui: &mut egui::Ui) {
+    fn picture(&mut self, ui: &mut egui::Ui) {
         let Some(shown) = &self.shown else { return };
-        pixels::picture(ui, &shown.texture, shown.recipe.size, catalog::all()[self.entry].title);
+        let Recipe { stimulus, size, .. } = &shown.recipe;
+        let room = ui.available_width();
+        let texture = self.prediction.texture(stimulus, *size).unwrap_or(&shown.texture);
+        egui::ScrollArea::horizontal().id_salt("stimulus").show(ui, |ui| {
+            pixels::picture(ui, texture, *size, catalog::all()[self.entry].title);
+        });
+        self.prediction.show(ui, stimulus, *size);
         ui.add_space(8.0);
-        let width =
-            (shown.recipe.size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(ui.available_width().max(300.0));
+        let width = (*size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(room.max(300.0));
         let curves = &shown.curves;
-        plot(ui, "profile", "light", width, &[("after quantisation", &curves.emitted), ("asked", &curves.asked)]);
-        if self.derivatives {
-            plot(ui, "slope", "first derivative", width, &[("slope, light per window", &curves.slope)]);
-            plot(ui, "curvature", "second derivative", width, &[("curvature, light per window²", &curves.curvature)]);
+        let marks = self.prediction.marks(stimulus, *size).iter();
+        let bands: Vec<Band> = marks
+            .map(|mark| Band {
+                place: self.prediction.place(mark, *size),
+                polarity: mark.polarity,
+                strength: mark.strength,
+            })
+            .collect();
+        let label = stimulus.is_line().then(|| {
+            let places: Vec<_> = bands.iter().map(|band| (band.place, band.polarity)).collect();
+            format!("Plot: light, {}", prediction::in_words(&places))
+        });
+        let lines: [(&str, &Vec<[f64; 2]>); 2] = [("after quantisation", &curves.emitted), ("asked", &curves.asked)];
+        let response = plot(ui, "profile", "light", width, &lines, |plot| {
+            bands.iter().for_each(|band| band.draw(plot, &curves.asked));
+        });
+        if let Some(label) = label {
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &label));
         }
+        if self.derivatives {
+            let slope = [("slope, light per window", &curves.slope)];
+            plot(ui, "slope", "first derivative", width, &slope, |_| {});
+            let curvature = [("curvature, light per window²", &curves.curvature)];
+            plot(ui, "curvature", "second derivative", width, &curvature, |_| {});
+        }
+    }
+}
+
+/// A predicted band on the plot.
+struct Band {
+    /// Window sides from the middle.
+    place: f64,
+    polarity: Polarity,
+    strength: f64,
+}
+
+impl Band {
+    /// An arrow from the curve: up for a bright band and down for a dark one, the longer the stronger.
+    fn draw(&self, plot: &mut PlotUi<'_>, curve: &[[f64; 2]]) {
+        let least = curve.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+        let most = curve.iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
+        let share = (self.strength.ln() / STRONGEST.ln()).clamp(0.0, 1.0);
+        let length = (most - least).max(0.02) * (MARKS[0] + (MARKS[1] - MARKS[0]) * share);
+        let nearest = curve.partition_point(|point| point[0] < self.place).min(curve.len().saturating_sub(1));
+        let Some([_, light]) = curve.get(nearest) else { return };
+        let (tip, shape) = match self.polarity {
+            Polarity::Bright => (light + length, MarkerShape::Up),
+            Polarity::Dark => (light - length, MarkerShape::Down),
+        };
+        let name = "predicted band";
+        plot.line(Line::new(name, vec![[self.place, *light], [self.place, tip]]).color(BAND).width(2.0));
+        plot.points(Points::new(name, vec![[self.place, tip]]).color(BAND).shape(shape).radius(5.0).filled(true));
     }
 }
 
@@ -292,8 +376,15 @@ fn control(ui: &mut egui::Ui, parameter: &'static Parameter, text: &mut String) 
     });
 }
 
-fn plot(ui: &mut egui::Ui, id: &str, axis: &str, width: f32, lines: &[(&str, &Vec<[f64; 2]>)]) {
-    let colors = [egui::Color32::from_rgb(0x56, 0xb4, 0xe9), theme::NOTE];
+fn plot(
+    ui: &mut egui::Ui,
+    id: &str,
+    axis: &str,
+    width: f32,
+    lines: &[(&str, &Vec<[f64; 2]>)],
+    over: impl FnOnce(&mut PlotUi<'_>),
+) -> egui::Response {
+    let colors = [Color32::from_rgb(0x56, 0xb4, 0xe9), theme::NOTE];
     Plot::new(id)
         .width(width)
         .height(200.0)
@@ -306,12 +397,14 @@ fn plot(ui: &mut egui::Ui, id: &str, axis: &str, width: f32, lines: &[(&str, &Ve
         .include_y(lowest(lines) + 0.02)
         .x_axis_label("position, window sides")
         .y_axis_label(axis)
-        .legend(Legend::default().position(Corner::LeftTop))
+        .legend(Legend::default().position(Corner::LeftTop).text_style(egui::TextStyle::Small).background_alpha(0.5))
         .show(ui, |plot| {
             for ((name, points), color) in lines.iter().zip(colors) {
                 plot.line(Line::new(*name, (*points).clone()).color(color).width(1.5));
             }
-        });
+            over(plot);
+        })
+        .response
 }
 
 fn lowest(lines: &[(&str, &Vec<[f64; 2]>)]) -> f64 {

@@ -1,0 +1,128 @@
+//! What the model of vision predicts, made ready to be shown: marks along a line, pictures of band maps, numbers.
+
+use crate::{
+    light::{CodeImage, Samples, Transfer},
+    vision::{Band, BandMap, LineView, Polarity},
+};
+
+/// Channels in an octave, and the exponent with which they add up: as the model pools.
+const PER_OCTAVE: f64 = 4.0;
+const POOLING: f64 = 3.0;
+/// Peaks of two channels that are no farther apart than this, periods of the coarser one, are one band.
+const ONE_BAND_PERIODS: f64 = 0.5;
+/// Strength of a band that is just seen; what is less is not shown.
+const JUST_SEEN: f64 = 1.0;
+
+/// What a channel sees of less than this is no place for coarser channels to join: noise of the smallest numbers has peaks.
+const LEAST: f64 = 0.25;
+/// A band is where the finest channel sees it that sees this share of what the strongest does.
+const CLEAR: f64 = 0.5;
+
+/// One band along a line, over all channels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// Degrees from the middle.
+    pub at_deg: f64,
+    /// Bright or dark.
+    pub polarity: Polarity,
+    /// In multiples of what is just seen, added up over channels.
+    pub strength: f64,
+}
+
+/// The bands of a line that are seen, each once. Fine channels see a band where it is, coarse ones a little beside it:
+/// each joins the nearest that the finer ones have found.
+pub fn marks(view: &LineView) -> Vec<Mark> {
+    let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= LEAST).collect();
+    finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
+    let mut clusters: Vec<Vec<&Band>> = Vec::new();
+    for band in finest_first {
+        let apart = |cluster: &Vec<&Band>| {
+            cluster.iter().map(|other| (other.at_deg[0] - band.at_deg[0]).abs()).fold(f64::INFINITY, f64::min)
+        };
+        let is_one = |cluster: &&mut Vec<&Band>| {
+            cluster[0].polarity == band.polarity && apart(cluster) <= ONE_BAND_PERIODS / band.frequency
+        };
+        match clusters.iter_mut().filter(is_one).min_by(|a, b| apart(a).total_cmp(&apart(b))) {
+            Some(cluster) => cluster.push(band),
+            None => clusters.push(vec![band]),
+        }
+    }
+    clusters.iter_mut().filter_map(|cluster| mark(cluster)).filter(|mark| mark.strength >= JUST_SEEN).collect()
+}
+
+/// The mark of the bands that are one.
+fn mark(bands: &mut [&Band]) -> Option<Mark> {
+    bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    let most = bands.first()?.strength;
+    let clear = bands.iter().filter(|band| band.strength >= CLEAR * most);
+    let finest = clear.max_by(|a, b| a.frequency.total_cmp(&b.frequency))?;
+    Some(Mark { at_deg: finest.at_deg[0], polarity: finest.polarity, strength: pooled(bands) })
+}
+
+/// Strength over channels, of each the strongest. `bands` has the strongest first.
+fn pooled(bands: &[&Band]) -> f64 {
+    let first = |i: usize| !bands[..i].iter().any(|earlier| earlier.frequency == bands[i].frequency);
+    let sum: f64 = (0..bands.len()).filter(|i| first(*i)).map(|i| bands[i].strength.powf(POOLING)).sum();
+    (sum / PER_OCTAVE).powf(1.0 / POOLING)
+}
+
+/// The strongest place of a map.
+pub fn strongest(map: &BandMap) -> f64 {
+    map.bright.iter().chain(&map.dark).copied().fold(0.0, f64::max)
+}
+
+/// Codes of the ground, under black and under white: what bands lie on, so that they are the brightest and darkest.
+const GROUND: [f64; 2] = [88.0, 148.0];
+
+/// A band map over the picture in which the bands are, dimmed. Bands of the strength `most` are white or black.
+pub struct Drawing<'a> {
+    /// What is drawn.
+    pub map: &'a BandMap,
+    /// The picture's luminance, 1 for white, as long as the map.
+    pub light: &'a [f64],
+    /// Columns and rows of both.
+    pub size: [usize; 2],
+    /// The strength that is lightest and darkest.
+    pub most: f64,
+}
+
+impl Drawing<'_> {
+    /// As a picture of `width` × `height` pixels; the map's lines, one pixel wide, get two.
+    pub fn codes(&self, width: u32, height: u32) -> CodeImage {
+        let scale = [self.size[0] as f64 / f64::from(width.max(1)), self.size[1] as f64 / f64::from(height.max(1))];
+        let at = |x: u32, y: u32| [(f64::from(x) + 0.5) * scale[0] - 0.5, (f64::from(y) + 0.5) * scale[1] - 0.5];
+        let codes =
+            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| [self.code(at(x, y)); 3]);
+        CodeImage { width, height, samples: Samples::Eight(codes.collect()) }
+    }
+
+    /// Of the place `at`, in pixels of the map from the centre of its first.
+    fn code(&self, at: [f64; 2]) -> u8 {
+        let [column, row] = at.map(|place| place.round() as isize);
+        let mut strength = 0.0_f64;
+        for (x, y) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy))) {
+            let Some(i) = self.index(x, y) else { continue };
+            let far = (at[0] - x as f64).abs().max((at[1] - y as f64).abs());
+            let here = (self.map.bright[i] - self.map.dark[i]) * (1.5 - far).clamp(0.0, 1.0);
+            strength = if here.abs() > strength.abs() { here } else { strength };
+        }
+        let share =
+            if strength.abs() < JUST_SEEN { 0.0 } else { (strength / self.most.max(JUST_SEEN)).clamp(-1.0, 1.0) };
+        let clamped = |place: isize, side: usize| place.clamp(0, side.saturating_sub(1) as isize);
+        let light =
+            self.index(clamped(column, self.size[0]), clamped(row, self.size[1])).map_or(0.0, |i| self.light[i]);
+        let ground = GROUND[0] + (GROUND[1] - GROUND[0]) * Transfer::Srgb.encoded_from_linear(light.clamp(0.0, 1.0));
+        let end = if share > 0.0 { 255.0 } else { 0.0 };
+        (ground + (end - ground) * share.abs()).round() as u8
+    }
+
+    fn index(&self, x: isize, y: isize) -> Option<usize> {
+        let [width, height] = self.size.map(|side| side as isize);
+        ((0..width).contains(&x) && (0..height).contains(&y)).then(|| (y * width + x) as usize)
+    }
+}
+
+/// A strength for people.
+pub fn number(strength: f64) -> String {
+    format!("{strength:.1}")
+}

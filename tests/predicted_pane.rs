@@ -1,0 +1,215 @@
+//! Predicted bands in the gallery and in the shading demo, driven without a display: what they show is what the library
+//! says, and the window does not wait for it.
+
+use std::time::{Duration, Instant};
+
+use eframe::egui::{Vec2, accesskit::Role};
+use egui_kittest::{
+    Harness,
+    kittest::{By, NodeT as _, Queryable as _},
+};
+use machband::{
+    app::{
+        App, Launch,
+        demo::{Comparison, Side},
+    },
+    light::{LinearImage, Transfer},
+    shading::{Reference, Shade, Shader, Surface},
+    stimulus::{MachBand, Stimulus, catalog, surface_seen},
+    vision::{Criterion, Eye, Visibility},
+};
+
+type Window = Harness<'static, App>;
+
+fn open(page: &str, size: [f32; 2]) -> Window {
+    let builder = Harness::builder().with_size(size).with_pixels_per_point(1.0).with_step_dt(1.0 / 60.0);
+    let mut window = builder.build_eframe(|cc| App::new(cc, Launch::default()));
+    window.run_steps(3);
+    window.get_by_label(page).scroll_to_me();
+    window.run_steps(3);
+    window.get_by_label(page).click();
+    window.run_steps(4);
+    window.remove_cursor();
+    window
+}
+
+/// Steps until `there`.
+fn wait(window: &mut Window, there: impl Fn(&Window) -> bool) {
+    let begun = Instant::now();
+    while !there(window) {
+        assert!(begun.elapsed() < Duration::from_secs(240), "it did not come");
+        std::thread::sleep(Duration::from_millis(20));
+        window.step();
+    }
+}
+
+fn text(window: &Window, beginning: &str) -> String {
+    let node = window.get_by_label_contains(beginning);
+    node.accesskit_node().label().or_else(|| node.value()).unwrap()
+}
+
+fn choose(window: &mut Window, list: &str, entry: &str) {
+    window.get_by_value(list).click();
+    window.run_steps(3);
+    window.query_all_by_label(entry).last().unwrap().click();
+    window.run_steps(3);
+}
+
+/// Sets a slider's number.
+fn set(window: &mut Window, name: &str, value: f64) {
+    let slider = window.query_all_by_label(name).find(|node| node.value().is_some()).unwrap();
+    slider.set_value_accesskit(value);
+    window.run_steps(3);
+}
+
+/// The sentence that belongs to a stimulus in a window of 10°.
+fn sentence(stimulus: &Stimulus, size: u32) -> String {
+    let view = stimulus.seen(size, f64::from(size) / 10.0, &stimulus.eye(size, 10.0, 100.0)).unwrap();
+    let Visibility { bright, dark } = view.visibility();
+    let most = view.visibility().max();
+    format!(
+        "Predicted visibility {most:.1} (bright {bright:.1}, dark {dark:.1}), rating {:.1}",
+        Criterion::default().mean(most)
+    )
+}
+
+#[test]
+fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
+    let mut window = open("Gallery of stimuli…", [1100.0, 860.0]);
+    let ramp = |width| Stimulus::MachBand(MachBand { width, ..MachBand::default() });
+    assert_eq!(text(&window, "Predicted visibility"), sentence(&ramp(0.4), 512));
+    // The dark plateau is on the left, and the ramp fills 0.4 of the window.
+    let marks = text(&window, "Plot: light, ");
+    let places: Vec<&str> = marks.trim_start_matches("Plot: light, predicted bands: ").split(", ").collect();
+    assert_eq!(places.len(), 2, "{marks}");
+    for (word, end) in [("dark", -0.2), ("bright", 0.2)] {
+        let place =
+            places.iter().find_map(|place| place.strip_prefix(word)).unwrap_or_else(|| panic!("{word}: {marks}"));
+        let place: f64 = place.trim_start_matches(" at ").parse().unwrap();
+        assert!((place - end).abs() < 0.015, "{word}: {marks}");
+    }
+    set(&mut window, "width", 0.0);
+    assert_eq!(text(&window, "Plot: light, "), "Plot: light, no predicted band");
+    assert_eq!(text(&window, "Predicted visibility"), sentence(&ramp(0.0), 512));
+}
+
+#[test]
+fn an_image_of_the_gallery_is_predicted_beside_the_loop() {
+    let mut window = open("Gallery of stimuli…", [1100.0, 860.0]);
+    let [from, to] =
+        ["mach-band", "kanizsa"].map(|kind| catalog::all().iter().find(|entry| entry.kind == kind).unwrap());
+    choose(&mut window, "512", "256");
+    choose(&mut window, from.title, to.title);
+    // The page has been drawn, and the number is not yet there: or there already where the machine is quick.
+    let begun =
+        window.query_by_label("Predicting…").is_some() || window.query_by_label_contains("Predicted vis").is_some();
+    assert!(begun);
+    wait(&mut window, |window| window.query_by_label_contains("Predicted visibility").is_some());
+    assert_eq!(text(&window, "Predicted visibility"), sentence(&to.default_stimulus(), 256));
+    window.get_by_label("Predicted bands").click();
+    window.run_steps(3);
+    assert_eq!(window.query_all_by_label_contains("Predicted visibility").count(), 1);
+}
+
+/// Light of a side as the screen sends it, seen as the pane says that it sees.
+fn seen(compared: &Comparison, side: &Side, size: [u32; 2]) -> f64 {
+    let shorter = size[0].min(size[1]);
+    let scale = f64::from(shorter.min(512)) / f64::from(shorter);
+    let [width, height] = size.map(|side| (f64::from(side) * scale).round() as u32);
+    let frame = compared.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
+    let image = match side.naive {
+        false => Reference::new(&frame, &side.shade).image(),
+        true => {
+            let encoded = frame.clone().encoded(&(&compared.transfer).into());
+            let codes = Reference::new(&encoded, &side.shade).image();
+            let light = |code: f32| compared.transfer.linear_from_encoded(f64::from(code).clamp(0.0, 1.0)) as f32;
+            LinearImage::from_fn(width, height, |x, y| codes.pixel(x, y).map(light))
+        }
+    };
+    let px_per_deg = f64::from(width.min(height)) / 10.0;
+    surface_seen(&frame, &image, px_per_deg, &Eye::default()).unwrap().visibility.max()
+}
+
+/// The cells of the table under the head `predicted visibility`, left and right.
+fn visibilities(window: &Window) -> Vec<String> {
+    let head = window.get_by_label("predicted visibility").rect();
+    let mut cells: Vec<_> = window
+        .query_all(By::new().predicate(|node| node.role() == Role::Label))
+        .map(|node| (node.rect(), node.accesskit_node().value().or_else(|| node.accesskit_node().label())))
+        .filter(|(rect, text)| text.is_some() && (rect.left() - head.left()).abs() < 1.0)
+        .filter(|(rect, _)| rect.top() > head.top() + 4.0 && rect.top() < head.bottom() + 40.0)
+        .map(|(rect, text)| (rect.top(), text.unwrap()))
+        .collect();
+    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+    cells.into_iter().map(|(_, text)| text).collect()
+}
+
+fn predicted(window: &mut Window) -> [f64; 2] {
+    wait(window, |window| visibilities(window).iter().all(|text| text.parse::<f64>().is_ok()));
+    let numbers: Vec<f64> = visibilities(window).iter().map(|text| text.parse().unwrap()).collect();
+    numbers.try_into().unwrap()
+}
+
+#[test]
+fn the_demo_predicts_what_the_library_predicts_and_patch_beats_gouraud() {
+    let mut window = open("Shading demo…", [760.0, 600.0]);
+    // Opened, and drawn several times: nothing has waited for the prediction.
+    assert_eq!(visibilities(&window), ["…", "…"]);
+    let [gouraud, patch] = predicted(&mut window);
+    assert!(patch < gouraud, "{patch} {gouraud}");
+    let size = |window: &Window| {
+        let Vec2 { x, y } = window.get_by_label_contains("The surface: ").rect().size();
+        [x.round() as u32, y.round() as u32]
+    };
+    let mut compared = Comparison::default();
+    for (side, shown) in compared.sides.iter().zip([gouraud, patch]) {
+        let expected = seen(&compared, side, size(&window));
+        assert!((shown - expected).abs() <= 0.051, "{shown}, not {expected}");
+    }
+    // Gamma ignored on the left: another light, and another number.
+    compared.sides[0].naive = true;
+    window.get_by_label("Left ignores gamma").click();
+    window.run_steps(2);
+    assert_eq!(visibilities(&window), ["…", "…"], "the numbers of another picture");
+    let [naive, _] = predicted(&mut window);
+    let expected = seen(&compared, &compared.sides[0], size(&window));
+    assert!((naive - expected).abs() <= 0.051, "{naive}, not {expected}");
+    assert!((naive - gouraud).abs() > 0.1);
+}
+
+#[test]
+fn what_the_pages_say_fits_small_and_large_windows() {
+    for size in [[420.0, 360.0], [1100.0, 860.0]] {
+        for (page, texts) in [
+            ("Gallery of stimuli…", &["Predicted visibility", "1 is just seen", "Export PNG", "Dither"][..]),
+            (
+                "Shading demo…",
+                &["Predicted bands", "predicted visibility", "A visibility of 1", "triangles seen", "p95"][..],
+            ),
+        ] {
+            let window = open(page, size);
+            for text in texts {
+                let nodes: Vec<_> = window.query_all_by_label_contains(text).collect();
+                assert!(!nodes.is_empty(), "{text} is not on {page}");
+                for node in nodes {
+                    let rect = node.rect();
+                    assert!(rect.left() >= 0.0 && rect.right() <= size[0], "{text} in {size:?}: {rect:?}");
+                }
+            }
+        }
+    }
+}
+
+/// What a side emits is what its codes mean.
+#[test]
+fn a_naive_side_emits_the_light_of_its_codes() {
+    let compared = Comparison::default();
+    let frame = compared.frame(&Surface::new(compared.mesh.mesh().unwrap()), 64, 64);
+    let linear = Side::new(Shade::new(Shader::Gouraud));
+    let naive = Side { naive: true, ..linear };
+    let [linear, naive] = [linear, naive].map(|side| side.emitted(&frame, &Transfer::Srgb));
+    let apart = linear.data.iter().zip(&naive.data).map(|(a, b)| a - b).fold(0.0_f32, |most, apart| most.max(apart));
+    // Codes between two vertices are those of less light; at the vertices and the ground nothing differs.
+    assert!(apart > 0.005, "{apart}");
+    assert!((linear.pixel(0, 0)[0] - naive.pixel(0, 0)[0]).abs() < 1e-6);
+}
