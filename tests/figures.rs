@@ -221,6 +221,36 @@ fn lines_are_the_cells_of_two_factors() {
     }
 }
 
+/// Where each condition is predicted as it is rated, the predicted chart has the measured one's points, without bars; the
+/// number of ratings weighs both alike.
+#[test]
+fn a_perfect_prediction_is_drawn_where_the_ratings_are() {
+    let factors: &[(&str, &[&str])] = &[("orientation_deg", &["0", "45"]), ("width", WIDTHS), ("depth", DEPTHS)];
+    let uneven = results(factors, 3, 4, &no_model(), |subject, levels, repetition| {
+        let rating = noise(subject * 1000 + levels[0] * 300 + levels[1] * 10 + levels[2] + 7 * repetition as usize) % 4;
+        (levels[0] == 0 || repetition == 0).then(|| rating.to_string())
+    });
+    let one = results(&factors[1..2], 3, 4, &no_model(), |subject, levels, repetition| {
+        Some((noise(subject * 64 + levels[0] * 8 + repetition as usize) % 4).to_string())
+    });
+    for (results, colour, names) in [(&uneven, "#000000", &["figure4a", "figure4b"][..]), (&one, BLUE, &["figure4a"])] {
+        let expected: Vec<Option<f64>> = results.cells.iter().map(|cell| Some(cell.summary.mean)).collect();
+        let (measured, predicted) = (figures::all(results), figures::predicted(results, &expected));
+        assert_eq!(predicted.len(), names.len());
+        check(&predicted);
+        for (name, predicted) in names.iter().zip(&predicted) {
+            let measured = named(&measured, name);
+            assert_eq!(predicted.name, format!("{name}_predicted"));
+            assert_eq!(circles(predicted, colour), circles(measured, colour), "{name}");
+            assert_eq!(lines(predicted, GRID), lines(measured, GRID), "{name}");
+            assert!(lines(predicted, BAR).is_empty() && predicted.caption.contains("model of vision"));
+        }
+        let mut partly = expected.clone();
+        partly[0] = None;
+        assert_ne!(figures::predicted(results, &partly), predicted);
+    }
+}
+
 /// Lengths of the bars of a chart of proportions are the proportions.
 #[test]
 fn bars_are_as_long_as_the_proportions() {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 use machband::shading::{
-    EdgeKind, Edges, Mesh, MeshError, Polygons, Surface,
+    EdgeKind, Edges, Mesh, MeshError, Surface,
     normals::newell,
     polygon::triangulated,
     shapes::{self, Shape},

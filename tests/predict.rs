@@ -73,6 +73,60 @@ fn a_criterion_is_recovered_from_ratings() {
     assert_eq!(fs::read_to_string(folder.path().join("predicted.csv")).unwrap().lines().count(), 121);
 }
 
+/// The report of ratings says of them what `predict --fit` says, condition by condition, and shows it as figures; without
+/// the definition it says why not.
+#[test]
+fn a_report_says_what_predict_says() {
+    let folder = tempfile::tempdir().unwrap();
+    ok(&["simulate", "bangay2003", "--participants", "4", "--observer", "vision"], folder.path());
+    let said = ok(&["analyze", "results/bangay2003", "--out", "analysis", "--replicates", "100"], folder.path());
+    let fit = ["predict", "bangay2003", "--fit", "results/bangay2003", "--out", "predicted.csv"];
+    let fitted = ok(&fit, folder.path());
+    let rho = fitted.lines().find(|line| line.starts_with("rank correlation")).unwrap().rsplit(' ').next().unwrap();
+    assert!(rho.parse::<f64>().unwrap() > 0.8, "{fitted}");
+    assert!(said.contains(&format!("model of vision: rank correlation {rho} with the mean ratings of 120")), "{said}");
+    for name in ["figure4a_predicted", "figure4b_predicted"] {
+        let file = |end: &str| fs::read(folder.path().join(format!("analysis/{name}.{end}"))).unwrap();
+        assert!(file("png").starts_with(b"\x89PNG") && file("svg").starts_with(b"<svg"), "{name}");
+    }
+    let section = |out: &str| {
+        let page = fs::read_to_string(folder.path().join(out).join("report.html")).unwrap();
+        let start = page.find("<section id=\"vision\">").unwrap();
+        page[start..start + page[start..].find("</section>").unwrap()].to_owned()
+    };
+    let text = section("analysis");
+    let two = format!("{:.2}", rho.parse::<f64>().unwrap()).replacen("0.", ".", 1);
+    assert!(text.contains("What the model of vision predicts") && text.contains(&format!("(Spearman) is {two}.")));
+    assert!(text.contains("this very model"), "{text}");
+    // The figures stand beside those of the ratings.
+    let places = ["Mean visibility rating by ramp", "Predicted mean rating by ramp", "Mean visibility rating by con"]
+        .map(|title| text.find(&format!("<strong>{title}")).expect(title));
+    assert!(places.is_sorted(), "{places:?}");
+    // Each named condition has the rating of predict's table.
+    let table = fs::read_to_string(folder.path().join("predicted.csv")).unwrap();
+    let levels: Vec<Vec<String>> = ["width", "depth", "orientation_deg"].map(|name| column(&table, name)).to_vec();
+    let named: Vec<String> = (0..120)
+        .map(|i| format!("width {}, depth {}, orientation {}° (rated ", levels[0][i], levels[1][i], levels[2][i]))
+        .map(|name| name.replace("inf", "∞"))
+        .collect();
+    let ratings = numbers(&table, "predicted_rating");
+    let found: Vec<bool> = (named.iter().zip(&ratings))
+        .filter_map(|(name, rating)| {
+            let (_, after) = text.split_once(name.as_str())?;
+            Some(after[4..].starts_with(&format!(", predicted {rating:.2})")))
+        })
+        .collect();
+    assert_eq!(found, [true; 3], "{text}");
+
+    ok(&["counts", "results/bangay2003", "--out", "counts.csv"], folder.path());
+    let said = ok(&["analyze", "counts.csv", "--out", "bare", "--replicates", "100"], folder.path());
+    assert!(said.contains("no prediction by the model of vision: the files bring no definition"), "{said}");
+    assert!(section("bare").contains("There is no prediction: the files bring no definition"));
+    assert!(!folder.path().join("bare/figure4a_predicted.svg").exists());
+    let tables = ["analyze", "results/bangay2003", "--out", "tables", "--tables-only", "--replicates", "100"];
+    assert!(!ok(&tables, folder.path()).contains("model of vision"));
+}
+
 #[test]
 fn what_cannot_be_predicted_is_said() {
     let folder = tempfile::tempdir().unwrap();

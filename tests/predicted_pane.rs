@@ -15,8 +15,8 @@ use machband::{
     },
     light::{LinearImage, Transfer},
     shading::{Reference, Shade, Shader, Surface},
-    stimulus::{MachBand, Stimulus, catalog, surface_seen},
-    vision::{Criterion, Eye, Visibility},
+    stimulus::{MachBand, Sight, Stimulus, catalog},
+    vision::{Criterion, Visibility},
 };
 
 type Window = Harness<'static, App>;
@@ -64,7 +64,7 @@ fn set(window: &mut Window, name: &str, value: f64) {
 
 /// The sentence that belongs to a stimulus in a window of 10°.
 fn sentence(stimulus: &Stimulus, size: u32) -> String {
-    let view = stimulus.seen(size, f64::from(size) / 10.0, &stimulus.eye(size, 10.0, 100.0)).unwrap();
+    let view = Sight::new(10.0).see(stimulus, size).unwrap();
     let Visibility { bright, dark } = view.visibility();
     let most = view.visibility().max();
     format!(
@@ -126,8 +126,8 @@ fn seen(compared: &Comparison, side: &Side, size: [u32; 2]) -> f64 {
             LinearImage::from_fn(width, height, |x, y| codes.pixel(x, y).map(light))
         }
     };
-    let px_per_deg = f64::from(width.min(height)) / 10.0;
-    surface_seen(&frame, &image, px_per_deg, &Eye::default()).unwrap().visibility.max()
+    let sight = Sight::new(10.0 * f64::from(width) / f64::from(width.min(height)));
+    sight.see_surface(&frame, &image).unwrap().visibility.max()
 }
 
 /// The cells of the table under the head `predicted visibility`, left and right.

@@ -14,6 +14,7 @@ use machband::{
     report::{
         Study, figures,
         html::{self, Repetition, Summary},
+        prediction::Predicted,
     },
     store::{
         FileFault, definition,
@@ -96,7 +97,10 @@ fn results(people: usize, depths: &[&str], reversed: bool) -> Results {
 fn page(source: &Source, results: &Results) -> String {
     let study = Study { source: source.clone(), measured: results.measured.clone() };
     let how = Repetition::new("machband analyze data --out analysis", "2026-01-02T03:04:05Z".parse().unwrap());
-    html::report(&study, results, &figures::all(results), &how)
+    let predicted = Predicted::of(source, &results.measured.counts);
+    let mut drawn = figures::all(results);
+    drawn.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
+    html::report(&study, results, &drawn, &predicted, &how)
 }
 
 fn summary(results: &Results) -> Summary {
@@ -503,6 +507,66 @@ fn names_are_text_and_never_markup() {
     assert_well_formed(&page);
     assert!(!page.contains("<script") && !page.contains("<img"));
     assert!(page.contains("&lt;script&gt;alert(1)&lt;/script&gt;"));
+}
+
+/// Why nothing is predicted, in one sentence; and what is predicted where it can be.
+#[test]
+fn what_the_model_of_vision_says_or_why_it_says_nothing() {
+    let results = results(3, &DEPTHS, false);
+    let mut protocol = definition::open("bangay2003").unwrap();
+    let told = |protocol: Option<&Protocol>, results: &Results| {
+        let mut source = source(&["width", "depth", "shader"]);
+        source.protocol = protocol.cloned();
+        let page = page(&source, results);
+        assert_well_formed(&page);
+        let start = page.find("<section id=\"vision\">").unwrap();
+        let section = &page[start..start + page[start..].find("</section>").unwrap()];
+        (words(section), section.matches("<figure").count())
+    };
+    let why = |protocol: Option<&Protocol>, results: &Results, reason: &str| {
+        let (text, figures) = told(protocol, results);
+        assert!(text.contains("There is no prediction: ") && text.contains(reason), "{reason}: {text}");
+        assert_eq!(figures, 0, "{reason}");
+    };
+    why(None, &results, "no definition");
+    why(Some(&protocol), &results, "do not tell orientation_deg");
+    protocol.factors.retain(|factor| factor.name != "orientation_deg");
+    let (text, figures) = told(Some(&protocol), &results);
+    assert_eq!(figures, 4, "{text}");
+    assert!(text.contains("window 10° wide") && text.contains("100 cd/m²"), "{text}");
+    assert!(text.contains("Over 45 conditions and 270 ratings") && text.contains("The noise ceiling"), "{text}");
+    // Of one person there is no ceiling; and what people saw in is what counts.
+    let mut source = source(&["width", "depth", "shader"]);
+    let seated = |deg: f64| Sitting { viewing: Some(serde_json::json!({ "stimulus_deg": deg })), ..Sitting::default() };
+    source.sessions = vec![session(&protocol, "S001", seated(4.0)), session(&protocol, "S001", seated(5.0))];
+    source.protocol = Some(protocol.clone());
+    let text = words(&page(&source, &self::results(1, &DEPTHS, false)));
+    assert!(text.contains("window 4.5° wide") && text.contains("takes the agreement of two participants"), "{text}");
+    // What cannot be predicted.
+    let rated = |rating: &str, categories: &[&str]| {
+        let categories: Vec<String> = categories.iter().map(|&name| name.to_owned()).collect();
+        let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(&categories);
+        for values in [["0.1", "1"], ["0.2", "inf"]] {
+            let row =
+                Observation { subject: "S1", values: &values, rating, count: 3, place: None, response_time_s: None };
+            builder.add(&row).unwrap();
+        }
+        analyse(builder.finish(), &options())
+    };
+    why(Some(&protocol), &rated("1", &["0", "1", "2"]), "the scale has 3 categories");
+    why(Some(&protocol), &rated("1", &["1"]), "the scale has 1 category;");
+    why(Some(&protocol), &rated("1", &["0", "1", "2", "3"]), "expected ratings that rise with visibility");
+    let mut black = protocol.clone();
+    for name in ["low", "high"] {
+        black.stimulus.set(name, &0.0.into()).unwrap();
+    }
+    why(Some(&black), &results, "cannot see the stimuli: all black");
+    let mut elsewhere = protocol.clone();
+    elsewhere.factors[0].levels = vec![0.3.into(), 0.5.into()];
+    why(Some(&elsewhere), &results, "none of the conditions predicted");
+    let mut endless = protocol;
+    endless.factors[0].levels = (1..=2000).map(|i| (f64::from(i) / 4000.0).into()).collect();
+    why(Some(&endless), &results, "10000 conditions are more than the 5000");
 }
 
 #[test]

@@ -90,6 +90,55 @@ fn metrics_have_the_contracts_fields_and_ours_have_no_creases() {
     assert!((gouraud["crease_rms_over_gouraud"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{gouraud}");
 }
 
+/// How visible the bands are: as `predict` says of the same surface, whatever the size of the picture; Gouraud's are its
+/// own measure, and patch has less.
+#[test]
+fn metrics_say_how_visible_the_bands_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let number = |found: &serde_json::Value, field: &str| found[field].as_f64().unwrap_or_else(|| panic!("{field}"));
+    let fields = ["visibility", "visibility_bright", "visibility_dark", "band_density"];
+    let patch = metrics(folder.path(), &["--shader", "patch", "--size", "100"]);
+    let gouraud = metrics(folder.path(), &["--shader", "gouraud", "--size", "64"]);
+    let larger = metrics(folder.path(), &["--shader", "patch", "--size", "333"]);
+    for field in fields {
+        assert_eq!(number(&patch, field), number(&larger, field), "{field}");
+    }
+    for field in ["visibility", "band_density"] {
+        let of_gouraud = format!("{field}_gouraud");
+        assert_eq!(number(&gouraud, &format!("{field}_over_gouraud")), 1.0, "{field}");
+        assert_eq!(number(&patch, &of_gouraud), number(&gouraud, field));
+        let over = number(&patch, &format!("{field}_over_gouraud"));
+        assert!(over < 0.9, "{field}: {over}");
+        assert_eq!(over, number(&patch, field) / number(&patch, &of_gouraud));
+    }
+    let strongest = number(&patch, "visibility_bright").max(number(&patch, "visibility_dark"));
+    assert_eq!(number(&patch, "visibility"), strongest);
+    assert!(patch["visibility_unit"].as_str().unwrap().contains("just seen"));
+
+    // The stimulus' lamp, highlight and surroundings, should the command's defaults ever be others.
+    let scene = ["--ambient", "0.1", "--diffuse", "0.6", "--specular", "0.2", "--background", "0.05"];
+    let shown = ["--shader", "patch", "--size", "64", "--window", "5", "--white", "250"];
+    let shaded = metrics(folder.path(), &[&scene[..], &shown].concat());
+    assert_ne!(number(&shaded, "visibility"), number(&patch, "visibility"));
+    let predict = ["predict", "--kind", "shaded-mesh", "--shader", "patch", "--window", "5", "--white", "250"];
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_machband")).args(predict).current_dir(folder.path()).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let at = table.headers().unwrap().iter().position(|name| name == "visibility").unwrap();
+    let predicted: f64 = table.records().next().unwrap().unwrap()[at].parse().unwrap();
+    assert!((number(&shaded, "visibility") - predicted).abs() < 1e-3 * predicted, "{shaded} and {predicted}");
+
+    // What a renderer emits that interpolates codes is another picture; a black one has no bands.
+    let naive = metrics(folder.path(), &["--shader", "gouraud", "--size", "64", "--naive"]);
+    assert_eq!(number(&naive, "visibility_gouraud"), number(&gouraud, "visibility"));
+    assert_ne!(number(&naive, "visibility"), number(&gouraud, "visibility"));
+    let dark = ["--ambient", "0", "--diffuse", "0", "--specular", "0", "--background", "0"];
+    let black = metrics(folder.path(), &[&["--shader", "patch", "--size", "64"][..], &dark].concat());
+    assert_eq!(number(&black, "visibility"), 0.0);
+    assert!(black["visibility_over_gouraud"].is_null());
+}
+
 /// Everything that can be wrong has its own message, and wrong usage its own status.
 #[test]
 fn each_fault_has_its_own_message() {
@@ -113,6 +162,8 @@ fn each_fault_has_its_own_message() {
         (&["--shader", "phong", "--reweight", "repaired"], 2, "expected off for phong"),
         (&["--shader", "flat", "--metrics", "x.png"], 2, "--out's file"),
         (&["--shader", "flat", "--ambient", "NaN"], 2, "--ambient NaN"),
+        (&["--shader", "flat", "--window", "0"], 2, "--window 0 is outside 0.5…170"),
+        (&["--shader", "flat", "--white", "-1"], 2, "--white -1"),
         (&["--shader", "flat", "--mesh", "none.obj"], 1, "none.obj"),
         (&["--shader", "flat", "--mesh", "nan.obj"], 1, "nan.obj:2:"),
         (&["--shader", "flat", "--mesh", "range.obj"], 1, "range.obj:4:"),

@@ -1,13 +1,17 @@
 //! `machband analyze`
 
-use std::path::PathBuf;
+use std::{path::PathBuf, time::Duration};
 
 use super::{UsageError, ratings::RatingOptions};
 use crate::{
     analysis::{
         Link, ModelError, Options, Random, Results, analyse, bootstrap::Bootstrap, numbers_of, quadrature, terms::Terms,
     },
-    report::{Extent, Repetition, write_all},
+    report::{
+        Extent, Repetition, Written,
+        prediction::{Predicted, Unpredicted},
+        write_all,
+    },
     store::ratings::Source,
 };
 
@@ -90,12 +94,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     {
         return Err(UsageError(error.to_string()).into());
     }
-    progress.set_message("drawing and writing");
+    progress.set_message(if arguments.tables_only { "writing" } else { "predicting, drawing and writing" });
     let extent = if arguments.tables_only { Extent::Tables } else { Extent::Everything };
-    let files = write_all(&study, &results, &Repetition::of_process(), &arguments.out, extent)?;
+    let Written { files, vision } = write_all(&study, &results, &Repetition::of_process(), &arguments.out, extent)?;
     progress.finish_and_clear();
     for line in sentences(&study.source, &results) {
         super::say(&line)?;
+    }
+    if let Some((predicted, took)) = &vision {
+        super::say(&foreseen(predicted, *took))?;
     }
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
     let place = report.unwrap_or(&arguments.out);
@@ -134,4 +141,17 @@ fn sentences(source: &Source, results: &Results) -> Vec<String> {
         lines.extend(report.model.notes.iter().map(|note| format!("note: {note}")));
     }
     lines
+}
+
+/// What the model of vision says of the ratings, in a line.
+fn foreseen(predicted: &Result<Predicted, Unpredicted>, took: Duration) -> String {
+    match predicted {
+        Ok(Predicted { held, .. }) => format!(
+            "model of vision: rank correlation {} with the mean ratings of {} conditions ({:.1} s)",
+            held.rank_correlation.map_or_else(|| "—".to_owned(), |rho| format!("{rho:.3}")),
+            held.conditions,
+            took.as_secs_f64()
+        ),
+        Err(why) => format!("no prediction by the model of vision: {why}"),
+    }
 }

@@ -5,19 +5,18 @@ use std::path::{Path, PathBuf};
 use super::{
     UsageError,
     options::{StimulusOptions, TransferOptions},
-    parallel, say,
+    say,
 };
 use crate::{
-    analysis::counts::Counts,
-    experiment::{Condition, Protocol},
+    experiment::{Condition, Protocol, visibilities},
     light::{LinearImage, Quantizer},
     report::{
         Study,
-        prediction::{self, Held},
+        prediction::{self, Held, window_deg},
     },
-    stimulus::{ParameterValue, Stimulus},
+    stimulus::Sight,
     store::{self, definition, observer, ratings::Reading},
-    vision::{Criterion, Eye, Picture, Visibility, luminances},
+    vision::{Criterion, Visibility},
 };
 
 /// Predict how visible Mach bands are: of one stimulus, of every condition of a definition, or of any image.
@@ -41,10 +40,11 @@ pub(super) struct Arguments {
     stimulus: StimulusOptions,
     #[command(flatten)]
     transfer: TransferOptions,
-    /// Side of the stimulus in pixels.
-    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=16384))]
-    size: u32,
-    /// Degrees that the stimulus, or the image's width, takes of the eye's field [default: the definition's, or 10].
+    /// Side of the stimulus in pixels [default: 512, or 1024 where it varies in one direction only].
+    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=16384))]
+    size: Option<u32>,
+    /// Degrees that the stimulus, or the image's width, takes of the eye's field [default: that of the sessions rated,
+    /// the definition's, or 10].
     #[arg(long, value_name = "DEG")]
     window: Option<f64>,
     /// Luminance of white, cd/m² [default: the display profile's, or 100].
@@ -78,21 +78,27 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let window = positive("window", arguments.window)?;
     let white = match positive("white", arguments.white)? {
         Some(white) => white,
-        None => arguments.transfer.white()?.unwrap_or(100.0),
+        None => arguments.transfer.white()?.unwrap_or(Sight::WHITE_CD_M2),
     };
+    let sight = |window_deg| Sight { window_deg, white_cd_m2: white };
     if let Some(experiment) = &arguments.experiment {
         let protocol = definition::open(experiment)?;
-        return all(arguments, &protocol, window, white);
+        let study =
+            if arguments.fit.is_empty() { None } else { Some(Study::read(&arguments.fit, &Reading::default())?) };
+        let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
+        return all(arguments, &protocol, study.as_ref(), &sight(window.unwrap_or(planned)));
     }
     let criterion = criterion(arguments)?;
-    let window = window.unwrap_or(10.0);
+    let sight = sight(window.unwrap_or(10.0));
     if let Some(path) = &arguments.image {
-        let visibility = image(arguments, path, window, white)?;
+        let visibility = image(arguments, path, &sight)?;
         let row = Prediction { values: vec![path.display().to_string()], visibility };
         return write(arguments, &["image".to_owned()], &[row], &criterion);
     }
     let stimulus = arguments.stimulus.stimulus()?;
-    let seen = see(&stimulus, arguments.size, window, white)?;
+    let size = arguments.size.unwrap_or_else(|| Sight::px(&stimulus));
+    let seen =
+        sight.see(&stimulus, size).map_err(|error| anyhow::anyhow!("{}: {error}", stimulus.kind()))?.visibility();
     let names: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
     let header: Vec<String> = std::iter::once("stimulus").chain(names.iter().copied()).map(str::to_owned).collect();
     let value = |name: &&str| stimulus.get(name).map_or_else(String::new, |value| value.to_string());
@@ -100,47 +106,26 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     write(arguments, &header, &[Prediction { values, visibility: seen }], &criterion)
 }
 
-/// An eye that is set for an image's mean light.
-fn eye(mean: f64, window: f64, white: f64) -> Eye {
-    Eye { luminance: (white * mean).max(0.01), field_deg: window }
-}
-
-fn see(stimulus: &Stimulus, size: u32, window: f64, white: f64) -> anyhow::Result<Visibility> {
-    let view = stimulus.seen(size, f64::from(size) / window, &stimulus.eye(size, window, white));
-    view.map(|view| view.visibility()).map_err(|error| anyhow::anyhow!("{}: {error}", stimulus.kind()))
-}
-
-fn image(arguments: &Arguments, path: &Path, window: f64, white: f64) -> anyhow::Result<Visibility> {
+fn image(arguments: &Arguments, path: &Path, sight: &Sight) -> anyhow::Result<Visibility> {
     let (transfers, _) = arguments.transfer.transfers()?;
     let image = store::picture::read(path, &transfers)?;
-    let light = luminances(&image);
-    let (width, height) = (image.width as usize, image.height as usize);
-    let mean = light.iter().sum::<f64>() / light.len().max(1) as f64;
-    let eye = eye(mean, window, white);
-    let picture = Picture { light: &light, width, height, px_per_deg: f64::from(image.width) / window, mask: None };
-    let view = picture.see(&eye).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
+    let view = sight.see_image(&image).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
     if let Some(map) = &arguments.map {
         // What is as strong as the strongest band is white or black; nothing is a mean gray.
         let most = view.map.bright.iter().chain(&view.map.dark).copied().fold(1e-9, f64::max);
         let gray = |i: usize| (0.5 + 0.5 * (view.map.bright[i] - view.map.dark[i]) / most) as f32;
-        let drawn = LinearImage::from_fn(image.width, image.height, |x, y| [gray(y as usize * width + x as usize); 3]);
+        let place = |x: u32, y: u32| y as usize * image.width as usize + x as usize;
+        let drawn = LinearImage::from_fn(image.width, image.height, |x, y| [gray(place(x, y)); 3]);
         let codes = Quantizer::new(&crate::light::Transfer::Srgb, crate::light::Bits::Eight).quantize(&drawn);
         store::image::write_codes(map, &codes)?;
     }
     Ok(view.visibility)
 }
 
-fn all(arguments: &Arguments, protocol: &Protocol, window: Option<f64>, white: f64) -> anyhow::Result<()> {
+fn all(arguments: &Arguments, protocol: &Protocol, study: Option<&Study>, sight: &Sight) -> anyhow::Result<()> {
     let conditions = protocol.conditions()?;
-    let window = window.unwrap_or(protocol.viewing.window_deg);
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let seen = std::sync::Mutex::new(vec![Visibility::default(); conditions.len()]);
-    parallel::each(conditions.len(), threads, |i| {
-        let visibility = see(&conditions[i].stimulus, arguments.size, window, white)?;
-        seen.lock().unwrap_or_else(std::sync::PoisonError::into_inner)[i] = visibility;
-        anyhow::Ok(())
-    })?;
-    let seen = seen.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let seen = visibilities(&conditions, sight, arguments.size)
+        .map_err(|error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind()))?;
     let header: Vec<String> = protocol.factors.iter().map(|factor| factor.name.clone()).collect();
     let level = |condition: &Condition| -> Vec<String> {
         let levels = protocol.factors.iter().zip(&condition.levels);
@@ -151,13 +136,10 @@ fn all(arguments: &Arguments, protocol: &Protocol, window: Option<f64>, white: f
         .zip(&seen)
         .map(|(condition, visibility)| Prediction { values: level(condition), visibility: *visibility })
         .collect();
-    if arguments.fit.is_empty() {
+    let Some(study) = study else {
         return write(arguments, &header, &rows, &criterion(arguments)?);
-    }
-    let study = Study::read(&arguments.fit, &Reading::default())?;
-    let counts = &study.measured.counts;
-    let visibilities: Vec<f64> = seen.iter().map(|visibility| visibility.max()).collect();
-    let held = prediction::hold(counts, &matched(counts, &conditions, &visibilities))
+    };
+    let held = prediction::hold_conditions(&study.measured.counts, protocol, &conditions, &seen)
         .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.fit[0].display()))?;
     if let Some(path) = &arguments.criterion {
         observer::write_criterion(path, &held.criterion)?;
@@ -167,24 +149,6 @@ fn all(arguments: &Arguments, protocol: &Protocol, window: Option<f64>, white: f
     }
     tell(&held)?;
     super::ratings::faults(&study.source)
-}
-
-/// The prediction for each condition that was rated.
-fn matched(counts: &Counts, conditions: &[Condition], visibilities: &[f64]) -> Vec<Option<f64>> {
-    let same = |value: Option<ParameterValue>, text: &str| {
-        let value = value.map_or_else(String::new, |value| value.to_string());
-        match (value.parse::<f64>(), text.parse::<f64>()) {
-            (Ok(a), Ok(b)) => a == b || (a - b).abs() <= 1e-12 * a.abs(),
-            _ => value == text,
-        }
-    };
-    let found = |condition: u32| {
-        let names = counts.level_names(condition);
-        conditions.iter().position(|condition| {
-            counts.factors.iter().zip(&names).all(|(factor, text)| same(condition.stimulus.get(&factor.name), text))
-        })
-    };
-    (0..counts.conditions.len() as u32).map(|condition| found(condition).map(|i| visibilities[i])).collect()
 }
 
 fn tell(held: &Held) -> anyhow::Result<()> {

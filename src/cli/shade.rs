@@ -10,16 +10,21 @@ use serde_json::json;
 
 use super::{UsageError, options::TransferOptions, say};
 use crate::{
-    light::{Bits, Depth, Quantizer, Transfer},
+    light::{Bits, Depth, LinearImage, Quantizer, Transfer, Transfers},
     shading::{
-        Correction, Creases, EdgeKind, Gradients, Highlight, Reference, Scene, Shade, Shader, Surface, crease,
+        Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Reference, Scene, Shade, Shader, Surface, crease,
         shapes::{self, Shape},
     },
-    stimulus::{StimulusColor, Triple},
+    stimulus::{Sight, StimulusColor, Triple},
     store,
+    vision::{Visibility, VisionError},
 };
 
-/// Shade a mesh: write its picture, and how far its edges are from smooth.
+/// Shade a mesh: write its picture, how far its edges are from smooth, and how visible its bands are.
+///
+/// Bands are predicted as `machband predict` does, on the surface within its outlines, of light that is not yet rounded
+/// to codes: 0 for none, 1 for what is just seen. The eye looks at a picture of 512 × 512 pixels, whatever --size is, in
+/// a window of --window degrees, set for the picture's mean light.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
@@ -98,17 +103,40 @@ pub(super) struct Arguments {
     /// Image to write.
     #[arg(long, value_name = "FILE.png")]
     out: Option<PathBuf>,
-    /// Measures to write: the jump of the slope across the edges, in linear light a pixel.
+    /// Measures to write: the jump of the slope across the edges, in linear light a pixel; how visible bands are, and
+    /// how much of them there is; both beside Gouraud's.
     #[arg(long, value_name = "FILE.json")]
     metrics: Option<PathBuf>,
     /// Picture of those jumps to write, edge by edge.
     #[arg(long, value_name = "FILE.png")]
     creases: Option<PathBuf>,
+    /// Degrees that the picture's width takes of the eye's field, for the visibility of bands, 0.5 to 170.
+    #[arg(long, value_name = "DEG", default_value_t = 10.0)]
+    window: f64,
+    /// Luminance of white for it, cd/m² [default: the display profile's, or 100].
+    #[arg(long, value_name = "CD_M2")]
+    white: Option<f64>,
+}
+
+/// What is seen of the bands of a surface.
+#[derive(Clone, Copy, Default)]
+struct Bands {
+    visibility: Visibility,
+    density: f64,
+}
+
+/// What goes into the measures.
+struct Measured<'a> {
+    creases: &'a Creases,
+    gouraud: &'a Creases,
+    sight: Sight,
+    bands: Bands,
+    bands_gouraud: Bands,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.check_files()?;
-    let (shade, scene) = (arguments.shade()?, arguments.scene()?);
+    let (shade, scene, sight) = (arguments.shade()?, arguments.scene()?, arguments.sight()?);
     let (transfers, _) = arguments.transfer.transfers()?;
     let surface = Surface::new(arguments.mesh()?);
     let frame = scene.frame(&surface, arguments.size, arguments.size);
@@ -146,7 +174,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let gouraud = Creases::of_gouraud(&frame);
     if let Some(path) = &arguments.metrics {
-        arguments.write_metrics(path, &surface, &frame, &shade, &creases, &gouraud)?;
+        let seen = scene.frame(&surface, Sight::PICTURE_PX, Sight::PICTURE_PX);
+        let [bands, bands_gouraud] = arguments.bands(&seen, &shade, &transfers, &sight)?;
+        let measured = Measured { creases: &creases, gouraud: &gouraud, sight, bands, bands_gouraud };
+        arguments.write_metrics(path, &surface, &frame, &shade, &measured)?;
     }
     if let Some(path) = &arguments.creases {
         let picture = crease::picture(&frame, &creases, gouraud.p95);
@@ -237,6 +268,37 @@ impl Arguments {
         })
     }
 
+    fn sight(&self) -> anyhow::Result<Sight> {
+        within("--window", self.window, 0.5, 170.0)?;
+        let white = match self.white {
+            Some(white) => within("--white", white, 1e-3, 1e6).map(|()| white)?,
+            None => self.transfer.white()?.unwrap_or(Sight::WHITE_CD_M2),
+        };
+        Ok(Sight { window_deg: self.window, white_cd_m2: white })
+    }
+
+    /// What is seen of the bands, and of those of Gouraud's shading in linear light.
+    fn bands(&self, frame: &Frame, shade: &Shade, transfers: &Transfers, sight: &Sight) -> anyhow::Result<[Bands; 2]> {
+        let look = |image: &LinearImage| match sight.see_surface(frame, image) {
+            Ok(view) => Ok(Bands { visibility: view.visibility, density: view.density }),
+            Err(VisionError::AllBlack) => Ok(Bands::default()),
+            Err(error) => Err(anyhow::anyhow!("--window {}: {error}", self.window)),
+        };
+        let plain = Shade::new(Shader::Gouraud);
+        let gouraud = look(&emitted(&Reference::new(frame, &plain).image(), None))?;
+        let is_plain =
+            shade.shader == Shader::Gouraud && (shade.vertex, shade.reweight) == (plain.vertex, plain.reweight);
+        if is_plain && !self.naive {
+            return Ok([gouraud; 2]);
+        }
+        let own = if self.naive {
+            emitted(&Reference::new(&frame.clone().encoded(transfers), shade).image(), Some(transfers))
+        } else {
+            emitted(&Reference::new(frame, shade).image(), None)
+        };
+        Ok([look(&own)?, gouraud])
+    }
+
     fn mesh(&self) -> anyhow::Result<crate::shading::Mesh> {
         if let Ok(shape) = self.mesh.parse::<Shape>() {
             return shapes::mesh(shape, self.vertices)
@@ -283,13 +345,14 @@ impl Arguments {
         &self,
         path: &Path,
         surface: &Surface,
-        frame: &crate::shading::Frame,
+        frame: &Frame,
         shade: &Shade,
-        creases: &Creases,
-        gouraud: &Creases,
+        measured: &Measured<'_>,
     ) -> anyhow::Result<()> {
-        // Where Gouraud has no crease there is nothing to compare with.
+        let Measured { creases, gouraud, sight, bands, bands_gouraud } = measured;
+        // Where Gouraud has none there is nothing to compare with.
         let over = |value: f64, of: f64| if of > crease::NOISE { json!(value / of) } else { json!(null) };
+        let [visibility, visibility_gouraud] = [bands, bands_gouraud].map(|bands| bands.visibility.max());
         let mut metrics = self.describe(shade);
         if let Some(fields) = metrics.as_object_mut() {
             for (name, value) in [
@@ -310,17 +373,49 @@ impl Arguments {
                 ("crease_p95_over_gouraud", over(creases.p95, gouraud.p95)),
                 ("step_rms", json!(creases.step_rms)),
                 ("crease_unit", json!("linear light a pixel")),
+                ("window_deg", json!(sight.window_deg)),
+                ("white_cd_m2", json!(sight.white_cd_m2)),
+                ("visibility", json!(visibility)),
+                ("visibility_bright", json!(bands.visibility.bright)),
+                ("visibility_dark", json!(bands.visibility.dark)),
+                ("visibility_gouraud", json!(visibility_gouraud)),
+                ("visibility_over_gouraud", over(visibility, visibility_gouraud)),
+                ("visibility_unit", json!("contrast times sensitivity, 1 where a band is just seen")),
+                ("band_density", json!(bands.density)),
+                ("band_density_gouraud", json!(bands_gouraud.density)),
+                ("band_density_over_gouraud", over(bands.density, bands_gouraud.density)),
+                ("band_density_unit", json!("visibility times length a square degree")),
             ] {
                 fields.insert(name.to_owned(), value);
             }
         }
         store::dataset::write_json(path, &metrics)?;
-        let over = creases
-            .over(gouraud)
-            .map_or_else(|| "Gouraud has none".to_owned(), |over| format!("{over:.4} of Gouraud's"));
+        let of_gouraud = |over: Option<f64>| {
+            over.map_or_else(|| "Gouraud has none".to_owned(), |over| format!("{over:.4} of Gouraud's"))
+        };
         let edges = creases.edges.len();
-        say(&format!("{}: crease rms {:.3e} a pixel over {edges} edges, {over}", shade.shader, creases.rms))
+        let over = of_gouraud(creases.over(gouraud));
+        say(&format!("{}: crease rms {:.3e} a pixel over {edges} edges, {over}", shade.shader, creases.rms))?;
+        let Visibility { bright, dark } = bands.visibility;
+        let over = of_gouraud((visibility_gouraud > crease::NOISE).then(|| visibility / visibility_gouraud));
+        let deg = sight.window_deg;
+        say(&format!(
+            "{}: visibility of bands {visibility:.2} (bright {bright:.2}, dark {dark:.2}) in a window of {deg}°, {over}",
+            shade.shader
+        ))
     }
+}
+
+/// The light that the screen emits for a picture, of codes where `codes` are given: no more than white and no less than
+/// black.
+fn emitted(image: &LinearImage, codes: Option<&Transfers>) -> LinearImage {
+    LinearImage::from_fn(image.width, image.height, |x, y| {
+        let pixel = image.pixel(x, y);
+        match codes {
+            Some(transfers) => transfers.linear_from_encoded(pixel.map(f64::from)).map(|light| light as f32),
+            None => pixel.map(|light| light.clamp(0.0, 1.0)),
+        }
+    })
 }
 
 fn within(option: &str, value: f64, least: f64, most: f64) -> Result<(), UsageError> {

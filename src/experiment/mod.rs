@@ -13,6 +13,7 @@ mod record;
 mod schedule;
 mod session;
 mod texts;
+mod visibility;
 
 pub use condition::{Condition, Factor};
 pub use frame_log::{Shown, Stretch};
@@ -26,3 +27,4 @@ pub use record::{Column, Rating, RowContext, Seconds, TRAILING, TrialRecord, col
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;
+pub use visibility::visibilities;

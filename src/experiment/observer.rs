@@ -9,15 +9,15 @@ use rand_chacha::{
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::{
-    condition::Condition,
     identity::{Identity, fnv1a},
     protocol::Protocol,
     session::{Effect, Event, Session, State, TrialResponse},
+    visibility::visibilities,
 };
 use crate::{
     light::interpolation::Depth,
-    stimulus::{ParameterValue, Stimulus},
-    vision::{Criterion, Eye, VisionError},
+    stimulus::{ParameterValue, Sight, Stimulus},
+    vision::{Criterion, Visibility, VisionError},
 };
 
 /// Something that rates a stimulus.
@@ -161,24 +161,17 @@ pub struct VisionObserver {
     seen: Vec<(Stimulus, f64)>,
 }
 
-/// Pixels of the window in which stimuli are looked at.
-const SEEN_PX: u32 = 512;
-
 impl VisionObserver {
     /// Looks at every condition of `protocol` in its window.
     ///
     /// # Errors
     /// [`VisionError`] where a stimulus cannot be seen, such as one that is all black.
     pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, VisionError> {
-        let window = protocol.viewing.window_deg;
-        let eye = Eye { field_deg: window, ..Eye::default() };
         // A validated protocol has them.
         let conditions = protocol.conditions().unwrap_or_default();
-        let look = |condition: Condition| {
-            let view = condition.stimulus.seen(SEEN_PX, f64::from(SEEN_PX) / window, &eye)?;
-            Ok((condition.stimulus, view.visibility().max()))
-        };
-        Ok(Self { rater, seen: conditions.into_iter().map(look).collect::<Result<_, VisionError>>()? })
+        let seen = visibilities(&conditions, &Sight::new(protocol.viewing.window_deg), None)?;
+        let stimuli = conditions.into_iter().map(|condition| condition.stimulus);
+        Ok(Self { rater, seen: stimuli.zip(seen.iter().map(Visibility::max)).collect() })
     }
 
     /// How visible it finds a stimulus of the experiment; 0 for any other.

@@ -13,5 +13,5 @@ mod study;
 pub mod tables;
 
 pub use html::Repetition;
-pub use output::{Extent, write_all};
+pub use output::{Extent, Written, write_all};
 pub use study::Study;

@@ -4,6 +4,7 @@ use std::{
     collections::HashSet,
     fs,
     path::{Path, PathBuf},
+    time::{Duration, Instant},
 };
 
 use rayon::prelude::*;
@@ -12,6 +13,7 @@ use super::{
     Study,
     figures::{self, Figure},
     html::{self, Repetition},
+    prediction::{Predicted, Unpredicted},
     tables,
 };
 use crate::{
@@ -28,7 +30,16 @@ pub enum Extent {
     Tables,
 }
 
-/// Writes an analysis into a folder, and gives the files' names. Files of an earlier analysis are replaced.
+/// What was written.
+#[derive(Debug)]
+pub struct Written {
+    /// The files.
+    pub files: Vec<PathBuf>,
+    /// What the model of vision says of the ratings, and how long it took; none where tables alone were wanted.
+    pub vision: Option<(Result<Predicted, Unpredicted>, Duration)>,
+}
+
+/// Writes an analysis into a folder. Files of an earlier analysis are replaced.
 ///
 /// # Errors
 /// The folder cannot be made or written.
@@ -38,21 +49,31 @@ pub fn write_all(
     repetition: &Repetition,
     folder: &Path,
     extent: Extent,
-) -> Result<Vec<PathBuf>, StoreError> {
+) -> Result<Written, StoreError> {
     fs::create_dir_all(folder).map_err(|error| StoreError::io(folder, "make the folder", error))?;
-    let mut files = tables(study, results);
+    let mut contents = tables(study, results);
+    let mut vision = None;
     if extent == Extent::Everything {
-        let figures = figures::all(results);
-        files.push(("report.html".to_owned(), html::report(study, results, &figures, repetition).into_bytes()));
+        let ((predicted, took), mut figures) = rayon::join(|| predict(study, results), || figures::all(results));
+        figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
+        let page = html::report(study, results, &figures, &predicted, repetition);
+        contents.push(("report.html".to_owned(), page.into_bytes()));
         let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
-        files.extend(pictures?.into_iter().flatten());
+        contents.extend(pictures?.into_iter().flatten());
+        vision = Some((predicted, took));
     }
-    (files.into_iter())
-        .map(|(name, content)| {
-            let path = folder.join(name);
-            write_file(&path, &content).map(|()| path)
-        })
-        .collect()
+    let write = |(name, content): (String, Vec<u8>)| {
+        let path = folder.join(name);
+        write_file(&path, &content).map(|()| path)
+    };
+    let files = contents.into_iter().map(write).collect::<Result<_, _>>()?;
+    Ok(Written { files, vision })
+}
+
+fn predict(study: &Study, results: &Results) -> (Result<Predicted, Unpredicted>, Duration) {
+    let start = Instant::now();
+    let predicted = Predicted::of(&study.source, &results.measured.counts);
+    (predicted, start.elapsed())
 }
 
 fn pictures(figure: &Figure, folder: &Path) -> Result<[(String, Vec<u8>); 2], StoreError> {

@@ -1,5 +1,7 @@
 //! Predicted visibility held against ratings: a criterion fitted to them, and how well the order agrees.
 
+mod study;
+
 use crate::{
     analysis::{
         ModelSpec,
@@ -10,6 +12,8 @@ use crate::{
     },
     vision::Criterion,
 };
+
+pub use study::{Predicted, Unpredicted, hold_conditions, window_deg};
 
 /// Visibility that counts as this at least: below half of what is just seen there is nothing to tell apart, and the
 /// logarithm of nothing is none.
@@ -39,8 +43,11 @@ pub enum HeldError {
     /// Nothing in common.
     #[error("the ratings have none of the conditions predicted; expected ratings of this experiment")]
     NoCondition,
+    /// A factor without a column.
+    #[error("the ratings do not tell {0}, which the definition varies; expected a column of it")]
+    Factor(String),
     /// Another scale.
-    #[error("{0} categories are rated; expected the four of the scale 0–3")]
+    #[error("the scale has {0} {noun}; expected the four of the scale 0–3", noun = if *.0 == 1 { "category" } else { "categories" })]
     Categories(usize),
     /// No thresholds can be had.
     #[error("{0}; expected ratings that rise with visibility and use all of the scale")]
@@ -52,9 +59,7 @@ pub enum HeldError {
 /// # Errors
 /// [`HeldError`], where they have nothing in common, or no criterion can be fitted.
 pub fn hold(counts: &Counts, visibilities: &[Option<f64>]) -> Result<Held, HeldError> {
-    if counts.categories.len() != 4 {
-        return Err(HeldError::Categories(counts.categories.len()));
-    }
+    check_categories(counts)?;
     let predicted = |condition: u32| visibilities.get(condition as usize).copied().flatten();
     let conditions = (0..counts.conditions.len() as u32).filter(|c| predicted(*c).is_some()).count();
     if conditions == 0 {
@@ -73,6 +78,14 @@ pub fn hold(counts: &Counts, visibilities: &[Option<f64>]) -> Result<Held, HeldE
         with_subjects: mean(&each),
         ceiling: ceiling(&means, &pooled),
     })
+}
+
+/// That ratings are on a scale that a criterion has thresholds for.
+fn check_categories(counts: &Counts) -> Result<(), HeldError> {
+    match counts.categories.len() {
+        4 => Ok(()),
+        other => Err(HeldError::Categories(other)),
+    }
 }
 
 fn conditions_of<'a>(counts: &'a Counts, visibilities: &'a [Option<f64>]) -> impl Iterator<Item = (u32, f64)> + 'a {

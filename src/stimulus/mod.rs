@@ -15,8 +15,8 @@ pub mod mach_band;
 mod orientation;
 pub mod parameter;
 pub mod recipe;
-mod seen;
 mod shaded_mesh;
+mod sight;
 mod staircase;
 mod vasarely;
 mod window;
@@ -32,8 +32,8 @@ pub use cylinder::{Cylinder, Shading};
 pub use kanizsa::Kanizsa;
 pub use mach_band::{MachBand, Ramp, RampSpace};
 pub use parameter::{Parameter, ParameterError, ParameterValue};
-pub use seen::{View, surface_seen};
 pub use shaded_mesh::{ShadedMesh, Triple};
+pub use sight::{Sight, View};
 pub use vasarely::Vasarely;
 
 macro_rules! stimuli {

@@ -47,20 +47,24 @@ impl Visibility {
 
 /// Part of the odd response that the even one has to exceed: at 1 a band's phase is within 45° of a line's, at ½ within
 /// 63°. Morrone & Burr 1988 (Proc. R. Soc. B 235:221): a feature looks like a line or like an edge by its phase.
-const ODD: f64 = 0.5;
+pub(super) const ODD: f64 = 0.5;
 /// Energy has to fall on both sides by this share before there is anything, and by the second for all of it: the crests
 /// of a grating are no bands.
 const PROMINENCE: [f64; 2] = [0.3, 0.5];
+/// What is left of the energy at most where anything stands out.
+pub(super) const STANDS_OUT: f64 = 1.0 - PROMINENCE[0];
+/// What is left of it where all of it stands out.
+pub(super) const FALLEN: f64 = 1.0 - PROMINENCE[1];
 /// How far it may take to fall, periods of the channel.
 pub(super) const FALL_PERIODS: f64 = 2.0;
 /// Exponent with which channels add up; Quick 1974 (Kybernetik 16:65), 3 to 4 over frequencies.
-const POOLING: f64 = 3.0;
+const POOLING: i32 = 3;
 /// Parts of a finer channel's energy at the same place: a channel that has less than the first is masked by it wholly, one
 /// that has the second not at all. What strong fine structure leaves of coarse responses is no band.
 const MASKED: [f64; 2] = [0.3, 0.35];
 /// Light that is everywhere, relative to white: the room's on the screen, and scattered in the eye. Without it bands on
 /// black would have no end.
-const VEIL: f64 = 0.01;
+pub(super) const VEIL: f64 = 0.01;
 
 /// Strength of a peak of the energy, 0 for none: `response` is even + i·odd in light × sensitivity, `lowest` the energy's
 /// least value on the side where it falls less, `light` the mean light there.
@@ -95,24 +99,19 @@ pub(super) fn vertex(a: f64, b: f64, c: f64) -> f64 {
     if bend > 0.0 { (0.5 * (c - a) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
-/// Adds up channels: each gives what its strongest band has.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pool {
-    bright: f64,
-    dark: f64,
+/// A channel's part of a sum over channels.
+pub(super) fn powered(strength: f64) -> f64 {
+    strength.powi(POOLING)
 }
 
-impl Pool {
-    /// One more channel.
-    pub(super) fn add(&mut self, strongest: Visibility) {
-        self.bright += strongest.bright.powf(POOLING);
-        self.dark += strongest.dark.powf(POOLING);
-    }
+/// What a sum of such parts is worth.
+pub(super) fn unpowered(sum: f64) -> f64 {
+    sum.powf(1.0 / f64::from(POOLING))
+}
 
-    pub(super) fn visibility(self) -> Visibility {
-        let root = |sum: f64| (sum / f64::from(PER_OCTAVE)).powf(1.0 / POOLING);
-        Visibility { bright: root(self.bright), dark: root(self.dark) }
-    }
+/// Over all channels, of the strength that each has.
+pub(super) fn pooled(channels: impl Iterator<Item = f64>) -> f64 {
+    unpowered(channels.map(powered).sum::<f64>() / f64::from(PER_OCTAVE))
 }
 
 impl Visibility {

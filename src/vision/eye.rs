@@ -71,7 +71,12 @@ impl Channel {
     /// Share of a grating's amplitude that it passes, 0…1.
     #[must_use]
     pub fn passes(&self, frequency: f64) -> f64 {
-        let octaves = (frequency / self.frequency).ln() / RATIO.ln();
-        (-0.5 * octaves * octaves).exp()
+        self.passes_log((frequency / self.frequency).ln())
+    }
+
+    /// The same by the logarithm of the ratio to its own frequency.
+    #[must_use]
+    pub(super) fn passes_log(&self, ratio: f64) -> f64 {
+        (-0.5 * (ratio / RATIO.ln()).powi(2)).exp()
     }
 }

@@ -2,12 +2,13 @@
 
 use std::{f64::consts::PI, sync::Arc};
 
-use rustfft::{Fft, FftPlanner, num_complex::Complex64};
+use rustfft::{Fft, num_complex::Complex64};
 
 use super::{
     Border, VisionError,
-    band::{Band, FALL_PERIODS, Polarity, Pool, Visibility, peak, strength, unmasked},
+    band::{Band, FALL_PERIODS, Polarity, Visibility, peak, pooled, strength, unmasked},
     eye::{ADAPTATION_DEG, Channel, Eye, REACH},
+    fft::{self, smooth},
 };
 
 /// Beyond the ends of a profile, degrees: as long as the coarsest channel's period, so that the profile does not meet
@@ -26,6 +27,29 @@ pub struct Line {
     period: usize,
     forward: Arc<dyn Fft<f64>>,
     channels: Vec<Filter>,
+}
+
+/// One of a spectrum.
+struct Frequency {
+    /// The logarithm of cycles a degree.
+    log: f64,
+    /// From a jump of the light to what is seen of it.
+    weight: f64,
+}
+
+/// Those up to the place `last`, for all channels.
+fn frequencies(last: usize, length: f64, eye: &Eye) -> Vec<Frequency> {
+    let frequency = |j: usize| {
+        let f = j as f64 / length;
+        // From jumps to light: divided by 2πif. Twice, since only frequencies above 0 are kept.
+        Frequency { log: f.ln(), weight: eye.sensitivity(f) / (PI * f * length) }
+    };
+    (0..=last).map(frequency).collect()
+}
+
+/// The last place of the spectrum that a channel passes.
+fn last_place(frequency: f64, length: f64) -> usize {
+    ((frequency * REACH * length).floor() as usize).max(1)
 }
 
 struct Filter {
@@ -60,9 +84,10 @@ impl Line {
         }
         let period = smooth(samples + (BEYOND_DEG * px_per_deg).ceil() as usize);
         let length = period as f64 / px_per_deg;
-        let mut planner = FftPlanner::new();
-        let forward = planner.plan_fft_forward(period);
-        let channels = Channel::all().map(|channel| Filter::new(channel, length, eye, &mut planner)).collect();
+        let forward = fft::forward(period);
+        let finest = Channel::all().map(|channel| channel.frequency).fold(0.0, f64::max);
+        let frequencies = frequencies(last_place(finest, length), length, eye);
+        let channels = Channel::all().map(|channel| Filter::new(channel, length, &frequencies)).collect();
         Ok(Line { samples, px_per_deg, period, forward, channels })
     }
 
@@ -76,7 +101,7 @@ impl Line {
         let mean = Mean::new(light, self.px_per_deg);
         let length = self.period as f64 / self.px_per_deg;
         let mut view = LineView::default();
-        let mut pool = Pool::default();
+        let mut channels = Vec::with_capacity(self.channels.len());
         let mut response = Vec::new();
         let seen = self.samples as f64 / self.px_per_deg;
         let mut finer = Finer::new(seen);
@@ -91,11 +116,12 @@ impl Line {
                     view.bands.push(band);
                 }
             }
-            pool.add(strongest);
+            channels.push(strongest);
             finer.add(&response, length);
         }
         view.bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
-        view.visibility = pool.visibility();
+        let over = |of: fn(&Visibility) -> f64| pooled(channels.iter().map(of));
+        view.visibility = Visibility { bright: over(|channel| channel.bright), dark: over(|channel| channel.dark) };
         Ok(view)
     }
 
@@ -121,20 +147,17 @@ impl Line {
 }
 
 impl Filter {
-    fn new(channel: Channel, length: f64, eye: &Eye, planner: &mut FftPlanner<f64>) -> Filter {
+    fn new(channel: Channel, length: f64, frequencies: &[Frequency]) -> Filter {
         let first = ((channel.frequency / REACH * length).ceil() as usize).max(1);
-        let last = (channel.frequency * REACH * length).floor() as usize;
-        let gain = |j: usize| {
-            let frequency = j as f64 / length;
-            // From jumps to light: divided by 2πif. Twice, since only frequencies above 0 are kept.
-            Complex64::new(0.0, -channel.passes(frequency) * eye.sensitivity(frequency) / (PI * frequency * length))
-        };
-        let samples = smooth((SAMPLES_PER_PERIOD * channel.frequency * length).ceil() as usize).max(last + 1);
+        let last = last_place(channel.frequency, length);
+        let log = channel.frequency.ln();
+        let gain = |f: &Frequency| Complex64::new(0.0, -channel.passes_log(f.log - log) * f.weight);
+        let samples = smooth((SAMPLES_PER_PERIOD * channel.frequency * length).ceil() as usize);
         Filter {
             channel,
             first,
-            gains: (first..=last.max(first)).map(gain).collect(),
-            inverse: planner.plan_fft_inverse(samples.max(last.max(first) + 1)),
+            gains: frequencies[first..=last].iter().map(gain).collect(),
+            inverse: fft::inverse(samples.max(last + 1)),
         }
     }
 
@@ -242,17 +265,4 @@ impl Mean {
         let part = x - i as f64;
         self.values[i] * (1.0 - part) + self.values.get(i + 1).unwrap_or(&self.values[i]) * part
     }
-}
-
-/// The next number that has no prime factor above 5: quick to transform.
-pub(super) fn smooth(least: usize) -> usize {
-    let is_smooth = |mut n: usize| {
-        for factor in [2, 3, 5] {
-            while n.is_multiple_of(factor) {
-                n /= factor;
-            }
-        }
-        n == 1
-    };
-    (least.max(1)..).find(|n| is_smooth(*n)).unwrap_or(least)
 }

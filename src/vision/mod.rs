@@ -16,10 +16,10 @@
 mod band;
 pub mod baselines;
 mod eye;
+mod fft;
 mod line;
 mod picture;
 mod rating;
-mod ridge;
 
 use crate::light::LinearImage;
 

@@ -148,6 +148,6 @@ fn write(study: &Study, results: &Results, command: &str, folder: &Path) -> Resu
     // The report is about the ratings that the results are of.
     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
     let made = Repetition::new(command, Timestamp::now());
-    let files = write_all(&shown, results, &made, folder, Extent::Everything).map_err(|error| error.to_string())?;
-    Ok(files.len())
+    let written = write_all(&shown, results, &made, folder, Extent::Everything).map_err(|error| error.to_string())?;
+    Ok(written.files.len())
 }

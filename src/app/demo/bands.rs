@@ -17,8 +17,8 @@ use crate::{
     },
     light::CodeImage,
     shading::{Shade, Shader, Surface},
-    stimulus::surface_seen,
-    vision::{Eye, PictureView, VisionError, luminances},
+    stimulus::Sight,
+    vision::{PictureView, VisionError, luminances},
 };
 
 /// Longest shorter side of the picture that is predicted from, pixels: more would not change what is seen much, and take
@@ -139,10 +139,10 @@ pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
 fn compute(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Seen, VisionError> {
     let [width, height] = predicted_size(size);
     let frame = compared.frame(surface, width, height);
-    let px_per_deg = f64::from(width.min(height)) / SHORTER_SIDE_DEG;
+    let sight = Sight::new(SHORTER_SIDE_DEG * f64::from(width) / f64::from(width.min(height)));
     let see = |side: &Side| -> Result<(PictureView, Vec<f64>), VisionError> {
         let image = side.emitted(&frame, &compared.transfer);
-        Ok((surface_seen(&frame, &image, px_per_deg, &Eye::default())?, luminances(&image)))
+        Ok((sight.see_surface(&frame, &image)?, luminances(&image)))
     };
     let [left, right] = &compared.sides;
     let sides = [see(left)?, see(right)?];

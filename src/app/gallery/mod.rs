@@ -13,7 +13,7 @@ use crate::{
     store,
     vision::Polarity,
 };
-use prediction::{Prediction, Sight};
+use prediction::{Place, Prediction};
 
 /// Samples of the plotted profile.
 const SAMPLES: u32 = 1024;
@@ -64,7 +64,7 @@ impl Gallery {
     /// For a screen that `display` describes, seen from `distance_cm` centimetres where that is known.
     pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
         let mut gallery = Self {
-            prediction: Prediction::new(Sight::new(&display, distance_cm)),
+            prediction: Prediction::new(Place::new(&display, distance_cm)),
             entry: 0,
             values: Vec::new(),
             size: 512,

@@ -11,30 +11,28 @@ use crate::{
     },
     display::{DisplayProfile, Screen, Viewing},
     light::CodeImage,
-    stimulus::{Stimulus, View},
+    stimulus::{Sight, Stimulus, View},
     vision::{Criterion, Polarity, Visibility, VisionError, luminances},
 };
 
-/// Degrees that the window takes where nothing is known of the screen's size, and cd/m² of white where it was not
-/// measured: as `machband predict` has them.
+/// Degrees that the window takes where nothing is known of the screen's size: as `machband predict` has it.
 const WINDOW_DEG: f64 = 10.0;
-const WHITE_CD_M2: f64 = 100.0;
 
 /// From where the stimulus is seen, and how bright.
 #[derive(Clone, Copy)]
-pub struct Sight {
+pub struct Place {
     viewing: Option<Viewing>,
     white_cd_m2: f64,
 }
 
-impl Sight {
-    /// Of a screen that `display` describes, from `distance_cm` centimetres.
+impl Place {
+    /// Before a screen that `display` describes, `distance_cm` centimetres away.
     pub fn new(display: &DisplayProfile, distance_cm: Option<f64>) -> Self {
         let viewing = || {
             let ([columns, rows], width) = (display.native_px?, display.screen_width_cm?);
             Viewing::new(Screen::new(columns, rows, width).ok()?, distance_cm?).ok()
         };
-        let white_cd_m2 = display.luminance.map_or(WHITE_CD_M2, |range| range.white_cd_m2);
+        let white_cd_m2 = display.luminance.map_or(Sight::WHITE_CD_M2, |range| range.white_cd_m2);
         Self { viewing: viewing(), white_cd_m2 }
     }
 
@@ -52,8 +50,7 @@ impl Sight {
     }
 
     fn see(&self, stimulus: &Stimulus, size: u32) -> Result<View, VisionError> {
-        let window = self.window_deg(size);
-        stimulus.seen(size, f64::from(size) / window, &stimulus.eye(size, window, self.white_cd_m2))
+        Sight { window_deg: self.window_deg(size), white_cd_m2: self.white_cd_m2 }.see(stimulus, size)
     }
 }
 
@@ -74,7 +71,7 @@ struct OfPicture {
 
 /// The prediction of the stimulus that is shown.
 pub struct Prediction {
-    sight: Sight,
+    place: Place,
     line: Option<AlongLine>,
     picture: Latest<Key, OfPicture>,
     texture: Option<(Key, TextureHandle)>,
@@ -83,9 +80,9 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// As seen by `sight`.
-    pub fn new(sight: Sight) -> Self {
-        Self { sight, line: None, picture: Latest::default(), texture: None, map: false }
+    /// As seen from `place`.
+    pub fn new(place: Place) -> Self {
+        Self { place, line: None, picture: Latest::default(), texture: None, map: false }
     }
 
     /// Follows the stimulus that is shown.
@@ -93,7 +90,7 @@ impl Prediction {
         let key = (stimulus.clone(), size);
         if stimulus.is_line() {
             if self.line.as_ref().is_none_or(|line| line.key != key) {
-                let seen = self.sight.see(stimulus, size).map(|view| match view {
+                let seen = self.place.see(stimulus, size).map(|view| match view {
                     View::Line(view) => (view.visibility, predicted::marks(&view)),
                     View::Picture(view) => (view.visibility, Vec::new()),
                 });
@@ -101,8 +98,8 @@ impl Prediction {
             }
             return;
         }
-        let sight = self.sight;
-        self.picture.want(ctx, key.clone(), || move || of_picture(&sight, &key.0, key.1));
+        let place = self.place;
+        self.picture.want(ctx, key.clone(), || move || of_picture(&place, &key.0, key.1));
         self.map_texture(ctx, stimulus, size);
     }
 
@@ -133,7 +130,7 @@ impl Prediction {
 
     /// A place of a mark as a share of the window's side, from its middle.
     pub fn place(&self, mark: &Mark, size: u32) -> f64 {
-        mark.at_deg / self.sight.window_deg(size)
+        mark.at_deg / self.place.window_deg(size)
     }
 
     /// The numbers, and the switch between an image and its map.
@@ -147,7 +144,7 @@ impl Prediction {
         match seen {
             Some(Ok(visibility)) => {
                 ui.add(egui::Label::new(sentence(&visibility)).wrap());
-                let about = format!("1 is just seen. {}", self.sight.sentence(size));
+                let about = format!("1 is just seen. {}", self.place.sentence(size));
                 ui.add(egui::Label::new(theme::quiet(about)).wrap());
             }
             Some(Err(fault)) => theme::fault(ui, &format!("No prediction: {fault}.")),
@@ -159,8 +156,8 @@ impl Prediction {
     }
 }
 
-fn of_picture(sight: &Sight, stimulus: &Stimulus, size: u32) -> Result<OfPicture, String> {
-    let View::Picture(view) = sight.see(stimulus, size).map_err(|error| error.to_string())? else {
+fn of_picture(place: &Place, stimulus: &Stimulus, size: u32) -> Result<OfPicture, String> {
+    let View::Picture(view) = place.see(stimulus, size).map_err(|error| error.to_string())? else {
         return Err("it varies along a line".to_owned());
     };
     let light = luminances(&stimulus.linear(size));

@@ -1,4 +1,7 @@
-//! Figure 4 of Bangay's paper: the mean rating by one factor, one line a level of the other, and the reverse.
+//! Figure 4 of Bangay's paper: the mean rating by one factor, one line a level of the other, and the reverse; measured,
+//! and as the model of vision predicts it.
+
+use std::collections::HashMap;
 
 use plotters::style::text_anchor::HPos;
 
@@ -12,8 +15,9 @@ use super::{
 };
 use crate::analysis::{
     Results,
-    counts::Factor,
-    summary::{Group, Summary, by_cell},
+    bootstrap::Interval,
+    counts::{Counts, Factor},
+    summary::{Group, by_cell},
 };
 
 /// Longest name in the legend.
@@ -24,7 +28,12 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let counts = &results.measured.counts;
     match by_interest(counts)[..] {
         [] => Vec::new(),
-        [only] => Chart::of_one(results, only).figure("figure4a").into_iter().collect(),
+        [only] => {
+            let groups = &results.factors[only].levels;
+            let mean =
+                |level: &str| mean_of(groups.iter().find(|group| group.names.first().is_some_and(|n| n == level))?);
+            Chart::of_one(results, &counts.factors[only], mean).figure("figure4a").into_iter().collect()
+        }
         [first, second, ..] => {
             let pair = project(counts, &[first, second]);
             let groups = if counts.factors.len() == 2 && (first, second) == (0, 1) {
@@ -32,58 +41,133 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
             } else {
                 by_cell(&pair, &results.options.bootstrap)
             };
-            let [first, second] = [0, 1].map(|index| &pair.factors[index]);
-            let charts = [("figure4a", first, second, 0), ("figure4b", second, first, 1)];
-            let chart = |(name, x, lines, column): (_, _, _, usize)| {
-                Chart::of_two(results, x, lines, &groups, column).figure(name)
-            };
-            charts.into_iter().filter_map(chart).collect()
+            let mean = |levels: [&str; 2]| mean_of(groups.iter().find(|group| group.names == levels)?);
+            of_pair(results, &pair, mean, Source::Ratings, ["figure4a", "figure4b"])
         }
     }
+}
+
+/// `figure4a_predicted` and, of two factors, `figure4b_predicted`: what is expected in each of the counts' conditions,
+/// averaged as the ratings are.
+pub(super) fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
+    let counts = &results.measured.counts;
+    match by_interest(counts)[..] {
+        [] => Vec::new(),
+        [only] => {
+            let means = expected_means(counts, &[only], expected);
+            let mean = |level: &str| means.get([level].as_slice()).copied().map(Mean::bare);
+            let chart = Chart { source: Source::Model, ..Chart::of_one(results, &counts.factors[only], mean) };
+            chart.figure("figure4a_predicted").into_iter().collect()
+        }
+        [first, second, ..] => {
+            let pair = project(counts, &[first, second]);
+            let means = expected_means(counts, &[first, second], expected);
+            let mean = |levels: [&str; 2]| means.get(levels.as_slice()).copied().map(Mean::bare);
+            of_pair(results, &pair, mean, Source::Model, ["figure4a_predicted", "figure4b_predicted"])
+        }
+    }
+}
+
+/// The chart by each of two factors, one line a level of the other; `mean` is that of a level of each.
+fn of_pair(
+    results: &Results,
+    pair: &Counts,
+    mean: impl Fn([&str; 2]) -> Option<Mean>,
+    source: Source,
+    names: [&'static str; 2],
+) -> Vec<Figure> {
+    let [first, second] = [0, 1].map(|index| &pair.factors[index]);
+    let by_first = Chart::of_two(results, first, second, |x, line| mean([x, line]));
+    let by_second = Chart::of_two(results, second, first, |x, line| mean([line, x]));
+    let charts = [by_first, by_second].into_iter().zip(names);
+    charts.filter_map(|(chart, name)| Chart { source, ..chart }.figure(name)).collect()
+}
+
+/// Means of what is expected by the levels of some factors, each condition with the weight of its ratings.
+fn expected_means<'a>(counts: &'a Counts, factors: &[usize], expected: &[Option<f64>]) -> HashMap<Vec<&'a str>, f64> {
+    let mut sums: HashMap<Vec<&str>, (f64, f64)> = HashMap::new();
+    for row in &counts.rows {
+        let Some(rating) = expected.get(row.condition as usize).copied().flatten() else { continue };
+        let levels = counts.level_names(row.condition);
+        let (sum, n) = sums.entry(factors.iter().map(|factor| levels[*factor]).collect()).or_default();
+        *sum += rating * row.count as f64;
+        *n += row.count as f64;
+    }
+    sums.into_iter().map(|(levels, (sum, n))| (levels, sum / n)).collect()
+}
+
+/// A mean and how sure it is.
+#[derive(Clone, Copy)]
+struct Mean {
+    mean: f64,
+    interval: Option<Interval>,
+}
+
+impl Mean {
+    /// Without an interval.
+    fn bare(mean: f64) -> Self {
+        Self { mean, interval: None }
+    }
+}
+
+fn mean_of(group: &Group) -> Option<Mean> {
+    Some(Mean { mean: group.summary.mean, interval: group.summary.interval })
+}
+
+/// Where means come from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Source {
+    Ratings,
+    Model,
 }
 
 /// A chart of means.
 struct Chart<'a> {
     results: &'a Results,
     x: &'a Factor,
-    lines: Vec<Line<'a>>,
+    lines: Vec<Line>,
     /// What the lines are, and how many of its levels there are; none of a single line.
     by: Option<&'a Factor>,
+    source: Source,
 }
 
 /// The means along a line, by level of the factor across.
-struct Line<'a> {
+struct Line {
     name: String,
     look: Look,
-    means: Vec<Option<&'a Summary>>,
+    means: Vec<Option<Mean>>,
 }
 
 impl<'a> Chart<'a> {
-    fn of_one(results: &'a Results, factor: usize) -> Self {
-        let x = &results.measured.counts.factors[factor];
-        let groups = &results.factors[factor].levels;
-        let mean = |level: &String| groups.iter().find(|g| g.names.first() == Some(level)).map(|g| &g.summary);
-        let line = Line { name: String::new(), look: Look::only(), means: x.levels.iter().map(mean).collect() };
-        Self { results, x, lines: vec![line], by: None }
+    fn of_one(results: &'a Results, x: &'a Factor, mean: impl Fn(&str) -> Option<Mean>) -> Self {
+        let means = x.levels.iter().map(|level| mean(level)).collect();
+        let line = Line { name: String::new(), look: Look::only(), means };
+        Self { results, x, lines: vec![line], by: None, source: Source::Ratings }
     }
 
-    /// `groups` are cells of two factors, of which the one across has this column.
-    fn of_two(results: &'a Results, x: &'a Factor, by: &'a Factor, groups: &'a [Group], column: usize) -> Self {
+    /// `mean` is that of a level across and one of the lines.
+    fn of_two(results: &'a Results, x: &'a Factor, by: &'a Factor, mean: impl Fn(&str, &str) -> Option<Mean>) -> Self {
         let shown = evenly(by.levels.len(), MOST_SERIES);
         let line = |(series, &level): (usize, &usize)| {
             let name = &by.levels[level];
-            let of_line = |g: &&Group| g.names[1 - column] == *name;
-            let mean =
-                |level: &String| groups.iter().filter(of_line).find(|g| g.names[column] == *level).map(|g| &g.summary);
             let look = if shown.len() == 1 { Look::only() } else { Look::of(series) };
-            Line { name: text::level(name), look, means: x.levels.iter().map(mean).collect() }
+            let means = x.levels.iter().map(|level| mean(level, name)).collect();
+            Line { name: text::level(name), look, means }
         };
         let lines = shown.iter().enumerate().map(line).collect();
-        Self { results, x, lines, by: Some(by) }
+        Self { results, x, lines, by: Some(by), source: Source::Ratings }
+    }
+
+    /// What is drawn upwards.
+    fn what(&self) -> &'static str {
+        match self.source {
+            Source::Ratings => text::rating(self.results),
+            Source::Model => "Predicted mean rating",
+        }
     }
 
     fn figure(&self, name: &'static str) -> Option<Figure> {
-        let (what, by) = (text::rating(self.results), text::word(&self.x.name));
+        let (what, by) = (self.what(), text::word(&self.x.name));
         let thing = if Levels::of(self.x).ordered { "line" } else { "marker" };
         let lines = self.by.map_or_else(String::new, |by| {
             let (shown, all) = (self.lines.len(), by.levels.len());
@@ -94,7 +178,11 @@ impl<'a> Chart<'a> {
             Some(second) => format!("{what} by {by} and {}", text::word(&second.name)),
             None => format!("{what} by {by}"),
         };
-        let caption = format!("{what} by {by}{lines}; {}.", text::bars(self.results));
+        let from = match self.source {
+            Source::Ratings => text::bars(self.results),
+            Source::Model => "by the model of vision, its criterion fitted to the ratings".to_owned(),
+        };
+        let caption = format!("{what} by {by}{lines}; {from}.");
         let svg = self.svg(&title, &caption)?;
         Some(Figure { name, title, caption, wide: false, svg })
     }
@@ -108,7 +196,7 @@ impl<'a> Chart<'a> {
         let bottom = EDGE + PANEL;
         let panel = Panel { left, right, top: EDGE, bottom, low: values.low, high: values.high };
         drawing(bottom + below(labels.height), title, caption, |canvas| {
-            values.draw(canvas, &panel, Some(text::rating(self.results)))?;
+            values.draw(canvas, &panel, Some(self.what()))?;
             levels.draw(canvas, &panel, &labels, &text::axis(&self.x.name))?;
             self.series(canvas, &panel, &levels)?;
             self.legend(canvas, &panel)

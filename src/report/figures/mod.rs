@@ -61,3 +61,9 @@ pub fn all(results: &Results) -> Vec<Figure> {
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()
 }
+
+/// Figure 4 as the model of vision predicts it: `figure4a_predicted`, `figure4b_predicted`. `expected` is the rating in
+/// each of the counts' conditions, in the numbers of the categories; `None` where nothing is predicted.
+pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
+    means::predicted(results, expected)
+}

@@ -8,6 +8,7 @@ use super::{
 use crate::{
     analysis::{Link, Results, rank_tests::PMethod},
     experiment::Protocol,
+    report::prediction::Predicted,
     store::ratings::Source,
 };
 
@@ -30,7 +31,7 @@ impl Methods {
 }
 
 /// The text.
-pub(super) fn methods(source: &Source, results: &Results, version: &str) -> Methods {
+pub(super) fn methods(source: &Source, results: &Results, predicted: Option<&Predicted>, version: &str) -> Methods {
     let mut methods = Methods::default();
     let paragraphs = [
         procedure(&mut methods, source, results),
@@ -38,6 +39,7 @@ pub(super) fn methods(source: &Source, results: &Results, version: &str) -> Meth
         tests(&mut methods, results),
         agreement(&mut methods, results),
         bootstrap(&mut methods, results),
+        predicted.map(|predicted| vision(&mut methods, predicted)),
         Some(format!("The analysis was made with machband {version}.")),
     ];
     methods.paragraphs = paragraphs.into_iter().flatten().collect();
@@ -223,4 +225,30 @@ fn bootstrap(methods: &mut Methods, results: &Results) -> Option<String> {
             bootstrap.seed
         )
     })
+}
+
+fn vision(methods: &mut Methods, predicted: &Predicted) -> String {
+    let held = &predicted.held;
+    let mut text = format!(
+        "The visibility of the bands of every condition was predicted, for a window of {} and a white of {} cd/m², by a model of local energy \
+         ({}) in log-Gabor channels of light weighted by contrast sensitivity ({}).",
+        super::vision::degrees(predicted),
+        fixed(predicted.sight.white_cd_m2, 0),
+        methods.cite(r::MORRONE),
+        methods.cite(r::BARTEN)
+    );
+    if let Some(rho) = held.rank_correlation {
+        text.push_str(&format!(" Its rank correlation with the mean ratings was {}", unit(rho)));
+        if let (Some(each), Some([low, high])) = (held.with_subjects, held.ceiling) {
+            text.push_str(&format!(
+                ", and with single participants {} on average, with a noise ceiling ({}) of {} to {}",
+                unit(each),
+                methods.cite(r::NILI),
+                unit(low),
+                unit(high)
+            ));
+        }
+        text.push('.');
+    }
+    text
 }

@@ -24,14 +24,26 @@ mod sittings;
 mod summary;
 mod table;
 mod times;
+mod vision;
 
 pub use repeat::Repetition;
 pub use summary::{Summary, summary};
 
-use super::{Study, figures::Figure};
+use super::{
+    Study,
+    figures::Figure,
+    prediction::{Predicted, Unpredicted},
+};
 use crate::analysis::Results;
 
-/// The page, as HTML.
-pub fn report(study: &Study, results: &Results, figures: &[Figure], how: &Repetition) -> String {
-    page::page(&study.source, results, figures, how).into_string()
+/// The page, as HTML. `predicted` is what the model of vision says of the ratings that the results are of; `figures`
+/// have it too.
+pub fn report(
+    study: &Study,
+    results: &Results,
+    figures: &[Figure],
+    predicted: &Result<Predicted, Unpredicted>,
+    how: &Repetition,
+) -> String {
+    page::page(&study.source, results, figures, predicted, how).into_string()
 }

@@ -5,11 +5,20 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::{
     Repetition, agreement, cautions, description, design, health, methods, model, ranks, references, repeat,
     summary::{Summary, summary},
-    times,
+    times, vision,
 };
-use crate::{analysis::Results, report::figures::Figure, store::ratings::Source};
+use crate::{
+    analysis::Results,
+    report::{
+        figures::Figure,
+        prediction::{Predicted, Unpredicted},
+    },
+    store::ratings::Source,
+};
 
 const STYLE: &str = include_str!("style.css");
+/// End of the names of figures that the model of vision predicts; the rest is that of the measured one.
+const PREDICTED: &str = "_predicted";
 /// Longest title that tabs and search results show.
 const TITLE_CHARACTERS: usize = 60;
 
@@ -21,9 +30,15 @@ struct Section {
 }
 
 /// The whole page.
-pub(super) fn page(source: &Source, results: &Results, figures: &[Figure], how: &Repetition) -> Markup {
+pub(super) fn page(
+    source: &Source,
+    results: &Results,
+    figures: &[Figure],
+    predicted: &Result<Predicted, Unpredicted>,
+    how: &Repetition,
+) -> Markup {
     let (title, subtitle) = titles(source);
-    let sections = sections(source, results, figures, how);
+    let sections = sections(source, results, figures, predicted, how);
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -75,10 +90,17 @@ fn shortened(title: &str) -> String {
     format!("{}…", start.rsplit_once(' ').map_or(start.as_str(), |(words, _)| words))
 }
 
-fn sections(source: &Source, results: &Results, figures: &[Figure], how: &Repetition) -> Vec<Section> {
+fn sections(
+    source: &Source,
+    results: &Results,
+    figures: &[Figure],
+    predicted: &Result<Predicted, Unpredicted>,
+    how: &Repetition,
+) -> Vec<Section> {
     let section = |id, heading, content| Section { id, heading, content };
     let of = |place: Place| drawn(&figures.iter().filter(|figure| Place::of(figure) == place).collect::<Vec<_>>());
-    let methods = methods::methods(source, results, &how.version);
+    let beside = drawn(&beside(figures));
+    let methods = methods::methods(source, results, predicted.as_ref().ok(), &how.version);
     vec![
         section("summary", "Summary", summary_section(source, results)),
         section("design", "Design", design::section(source, results)),
@@ -87,6 +109,7 @@ fn sections(source: &Source, results: &Results, figures: &[Figure], how: &Repeti
         section("model", "Model", model::section(results, of(Place::Model))),
         section("tests", "Rank tests", ranks::section(results)),
         section("agreement", "Agreement", agreement::section(results)),
+        section("vision", "What the model of vision predicts", vision::section(source, results, predicted, beside)),
         section("times", "Response times", times::section(results, of(Place::Times))),
         section("methods", "Methods, ready to paste", html! { @for text in &methods.paragraphs { p { (text) } } }),
         section("references", "References", references::section(methods.cited)),
@@ -115,16 +138,28 @@ enum Place {
     Description,
     Model,
     Times,
+    Vision,
 }
 
 impl Place {
     fn of(figure: &Figure) -> Self {
         match figure.name {
+            name if name.ends_with(PREDICTED) => Self::Vision,
             name if name.contains("time") => Self::Times,
             name if name.contains("model") || name.contains("effect") => Self::Model,
             _ => Self::Description,
         }
     }
+}
+
+/// Predicted figures, each after the measured one.
+fn beside(figures: &[Figure]) -> Vec<&Figure> {
+    let measured = |predicted: &Figure| {
+        let name = predicted.name.strip_suffix(PREDICTED)?;
+        figures.iter().find(|figure| figure.name == name)
+    };
+    let predicted = figures.iter().filter(|figure| Place::of(figure) == Place::Vision);
+    predicted.flat_map(|figure| measured(figure).into_iter().chain([figure])).collect()
 }
 
 fn drawn(figures: &[&Figure]) -> Markup {

@@ -27,6 +27,9 @@ const fn first(addresses: &[&'static str]) -> Option<&'static str> {
 references! {
     BANGAY: "Bangay",
         "Bangay, S. Methods of Reducing the Visibility of Mach Bands during Gouraud Shading. Rhodes University.";
+    BARTEN: "Barten (2003)",
+        "Barten, P. G. J. (2003). Formula for the contrast sensitivity of the human eye. Proceedings of SPIE, 5294, 231–238.",
+        "https://doi.org/10.1117/12.537476";
     BURKNER: "Bürkner & Vuorre (2019)",
         "Bürkner, P.-C., & Vuorre, M. (2019). Ordinal regression models in psychology: A tutorial. Advances in Methods and Practices in Psychological Science, 2(1), 77–101.",
         "https://doi.org/10.1177/2515245918823199";
@@ -65,6 +68,12 @@ references! {
     MCCULLAGH: "McCullagh (1980)",
         "McCullagh, P. (1980). Regression models for ordinal data. Journal of the Royal Statistical Society: Series B, 42(2), 109–142.",
         "https://doi.org/10.1111/j.2517-6161.1980.tb01109.x";
+    MORRONE: "Morrone & Burr (1988)",
+        "Morrone, M. C., & Burr, D. C. (1988). Feature detection in human vision: A phase-dependent energy model. Proceedings of the Royal Society of London B, 235(1280), 221–245.",
+        "https://doi.org/10.1098/rspb.1988.0073";
+    NILI: "Nili et al. (2014)",
+        "Nili, H., Wingfield, C., Walther, A., Su, L., Marslen-Wilson, W., & Kriegeskorte, N. (2014). A toolbox for representational similarity analysis. PLoS Computational Biology, 10(4), e1003553.",
+        "https://doi.org/10.1371/journal.pcbi.1003553";
     STREITBERG: "Streitberg & Röhmel (1986)",
         "Streitberg, B., & Röhmel, J. (1986). Exact distributions for permutation and rank tests: An introduction to some recently published algorithms. Statistical Software Newsletter, 12(1), 10–17.";
     WILCOXON: "Wilcoxon (1945)",

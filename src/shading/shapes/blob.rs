@@ -58,9 +58,5 @@ fn radius_slope(p: DVec3) -> DVec3 {
     let (down, up) = (2.6 * p.y - 0.3).sin_cos();
     let wave = 0.12 * (3.1 * p.z + 1.3 * p.x).cos();
     let ripple = 0.06 * (4.3 * p.y + 2.0 * p.z + 1.0).cos();
-    DVec3::new(
-        0.16 * 2.1 * cos * up + 1.3 * wave,
-        -0.16 * 2.6 * sin * down + 4.3 * ripple,
-        3.1 * wave + 2.0 * ripple,
-    )
+    DVec3::new(0.16 * 2.1 * cos * up + 1.3 * wave, -0.16 * 2.6 * sin * down + 4.3 * ripple, 3.1 * wave + 2.0 * ripple)
 }

@@ -4,10 +4,10 @@ use std::fmt;
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use rustfft::Fft;
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 
-use crate::vision::line::smooth;
+use crate::vision::fft::{self, smooth};
 
 /// Filters of one size, ready for pictures of the same size.
 pub struct Bank {
@@ -96,8 +96,7 @@ struct Plane {
 
 impl Plane {
     fn new(width: usize, height: usize) -> Self {
-        let mut planner = FftPlanner::new();
-        let mut both = |size| [planner.plan_fft_forward(size), planner.plan_fft_inverse(size)];
+        let both = |size| [fft::forward(size), fft::inverse(size)];
         let (rows, columns) = (both(width), both(height));
         Self { width, height, rows, columns }
     }

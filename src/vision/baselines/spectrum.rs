@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use rustfft::Fft;
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 
-use crate::vision::line::smooth;
+use crate::vision::fft::{self, smooth};
 
 /// A profile of one dimension, continued beyond both ends by its end values, ready to be filtered.
 pub struct Spectrum {
@@ -29,9 +29,8 @@ impl Spectrum {
         let at = |i: usize| light[i.saturating_sub(before).min(light.len() - 1)];
         // Half of the extra samples continue the end, half the beginning before the first.
         let mut values: Vec<_> = (0..size).map(|i| Complex::new(at(i), 0.0)).collect();
-        let mut planner = FftPlanner::new();
-        planner.plan_fft_forward(size).process(&mut values);
-        Self { values, inverse: planner.plan_fft_inverse(size), len: light.len(), before, px_per_deg }
+        fft::forward(size).process(&mut values);
+        Self { values, inverse: fft::inverse(size), len: light.len(), before, px_per_deg }
     }
 
     /// Two filters at once. `transfer(f)` is what they do to a frequency of f cycles a degree, f of both signs;

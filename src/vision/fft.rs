@@ -1,0 +1,31 @@
+//! Fourier transforms of any length, planned once in every thread.
+
+use std::{cell::RefCell, sync::Arc};
+
+use rustfft::{Fft, FftPlanner};
+
+thread_local! {
+    static PLANNER: RefCell<FftPlanner<f64>> = RefCell::new(FftPlanner::new());
+}
+
+pub(super) fn forward(length: usize) -> Arc<dyn Fft<f64>> {
+    PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
+}
+
+/// Without a factor.
+pub(super) fn inverse(length: usize) -> Arc<dyn Fft<f64>> {
+    PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length))
+}
+
+/// The next number that has no prime factor above 5: quick to transform.
+pub(super) fn smooth(least: usize) -> usize {
+    let is_smooth = |mut n: usize| {
+        for factor in [2, 3, 5] {
+            while n.is_multiple_of(factor) {
+                n /= factor;
+            }
+        }
+        n == 1
+    };
+    (least.max(1)..).find(|n| is_smooth(*n)).unwrap_or(least)
+}

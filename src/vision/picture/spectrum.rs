@@ -1,0 +1,321 @@
+//! An image's spectrum, and what a channel makes of it.
+
+use std::f64::consts::PI;
+
+use rayon::prelude::*;
+use rustfft::num_complex::Complex64;
+
+use super::{Picture, field::Grid};
+use crate::vision::{
+    eye::{ADAPTATION_DEG, Channel, Eye},
+    fft::{self, smooth},
+};
+
+/// Frequencies of a channel that are computed, times its own: beyond, it passes less than a hundredth.
+const REACH: f64 = 4.0;
+/// Highest frequency of the mean light, cycles a degree.
+const MEAN_TOP: f64 = 2.0;
+
+/// A channel's responses on a grid.
+pub(super) struct Responses {
+    pub(super) grid: Grid,
+    pub(super) even: Vec<f64>,
+    /// To the right in the real part, and down.
+    pub(super) odd: Vec<Complex64>,
+    /// Even² + odd².
+    pub(super) energy: Vec<f64>,
+}
+
+/// Room for transforms, taken once.
+#[derive(Default)]
+pub(super) struct Scratch {
+    even: Vec<Complex64>,
+    odd: Vec<Complex64>,
+    turned: Vec<Complex64>,
+}
+
+/// Of an image and what lies beyond its edges.
+pub(super) struct Spectrum {
+    /// Of the light, for its mean.
+    light: Vec<Complex64>,
+    /// As the eye is sensitive to it.
+    seen: Vec<Complex64>,
+    columns: usize,
+    rows: usize,
+    /// Pixels of the image.
+    size: [usize; 2],
+    px_per_deg: f64,
+    /// For the frequencies to the right and down; those to the left and up mirror them. Row by row.
+    frequencies: Vec<Frequency>,
+}
+
+/// One of a spectrum.
+#[derive(Clone, Copy, Default)]
+struct Frequency {
+    /// The logarithm of cycles a degree.
+    log: f64,
+    /// Unit vector to the right and down.
+    direction: [f64; 2],
+}
+
+/// A place on one axis of a channel's transform.
+struct Place {
+    /// There.
+    to: usize,
+    /// In the whole spectrum.
+    from: usize,
+    /// In [`Spectrum::frequencies`].
+    size: usize,
+    /// 1 to the right and down, −1 to the left and up.
+    sign: f64,
+    /// What moves the first value to the grid's first place.
+    shift: Complex64,
+}
+
+impl Spectrum {
+    pub(super) fn new(picture: &Picture, eye: &Eye) -> Spectrum {
+        let side = picture.width.min(picture.height);
+        // Half a period of the coarsest channel, which has room twice in the shorter side.
+        let beyond = (side / 4).max(8);
+        let (columns, rows) = (smooth(picture.width + beyond), smooth(picture.height + beyond));
+        let mut light = periodic(picture, columns, rows);
+        let px_per_deg = picture.px_per_deg;
+        transform(&mut light, columns, rows);
+        let (across, down) = (columns / 2 + 1, rows / 2 + 1);
+        // Pixels are squares.
+        let square = |k: usize, n: usize| sinc(k as f64 / n as f64);
+        let squares: Vec<f64> = (0..across).map(|k| square(k, columns)).collect();
+        let mut frequencies = vec![Frequency::default(); across * down];
+        let mut seen = vec![0.0; across * down];
+        frequencies.par_chunks_mut(across).zip(seen.par_chunks_mut(across)).enumerate().for_each(
+            |(row, (to, seen))| {
+                let fy = row as f64 * px_per_deg / rows as f64;
+                for (column, (to, seen)) in to.iter_mut().zip(seen).enumerate() {
+                    let fx = column as f64 * px_per_deg / columns as f64;
+                    let f = fx.hypot(fy);
+                    if f > 0.0 {
+                        *to = Frequency { log: f.ln(), direction: [fx / f, fy / f] };
+                        *seen = eye.sensitivity(f) * squares[column] * square(row, rows);
+                    }
+                }
+            },
+        );
+        let mirrored = |k: usize, n: usize| k.min(n - k);
+        let gain = |i: usize| seen[mirrored(i / columns, rows) * across + mirrored(i % columns, columns)];
+        let seen = light.par_iter().enumerate().map(|(i, value)| value * gain(i)).collect();
+        Spectrum { light, seen, columns, rows, size: [picture.width, picture.height], px_per_deg, frequencies }
+    }
+
+    /// A grid of the whole spectrum's extent for frequencies up to `top`.
+    fn grid(&self, top: f64) -> Grid {
+        let fit = |n: usize| smooth(((2.0 * top * n as f64 / self.px_per_deg).ceil() as usize).max(8)).min(n);
+        let (columns, rows) = (fit(self.columns), fit(self.rows));
+        let step = [self.columns as f64 / columns as f64, self.rows as f64 / rows as f64];
+        let first = |n: usize, side: usize, step: f64| side as f64 / 2.0 - (n / 2) as f64 * step + step / 2.0;
+        let first = [first(columns, self.size[0], step[0]), first(rows, self.size[1], step[1])];
+        Grid { columns, rows, first, step }
+    }
+
+    /// The places of a transform of `n` values along an axis of `whole`; the highest frequency of an even number left
+    /// out.
+    fn places(&self, n: usize, whole: usize, first: f64) -> Vec<Place> {
+        let place = |k: usize| {
+            let (size, sign) = if 2 * k < n { (k, 1.0) } else { (n - k, -1.0) };
+            let from = if sign > 0.0 { size } else { whole - size };
+            // From the middle of the first pixel.
+            let turns = sign * size as f64 * (first - 0.5) / whole as f64;
+            Place { to: k, from, size, sign, shift: Complex64::cis(2.0 * PI * turns) }
+        };
+        (0..n).filter(|k| 2 * k != n).map(place).collect()
+    }
+
+    /// Calls `value` for every place of the transform of `grid`: with its row and column, its index there, and what `of` the
+    /// spectrum is there, moved to the grid's first place.
+    fn each(&self, grid: &Grid, of: &[Complex64], mut value: impl FnMut(&Place, &Place, usize, Complex64)) {
+        let across = self.places(grid.columns, self.columns, grid.first[0]);
+        for row in &self.places(grid.rows, self.rows, grid.first[1]) {
+            let of = &of[row.from * self.columns..][..self.columns];
+            for column in &across {
+                let moved = of[column.from] * (row.shift * column.shift);
+                value(row, column, row.to * grid.columns + column.to, moved);
+            }
+        }
+    }
+
+    /// What a channel passes of each of [`Spectrum::frequencies`] that `grid` holds, and what the transform wants.
+    fn gains(&self, channel: Channel, grid: &Grid) -> Vec<f64> {
+        let (across, down, whole) = (grid.columns / 2 + 1, grid.rows / 2 + 1, self.columns / 2 + 1);
+        let scale = 1.0 / (self.columns * self.rows) as f64;
+        let log = channel.frequency.ln();
+        let gain = |i: usize| {
+            let (row, column) = (i / across, i % across);
+            channel.passes_log(self.frequencies[row * whole + column].log - log) * scale
+        };
+        let mut gains: Vec<f64> = (0..across * down).map(gain).collect();
+        // Nothing of what is everywhere alike.
+        gains[0] = 0.0;
+        gains
+    }
+
+    /// Even and odd response by the monogenic signal (Felsberg & Sommer 2001, IEEE Trans. Signal Process. 49:3136):
+    /// its odd part, to the right and down, is the response of the quadrature pair that is turned across the local
+    /// structure, so that all orientations are seen alike and none has to be sampled.
+    pub(super) fn respond(&self, channel: Channel, scratch: &mut Scratch) -> Responses {
+        let grid = self.grid(REACH * channel.frequency);
+        let gains = self.gains(channel, &grid);
+        let (across, whole) = (grid.columns / 2 + 1, self.columns / 2 + 1);
+        let cropped = self.cropped(&grid);
+        let Scratch { even, odd, turned } = scratch;
+        for transformed in [&mut *even, &mut *odd] {
+            transformed.resize(grid.columns * grid.rows, Complex64::default());
+            without_highest(transformed, &grid);
+        }
+        self.each(&grid, &self.seen, |row, column, to, value| {
+            let [right, down] = self.frequencies[row.size * whole + column.size].direction;
+            let value = value * gains[row.size * across + column.size];
+            even[to] = value;
+            let (right, down) = (column.sign * right, row.sign * down);
+            // Times down − i·right.
+            odd[to] = Complex64::new(value.re * down + value.im * right, value.im * down - value.re * right);
+        });
+        let even = inverse(even, turned, &grid, &cropped, |value| value.re);
+        let odd: Vec<Complex64> = inverse(odd, turned, &grid, &cropped, |value| value);
+        let energy = even.iter().zip(&odd).map(|(even, odd)| even * even + odd.norm_sqr()).collect();
+        Responses { grid: cropped.grid, even, odd, energy }
+    }
+
+    /// Mean light, for which the eye is set.
+    pub(super) fn mean(&self) -> (Grid, Vec<f64>) {
+        let grid = self.grid(MEAN_TOP);
+        let scale = 1.0 / (self.columns * self.rows) as f64;
+        let passes = |k: usize, whole: usize| {
+            let f = k as f64 * self.px_per_deg / whole as f64;
+            (-2.0 * (PI * ADAPTATION_DEG * f).powi(2)).exp()
+        };
+        let [across, down] = [(grid.columns, self.columns), (grid.rows, self.rows)]
+            .map(|(n, whole)| (0..=n / 2).map(|k| passes(k, whole)).collect::<Vec<_>>());
+        let mut mean = vec![Complex64::default(); grid.columns * grid.rows];
+        self.each(&grid, &self.light, |row, column, to, value| {
+            mean[to] = value * (across[column.size] * down[row.size] * scale);
+        });
+        let cropped = self.cropped(&grid);
+        let mean = inverse(&mut mean, &mut Vec::new(), &grid, &cropped, |value| value.re);
+        (cropped.grid, mean)
+    }
+
+    /// The part of a grid that lies in the image, and one value more on each side.
+    fn cropped(&self, grid: &Grid) -> Crop {
+        let range = |axis: usize, n: usize| {
+            let index = |place: f64| (place - grid.first[axis]) / grid.step[axis];
+            let first = index(0.0).floor().max(0.0) as usize;
+            let last = (index(self.size[axis] as f64).ceil() as usize).min(n - 1);
+            (first, last + 1 - first)
+        };
+        let ((left, columns), (top, rows)) = (range(0, grid.columns), range(1, grid.rows));
+        Crop { left, top, grid: Grid { columns, rows, first: grid.place(left, top), step: grid.step } }
+    }
+}
+
+/// Part of a grid.
+struct Crop {
+    left: usize,
+    top: usize,
+    grid: Grid,
+}
+
+/// Zero at the highest frequency of an even number, to the right and down: it has no direction.
+fn without_highest(transformed: &mut [Complex64], grid: &Grid) {
+    if grid.rows.is_multiple_of(2) {
+        transformed[grid.rows / 2 * grid.columns..][..grid.columns].fill(Complex64::default());
+    }
+    if grid.columns.is_multiple_of(2) {
+        transformed[grid.columns / 2..]
+            .iter_mut()
+            .step_by(grid.columns)
+            .for_each(|value| *value = Complex64::default());
+    }
+}
+
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
+}
+
+/// The image, and beyond it what its edges promise, turned about them, faded from one side to the other: light and slope
+/// go on, where a mere copy of the last pixels would bend every oblique ramp.
+fn periodic(picture: &Picture, columns: usize, rows: usize) -> Vec<Complex64> {
+    let (width, height) = (picture.width, picture.height);
+    let mut values = vec![Complex64::default(); columns * rows];
+    for (y, row) in picture.light.chunks_exact(width).enumerate() {
+        let to = &mut values[y * columns..][..columns];
+        for (value, light) in to.iter_mut().zip(row) {
+            value.re = *light;
+        }
+        for k in 0..columns - width {
+            to[width + k].re = beyond(k, columns - width, width, |x| row[x]);
+        }
+    }
+    for x in 0..columns {
+        for k in 0..rows - height {
+            values[(height + k) * columns + x].re = beyond(k, rows - height, height, |y| values[y * columns + x].re);
+        }
+    }
+    values
+}
+
+/// The value `k` of `gap` between the end of `n` values and their beginning.
+fn beyond(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -> f64 {
+    let t = (k + 1) as f64 / (gap + 1) as f64;
+    let fade = t * t * (3.0 - 2.0 * t);
+    let after = 2.0 * value(n - 1) - value((n - 1).saturating_sub(k + 1));
+    let before = 2.0 * value(0) - value((gap - k).min(n - 1));
+    after + (before - after) * fade
+}
+
+/// Fourier transform in two dimensions, without a factor.
+fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
+    let (across, down) = (fft::forward(columns), fft::forward(rows));
+    values.par_chunks_exact_mut(columns).for_each(|row| across.process(row));
+    let mut turned = vec![Complex64::default(); values.len()];
+    transpose(values, &mut turned, columns, 0, [columns, rows], |value| value);
+    turned.par_chunks_exact_mut(rows).for_each(|column| down.process(column));
+    transpose(&turned, values, rows, 0, [rows, columns], |value| value);
+}
+
+/// The values of which `transformed`, on `grid`, are the transform, where they are wanted.
+fn inverse<T: Copy>(
+    transformed: &mut [Complex64],
+    turned: &mut Vec<Complex64>,
+    grid: &Grid,
+    crop: &Crop,
+    value: impl Fn(Complex64) -> T,
+) -> Vec<T> {
+    fft::inverse(grid.columns).process(transformed);
+    let wanted = crop.grid.columns;
+    turned.resize(wanted * grid.rows, Complex64::default());
+    transpose(transformed, turned, grid.columns, crop.left, [wanted, grid.rows], |value| value);
+    fft::inverse(grid.rows).process(turned);
+    let mut values = vec![value(Complex64::default()); wanted * crop.grid.rows];
+    transpose(turned, &mut values, grid.rows, crop.top, [crop.grid.rows, wanted], value);
+    values
+}
+
+/// Columns to rows: of rows that are `stride` long, the `columns` from the one at `left` on. In tiles that stay in the processor's cache.
+fn transpose<T>(
+    from: &[Complex64],
+    to: &mut [T],
+    stride: usize,
+    left: usize,
+    [columns, rows]: [usize; 2],
+    value: impl Fn(Complex64) -> T,
+) {
+    const TILE: usize = 16;
+    for top in (0..rows).step_by(TILE) {
+        for first in (0..columns).step_by(TILE) {
+            for y in top..(top + TILE).min(rows) {
+                for x in first..(first + TILE).min(columns) {
+                    to[x * rows + y] = value(from[y * stride + left + x]);
+                }
+            }
+        }
+    }
+}
