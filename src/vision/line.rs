@@ -242,9 +242,14 @@ impl Mean {
     fn new(light: &[f64], px_per_deg: f64) -> Mean {
         let length = light.len() as f64 / px_per_deg;
         let cells = (length * MEAN_PER_DEG).ceil() as usize + 1;
-        let sample = |x: f64| light[((x * px_per_deg).max(0.0) as usize).min(light.len() - 1)];
-        // The middle of every cell stands for the pixels in it; so few differ that a mean of them would be the same.
-        let coarse: Vec<f64> = (0..cells).map(|i| sample(i as f64 / MEAN_PER_DEG)).collect();
+        // The pixels in each cell, one at least: of what is finer than a cell one pixel would tell a tale.
+        let pixels = |i: usize| {
+            let place = |half: f64| ((i as f64 + half) / MEAN_PER_DEG * px_per_deg).max(0.0) as usize;
+            let first = place(-0.5).min(light.len() - 1);
+            &light[first..place(0.5).clamp(first + 1, light.len())]
+        };
+        let mean = |pixels: &[f64]| pixels.iter().sum::<f64>() / pixels.len() as f64;
+        let coarse: Vec<f64> = (0..cells).map(|i| mean(pixels(i))).collect();
         let reach = (3.0 * ADAPTATION_DEG * MEAN_PER_DEG) as isize;
         let weight = |k: isize| (-0.5 * (k as f64 / (ADAPTATION_DEG * MEAN_PER_DEG)).powi(2)).exp();
         let weights: Vec<f64> = (-reach..=reach).map(weight).collect();

@@ -147,8 +147,8 @@ impl Search<'_> {
         let (places, mean) = self.mean;
         let strength = strength(response, lowest, places.at(mean, at));
         let polarity = if response.re > 0.0 { Polarity::Bright } else { Polarity::Dark };
-        // A line crosses cells in steps of one along its steeper axis.
-        let length_px = grid.step[0] / across[0].abs().max(across[1].abs());
+        // Cells whose peak lies in them are the more, for a length of line, the more oblique it is.
+        let length_px = grid.step[0] * across[0].abs().max(across[1].abs());
         let frequency = self.channel.frequency;
         (strength > 0.0).then_some(Ridge { at, across, length_px, polarity, strength, energy: height, frequency })
     }

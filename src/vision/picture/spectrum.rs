@@ -13,6 +13,10 @@ use crate::vision::{
 
 /// Frequencies of a channel that are computed, times its own: beyond, it passes less than a hundredth.
 const REACH: f64 = 4.0;
+/// The same of a coarse channel, whose energy has flat peaks that are found too far off where it has few samples...
+const COARSE_REACH: f64 = 8.0;
+/// ...and from where on it does without, cycles a degree: sampled more finely, the others would take most of the time.
+const COARSE_TOP: f64 = 10.0;
 /// Highest frequency of the mean light, cycles a degree.
 const MEAN_TOP: f64 = 2.0;
 
@@ -161,7 +165,8 @@ impl Spectrum {
     /// its odd part, to the right and down, is the response of the quadrature pair that is turned across the local
     /// structure, so that all orientations are seen alike and none has to be sampled.
     pub(super) fn respond(&self, channel: Channel, scratch: &mut Scratch) -> Responses {
-        let grid = self.grid(REACH * channel.frequency);
+        let own = channel.frequency;
+        let grid = self.grid((COARSE_REACH * own).min(COARSE_TOP).max(REACH * own));
         let gains = self.gains(channel, &grid);
         let (across, whole) = (grid.columns / 2 + 1, self.columns / 2 + 1);
         let cropped = self.cropped(&grid);

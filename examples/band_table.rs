@@ -1,0 +1,134 @@
+//! How visible the model of vision finds the bands that each shader leaves: the table of `docs/shaders.md`.
+//!
+//! `cargo run --release --example band_table [DEFAULT]`
+//!
+//! Pictures of 512 pixels a side, 10° wide, without their outlines; white has 100 cd/m². Each cell has the visibility of
+//! the strongest band, then the amount of bands (strength times length over the area), both relative to Gouraud's. The lamp
+//! stands at the eye and the surface is matt, so that the light of the surface itself has no lines; with an argument the
+//! scene is that of the demo, whose terminators and highlights are lines of their own.
+
+use std::error::Error;
+
+use glam::DVec3;
+use machband::{
+    light::{Depth, LinearImage},
+    shading::{Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface, shapes},
+    stimulus::Sight,
+    vision::PictureView,
+};
+
+/// Pixels a side.
+const SIZE: u32 = 512;
+/// Degrees a side.
+const WINDOW_DEG: f64 = 10.0;
+/// Vertices of the meshes that stand for the smooth surfaces.
+const FINE: usize = 60_000;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let is_default = std::env::args().nth(1).is_some();
+    let lamp = |scene: Scene| if is_default { scene } else { Scene { light: DVec3::Z, specular: 0.0, ..scene } };
+    let turned = |rotate_deg| lamp(Scene { rotate_deg, ..Scene::default() });
+    let (usual, blob, sheet) =
+        (turned(Scene::default().rotate_deg), turned([0.0, -30.0, 0.0]), turned([-20.0, 15.0, 0.0]));
+    let shape = |shape, vertices| shapes::mesh(shape, vertices);
+    let fine_blob = shape(shapes::Shape::Blob, FINE)?;
+    let subjects = [
+        ("sphere", usual, shape(shapes::Shape::Sphere, 642)?, shape(shapes::Shape::Sphere, FINE)?),
+        ("torus", usual, shape(shapes::Shape::Torus, 768)?, shape(shapes::Shape::Torus, FINE)?),
+        ("blob-622", blob, shape(shapes::Shape::Blob, 313)?, fine_blob.clone()),
+        ("blob-1538", blob, shape(shapes::Shape::Blob, 771)?, fine_blob),
+        ("sheet-512", sheet, waves(16, shapes::MOST_JITTER)?, waves(250, 0.0)?),
+    ];
+    let subjects: Vec<Subject> = subjects
+        .into_iter()
+        .map(|(name, scene, mesh, fine)| Subject::new(name, &scene, mesh, fine))
+        .collect::<Result<_, _>>()?;
+    println!("| shader | n | b | {} |", subjects.iter().map(|s| s.name).collect::<Vec<_>>().join(" | "));
+    println!("|---|---|---|{}", "---|".repeat(subjects.len()));
+    let smooth: Vec<String> = subjects.iter().map(|s| s.cell(&s.smooth)).collect();
+    println!("| the smooth function | | | {} |", smooth.join(" | "));
+    for shade in shades() {
+        let cells =
+            subjects.iter().map(|s| Ok(s.cell(&s.seen(&shade)?))).collect::<Result<Vec<_>, Box<dyn Error>>>()?;
+        println!("| {} | {} |", head(&shade).join(" | "), cells.join(" | "));
+    }
+    println!("\nGouraud's own: visibility, and amount per degree:");
+    for subject in &subjects {
+        println!("{}: {:.1}, {:.2}", subject.name, subject.gouraud.visibility.max(), subject.gouraud.density);
+    }
+    Ok(())
+}
+
+/// A sheet in waves, its triangles of all shapes, with the normals of the waves.
+fn waves(cells: usize, jitter: f64) -> Result<Mesh, Box<dyn Error>> {
+    let mesh =
+        shapes::jittered_grid(cells, cells, jitter, |x, y| 0.25 * (2.2 * x + 0.5).sin() * (1.9 * y - 0.4).cos())?;
+    Ok(mesh.with_normals(|p| {
+        let ((up, along), (down, across)) = ((2.2 * p.x + 0.5).sin_cos(), (1.9 * p.y - 0.4).sin_cos());
+        DVec3::new(-0.25 * 2.2 * along * across, 0.25 * 1.9 * up * down, 1.0)
+    }))
+}
+
+struct Subject {
+    name: &'static str,
+    frame: Frame,
+    gouraud: PictureView,
+    smooth: PictureView,
+}
+
+impl Subject {
+    fn new(name: &'static str, scene: &Scene, mesh: Mesh, fine: Mesh) -> Result<Subject, Box<dyn Error>> {
+        let frame = scene.frame(&Surface::new(mesh), SIZE, SIZE);
+        let gouraud = seen(&frame, &Reference::new(&frame, &Shade::new(Shader::Gouraud)).image())?;
+        // Lit at every pixel, by normals that hardly turn within a triangle.
+        let fine = scene.frame(&Surface::new(fine), SIZE, SIZE);
+        let smooth = seen(&frame, &Reference::new(&fine, &Shade::new(Shader::Phong)).image())?;
+        Ok(Subject { name, frame, gouraud, smooth })
+    }
+
+    fn seen(&self, shade: &Shade) -> Result<PictureView, Box<dyn Error>> {
+        seen(&self.frame, &Reference::new(&self.frame, shade).image())
+    }
+
+    fn cell(&self, view: &PictureView) -> String {
+        let strongest = view.visibility.max() / self.gouraud.visibility.max();
+        format!("{strongest:.2}, {:.2}", view.density / self.gouraud.density)
+    }
+}
+
+fn seen(frame: &Frame, image: &LinearImage) -> Result<PictureView, Box<dyn Error>> {
+    Ok(Sight::new(WINDOW_DEG).see_surface(frame, image)?)
+}
+
+/// Each shader with the depths and widths at which it is compared.
+fn shades() -> Vec<Shade> {
+    let crossed = |shader, depths: &[u8], widths: &[f64]| -> Vec<Shade> {
+        let with = |depth: &u8, boundary: &f64| Shade {
+            depth: Depth::Finite(*depth),
+            boundary: *boundary,
+            ..Shade::new(shader)
+        };
+        depths.iter().flat_map(|depth| widths.iter().map(move |width| with(depth, width))).collect()
+    };
+    let family = |&shader: &Shader| match shader {
+        Shader::Patch => Gradients::ALL.iter().map(|&gradients| Shade { gradients, ..Shade::new(shader) }).collect(),
+        Shader::Cut => crossed(shader, &[1, 2], &[0.1, 1.0 / 3.0, 1.0]),
+        Shader::Fixed | Shader::Gradient | Shader::Exact => crossed(shader, &[2, 3], &[0.05, 0.2, 1.0 / 3.0]),
+        Shader::GradientRepaired => crossed(shader, &[3], &[0.2]),
+        _ => vec![Shade::new(shader)],
+    };
+    Shader::ALL.iter().flat_map(family).collect()
+}
+
+/// Shader, n and b.
+fn head(shade: &Shade) -> [String; 3] {
+    use Shader::{Flat, Gouraud, Patch, Phong, Quadratic};
+    let name = match shade.shader {
+        Patch => format!("patch ({})", shade.gradients),
+        shader => shader.to_string(),
+    };
+    if matches!(shade.shader, Flat | Gouraud | Phong | Quadratic | Patch) {
+        return [name, String::new(), String::new()];
+    }
+    [name, shade.depth.to_string(), format!("{:.2}", shade.boundary)]
+}

@@ -1,0 +1,252 @@
+//! What is known of Mach bands, and which of it each model meets: the table of `docs/models.md`.
+//!
+//! `cargo run --release --example fact_table`
+//!
+//! Profiles from ¼ to ¾ of white, 10° long with 128 samples a degree, that go on beyond their ends as they end.
+
+use statrs::function::erf::erf;
+
+use machband::{
+    light::{Depth, Interpolation},
+    vision::{
+        Border, Eye, Line, Polarity,
+        baselines::{self, Baseline, Mark},
+    },
+};
+
+const PX_PER_DEG: f64 = 128.0;
+const LENGTH_DEG: f64 = 10.0;
+/// Widths of ramps, degrees.
+const WIDTHS: [f64; 10] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4];
+/// Those of Bangay's ramps, in a window of 10°.
+const USUAL: [f64; 6] = [0.2, 0.5, 1.0, 2.0, 4.0, 8.0];
+/// Those where bands are strongest.
+const STRONGEST: [f64; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
+/// What counts as nothing, of the largest.
+const NOTHING: f64 = 0.01;
+
+/// The model of this library, its channels taken together.
+struct LocalEnergy {
+    border: Border,
+}
+
+impl Baseline for LocalEnergy {
+    fn name(&self) -> &'static str {
+        "local energy (ours)"
+    }
+
+    fn marks(&self, light: &[f64], px_per_deg: f64) -> Vec<Mark> {
+        let line = Line::new(light.len(), px_per_deg, &Eye::default());
+        let Ok(view) = line.and_then(|line| line.see(light, self.border)) else { return Vec::new() };
+        let first = |polarity| view.bands.iter().find(move |band| band.polarity == polarity);
+        let mark = |polarity, strength| {
+            let at_deg = first(polarity)?.at_deg[0];
+            Some(Mark { at_deg, bright: polarity == Polarity::Bright, strength })
+        };
+        let both = [(Polarity::Bright, view.visibility.bright), (Polarity::Dark, view.visibility.dark)];
+        both.into_iter().filter(|(_, strength)| *strength > 0.0).filter_map(|(p, strength)| mark(p, strength)).collect()
+    }
+}
+
+/// A ramp: width in degrees, depth, contrast (¼ to ¾ has ½).
+#[derive(Clone, Copy)]
+struct Ramp {
+    width: f64,
+    depth: Depth,
+    contrast: f64,
+}
+
+impl Ramp {
+    fn new(width: f64, depth: u8) -> Ramp {
+        Ramp { width, depth: Depth::Finite(depth), contrast: 0.5 }
+    }
+
+    fn light(&self) -> Vec<f64> {
+        let step = Interpolation::new(self.depth);
+        let rise = |x: f64| {
+            if self.width > 0.0 {
+                step.value((x / self.width + 0.5).clamp(0.0, 1.0))
+            } else {
+                f64::from(u8::from(x >= 0.0))
+            }
+        };
+        profile(|x| 0.5 + self.contrast * (rise(x) - 0.5))
+    }
+}
+
+fn profile(light: impl Fn(f64) -> f64) -> Vec<f64> {
+    let samples = (LENGTH_DEG * PX_PER_DEG) as usize;
+    (0..samples).map(|i| light((i as f64 + 0.5) / PX_PER_DEG - LENGTH_DEG / 2.0)).collect()
+}
+
+/// What a model says of a fact: a number or more, and whether that meets it.
+type Answer = (String, bool);
+
+struct Asked<'a> {
+    model: &'a dyn Baseline,
+    /// The same that does not judge what lies beside the ends of a profile.
+    inside: &'a dyn Baseline,
+    /// For linear ramps of [`WIDTHS`].
+    by_width: Vec<f64>,
+    largest: f64,
+}
+
+impl Asked<'_> {
+    fn of<'a>(model: &'a dyn Baseline, inside: &'a dyn Baseline) -> Asked<'a> {
+        let by_width: Vec<f64> =
+            WIDTHS.iter().map(|width| strength(model, &Ramp::new(*width, 1).light(), 1.0)).collect();
+        let largest = by_width.iter().copied().fold(0.0, f64::max);
+        Asked { model, inside, by_width, largest }
+    }
+
+    fn strength(&self, light: &[f64]) -> f64 {
+        strength(self.model, light, 1.0)
+    }
+
+    fn share(&self, light: &[f64], most: f64) -> Answer {
+        let share = self.strength(light) / self.largest;
+        (format!("{share:.3}"), share <= most)
+    }
+
+    fn narrow(&self) -> Answer {
+        let share = self.by_width[0].max(self.by_width[1]) / self.largest;
+        (format!("{share:.3}"), share <= 0.1)
+    }
+
+    fn optimum(&self) -> Answer {
+        let (best, _) = self.by_width.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap_or((0, &0.0));
+        let rises = self.by_width[..=best].windows(2).all(|pair| pair[1] >= pair[0]);
+        let falls = self.by_width[best..].windows(2).all(|pair| pair[1] <= pair[0]);
+        // Flat is no optimum.
+        let ends = self.by_width[0].max(self.by_width[WIDTHS.len() - 1]) / self.largest;
+        (
+            format!("{}°, ends {ends:.2}", WIDTHS[best]),
+            rises && falls && best > 0 && best + 1 < WIDTHS.len() && ends < 0.9,
+        )
+    }
+
+    fn depths(&self) -> Answer {
+        let mut met = true;
+        let rows = [0.4, 1.0].map(|width| {
+            let of = [1, 2, 3, 4].map(|depth| self.strength(&Ramp::new(width, depth).light()) / self.largest);
+            met &= of.windows(2).all(|pair| pair[1] < pair[0] || pair[0] <= NOTHING && pair[1] <= NOTHING);
+            of.map(|share| format!("{share:.2}")).join(" ")
+        });
+        (rows.join("; "), met)
+    }
+
+    fn endless(&self) -> Answer {
+        let of = |depth| {
+            [0.4, 1.0].map(|width| self.strength(&Ramp { depth, ..Ramp::new(width, 1) }.light()) / self.largest)
+        };
+        let (third, endless) = (of(Depth::Finite(3)), of(Depth::Infinite));
+        let text = endless.map(|share| format!("{share:.2}")).join(", ");
+        (text, endless.iter().zip(third).all(|(endless, third)| *endless <= third + NOTHING))
+    }
+
+    fn doubled(&self, widths: &[f64]) -> Answer {
+        let pairs = conditions(widths).map(|ramp| [1.0, 2.0].map(|size| strength(self.model, &ramp.light(), size)));
+        ranks_agree(pairs.collect(), 0.95)
+    }
+
+    fn contrast(&self) -> Answer {
+        let strength = |ramp: Ramp| [0.2, 0.8].map(|contrast| self.strength(&Ramp { contrast, ..ramp }.light()));
+        ranks_agree(conditions(&USUAL).map(strength).collect(), 0.95)
+    }
+
+    fn none(&self, lights: impl Iterator<Item = Vec<f64>>) -> Answer {
+        let middle = |mark: &Mark| mark.at_deg.abs() <= LENGTH_DEG / 4.0;
+        let strongest = |light: Vec<f64>| {
+            let marks = self.inside.marks(&light, PX_PER_DEG);
+            marks.iter().filter(|mark| middle(mark)).map(|mark| mark.strength).fold(0.0, f64::max)
+        };
+        let most = lights.map(strongest).fold(0.0, f64::max) / self.largest;
+        (format!("{most:.3}"), most <= NOTHING)
+    }
+
+    fn ends(&self) -> Answer {
+        let mut farthest: f64 = 0.0;
+        let mut right = true;
+        for width in [0.2, 0.4, 0.8, 1.6] {
+            let marks = self.model.marks(&Ramp::new(width, 1).light(), PX_PER_DEG);
+            for (bright, end) in [(true, width / 2.0), (false, -width / 2.0)] {
+                let strongest =
+                    marks.iter().filter(|mark| mark.bright == bright).max_by(|a, b| a.strength.total_cmp(&b.strength));
+                match strongest {
+                    Some(mark) => farthest = farthest.max((mark.at_deg - end).abs() / width),
+                    None => right = false,
+                }
+            }
+        }
+        (format!("{farthest:.2}"), right && farthest <= 0.5)
+    }
+}
+
+/// The strongest mark; the picture `size` times as large.
+fn strength(model: &dyn Baseline, light: &[f64], size: f64) -> f64 {
+    model.marks(light, PX_PER_DEG / size).iter().map(|mark| mark.strength).fold(0.0, f64::max)
+}
+
+fn conditions(widths: &[f64]) -> impl Iterator<Item = Ramp> {
+    let depths = [1, 2, 3, 4].map(Depth::Finite).into_iter().chain([Depth::Infinite]);
+    widths.iter().flat_map(move |width| depths.clone().map(|depth| Ramp { depth, ..Ramp::new(*width, 1) }))
+}
+
+fn ranks_agree(pairs: Vec<[f64; 2]>, least: f64) -> Answer {
+    let of = |i: usize| pairs.iter().map(|pair| pair[i]).collect::<Vec<_>>();
+    match machband::report::prediction::rank_correlation(&of(0), &of(1)) {
+        Some(rho) => (format!("{rho:.3}"), rho >= least),
+        None => ("—".to_owned(), false),
+    }
+}
+
+/// A fact with its bound, and how a model is asked.
+type Fact = (&'static str, fn(&Asked) -> Answer);
+
+const FACTS: [Fact; 13] = [
+    ("a step has no band: at most 0.01 of the largest", |asked| asked.share(&Ramp::new(0.0, 1).light(), 0.01)),
+    ("very narrow ramps (≤ 0.02°) hardly any: at most 0.10", |asked| asked.narrow()),
+    ("one optimum of width between", |asked| asked.optimum()),
+    ("falls with n = 1, 2, 3, 4 (at 0.4°; 1°)", |asked| asked.depths()),
+    ("n = ∞ at most n = 3 (at 0.4°, 1°)", |asked| asked.endless()),
+    ("doubling all sizes keeps the order of ramps of 0.2…8°: ρ ≥ 0.95", |asked| asked.doubled(&USUAL)),
+    ("the same of ramps of 0.1…1.6°, where bands are strongest", |asked| asked.doubled(&STRONGEST)),
+    ("contrast 20 and 80 % too: ρ ≥ 0.95", |asked| asked.contrast()),
+    ("a uniform field has none", |asked| asked.none(std::iter::once(profile(|_| 0.5)))),
+    ("gratings of 0.25…4 c/° have none", |asked| {
+        asked.none(
+            [0.25, 0.5, 1.0, 2.0, 4.0]
+                .into_iter()
+                .map(|f: f64| profile(|x| 0.5 + 0.25 * (std::f64::consts::TAU * f * x).sin())),
+        )
+    }),
+    ("blurred edges (σ 0.05…1°) have none", |asked| {
+        asked.none(
+            [0.05, 0.1, 0.2, 0.5, 1.0].into_iter().map(|s: f64| profile(|x| 0.5 + 0.25 * erf(x / s / 2f64.sqrt()))),
+        )
+    }),
+    ("bright above, dark below the ramp, near its ends (distance, of the width)", |asked| asked.ends()),
+    ("bands of linear ramps are the largest", |asked| {
+        let deeper =
+            conditions(&USUAL).filter(|ramp| ramp.depth != Depth::Finite(1)).map(|ramp| asked.strength(&ramp.light()));
+        let most = deeper.fold(0.0, f64::max) / asked.largest;
+        (format!("{most:.2}"), most < 1.0)
+    }),
+];
+
+fn main() {
+    let baselines = baselines::all();
+    let (ours, inside) = (LocalEnergy { border: Border::Continues }, LocalEnergy { border: Border::Cut });
+    let asked: Vec<Asked> = std::iter::once(Asked::of(&ours, &inside))
+        .chain(baselines.iter().map(|model| Asked::of(model.as_ref(), model.as_ref())))
+        .collect();
+    println!("| fact | {} |", asked.iter().map(|asked| asked.model.name()).collect::<Vec<_>>().join(" | "));
+    println!("|---|{}", "---|".repeat(asked.len()));
+    for (fact, ask) in FACTS {
+        let cells = asked.iter().map(|asked| {
+            let (text, met) = ask(asked);
+            format!("{} {text}", if met { "yes:" } else { "**no**:" })
+        });
+        println!("| {fact} | {} |", cells.collect::<Vec<_>>().join(" | "));
+    }
+}
