@@ -203,7 +203,7 @@ fn ranks_agree(pairs: Vec<[f64; 2]>, least: f64) -> Answer {
 /// A fact with its bound, and how a model is asked.
 type Fact = (&'static str, fn(&Asked) -> Answer);
 
-const FACTS: [Fact; 13] = [
+const FACTS: [Fact; 12] = [
     ("a step has no band: at most 0.01 of the largest", |asked| asked.share(&Ramp::new(0.0, 1).light(), 0.01)),
     ("very narrow ramps (≤ 0.02°) hardly any: at most 0.10", |asked| asked.narrow()),
     ("one optimum of width between", |asked| asked.optimum()),
@@ -226,12 +226,6 @@ const FACTS: [Fact; 13] = [
         )
     }),
     ("bright above, dark below the ramp, near its ends (distance, of the width)", |asked| asked.ends()),
-    ("bands of linear ramps are the largest", |asked| {
-        let deeper =
-            conditions(&USUAL).filter(|ramp| ramp.depth != Depth::Finite(1)).map(|ramp| asked.strength(&ramp.light()));
-        let most = deeper.fold(0.0, f64::max) / asked.largest;
-        (format!("{most:.2}"), most < 1.0)
-    }),
 ];
 
 fn main() {

@@ -1,0 +1,62 @@
+//! How long the model of vision takes: for pictures, and for ramps that vary in one direction.
+//!
+//! `cargo bench --bench vision`
+
+use divan::{Bencher, black_box};
+use machband::{
+    light::Depth,
+    shading::{Reference, Scene, Shade, Shader, Surface, coverage, shapes},
+    stimulus::{MachBand, Sight, Stimulus},
+    vision::{Border, Eye, Line, Picture, luminance, luminances},
+};
+
+fn main() {
+    divan::main();
+}
+
+/// A ramp across a picture of 512 × 512 pixels, 10° wide.
+#[divan::bench(sample_count = 20)]
+fn picture_of_a_ramp(bencher: Bencher) {
+    let light = luminances(&MachBand { orientation_deg: 30.0, ..MachBand::default() }.linear(512));
+    see(bencher, &light, None);
+}
+
+/// Gouraud's shading of a blob, outlines left out.
+#[divan::bench(sample_count = 20)]
+fn picture_of_a_mesh(bencher: Bencher) {
+    let surface = Surface::new(shapes::mesh(shapes::Shape::Blob, 313).expect("a blob"));
+    let frame = Scene::default().frame(&surface, 512, 512);
+    let light = luminances(&Reference::new(&frame, &Shade::new(Shader::Gouraud)).image());
+    see(bencher, &light, Some(&coverage::inside_outlines(&frame)));
+}
+
+fn see(bencher: Bencher, light: &[f64], mask: Option<&[bool]>) {
+    let picture = Picture { light, width: 512, height: 512, px_per_deg: 51.2, mask };
+    bencher.bench_local(|| black_box(&picture).see(&Eye::default()).expect("a picture"));
+}
+
+/// A thousand ramps of different widths, each for its own eye, as `machband predict` sees them; one thread.
+#[divan::bench(sample_count = 5)]
+fn thousand_conditions(bencher: Bencher) {
+    let ramp = |i: u32| {
+        let width = 0.01 + 0.00095 * f64::from(i);
+        Stimulus::MachBand(MachBand { width, depth: Depth::Finite(1), ..MachBand::default() })
+    };
+    let ramps: Vec<Stimulus> = (0..1000).map(ramp).collect();
+    let sight = Sight::new(10.0);
+    bencher.bench_local(|| {
+        ramps.iter().map(|ramp| sight.see(ramp, 512).expect("a ramp").visibility().max()).fold(0.0, f64::max)
+    });
+}
+
+/// A thousand profiles of 512 pixels, seen by filters that are made once; one thread.
+#[divan::bench(sample_count = 5)]
+fn thousand_profiles(bencher: Bencher) {
+    let profile: Vec<f64> = Stimulus::MachBand(MachBand::default()).profile(512).into_iter().map(luminance).collect();
+    let line = Line::new(512, 51.2, &Eye::default()).expect("a line");
+    bencher.bench_local(|| {
+        (0..1000)
+            .map(|_| line.see(black_box(&profile), Border::Continues).expect("a view").visibility.max())
+            .sum::<f64>()
+    });
+}

@@ -1,0 +1,27 @@
+//! How long the model of vision takes for a picture: `picture_speed [PIXELS A SIDE] [PIXELS A DEGREE]`. For
+//! `benches/odog_peers.py`.
+//!
+//! The picture is a linear ramp between plateaus, as ODOG's in `examples/odog.rs`. It prints the median of seven runs; there
+//! is nothing to construct.
+
+use std::{error::Error, time::Instant};
+
+use machband::vision::{Eye, Picture};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let size: usize = arguments.next().map_or(Ok(512), |text| text.parse())?;
+    let px_per_deg: f64 = arguments.next().map_or(Ok(32.0), |text| text.parse())?;
+    let row = (0..size).map(|x| 0.25 + 0.5 * ((x as f64 / size as f64 - 0.4) / 0.2).clamp(0.0, 1.0));
+    let light = row.collect::<Vec<_>>().repeat(size);
+    let picture = Picture { light: &light, width: size, height: size, px_per_deg, mask: None };
+    let mut times = Vec::new();
+    for _ in 0..7 {
+        let began = Instant::now();
+        std::hint::black_box(picture.see(&Eye::default())?);
+        times.push(began.elapsed().as_secs_f64());
+    }
+    times.sort_by(f64::total_cmp);
+    println!("construct_s 0.000000 run_s {:.6}", times[3]);
+    Ok(())
+}
