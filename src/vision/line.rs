@@ -1,6 +1,6 @@
 //! Along a line: for stimuli that vary in one direction only.
 
-use std::{f64::consts::PI, sync::Arc};
+use std::{cell::RefCell, f64::consts::PI, sync::Arc};
 
 use rustfft::{Fft, num_complex::Complex64};
 
@@ -26,39 +26,47 @@ pub struct Line {
     /// Samples until the profile repeats.
     period: usize,
     forward: Arc<dyn Fft<f64>>,
-    channels: Vec<Filter>,
+    /// For each place of the spectrum: from a jump of the light to what is seen of it.
+    weights: Vec<f64>,
+    channels: Arc<[Filter]>,
 }
 
-/// One of a spectrum.
-struct Frequency {
-    /// The logarithm of cycles a degree.
-    log: f64,
-    /// From a jump of the light to what is seen of it.
-    weight: f64,
+/// One channel of profiles of one length, whatever the eye.
+struct Filter {
+    channel: Channel,
+    /// The first frequency that it passes, in cycles a repeat.
+    first: usize,
+    /// Share that it passes of this and of those that follow.
+    passes: Vec<f64>,
+    inverse: Arc<dyn Fft<f64>>,
 }
 
-/// Those up to the place `last`, for all channels.
-fn frequencies(last: usize, length: f64, eye: &Eye) -> Vec<Frequency> {
-    let frequency = |j: usize| {
-        let f = j as f64 / length;
-        // From jumps to light: divided by 2πif. Twice, since only frequencies above 0 are kept.
-        Frequency { log: f.ln(), weight: eye.sensitivity(f) / (PI * f * length) }
-    };
-    (0..=last).map(frequency).collect()
+thread_local! {
+    /// Those made last, with the length that they are for: conditions that are seen one after another have one length, and
+    /// each an eye of its own.
+    static LAST: RefCell<Option<(f64, Arc<[Filter]>)>> = const { RefCell::new(None) };
+}
+
+/// All channels for profiles that repeat after `length` degrees.
+fn filters(length: f64) -> Arc<[Filter]> {
+    LAST.with_borrow_mut(|last| match last {
+        Some((known, filters)) if *known == length => filters.clone(),
+        _ => {
+            let logs: Vec<f64> = (0..=last_place(finest(), length)).map(|j| (j as f64 / length).ln()).collect();
+            let filters: Arc<[Filter]> = Channel::all().map(|channel| Filter::new(channel, length, &logs)).collect();
+            *last = Some((length, filters.clone()));
+            filters
+        }
+    })
+}
+
+fn finest() -> f64 {
+    Channel::all().map(|channel| channel.frequency).fold(0.0, f64::max)
 }
 
 /// The last place of the spectrum that a channel passes.
 fn last_place(frequency: f64, length: f64) -> usize {
     ((frequency * REACH * length).floor() as usize).max(1)
-}
-
-struct Filter {
-    channel: Channel,
-    /// The first frequency that it passes, in cycles a repeat.
-    first: usize,
-    /// Gain of this and of those that follow.
-    gains: Vec<Complex64>,
-    inverse: Arc<dyn Fft<f64>>,
 }
 
 /// What is seen along a line.
@@ -84,11 +92,14 @@ impl Line {
         }
         let period = smooth(samples + (BEYOND_DEG * px_per_deg).ceil() as usize);
         let length = period as f64 / px_per_deg;
-        let forward = fft::forward(period);
-        let finest = Channel::all().map(|channel| channel.frequency).fold(0.0, f64::max);
-        let frequencies = frequencies(last_place(finest, length), length, eye);
-        let channels = Channel::all().map(|channel| Filter::new(channel, length, &frequencies)).collect();
-        Ok(Line { samples, px_per_deg, period, forward, channels })
+        let weight = |j: usize| {
+            let f = j as f64 / length;
+            // From jumps to light: divided by 2πif. Twice, since only frequencies above 0 are kept.
+            if j > 0 { eye.sensitivity(f) / (PI * f * length) } else { 0.0 }
+        };
+        let weights = (0..=last_place(finest(), length)).map(weight).collect();
+        let (forward, channels) = (fft::forward(period), filters(length));
+        Ok(Line { samples, px_per_deg, period, forward, weights, channels })
     }
 
     /// What is seen of `light`, linear, 1 for white. It goes on beyond its ends as it ends.
@@ -125,7 +136,8 @@ impl Line {
         Ok(view)
     }
 
-    /// Of the light's jumps from pixel to pixel: pixels are squares, and their light is a staircase.
+    /// As the eye is sensitive to it, of the light's jumps from pixel to pixel: pixels are squares, and their light is a
+    /// staircase.
     /// Beyond an edge that cuts, jumps come back as they went and fade: light and slope go on.
     fn spectrum(&self, light: &[f64], border: Border) -> Vec<Complex64> {
         let mut jumps = vec![Complex64::default(); self.period];
@@ -142,21 +154,22 @@ impl Line {
             }
         }
         self.forward.process(&mut jumps);
-        jumps
+        let seen = |(j, weight): (usize, &f64)| jumps[j % jumps.len()] * Complex64::new(0.0, -weight);
+        self.weights.iter().enumerate().map(seen).collect()
     }
 }
 
 impl Filter {
-    fn new(channel: Channel, length: f64, frequencies: &[Frequency]) -> Filter {
+    /// `logs` has the logarithm of every place's frequency.
+    fn new(channel: Channel, length: f64, logs: &[f64]) -> Filter {
         let first = ((channel.frequency / REACH * length).ceil() as usize).max(1);
         let last = last_place(channel.frequency, length);
-        let log = channel.frequency.ln();
-        let gain = |f: &Frequency| Complex64::new(0.0, -channel.passes_log(f.log - log) * f.weight);
+        let own = channel.frequency.ln();
         let samples = smooth((SAMPLES_PER_PERIOD * channel.frequency * length).ceil() as usize);
         Filter {
             channel,
             first,
-            gains: frequencies[first..=last].iter().map(gain).collect(),
+            passes: logs[first..=last].iter().map(|log| channel.passes_log(log - own)).collect(),
             inverse: fft::inverse(samples.max(last + 1)),
         }
     }
@@ -165,8 +178,8 @@ impl Filter {
     fn respond(&self, spectrum: &[Complex64], response: &mut Vec<Complex64>) {
         response.clear();
         response.resize(self.inverse.len(), Complex64::default());
-        for (j, gain) in (self.first..).zip(&self.gains) {
-            response[j] = gain * spectrum[j % spectrum.len()];
+        for (j, passes) in (self.first..).zip(&self.passes) {
+            response[j] = spectrum[j] * passes;
         }
         self.inverse.process(response);
     }
