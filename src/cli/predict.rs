@@ -93,7 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(path) = &arguments.image {
         let visibility = image(arguments, path, &sight)?;
         let row = Prediction { values: vec![path.display().to_string()], visibility };
-        return write(arguments, &["image".to_owned()], &[row], &criterion);
+        return write(arguments, &["image".to_owned()], &[row], &criterion, 0.0);
     }
     let stimulus = arguments.stimulus.stimulus()?;
     let size = arguments.size.unwrap_or_else(|| Sight::px(&stimulus));
@@ -103,7 +103,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let header: Vec<String> = std::iter::once("stimulus").chain(names.iter().copied()).map(str::to_owned).collect();
     let value = |name: &&str| stimulus.get(name).map_or_else(String::new, |value| value.to_string());
     let values = std::iter::once(stimulus.kind().to_owned()).chain(names.iter().map(value)).collect();
-    write(arguments, &header, &[Prediction { values, visibility: seen }], &criterion)
+    write(arguments, &header, &[Prediction { values, visibility: seen }], &criterion, 0.0)
 }
 
 fn image(arguments: &Arguments, path: &Path, sight: &Sight) -> anyhow::Result<Visibility> {
@@ -137,7 +137,7 @@ fn all(arguments: &Arguments, protocol: &Protocol, study: Option<&Study>, sight:
         .map(|(condition, visibility)| Prediction { values: level(condition), visibility: *visibility })
         .collect();
     let Some(study) = study else {
-        return write(arguments, &header, &rows, &criterion(arguments)?);
+        return write(arguments, &header, &rows, &criterion(arguments)?, 0.0);
     };
     let held = prediction::hold_conditions(&study.measured.counts, protocol, &conditions, &seen)
         .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.fit[0].display()))?;
@@ -145,7 +145,7 @@ fn all(arguments: &Arguments, protocol: &Protocol, study: Option<&Study>, sight:
         observer::write_criterion(path, &held.criterion)?;
     }
     if arguments.out.is_some() {
-        write(arguments, &header, &rows, &held.criterion)?;
+        write(arguments, &header, &rows, &held.criterion, prediction::LEAST)?;
     }
     tell(&held)?;
     super::ratings::faults(&study.source)
@@ -175,13 +175,21 @@ fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     }
 }
 
-fn write(arguments: &Arguments, header: &[String], rows: &[Prediction], criterion: &Criterion) -> anyhow::Result<()> {
+/// The table; what is less visible than `least` is rated as that.
+fn write(
+    arguments: &Arguments,
+    header: &[String],
+    rows: &[Prediction],
+    criterion: &Criterion,
+    least: f64,
+) -> anyhow::Result<()> {
     let mut table = csv::Writer::from_writer(Vec::new());
     let columns = ["visibility", "predicted_rating", "visibility_bright", "visibility_dark"];
     table.write_record(header.iter().map(String::as_str).chain(columns))?;
     for row in rows {
         let visibility = row.visibility;
-        let numbers = [visibility.max(), criterion.mean(visibility.max()), visibility.bright, visibility.dark];
+        let numbers =
+            [visibility.max(), criterion.mean(visibility.max().max(least)), visibility.bright, visibility.dark];
         table.write_record(row.values.iter().cloned().chain(numbers.map(|number| format!("{number:.4}"))))?;
     }
     let bytes = table.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;

@@ -15,6 +15,10 @@ use crate::{
 
 pub use study::{Predicted, Unpredicted, hold_conditions, window_deg};
 
+/// Visibility that counts as this at least where it is held against ratings: below half of what is just seen there is
+/// nothing to tell apart, and some who see nothing press another key than 0.
+pub const LEAST: f64 = 0.5;
+
 /// How a prediction stands to ratings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
@@ -93,7 +97,7 @@ fn criterion(counts: &Counts, predicted: impl Fn(u32) -> Option<f64>) -> Result<
     let mut builder = CountsBuilder::new(&["visibility"]).with_categories(&counts.categories);
     for row in &counts.rows {
         let Some(visibility) = predicted(row.condition) else { continue };
-        let log = visibility.max(Criterion::LEAST).ln().to_string();
+        let log = visibility.max(LEAST).ln().to_string();
         let (subject, rating) = (&counts.subjects[row.subject as usize], &counts.categories[row.rating as usize]);
         builder.add(subject, &[log], rating, row.count).map_err(|error| fail(&error))?;
     }

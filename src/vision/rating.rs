@@ -19,10 +19,6 @@ impl Default for Criterion {
 }
 
 impl Criterion {
-    /// Visibility that counts as this at least: below half of what is just seen there is nothing to tell apart, and some
-    /// who see nothing press another key than 0.
-    pub const LEAST: f64 = 0.5;
-
     /// Probability of each rating 0…3 of a band of this visibility, 0 for none.
     #[must_use]
     pub fn probabilities(&self, visibility: f64) -> [f64; 4] {
@@ -37,15 +33,15 @@ impl Criterion {
     }
 
     fn above(&self, visibility: f64, threshold: f64) -> f64 {
-        // (v/t)^(1/s) / (1 + (v/t)^(1/s)): the logistic function of (ln v − ln t)/s.
-        let odds = (visibility.max(Self::LEAST) / threshold).powf(1.0 / self.spread);
+        // (v/t)^(1/s) / (1 + (v/t)^(1/s)): the logistic function of (ln v − ln t)/s, and 0 for no band.
+        let odds = (visibility.max(0.0) / threshold).powf(1.0 / self.spread);
         if odds.is_finite() { odds / (1.0 + odds) } else { 1.0 }
     }
 
     /// The rating with standard logistic `noise`.
     #[must_use]
     pub fn rate(&self, visibility: f64, noise: f64) -> u8 {
-        let latent = visibility.max(Self::LEAST).ln() + self.spread * noise;
+        let latent = visibility.max(0.0).ln() + self.spread * noise;
         self.thresholds.iter().filter(|threshold| latent > threshold.ln()).count() as u8
     }
 }

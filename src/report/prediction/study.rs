@@ -1,6 +1,6 @@
 //! A study's ratings as the model of vision predicts them.
 
-use super::{Held, HeldError, hold};
+use super::{Held, HeldError, LEAST, hold};
 use crate::{
     analysis::{
         counts::{Counts, Factor},
@@ -80,7 +80,12 @@ impl Predicted {
         let held = hold(counts, &seen)?;
         let values = category_values(counts);
         let expected = |visibility: f64| {
-            held.criterion.probabilities(visibility).iter().zip(&values).map(|(share, value)| share * value).sum()
+            held.criterion
+                .probabilities(visibility.max(LEAST))
+                .iter()
+                .zip(&values)
+                .map(|(share, value)| share * value)
+                .sum()
         };
         let ratings = seen.iter().map(|visibility| visibility.map(expected)).collect();
         Ok(Self { sight, held, ratings })
