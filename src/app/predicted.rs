@@ -2,12 +2,9 @@
 
 use crate::{
     light::{CodeImage, Samples, Transfer},
-    vision::{Band, BandMap, LineView, Polarity},
+    vision::{Band, BandMap, LineView, Polarity, pooled},
 };
 
-/// Channels in an octave, and the exponent with which they add up: as the model pools.
-const PER_OCTAVE: f64 = 4.0;
-const POOLING: f64 = 3.0;
 /// Peaks of two channels that are no farther apart than this, periods of the coarser one, are one band.
 const ONE_BAND_PERIODS: f64 = 0.5;
 /// Strength of a band that is just seen; what is less is not shown.
@@ -56,14 +53,13 @@ fn mark(bands: &mut [&Band]) -> Option<Mark> {
     let most = bands.first()?.strength;
     let clear = bands.iter().filter(|band| band.strength >= CLEAR * most);
     let finest = clear.max_by(|a, b| a.frequency.total_cmp(&b.frequency))?;
-    Some(Mark { at_deg: finest.at_deg[0], polarity: finest.polarity, strength: pooled(bands) })
+    Some(Mark { at_deg: finest.at_deg[0], polarity: finest.polarity, strength: over_channels(bands) })
 }
 
 /// Strength over channels, of each the strongest. `bands` has the strongest first.
-fn pooled(bands: &[&Band]) -> f64 {
-    let first = |i: usize| !bands[..i].iter().any(|earlier| earlier.frequency == bands[i].frequency);
-    let sum: f64 = (0..bands.len()).filter(|i| first(*i)).map(|i| bands[i].strength.powf(POOLING)).sum();
-    (sum / PER_OCTAVE).powf(1.0 / POOLING)
+fn over_channels(bands: &[&Band]) -> f64 {
+    let first = |i: &usize| !bands[..*i].iter().any(|earlier| earlier.frequency == bands[*i].frequency);
+    pooled((0..bands.len()).filter(first).map(|i| bands[i].strength))
 }
 
 /// The strongest place of a map.

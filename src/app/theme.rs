@@ -52,6 +52,17 @@ pub fn apply(ctx: &egui::Context) {
     });
 }
 
+/// A page's name and the way back from it: gives whether that is taken.
+pub fn heading(ui: &mut egui::Ui, name: &str) -> bool {
+    ui.horizontal(|ui| {
+        ui.heading(name);
+        let back = ui.button("Back").clicked();
+        ui.label(quiet("Esc"));
+        back
+    })
+    .inner
+}
+
 /// Smaller than on other pages: there is much to set and to see.
 pub fn compact(ui: &mut egui::Ui) {
     let style = ui.style_mut();

@@ -110,7 +110,8 @@ pub(super) fn unpowered(sum: f64) -> f64 {
 }
 
 /// Over all channels, of the strength that each has.
-pub(super) fn pooled(channels: impl Iterator<Item = f64>) -> f64 {
+#[must_use]
+pub fn pooled(channels: impl Iterator<Item = f64>) -> f64 {
     unpowered(channels.map(powered).sum::<f64>() / f64::from(PER_OCTAVE))
 }
 

@@ -23,7 +23,7 @@ mod rating;
 
 use crate::light::LinearImage;
 
-pub use band::{Band, Polarity, Visibility};
+pub use band::{Band, Polarity, Visibility, pooled};
 pub use eye::{Channel, Eye};
 pub use line::{Line, LineView};
 pub use picture::{BandMap, Picture, PictureView};

@@ -180,11 +180,7 @@ impl Analysis {
         let mut named = None;
         let mut keep = false;
         theme::page_from(ui, 0.02, |ui| {
-            ui.horizontal(|ui| {
-                ui.heading("Analysis");
-                back = ui.button("Back").clicked();
-                ui.label(theme::quiet("Esc"));
-            });
+            back = theme::heading(ui, "Analysis");
             if self.reading.is_some() {
                 ui.horizontal(|ui| {
                     ui.spinner();

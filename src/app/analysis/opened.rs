@@ -167,7 +167,7 @@ impl Opened {
             panel.frame(egui::Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
                 look::dense(ui);
                 egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    back = head(ui);
+                    back = theme::heading(ui, "Analysis");
                     self.controls(ui);
                 });
             });
@@ -354,15 +354,4 @@ impl Outcome {
     fn left_out(&self, study: &Study) -> String {
         self.query.filters.words(&study.measured.counts)
     }
-}
-
-/// The pane's name and the way back.
-fn head(ui: &mut egui::Ui) -> bool {
-    ui.horizontal(|ui| {
-        ui.heading("Analysis");
-        let back = ui.button("Back").clicked();
-        ui.label(theme::quiet("Esc"));
-        back
-    })
-    .inner
 }

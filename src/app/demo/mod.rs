@@ -114,7 +114,7 @@ impl Demo {
                 egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     theme::compact(ui);
                     ui.set_max_width(ui.available_width() - 6.0);
-                    back = heading(ui);
+                    back = theme::heading(ui, "Shading");
                     let size =
                         egui::vec2(ui.available_width(), NARROW_VIEW + if self.look.scan { PLOTS + 8.0 } else { 0.0 });
                     ui.allocate_ui(size, |ui| {
@@ -131,7 +131,7 @@ impl Demo {
                     theme::compact(ui);
                     // Room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 6.0);
-                    back = heading(ui);
+                    back = theme::heading(ui, "Shading");
                     self.controls(ui);
                 });
             });
@@ -463,17 +463,6 @@ impl Demo {
         }
         self.export = export;
     }
-}
-
-/// The page's name, and the way back: gives whether it is taken.
-fn heading(ui: &mut egui::Ui) -> bool {
-    ui.horizontal(|ui| {
-        ui.heading("Shading");
-        let back = ui.button("Back").clicked();
-        ui.label(theme::quiet("Esc"));
-        back
-    })
-    .inner
 }
 
 /// A word before its controls, in one piece.

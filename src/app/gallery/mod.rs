@@ -142,12 +142,7 @@ impl Gallery {
 
     /// What there is to set, and to take along; gives whether to go back.
     fn left(&mut self, ui: &mut egui::Ui, faults: Option<&Faults>) -> bool {
-        let mut back = false;
-        ui.horizontal(|ui| {
-            ui.heading("Gallery");
-            back = ui.button("Back").clicked();
-            ui.label(theme::quiet("Esc"));
-        });
+        let back = theme::heading(ui, "Gallery");
         self.controls(ui, faults);
         self.take_along(ui);
         back

@@ -22,7 +22,7 @@ impl Grid {
     }
 
     /// One of `values` at a place of the image, pixels.
-    pub(super) fn at(&self, values: &[f64], place: [f64; 2]) -> f64 {
+    fn at(&self, values: &[f64], place: [f64; 2]) -> f64 {
         self.between(values, self.index(place))
     }
 
@@ -49,6 +49,19 @@ impl Grid {
             across.iter().map(move |across| self.mixed(values, *across, down))
         };
         (0..to.rows).flat_map(row).collect()
+    }
+}
+
+/// One number at every place of a grid.
+pub(super) struct Field {
+    pub(super) grid: Grid,
+    pub(super) values: Vec<f64>,
+}
+
+impl Field {
+    /// At a place of the image, pixels.
+    pub(super) fn at(&self, place: [f64; 2]) -> f64 {
+        self.grid.at(&self.values, place)
     }
 }
 

@@ -13,7 +13,7 @@ use super::{
     eye::{Channel, Eye},
 };
 use clear::Clear;
-use field::Grid;
+use field::{Field, Grid};
 use ridge::{Ridge, Search};
 use spectrum::{Responses, Scratch, Spectrum};
 
@@ -80,7 +80,7 @@ impl Picture<'_> {
             return Err(VisionError::TooSmall { width: self.width, height: self.height, least });
         }
         let mean = spectrum.mean();
-        let seen: Vec<(Vec<Ridge>, Coarse)> = channels
+        let seen: Vec<(Vec<Ridge>, Field)> = channels
             .par_iter()
             // The finest first: they take longest.
             .rev()
@@ -103,13 +103,7 @@ impl Picture<'_> {
     }
 
     /// A channel's ridges, and its energy for those that it masks.
-    fn ridges(
-        &self,
-        channel: Channel,
-        responses: &Responses,
-        mean: &(Grid, Vec<f64>),
-        clear: &Clear,
-    ) -> (Vec<Ridge>, Coarse) {
+    fn ridges(&self, channel: Channel, responses: &Responses, mean: &Field, clear: &Clear) -> (Vec<Ridge>, Field) {
         let px = |deg: f64| deg * self.px_per_deg;
         let search = Search {
             responses,
@@ -120,7 +114,7 @@ impl Picture<'_> {
             margin: px(Border::Cut.margin_deg(channel.frequency)),
             beside: px(Border::Cut.beside_deg(channel.frequency)),
         };
-        (search.ridges(), Coarse::new(self, responses))
+        (search.ridges(), self.energy(responses))
     }
 
     fn view(&self, seen: &[Vec<Ridge>], clear: &Clear) -> PictureView {
@@ -213,35 +207,30 @@ impl Picture<'_> {
     }
 }
 
-/// Energy at a few places.
-struct Coarse {
-    grid: Grid,
-    values: Vec<f64>,
-}
-
-impl Coarse {
-    fn new(picture: &Picture, responses: &Responses) -> Coarse {
-        let step = (picture.px_per_deg / MASK_PER_DEG).max(1.0);
+impl Picture<'_> {
+    /// Energy at the few places at which channels mask each other.
+    fn energy(&self, responses: &Responses) -> Field {
+        let step = (self.px_per_deg / MASK_PER_DEG).max(1.0);
         let count = |side: usize| (side as f64 / step).ceil() as usize + 1;
-        let (columns, rows) = (count(picture.width), count(picture.height));
+        let (columns, rows) = (count(self.width), count(self.height));
         // About the middle, so that an image that is turned is masked as before.
         let first = |n: usize, side: usize| side as f64 / 2.0 - (n - 1) as f64 / 2.0 * step;
-        let first = [first(columns, picture.width), first(rows, picture.height)];
+        let first = [first(columns, self.width), first(rows, self.height)];
         let grid = Grid { columns, rows, first, step: [step; 2] };
         let mut values = responses.grid.resampled(&responses.energy, &grid);
         values.iter_mut().for_each(|energy| *energy = energy.sqrt());
-        Coarse { grid, values }
+        Field { grid, values }
     }
 }
 
 /// Takes from every ridge what finer channels mask; the finest come first.
-fn unmask(seen: Vec<(Vec<Ridge>, Coarse)>) -> Vec<Vec<Ridge>> {
-    let mut finer: Option<Coarse> = None;
+fn unmask(seen: Vec<(Vec<Ridge>, Field)>) -> Vec<Vec<Ridge>> {
+    let mut finer: Option<Field> = None;
     let mut left = Vec::with_capacity(seen.len());
     for (mut ridges, coarse) in seen {
         if let Some(finer) = &finer {
             for ridge in &mut ridges {
-                ridge.strength *= unmasked(ridge.energy, finer.grid.at(&finer.values, ridge.at));
+                ridge.strength *= unmasked(ridge.energy, finer.at(ridge.at));
             }
             ridges.retain(|ridge| ridge.strength > 0.0);
         }

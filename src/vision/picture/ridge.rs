@@ -2,7 +2,7 @@
 
 use rustfft::num_complex::Complex64;
 
-use super::{clear::Clear, field::Grid, spectrum::Responses};
+use super::{clear::Clear, field::Field, spectrum::Responses};
 use crate::vision::{
     band::{FALL_PERIODS, FALLEN, ODD, Polarity, STANDS_OUT, VEIL, strength},
     eye::Channel,
@@ -33,7 +33,7 @@ pub(super) struct Search<'a> {
     pub(super) channel: Channel,
     pub(super) px_per_deg: f64,
     /// Mean light.
-    pub(super) mean: &'a (Grid, Vec<f64>),
+    pub(super) mean: &'a Field,
     /// How far from an edge places are.
     pub(super) clear: &'a Clear,
     /// Pixels to an edge from which on bands are judged.
@@ -144,8 +144,7 @@ impl Search<'_> {
         }
         let lowest = before.max(least(1.0));
         let at = [0, 1].map(|axis| grid.first[axis] + (from[axis] + across[axis] * shift) * grid.step[axis]);
-        let (places, mean) = self.mean;
-        let strength = strength(response, lowest, places.at(mean, at));
+        let strength = strength(response, lowest, self.mean.at(at));
         let polarity = if response.re > 0.0 { Polarity::Bright } else { Polarity::Dark };
         // Cells whose peak lies in them are the more, for a length of line, the more oblique it is.
         let length_px = grid.step[0] * across[0].abs().max(across[1].abs());

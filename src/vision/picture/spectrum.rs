@@ -5,7 +5,10 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
-use super::{Picture, field::Grid};
+use super::{
+    Picture,
+    field::{Field, Grid},
+};
 use crate::vision::{
     eye::{ADAPTATION_DEG, Channel, Eye},
     fft::{self, smooth},
@@ -13,9 +16,9 @@ use crate::vision::{
 
 /// Frequencies of a channel that are computed, times its own: beyond, it passes less than a hundredth.
 const REACH: f64 = 4.0;
-/// The same of a coarse channel, whose energy has flat peaks that are found too far off where it has few samples...
+/// The same of coarse channels: their energy has flat peaks, which are found too far off from few samples.
 const COARSE_REACH: f64 = 8.0;
-/// ...and from where on it does without, cycles a degree: sampled more finely, the others would take most of the time.
+/// Up to this frequency that is done, cycles a degree: beyond it would take most of the time, and change little.
 const COARSE_TOP: f64 = 10.0;
 /// Highest frequency of the mean light, cycles a degree.
 const MEAN_TOP: f64 = 2.0;
@@ -190,7 +193,7 @@ impl Spectrum {
     }
 
     /// Mean light, for which the eye is set.
-    pub(super) fn mean(&self) -> (Grid, Vec<f64>) {
+    pub(super) fn mean(&self) -> Field {
         let grid = self.grid(MEAN_TOP);
         let scale = 1.0 / (self.columns * self.rows) as f64;
         let passes = |k: usize, whole: usize| {
@@ -204,8 +207,8 @@ impl Spectrum {
             mean[to] = value * (across[column.size] * down[row.size] * scale);
         });
         let cropped = self.cropped(&grid);
-        let mean = inverse(&mut mean, &mut Vec::new(), &grid, &cropped, |value| value.re);
-        (cropped.grid, mean)
+        let values = inverse(&mut mean, &mut Vec::new(), &grid, &cropped, |value| value.re);
+        Field { grid: cropped.grid, values }
     }
 
     /// The part of a grid that lies in the image, and one value more on each side.
