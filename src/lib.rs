@@ -27,6 +27,7 @@
 //! *Color, Illumination Models, and Shading*.
 
 pub mod analysis;
+#[cfg(feature = "window")]
 pub mod app;
 pub mod cli;
 pub mod display;

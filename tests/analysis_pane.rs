@@ -1,5 +1,7 @@
 //! The analysis pane, driven without a display: what it shows is held against the analysis itself.
 
+#![cfg(feature = "window")]
+
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},

@@ -1,5 +1,7 @@
 //! The shaders on graphics cards, software ones here, held against the plain f64 reference.
 
+#![cfg(feature = "window")]
+
 use glam::DVec3;
 use machband::{
     light::{Bits, Depth, LinearImage, Quantizer, Transfer, TransferTable},

@@ -1,5 +1,7 @@
 //! Gamma by eye, its check and the steps of equal brightness, driven without a display.
 
+#![cfg(feature = "window")]
+
 use std::path::Path;
 
 use eframe::egui::{self, Key};

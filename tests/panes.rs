@@ -1,5 +1,7 @@
 //! The window's pages, driven without a display: clicks, keys and time come from the test.
 
+#![cfg(feature = "window")]
+
 use std::path::Path;
 
 use eframe::egui::{self, Key};

@@ -1,5 +1,7 @@
 //! The photometer's page, driven without a display: patches, typed readings, the fit, the profile.
 
+#![cfg(feature = "window")]
+
 use std::path::Path;
 
 use eframe::egui::{self, Key};

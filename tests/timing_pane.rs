@@ -1,5 +1,7 @@
 //! The measurement of frames, driven without a display: here every frame takes a 60th of a second.
 
+#![cfg(feature = "window")]
+
 use std::fs;
 
 use eframe::egui::Key;

@@ -6,6 +6,7 @@
 //! Needs `Xvfb`, `openbox`, `xdotool` and ImageMagick's `import`. Where one is missing the tests say `SKIPPED` and
 //! pass, unless `MACHBAND_REQUIRE_DISPLAY=1`.
 
+#![cfg(feature = "window")]
 #![cfg(target_os = "linux")]
 
 use std::{

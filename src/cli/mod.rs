@@ -12,11 +12,13 @@ mod parallel;
 mod plan;
 mod predict;
 mod ratings;
+#[cfg(feature = "window")]
 mod run;
 mod shade;
 mod simulate;
 mod stimuli;
 mod stimulus;
+#[cfg(feature = "window")]
 mod timing;
 
 use std::{
@@ -42,6 +44,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    #[cfg(feature = "window")]
     Run(run::Arguments),
     Simulate(simulate::Arguments),
     Check(check::Arguments),
@@ -53,6 +56,7 @@ enum Command {
     Shade(shade::Arguments),
     Stimulus(stimulus::Arguments),
     Stimuli(stimuli::Arguments),
+    #[cfg(feature = "window")]
     Timing(timing::Arguments),
 }
 
@@ -63,10 +67,17 @@ struct UsageError(String);
 
 /// Runs the program with the process' arguments.
 pub fn main() -> ExitCode {
+    #[cfg(feature = "window")]
     crate::app::timing::mark_start();
     let arguments = Arguments::parse();
     let result = match arguments.command {
+        #[cfg(feature = "window")]
         None => crate::app::open(crate::app::Launch::default()).map_err(Into::into),
+        #[cfg(not(feature = "window"))]
+        None => Err(anyhow::anyhow!(
+            "machband: built without a window; expected the feature `window`, or a command such as machband simulate quick"
+        )),
+        #[cfg(feature = "window")]
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
@@ -78,6 +89,7 @@ pub fn main() -> ExitCode {
         Some(Command::Shade(arguments)) => shade::run(&arguments),
         Some(Command::Stimulus(arguments)) => stimulus::run(&arguments),
         Some(Command::Stimuli(arguments)) => stimuli::run(&arguments),
+        #[cfg(feature = "window")]
         Some(Command::Timing(arguments)) => timing::run(&arguments),
     };
     match result {
@@ -141,11 +153,13 @@ fn spinner(what: &'static str) -> indicatif::ProgressBar {
 }
 
 /// A participant's identifier, for clap.
+#[cfg(feature = "window")]
 fn participant(text: &str) -> Result<String, String> {
     crate::experiment::Identity::check_subject(text).map_err(|error| error.to_string())
 }
 
 /// A session's identifier, for clap.
+#[cfg(feature = "window")]
 fn session(text: &str) -> Result<String, String> {
     crate::experiment::Identity::check_session(text).map_err(|error| error.to_string())
 }

@@ -13,6 +13,7 @@ pub mod crease;
 mod curvature;
 pub mod edges;
 pub mod frame;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod illumination;
 pub mod mesh;
