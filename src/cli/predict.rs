@@ -15,7 +15,7 @@ use crate::{
         prediction::{self, Held, window_deg},
     },
     stimulus::Sight,
-    store::{self, definition, observer, ratings::Reading},
+    store::{self, definition, observer, ratings::Reading, spreadsheet::inert},
     vision::{Criterion, Visibility},
 };
 
@@ -190,7 +190,12 @@ fn write(
         let visibility = row.visibility;
         let numbers =
             [visibility.max(), criterion.mean(visibility.max().max(least)), visibility.bright, visibility.dark];
-        table.write_record(row.values.iter().cloned().chain(numbers.map(|number| format!("{number:.4}"))))?;
+        table.write_record(
+            row.values
+                .iter()
+                .map(|value| inert(value).into_owned())
+                .chain(numbers.map(|number| format!("{number:.4}"))),
+        )?;
     }
     let bytes = table.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;
     match &arguments.out {

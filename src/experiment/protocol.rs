@@ -386,10 +386,12 @@ pub fn name_fault(name: &str) -> Option<String> {
     let well_formed = !name.is_empty()
         && name.len() <= 64
         && name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
+        // A spreadsheet takes a cell that begins so for a formula, and a command line for an option.
+        && !name.starts_with('-')
         && name.bytes().any(|b| b != b'-');
     if !well_formed {
         Some(format!(
-            "name {name:?} is not allowed; expected lower-case letters, digits and hyphens, at most 64, such as \"bangay2003\""
+            "name {name:?} is not allowed; expected lower-case letters, digits and hyphens, no hyphen first, at most 64, such as \"bangay2003\""
         ))
     } else if reserved {
         Some(format!("name {name:?} is reserved by Windows; expected another"))

@@ -11,7 +11,7 @@ use crate::analysis::{
     summary::{Group, Summary},
     times::Quartiles,
 };
-use crate::store::ratings::Shape;
+use crate::store::{ratings::Shape, spreadsheet::inert};
 
 /// A table: its header and its rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +27,12 @@ impl Table {
         Self { header: header.into_iter().map(Into::into).collect(), rows }
     }
 
-    /// As CSV, UTF-8.
+    /// As CSV, UTF-8. Texts that a spreadsheet would run as formulas have an apostrophe before them.
     pub fn csv(&self) -> Vec<u8> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         for row in std::iter::once(&self.header).chain(&self.rows) {
             // Writing to memory does not fail, and all rows have the header's length.
-            let _ = writer.write_record(row);
+            let _ = writer.write_record(row.iter().map(|cell| inert(cell).into_owned()));
         }
         writer.into_inner().unwrap_or_default()
     }

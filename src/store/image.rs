@@ -1,8 +1,13 @@
 //! Images as PNG: gray where the colour allows, with what the codes mean and how they were made.
 
-use std::{borrow::Cow, fs::File, io::BufReader, path::Path};
+use std::{
+    borrow::Cow,
+    fs::File,
+    io::{BufReader, Cursor},
+    path::Path,
+};
 
-use super::{FileFaults, StoreError, dataset::write_whole, fault::io};
+use super::{FileFaults, StoreError, dataset::write_whole, fault::io, picture};
 use crate::{
     light::{
         CodeImage, Quantizer, Samples, Transfer, Transfers,
@@ -245,13 +250,18 @@ pub(super) fn recipe_text(path: &Path) -> Option<String> {
 /// # Errors
 /// Not readable, not a PNG of this program, or too large.
 pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
-    let name = path.display().to_string();
-    let fail = |message: String| FileFaults::whole(&name, message);
-    let file =
-        File::open(path).map_err(|error| fail(format!("cannot be opened: {error}; expected a readable file")))?;
+    parse(&path.display().to_string(), &picture::content(path)?)
+}
+
+/// Reads the content of an image with its recipe; `name` names it in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileFaults> {
+    let fail = |message: String| FileFaults::whole(name, message);
     let broken = |error: png::DecodingError| fail(format!("is not a whole PNG: {error}; expected an image"));
     let limits = png::Limits { bytes: 512 << 20 };
-    let mut decoder = png::Decoder::new_with_limits(BufReader::new(file), limits);
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(content), limits);
     decoder.set_transformations(png::Transformations::IDENTITY);
     let mut reader = decoder.read_info().map_err(broken)?;
     let info = reader.info();
@@ -288,10 +298,7 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
     if width == 0 || width.max(height) > side_max {
         return Err(fail(format!("has {width} × {height} pixels; expected at most {side_max} a side")));
     }
-    let size = reader
-        .output_buffer_size()
-        .ok_or_else(|| fail("is too large; expected an image that fits in memory".to_owned()))?;
-    let mut raw = vec![0; size];
+    let mut raw = picture::room(reader.output_buffer_size(), content.len()).map_err(fail)?;
     reader.next_frame(&mut raw).map_err(broken)?;
     if color == png::ColorType::Indexed {
         let colors = palette.as_chunks::<3>().0;
@@ -325,8 +332,16 @@ pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
 /// # Errors
 /// As [`read`]; or how many codes differ, and the first of them.
 pub fn prove(path: &Path) -> Result<String, FileFaults> {
-    let read = read(path)?;
-    let fail = |message: String| FileFaults::whole(path.display().to_string(), message);
+    prove_content(&path.display().to_string(), &picture::content(path)?)
+}
+
+/// As [`prove`], of the content of an image; `name` names it in messages.
+///
+/// # Errors
+/// As [`prove`].
+pub fn prove_content(name: &str, content: &[u8]) -> Result<String, FileFaults> {
+    let read = parse(name, content)?;
+    let fail = |message: String| FileFaults::whole(name, message);
     let (image, recipe) = (&read.image, &read.recipe);
     if recipe.size == 0 || recipe.size > SIZE_MAX {
         return Err(fail(format!("its recipe asks for {} pixels a side; expected 1…{SIZE_MAX}", recipe.size)));

@@ -26,6 +26,7 @@ pub mod recorded;
 pub mod results;
 pub mod session;
 pub mod sidecar;
+pub mod spreadsheet;
 mod text;
 mod toml_reader;
 pub mod verify;

@@ -1,0 +1,75 @@
+//! A session of 20,000 trials through the real session and the real store: does memory, or the time of a trial, grow?
+//!
+//! `cargo run --release --example long_session [FOLDER]` prints a table, one row a thousand trials: milliseconds a trial
+//! (median, 99th percentile, of which the disk takes nearly all) and resident memory. The session is written below
+//! FOLDER, or a temporary folder; on a disk in memory (`/dev/shm`) the disk's own time falls away.
+
+use std::{
+    path::PathBuf,
+    time::{Duration, Instant},
+};
+
+use jiff::Timestamp;
+use machband::{
+    experiment::{
+        FrameCount, Identity, OrderedLogit, Resumed, RowContext, Schedule, Session, SessionOptions, TrialRecord,
+        simulate,
+    },
+    store::{definition, observer, session::SessionStore, sidecar::Sitting},
+};
+
+/// 200 conditions, each rated 100 times.
+const DEFINITION: &str = r#"
+schema = 1
+name = "long"
+title = "Twenty thousand trials"
+[stimulus]
+kind = "mach-band"
+[factors]
+width = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]
+depth = [1, 2, 3, 4]
+orientation_deg = [0, 45, 90, 135, 180]
+[design]
+repetitions = 100
+practice = 0
+"#;
+/// Trials a row of the table.
+const EACH: usize = 1000;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::env::args().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
+    let results = folder.join(format!("machband-long-{}", std::process::id()));
+    let protocol = definition::parse("long.toml", DEFINITION)?;
+    let identity = Identity::new("S001", "1")?;
+    let schedule = Schedule::new(&protocol, &identity, 1)?;
+    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+    let mut session = Session::new(protocol.clone(), schedule.clone(), &Resumed::default(), options);
+    let observer: OrderedLogit = observer::parse("paper.toml", observer::PAPER)?;
+    let mut store = SessionStore::create(&results, &protocol, &identity, 1, Sitting::default())?;
+    let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
+    println!("{:>6}  {:>9}  {:>9}  {:>8}", "trials", "median ms", "99 % ms", "MiB");
+    let (mut times, mut trials, mut last) = (Vec::with_capacity(EACH), 0, Instant::now());
+    simulate(&mut session, &observer, &identity, Duration::ZERO, |response| {
+        store.append(&TrialRecord::new(&context, response, Timestamp::UNIX_EPOCH + response.onset))?;
+        trials += 1;
+        times.push(last.elapsed());
+        last = Instant::now();
+        if times.len() == EACH {
+            times.sort_unstable();
+            let ms = |at: usize| times[at].as_secs_f64() * 1e3;
+            println!("{trials:>6}  {:>9.3}  {:>9.3}  {:>8.1}", ms(EACH / 2), ms(EACH * 99 / 100), resident_mib());
+            times.clear();
+        }
+        Ok::<_, machband::store::StoreError>(())
+    })?;
+    store.finish(true, Timestamp::UNIX_EPOCH.to_string(), None)?;
+    std::fs::remove_dir_all(&results)?;
+    Ok(())
+}
+
+/// Resident memory of this process, where Linux tells; else 0.
+fn resident_mib() -> f64 {
+    let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    pages.split(' ').nth(1).and_then(|pages| pages.parse::<f64>().ok()).unwrap_or_default() * 4096.0
+        / f64::from(1 << 20)
+}

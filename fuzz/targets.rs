@@ -1,0 +1,159 @@
+//! Everything that reads a file from elsewhere, fed with anything. Each target takes the content of a file and panics
+//! where something is wrong: the reader did, an error says nothing, or what was read does not come back when written.
+//!
+//! The fuzzers run these with what they invent, `tests/fuzz_corpus.rs` with what they have found.
+#![allow(dead_code, reason = "a fuzzer has one of the targets")]
+
+use std::{fmt::Debug, path::PathBuf, sync::LazyLock};
+
+use machband::{
+    experiment::{Column, Identity, Schedule, columns},
+    light::Transfer,
+    store::{
+        FileFaults, definition, image, obj, observer, picture, profile, ratings,
+        ratings::{Reading, Row, Sink},
+        readings, results,
+    },
+};
+
+/// A target by its name.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// Every target.
+pub const ALL: &[Target] = &[
+    ("definition", definition),
+    ("results", results),
+    ("ratings", ratings),
+    ("profile", profile),
+    ("readings", readings),
+    ("obj", obj),
+    ("png", png),
+    ("observer", observer),
+];
+
+/// A definition, and the schedule that follows from it.
+pub fn definition(content: &[u8]) {
+    let Some(text) = text(content) else { return };
+    let Some(protocol) = told(definition::parse("fuzz.toml", text)) else { return };
+    let written = serde_json::to_value(&protocol).unwrap();
+    let again = definition::from_json("fuzz.json", &written).unwrap();
+    assert_eq!(definition::hash(&again), definition::hash(&protocol));
+    let someone = Identity::new("S001", "1").unwrap();
+    // A design that cannot be ordered says so; one that can plans every trial once.
+    if let Ok(schedule) = Schedule::new(&protocol, &someone, 1) {
+        assert_eq!(schedule.trials.len(), protocol.design.practice as usize + protocol.main_trials());
+    }
+}
+
+/// A session's rows.
+pub fn results(content: &[u8]) {
+    static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(|| columns(&definition::open("quick").unwrap()));
+    let columns = COLUMNS.as_slice();
+    let Some(rows) = told(results::parse("fuzz.csv", content, columns)) else { return };
+    let header = columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>().join(",");
+    let mut written = header + "\n";
+    for row in &rows {
+        // The colour is the only text that needs quotes.
+        let quoted = row.cells().iter().map(|cell| format!("\"{}\"", cell.replace('"', "\"\""))).collect::<Vec<_>>();
+        written += &(quoted.join(",") + "\n");
+    }
+    assert_eq!(results::parse("again.csv", written.as_bytes(), columns).unwrap(), rows);
+}
+
+/// Any table of ratings, as `analyze` takes it.
+pub fn ratings(content: &[u8]) {
+    let path = temporary("csv");
+    std::fs::write(&path, content).unwrap();
+    let read = ratings::read(std::slice::from_ref(&path), &Reading::default(), |_| Count(0));
+    std::fs::remove_file(&path).unwrap();
+    match read {
+        Ok((source, Count(rows))) => {
+            assert!(rows > 0 || !source.faults.is_empty() || !source.files.is_empty());
+            source.faults.iter().for_each(|fault| assert!(!fault.message.is_empty()));
+        }
+        Err(faults) => assert!(!faults.0.is_empty()),
+    }
+}
+
+/// A display profile.
+pub fn profile(content: &[u8]) {
+    let Some(text) = text(content) else { return };
+    let Some(profile) = told(profile::parse("fuzz.toml", text)) else { return };
+    assert!(!profile.sentence().is_empty());
+    for level in [0.0, 0.25, 1.0] {
+        let light = profile.transfers.linear_from_encoded([level; 3]);
+        assert!(light.iter().all(|light| light.is_finite()), "{light:?}");
+    }
+}
+
+/// A photometer's readings.
+pub fn readings(content: &[u8]) {
+    let Some(text) = text(content) else { return };
+    told(readings::parse("fuzz.csv", text));
+}
+
+/// A mesh.
+pub fn obj(content: &[u8]) {
+    let Some(mesh) = told(obj::parse("fuzz.obj", content, 30.0)) else { return };
+    let corners = mesh.vertices.len();
+    assert!(!mesh.triangles.is_empty());
+    assert!(mesh.triangles.iter().flatten().all(|corner| (*corner as usize) < corners));
+}
+
+/// An image, as `check` proves it and as `predict` looks at it.
+pub fn png(content: &[u8]) {
+    told(image::prove_content("fuzz.png", content));
+    if let Some(image) = told(picture::parse("fuzz.png", content, &Transfer::Srgb.into())) {
+        assert_eq!(image.data.len(), 3 * image.width as usize * image.height as usize);
+    }
+}
+
+/// Parameters of an observer, of both kinds.
+pub fn observer(content: &[u8]) {
+    let Some(text) = text(content) else { return };
+    told(observer::parse("fuzz.toml", text));
+    told(observer::parse_vision("fuzz.toml", text));
+}
+
+/// Other bytes never reach the readers of text.
+fn text(content: &[u8]) -> Option<&str> {
+    std::str::from_utf8(content).ok()
+}
+
+/// What was read; where nothing was, that is said.
+fn told<T: Debug>(read: Result<T, FileFaults>) -> Option<T> {
+    match read {
+        Ok(read) => Some(read),
+        Err(FileFaults(faults)) => {
+            assert!(!faults.is_empty(), "refused without a reason");
+            for fault in faults {
+                assert!(!fault.message.is_empty(), "{fault:?}");
+                assert!(fault.position.is_none_or(|(line, column)| line > 0 && column > 0), "{fault:?}");
+            }
+            None
+        }
+    }
+}
+
+/// A file of this process' own, in memory where the system offers that.
+fn temporary(extension: &str) -> PathBuf {
+    let memory = PathBuf::from("/dev/shm");
+    let folder = if memory.is_dir() { memory } else { std::env::temp_dir() };
+    folder.join(format!("machband-fuzz-{}.{extension}", std::process::id()))
+}
+
+/// Counts rows.
+struct Count(u64);
+
+impl Sink for Count {
+    fn row(&mut self, row: &Row<'_>) -> Result<(), String> {
+        assert!(!row.rating.is_empty());
+        self.0 += 1;
+        Ok(())
+    }
+
+    fn absorb(&mut self, later: Self) -> Result<(), String> {
+        self.0 += later.0;
+        Ok(())
+    }
+}

@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# Feeds everything that reads files with what a fuzzer invents: each target for SECONDS (600), two at a time, with an
+# error for a crash, for anything that takes over a second, and for more than 512 MiB. Needs nightly Rust and cargo-fuzz.
+#
+#   scripts/fuzz.sh [SECONDS] [TARGET…]
+#
+# Prints executions, executions a second and the size of the corpus; what is found lies in fuzz/artifacts.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+seconds=${1:-600}
+shift || true
+targets=("$@")
+if [ ${#targets[@]} = 0 ]; then
+    targets=(definition results ratings profile readings obj png observer)
+fi
+logs=fuzz/target/logs
+mkdir -p "$logs"
+cargo +nightly fuzz build
+
+dictionary() {
+    case $1 in
+        definition | profile | observer) echo toml ;;
+        results | ratings | readings) echo csv ;;
+        *) echo "$1" ;;
+    esac
+}
+export -f dictionary
+
+# New inputs go to a folder of their own: the committed corpus is what `cargo fuzz cmin` makes of both.
+one() {
+    local found=fuzz/target/found/$1
+    mkdir -p "$found" "fuzz/artifacts/$1"
+    "fuzz/target/x86_64-unknown-linux-gnu/release/$1" "$found" "fuzz/corpus/$1" \
+        -max_total_time="$2" -timeout=1 -rss_limit_mb=512 -max_len=8192 -print_final_stats=1 \
+        -dict="fuzz/dictionaries/$(dictionary "$1").dict" -artifact_prefix="fuzz/artifacts/$1/" >"$3/$1.log" 2>&1
+    local status=$?
+    local runs rate peak
+    runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$3/$1.log")
+    rate=$(sed -n 's/^stat::average_exec_per_sec: *//p' "$3/$1.log")
+    peak=$(sed -n 's/^stat::peak_rss_mb: *//p' "$3/$1.log")
+    printf '%-11s exit %s  %12s runs  %8s/s  %4s MiB  %5s inputs\n' \
+        "$1" "$status" "$runs" "$rate" "$peak" "$(find "$found" "fuzz/corpus/$1" -type f | wc -l)"
+    return $status
+}
+export -f one
+printf '%s\n' "${targets[@]}" | xargs -P 2 -I{} bash -c "one {} $seconds $logs"

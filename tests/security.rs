@@ -1,0 +1,150 @@
+//! Names and texts from files: none leads out of the results folder, none runs in a spreadsheet or a browser.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+fn machband(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_machband")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Every file below a folder with its content; links are not followed.
+fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_symlink() {
+            found.push((path.clone(), fs::read_link(&path).unwrap().into_os_string().into_encoded_bytes()));
+        } else if path.is_dir() {
+            found.extend(everything(&path));
+        } else {
+            found.push((path.clone(), fs::read(&path).unwrap()));
+        }
+    }
+    found.sort();
+    found
+}
+
+#[cfg(unix)]
+#[test]
+fn links_below_the_results_folder_are_refused() {
+    use std::os::unix::fs::symlink;
+    let stem = "subject-S001_session-1_task-quick";
+    let places = [
+        "quick".to_owned(),
+        "quick/data".to_owned(),
+        format!("quick/data/{stem}_data.csv"),
+        format!("quick/data/{stem}_data.json"),
+        format!("quick/data/{stem}_frames.csv"),
+    ];
+    for place in &places {
+        for target_exists in [true, false] {
+            let folder = tempfile::tempdir().unwrap();
+            let outside = folder.path().join("outside");
+            fs::create_dir(&outside).unwrap();
+            let is_file = place.contains("subject");
+            let target = outside.join("target");
+            if target_exists && is_file {
+                fs::write(&target, "not ours").unwrap();
+            } else if target_exists {
+                fs::create_dir(&target).unwrap();
+            }
+            let link = folder.path().join("results").join(place);
+            fs::create_dir_all(link.parent().unwrap()).unwrap();
+            symlink(&target, &link).unwrap();
+            let before = everything(folder.path());
+            for resume in [false, true] {
+                let arguments = ["simulate", "quick", "--results", "results", "--resume"];
+                let done = machband(folder.path(), &arguments[..if resume { 5 } else { 4 }]);
+                assert_eq!(done.status.code(), Some(1), "{place}: {}", error(&done));
+                assert!(error(&done).starts_with("error: results/quick"), "{place}: {}", error(&done));
+                assert_eq!(everything(folder.path()), before, "{place}");
+            }
+        }
+    }
+    // The results folder itself may be one: that is how results lie on another disk.
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("disk")).unwrap();
+    symlink(folder.path().join("disk"), folder.path().join("results")).unwrap();
+    let done = machband(folder.path(), &["simulate", "quick"]);
+    assert!(done.status.success(), "{}", error(&done));
+    assert!(folder.path().join("disk/quick/data").is_dir());
+}
+
+#[test]
+fn names_in_definitions_and_arguments_stay_names() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["../up", "/etc", "a/b", "a\\b", "..", ".", "con", "nul", "com1", "-x", "=x", "a b", "Ä", ""] {
+        let text =
+            format!("schema = 1\nname = {name:?}\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.2]\n");
+        fs::write(folder.path().join("d.toml"), text).unwrap();
+        let done = machband(folder.path(), &["simulate", "d.toml"]);
+        assert_eq!(done.status.code(), Some(1), "{name:?}");
+        assert!(error(&done).starts_with("error: d.toml:2:8: name"), "{name:?}: {}", error(&done));
+    }
+    assert!(!folder.path().join("results").exists());
+}
+
+/// Ratings with texts that are formulas to a spreadsheet and markup to a browser.
+fn hostile(folder: &Path) -> PathBuf {
+    let path = folder.join("<img src=x onerror=alert(1)>.csv");
+    let mut text = String::from("id,\"<b>shape</b>\",score\n");
+    for (subject, shift) in [("=cmd|' /C calc'!A0", 0), ("<script>alert(2)</script>", 1), ("@SUM(A1)", 2), ("S4", 0)] {
+        for i in 0..24 {
+            let level = ["=1+1", "<svg onload=alert(3)>", "+x", "-y"][i % 4];
+            text += &format!("\"{subject}\",\"{level}\",{}\n", (i / 4 + shift + i % 4) % 4);
+        }
+    }
+    fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn no_table_has_a_formula_and_no_page_has_markup_from_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = hostile(folder.path());
+    let options = ["--subject", "id", "--response", "score", "--factors", "<b>shape</b>"];
+    let done = machband(folder.path(), &[&["analyze", path.to_str().unwrap(), "--out", "out"], &options[..]].concat());
+    assert!(done.status.success(), "{}", error(&done));
+    let done = machband(
+        folder.path(),
+        &[&["counts", path.to_str().unwrap(), "--out", "out/counts2.csv"], &options[..]].concat(),
+    );
+    assert!(done.status.success(), "{}", error(&done));
+    let (mut cells, mut pages) = (0, 0);
+    for (path, content) in everything(&folder.path().join("out")) {
+        let shown = path.display();
+        match path.extension().unwrap().to_str().unwrap() {
+            "csv" => {
+                for record in
+                    csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(&content[..]).records()
+                {
+                    for cell in &record.unwrap() {
+                        let runs = cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err();
+                        assert!(!runs, "{shown}: {cell:?}");
+                        cells += usize::from(cell.starts_with('\''));
+                    }
+                }
+            }
+            "html" | "svg" => {
+                let text = String::from_utf8(content).unwrap();
+                for markup in ["<script", "<img src=x", "<svg onload", "<b>shape", "javascript:", "http://", "https://"]
+                {
+                    // Names of vocabularies and of papers are no requests.
+                    let links = ["http://www.w3.org", "https://doi.org"];
+                    let rest = links.iter().fold(text.clone(), |text, link| text.replace(link, ""));
+                    assert!(!rest.contains(markup), "{shown}: {markup}");
+                }
+                pages += 1;
+            }
+            _ => {}
+        }
+    }
+    assert!(cells > 10 && pages > 2, "{cells} cells were quoted, {pages} pages looked at");
+}

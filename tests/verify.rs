@@ -1,0 +1,191 @@
+//! `machband verify`: what a session left is proved, and whatever is done to it afterwards is named.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+use machband::store::{sidecar::Sidecar, verify};
+
+fn machband(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_machband")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// One session of `quick` by the simulated observer.
+fn recorded() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let done = machband(folder.path(), &["simulate", "quick", "--seed", "5"]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let csv = folder.path().join("results/quick/data/subject-S001_session-1_task-quick_data.csv");
+    assert!(csv.exists());
+    (folder, csv)
+}
+
+fn faults(csv: &Path) -> Vec<String> {
+    let found = verify::session(csv, &mut verify::Renderer::default());
+    found.faults.iter().map(ToString::to_string).collect()
+}
+
+fn edit(path: &Path, change: impl FnOnce(String) -> String) {
+    let text = fs::read_to_string(path).unwrap();
+    let changed = change(text.clone());
+    assert_ne!(changed, text, "the test changes nothing");
+    fs::write(path, changed).unwrap();
+}
+
+#[test]
+fn an_untouched_session_is_proved() {
+    let (folder, csv) = recorded();
+    let found = verify::session(&csv, &mut verify::Renderer::default());
+    assert_eq!(found.faults, []);
+    assert_eq!((found.rows, found.rated, found.sealed), (28, (28, 28), true));
+    // All of 4 widths × 3 depths × 2 orientations.
+    assert_eq!(found.pictures, 24);
+    let said = machband(folder.path(), &["verify", "results"]);
+    assert!(said.status.success());
+    let said = String::from_utf8(said.stdout).unwrap();
+    assert!(said.contains("as it was recorded") && said.contains("1 sessions: nothing is wrong"), "{said}");
+}
+
+/// Each way to touch a session, and a part of what must be said of it.
+#[test]
+fn everything_that_is_touched_is_named() {
+    type Touch = fn(&Path, &Path);
+    let ways: &[(&str, Touch, &[&str])] = &[
+        (
+            "a rating",
+            |csv, _| {
+                edit(csv, |text| {
+                    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+                    let mut cells: Vec<&str> = lines[9].split(',').collect();
+                    cells[16] = if cells[16] == "0" { "3" } else { "0" };
+                    lines[9] = cells.join(",");
+                    lines.join("\n") + "\n"
+                });
+            },
+            &["_data.csv: was touched since the session ended"],
+        ),
+        (
+            "a condition",
+            |csv, _| edit(csv, |text| text.replacen("mach-band,0.4,1,", "mach-band,0.1,1,", 1)),
+            &["is not planned by the definition and seed 5", "was touched since"],
+        ),
+        (
+            "a row taken out",
+            |csv, _| {
+                edit(csv, |text| {
+                    text.lines().enumerate().filter(|(i, _)| *i != 12).map(|(_, l)| format!("{l}\n")).collect()
+                })
+            },
+            &["27 of 28 trials are rated", "was touched since"],
+        ),
+        (
+            "a row twice",
+            |csv, _| {
+                edit(csv, |text| {
+                    let last = text.lines().last().unwrap().to_owned();
+                    text + &last + "\n"
+                })
+            },
+            &["is attempt 1; expected attempt 2", "was touched since"],
+        ),
+        (
+            "rows in another order",
+            |csv, _| {
+                edit(csv, |text| {
+                    let mut lines: Vec<&str> = text.lines().collect();
+                    lines.swap(7, 8);
+                    lines.join("\n") + "\n"
+                });
+            },
+            &["lies before the row above it", "was touched since"],
+        ),
+        (
+            "the end cut off",
+            |csv, _| edit(csv, |text| text[..text.len() - 10].to_owned()),
+            &["ends within a row", "27 of 28 trials are rated", "was touched since"],
+        ),
+        (
+            "the seed",
+            |_, sidecar| edit(sidecar, |text| text.replacen("\"seed\": 5", "\"seed\": 6", 1)),
+            &["is not planned by the definition and seed 6", "_data.json: was touched since"],
+        ),
+        (
+            "the definition",
+            |_, sidecar| edit(sidecar, |text| text.replacen("\"duration_s\": 2.0", "\"duration_s\": 3.0", 1)),
+            &["expected", "that of the definition recorded with", "_data.json: was touched since"],
+        ),
+        (
+            "the stimulus",
+            |_, sidecar| edit(sidecar, |text| text.replacen("\"high\": 0.75", "\"high\": 0.8", 1)),
+            &["renders to sha256", "that of the definition recorded with"],
+        ),
+        (
+            "a hash",
+            |_, sidecar| {
+                let mut read = Sidecar::read(sidecar).unwrap().unwrap();
+                let pictures = read.sittings[0].pictures.as_mut().unwrap();
+                pictures.sha256.insert(3, "0".repeat(64));
+                // Who also makes a new seal is still found out by rendering.
+                let own = read.own_sha256();
+                read.seal.as_mut().unwrap().sidecar_sha256 = own;
+                read.write(sidecar).unwrap();
+            },
+            &["condition 3 of sitting 1 renders to sha256"],
+        ),
+        (
+            "the size that was shown",
+            |_, sidecar| edit(sidecar, |text| text.replacen("\"size\": 256", "\"size\": 255", 1)),
+            &["condition 24 of sitting 1 renders to sha256", "_data.json: was touched since"],
+        ),
+        ("no sidecar", |_, sidecar| fs::remove_file(sidecar).unwrap(), &["is not there; expected the sidecar"]),
+        (
+            "a broken sidecar",
+            |_, sidecar| edit(sidecar, |text| text.replacen('{', "", 1)),
+            &["is no sidecar of a session"],
+        ),
+    ];
+    for (what, touch, expected) in ways {
+        let (folder, csv) = recorded();
+        let sidecar = csv.with_extension("json");
+        touch(&csv, &sidecar);
+        let faults = faults(&csv);
+        for part in *expected {
+            assert!(faults.iter().any(|fault| fault.contains(part)), "{what}: {part:?} is not in {faults:#?}");
+        }
+        let said = machband(folder.path(), &["verify", "results"]);
+        assert_eq!(said.status.code(), Some(1), "{what}");
+        let lines = String::from_utf8(said.stderr).unwrap();
+        assert!(
+            lines.lines().count() >= faults.len() && lines.lines().all(|line| line.starts_with("error: ")),
+            "{what}: {lines}"
+        );
+    }
+}
+
+#[test]
+fn what_belongs_to_no_session_is_named() {
+    let (_folder, csv) = recorded();
+    let data = csv.parent().unwrap();
+    fs::write(data.join("subject-S009_session-1_task-quick_data.json"), "{}").unwrap();
+    fs::write(data.join("subject-S001_session-1_task-quick_data.json.77-0.tmp"), "{").unwrap();
+    let left = verify::leftovers(data.parent().unwrap());
+    assert_eq!(left.len(), 2, "{left:?}");
+}
+
+#[test]
+fn an_interrupted_session_is_no_fault_and_said() {
+    let (_folder, csv) = recorded();
+    let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
+    (sidecar.complete, sidecar.seal) = (false, None);
+    sidecar.write(&csv.with_extension("json")).unwrap();
+    edit(&csv, |text| text[..text.len() - 10].to_owned());
+    let found = verify::session(&csv, &mut verify::Renderer::default());
+    assert_eq!(found.faults, []);
+    assert!(
+        !found.sealed && found.notes.iter().any(|note| note.contains("line 29 is half written")),
+        "{:?}",
+        found.notes
+    );
+}
