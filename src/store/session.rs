@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{
     StoreError,
-    dataset::{SessionPaths, remove_leftovers},
+    dataset::{SessionPaths, is_there, remove_abandoned, remove_leftovers},
     definition,
     frames::{FrameFile, FrameRow},
     results::ResultFile,
@@ -59,7 +59,7 @@ impl SessionStore {
         let paths = SessionPaths::new(results, protocol, identity);
         // A sidecar or frames without their rows are of a session too.
         for taken in [&paths.csv, &paths.sidecar, &paths.frames] {
-            if taken.exists() {
+            if is_there(taken)? {
                 return Err(StoreError::Exists(taken.clone()));
             }
         }
@@ -67,7 +67,8 @@ impl SessionStore {
         let rows = ResultFile::create(&paths.csv, &columns(protocol))?;
         let sidecar = Sidecar::new(protocol, seed, sitting);
         if let Err(error) = sidecar.write(&paths.sidecar) {
-            // Nothing is recorded yet: the next try must not find a session.
+            // Nothing is recorded yet: the next try must not find a session, and least of all a sidecar without rows.
+            let _ = std::fs::remove_file(&paths.sidecar);
             drop(rows);
             let _ = std::fs::remove_file(&paths.csv);
             return Err(error);
@@ -90,7 +91,7 @@ impl SessionStore {
         sitting: Sitting,
     ) -> Result<(Self, Interrupted), StoreError> {
         let paths = SessionPaths::new(results, protocol, identity);
-        if !paths.csv.exists() {
+        if !is_there(&paths.csv)? {
             return Err(StoreError::NothingToResume(paths.csv));
         }
         // Locked before anything is read: another program may be ending this very session.
@@ -141,6 +142,7 @@ impl SessionStore {
         // From here on the files change; a session that has ended well stays as it is.
         if !finished {
             remove_leftovers(&store.paths.sidecar);
+            remove_abandoned(&store.paths.dataset);
             store.sidecar.complete = false;
             store.sidecar.sittings.push(sitting);
             if let Some(torn) = &recovered.torn {
@@ -202,7 +204,7 @@ impl SessionStore {
     pub fn retry(&mut self) -> Result<(), StoreError> {
         self.rows.flush().or_else(|error| {
             // Deleted, and the place is usable again: everything goes into a new file of the same name.
-            if self.paths.csv.exists() {
+            if is_there(&self.paths.csv)? {
                 return Err(error);
             }
             self.paths.prepare(&self.protocol)?;
