@@ -170,8 +170,10 @@ fn clock_back(sweep: &Sweep, rows: usize) -> Line {
 /// The place refuses every writing from then on: said, tried again, and moved to another folder.
 fn lasting(sweep: &Sweep, rows: usize, what: &'static str) -> Line {
     let scene = Scene::new(sweep);
-    // The data set, the header and the sidecar come before the rows.
-    let fault = Fault { op: "write", n: 3 + rows as u64, what, lasting: true };
+    // The rows come last but for the sidecar's end.
+    let writes = sweep.calls(DEFINITION, None, false).iter().find(|(op, _)| op == "write").map_or(0, |(_, n)| *n);
+    let before = writes - 1 - sweep.planned(DEFINITION).len() as u64;
+    let fault = Fault { op: "write", n: before + rows as u64, what, lasting: true };
     let mut command = run::child(DEFINITION, &scene.first(), &scene.second(), false);
     let (ended, log) = shim::run_with(&mut command, &[fault], &scene.first(), &scene.folder.path().join("log"));
     let said = Said::read(&ended.stdout);

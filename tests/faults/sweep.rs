@@ -174,7 +174,7 @@ impl Sweep {
     }
 
     /// How often each call is made where nothing goes wrong.
-    fn calls(&self, definition: usize, rows: Option<usize>, binary: bool) -> Vec<(String, u64)> {
+    pub fn calls(&self, definition: usize, rows: Option<usize>, binary: bool) -> Vec<(String, u64)> {
         if let Some(known) = self.calls.lock().unwrap().get(&(definition, rows, binary)) {
             return known.clone();
         }
