@@ -13,6 +13,7 @@ mod finish;
 mod form;
 mod frames;
 mod gallery;
+mod hasher;
 mod home;
 mod input;
 mod loss;

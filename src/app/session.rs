@@ -15,6 +15,7 @@ use super::{
     Go, Monitor, Page, Request,
     finish::Finish,
     frames,
+    hasher::Hasher,
     input::{Heard, Input, InputReport},
     monitor::window_px,
     pages::{self, Answer, CategoryPictures, INSTRUCTION_PAGES},
@@ -31,6 +32,7 @@ use crate::{
     store::{
         StoreError,
         frames::FrameRow,
+        pictures::Pictures,
         profile,
         session::SessionStore,
         sidecar::{PreflightNote, Sitting},
@@ -115,6 +117,7 @@ pub struct SessionPage {
     /// Condition and picture, the latest last.
     textures: Vec<(usize, TextureHandle)>,
     categories: CategoryPictures,
+    hasher: Option<Hasher>,
     screen: ScreenRefresh,
     /// The monitor's physical pixels.
     screen_px: (u32, u32),
@@ -152,6 +155,12 @@ impl SessionPage {
             monitor: serde_json::to_value(monitor).ok(),
             viewing: Some(viewing(request, &prepared)),
             preflight: notes,
+            pictures: Some(Pictures::new(
+                protocol,
+                prepared.size_px,
+                &request.display.transfers,
+                Some(profile::hash(&request.display)),
+            )),
             ..Sitting::default()
         };
         let results = &request.results;
@@ -187,6 +196,7 @@ impl SessionPage {
             size_px: prepared.size_px,
             textures: Vec::new(),
             categories: CategoryPictures::default(),
+            hasher: Hasher::start(),
             screen,
             screen_px: screen_px(monitor),
             input: InputReport::default(),
@@ -402,7 +412,11 @@ impl SessionPage {
             return;
         }
         let stimulus = &schedule.conditions[cell].stimulus;
-        let texture = pixels::texture(ctx, &format!("condition{cell}"), stimulus, self.size_px, &self.quantizer);
+        let codes = stimulus.codes(self.size_px, &self.quantizer);
+        let texture = pixels::texture_of(ctx, &format!("condition{cell}"), &codes);
+        if let Some(hasher) = &self.hasher {
+            hasher.take(cell, codes);
+        }
         self.textures.push((cell, texture));
         if self.textures.len() > TEXTURES_KEPT {
             drop(self.textures.remove(0));
@@ -501,6 +515,9 @@ impl SessionPage {
         let saved = if self.is_unsaved() { self.store.retry() } else { Ok(()) };
         self.store_frames();
         self.store.describe_input(self.input.summary());
+        for (condition, sha256) in self.hasher.take().map(Hasher::finish).unwrap_or_default() {
+            self.store.note_picture(condition, sha256);
+        }
         let (times, file) = (self.session.frame_times(), self.store.frames_file());
         let summary = frames::summary(times, self.screen.refresh, self.screen.source, file);
         let complete = *self.session.state() == State::Done;

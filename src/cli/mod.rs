@@ -20,6 +20,7 @@ mod stimuli;
 mod stimulus;
 #[cfg(feature = "window")]
 mod timing;
+mod verify;
 
 use std::{
     io::{ErrorKind, Write as _},
@@ -58,6 +59,7 @@ enum Command {
     Stimuli(stimuli::Arguments),
     #[cfg(feature = "window")]
     Timing(timing::Arguments),
+    Verify(verify::Arguments),
 }
 
 /// Arguments that cannot be, found after parsing: exit status 2.
@@ -91,6 +93,7 @@ pub fn main() -> ExitCode {
         Some(Command::Stimuli(arguments)) => stimuli::run(&arguments),
         #[cfg(feature = "window")]
         Some(Command::Timing(arguments)) => timing::run(&arguments),
+        Some(Command::Verify(arguments)) => verify::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

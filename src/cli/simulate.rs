@@ -17,6 +17,7 @@ use crate::{
     },
     store::{
         StoreError, definition, observer,
+        pictures::Pictures,
         session::{Interrupted, SessionStore},
         sidecar::Sitting,
     },
@@ -61,11 +62,13 @@ struct Rater {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let protocol = definition::open(&arguments.experiment)?;
     let rater = rater(arguments, &protocol)?;
+    let conditions = protocol.conditions().map_err(|error| anyhow::anyhow!("{}: {error}", arguments.experiment))?;
+    let pictures = Pictures::without_screen(&protocol, &conditions);
     let started = Instant::now();
     let trials = protocol.main_trials() + protocol.design.practice as usize;
     let total = arguments.participants as usize;
     let bar = ProgressBar::new((total * trials) as u64).with_style(progress_style("trials"));
-    let done = parallel::each(total, AT_A_TIME, |i| one(arguments, &protocol, &rater, i + 1, &bar));
+    let done = parallel::each(total, AT_A_TIME, |i| one(arguments, &protocol, &rater, &pictures, i + 1, &bar));
     bar.finish_and_clear();
     done?;
     super::say(&format!(
@@ -111,6 +114,7 @@ fn one(
     arguments: &Arguments,
     protocol: &Protocol,
     rater: &Rater,
+    pictures: &Pictures,
     number: usize,
     bar: &ProgressBar,
 ) -> anyhow::Result<()> {
@@ -118,6 +122,7 @@ fn one(
     let sitting = Sitting {
         started_at: Timestamp::now().to_string(),
         observer: Some(rater.description.clone()),
+        pictures: Some(pictures.clone()),
         ..Sitting::default()
     };
     let fresh = |sitting| -> anyhow::Result<_> {

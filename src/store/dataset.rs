@@ -7,10 +7,11 @@ use std::{
     time::Duration,
 };
 
-use serde_json::json;
+use super::{StoreError, description, fault::io, frames, ratings::DATA_FILE};
+use crate::experiment::{Identity, Protocol};
 
-use super::{StoreError, fault::io, frames};
-use crate::experiment::{Column, Identity, Protocol, columns};
+/// Ends the name of a sidecar.
+pub(super) const SIDECAR_SUFFIX: &str = "_data.json";
 
 /// Where the files of one session are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,24 +33,37 @@ impl SessionPaths {
         let stem = format!("subject-{}_session-{}_task-{}", identity.subject(), identity.session(), protocol.task());
         let data = dataset.join("data");
         Self {
-            csv: data.join(format!("{stem}_data.csv")),
-            sidecar: data.join(format!("{stem}_data.json")),
+            csv: data.join(format!("{stem}{DATA_FILE}")),
+            sidecar: data.join(format!("{stem}{SIDECAR_SUFFIX}")),
             frames: data.join(format!("{stem}{}", frames::SUFFIX)),
             dataset,
         }
     }
 
-    /// Makes the folders and describes the data set, if nobody has yet.
+    /// Makes the folders and describes the data set, if nobody has yet. Gives what of its description cannot be read,
+    /// as a sentence.
     ///
     /// # Errors
-    /// The folder cannot be made or written.
-    pub fn prepare(&self, protocol: &Protocol) -> Result<(), StoreError> {
+    /// The folder cannot be made or written; a link.
+    pub fn prepare(&self, protocol: &Protocol) -> Result<Option<String>, StoreError> {
+        self.refuse_links()?;
         let data = self.dataset.join("data");
         fs::create_dir_all(&data).map_err(io(&data, "make the folder"))?;
         remove_abandoned(&self.dataset);
-        let description = self.dataset.join("dataset_description.json");
-        if !is_there(&description)? {
-            write_json(&description, &describe(protocol))?;
+        description::describe(&self.dataset, protocol)
+    }
+
+    /// Nothing below the results folder may lead out of it: who has put a link there decides where a session is
+    /// written, or reads what it must not. The results folder itself may be one.
+    ///
+    /// # Errors
+    /// The first link.
+    pub(super) fn refuse_links(&self) -> Result<(), StoreError> {
+        let data = self.dataset.join("data");
+        for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames] {
+            if let Ok(target) = fs::read_link(path) {
+                return Err(StoreError::Link { path: path.clone(), target });
+            }
         }
         Ok(())
     }
@@ -67,29 +81,6 @@ pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
         })
         .collect();
     (1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default()
-}
-
-fn describe(protocol: &Protocol) -> serde_json::Value {
-    let variables: Vec<_> = columns(protocol).iter().map(variable).collect();
-    json!({
-        "@context": "https://schema.org/",
-        "@type": "Dataset",
-        "name": protocol.name,
-        "description": protocol.title,
-        "variableMeasured": variables,
-    })
-}
-
-fn variable(column: &Column) -> serde_json::Value {
-    let mut variable = json!({
-        "@type": "PropertyValue",
-        "name": column.name,
-        "description": column.description,
-    });
-    if !column.unit.is_empty() {
-        variable["unitText"] = column.unit.as_str().into();
-    }
-    variable
 }
 
 /// Writes a JSON file, whole or not at all.
@@ -151,7 +142,7 @@ fn create_temporary(path: &Path) -> std::io::Result<(PathBuf, File)> {
 
 /// Removes what killed programs left in a data set's folder of their tries to describe it. Other programs may be about
 /// to, so only what is old.
-pub(super) fn remove_abandoned(dataset: &Path) {
+fn remove_abandoned(dataset: &Path) {
     const OLD: Duration = Duration::from_secs(60);
     for entry in fs::read_dir(dataset).into_iter().flatten().flatten() {
         let ours = entry.file_name().to_str().is_some_and(|name| name.ends_with(".tmp"));

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use sha2::{Digest as _, Sha256};
-
 use super::toml_reader::{Reader, Section, locate, nearest};
-use super::{FileFaults, text, toml_reader};
+use super::{FileFaults, hash::sha256, text, toml_reader};
 use crate::{
     experiment::{
         Category, Design, Factor, Order, Presentation, Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
@@ -108,7 +106,7 @@ pub fn from_json(file: &str, definition: &serde_json::Value) -> Result<Protocol,
 /// SHA-256 of what a definition means, in lower-case hexadecimal: comments and layout do not change it.
 pub fn hash(protocol: &Protocol) -> String {
     let canonical = serde_json::to_vec(protocol).unwrap_or_default();
-    Sha256::digest(&canonical).iter().map(|byte| format!("{byte:02x}")).collect()
+    sha256(&canonical)
 }
 
 fn stimulus(root: &Section<'_, '_>) -> Stimulus {

@@ -84,6 +84,14 @@ pub enum StoreError {
         /// What differs, and what is expected.
         what: String,
     },
+    /// A link stands where results belong.
+    #[error("{}: is a link to {}; expected a file or folder of its own, or a link in place of the whole results folder", path.display(), target.display())]
+    Link {
+        /// The link.
+        path: PathBuf,
+        /// Where it leads.
+        target: PathBuf,
+    },
     /// A file does not parse.
     #[error(transparent)]
     Faults(#[from] FileFaults),

@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{FileFault, FileFaults, StoreError, fault::io, text};
+use super::{FileFault, FileFaults, StoreError, fault::io, hash::sha256, text};
 use crate::{
     display::frames::Refresh,
     experiment::{Phase, Schedule, Shown, Stretch},
@@ -95,6 +95,11 @@ impl FrameFile {
     /// Where the file is, or would be.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// SHA-256 of everything that belongs in the file.
+    pub fn sha256(&self) -> String {
+        sha256(&self.content)
     }
 
     /// Whether there is anything in it.

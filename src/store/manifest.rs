@@ -9,9 +9,7 @@ use std::{
     sync::Mutex,
 };
 
-use sha2::{Digest as _, Sha256};
-
-use super::{StoreError, dataset::write_whole, fault::io, image};
+use super::{StoreError, dataset::write_whole, fault::io, hash::sha256, image};
 use crate::{
     experiment::{Condition, Protocol},
     light::Quantizer,
@@ -206,11 +204,6 @@ fn csv_line(cells: &[String]) -> String {
     // Writing to memory does not fail, and there is one record only.
     let _ = writer.write_record(cells);
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
-}
-
-/// SHA-256 in lower-case hexadecimal.
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use jiff::civil::Date;
 use serde::Serialize;
-use sha2::{Digest as _, Sha256};
 
 use super::{
     FileFaults, StoreError,
     dataset::write_whole,
     fault::io,
+    hash::sha256,
     text,
     toml_reader::{self, Section},
 };
@@ -327,7 +327,7 @@ pub fn value(profile: &DisplayProfile) -> serde_json::Value {
 #[must_use]
 pub fn hash(profile: &DisplayProfile) -> String {
     let canonical = value(profile).to_string();
-    Sha256::digest(canonical.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    sha256(canonical.as_bytes())
 }
 
 /// Writes a profile, whole or not at all; [`open`](fn@open) reads it back the same.

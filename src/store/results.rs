@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{FileFault, FileFaults, StoreError, dataset::sync_folder, fault::io};
+use super::{FileFault, FileFaults, StoreError, dataset::sync_folder, fault::io, hash::sha256};
 use crate::experiment::{Column, TRAILING, TrialRecord};
 
 /// The result file of a running session; locked against a second program while it is open.
@@ -79,22 +79,15 @@ impl ResultFile {
     /// # Errors
     /// Rows that do not parse, each with line and column.
     pub fn recover(&mut self, columns: &[Column]) -> Result<Recovered, FileFaults> {
-        let header = line(columns.iter().map(|column| column.name.as_str()));
-        let whole = whole_lines(&self.content);
-        let rest = without_zeros(&self.content[whole..]);
-        if whole == 0 && !header.starts_with(rest) {
-            // Not the beginning of a file of ours: not to be cut away.
-            let [found, expected] = [rest, &header].map(|line| clipped(&String::from_utf8_lossy(line)));
-            let message = format!("the file begins with {found:?}; expected the header {expected:?}");
-            let file = self.path.display().to_string();
-            return Err(FileFaults(vec![FileFault { file, position: Some((1, 1)), message }]));
-        }
-        let torn = (whole < self.content.len()).then(|| String::from_utf8_lossy(rest).into_owned());
-        let content = if whole == 0 { header } else { self.content[..whole].to_vec() };
-        let rows = parse(&self.path.display().to_string(), &content, columns)?;
+        let (recovered, content, whole) = recover(&self.path.display().to_string(), &self.content, columns)?;
         self.width = columns_of(&content, columns).len();
         (self.content, self.on_disk) = (content, whole);
-        Ok(Recovered { rows, torn })
+        Ok(recovered)
+    }
+
+    /// SHA-256 of everything that belongs in the file.
+    pub fn sha256(&self) -> String {
+        sha256(&self.content)
     }
 
     /// Where the file is.
@@ -156,6 +149,32 @@ impl Drop for ResultFile {
         // Closing unlocks too, so a refusal changes nothing.
         let _ = self.file.unlock();
     }
+}
+
+/// Reads a result file and leaves it as it is. A last line that was half written is left out.
+///
+/// # Errors
+/// The system's refusal; rows that do not parse, each with line and column.
+pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
+    let content = fs::read(path).map_err(io(path, "read"))?;
+    Ok(recover(&path.display().to_string(), &content, columns)?.0)
+}
+
+/// What a file holds, its content without a half-written last line, and how much of the file that is.
+fn recover(file: &str, found: &[u8], columns: &[Column]) -> Result<(Recovered, Vec<u8>, usize), FileFaults> {
+    let header = line(columns.iter().map(|column| column.name.as_str()));
+    let whole = whole_lines(found);
+    let rest = without_zeros(&found[whole..]);
+    if whole == 0 && !header.starts_with(rest) {
+        // Not the beginning of a file of ours: not to be cut away.
+        let [found, expected] = [rest, &header].map(|line| clipped(&String::from_utf8_lossy(line)));
+        let message = format!("the file begins with {found:?}; expected the header {expected:?}");
+        return Err(FileFaults(vec![FileFault { file: file.to_owned(), position: Some((1, 1)), message }]));
+    }
+    let torn = (whole < found.len()).then(|| String::from_utf8_lossy(rest).into_owned());
+    let content = if whole == 0 { header } else { found[..whole].to_vec() };
+    let rows = parse(file, &content, columns)?;
+    Ok((Recovered { rows, torn }, content, whole))
 }
 
 /// Those of the columns that the file has: one of an earlier version lacks some of the last.

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::{
     StoreError,
-    dataset::{SessionPaths, is_there, remove_abandoned, remove_leftovers},
+    dataset::{SessionPaths, is_there, remove_leftovers},
     definition,
     frames::{FrameFile, FrameRow},
     results::ResultFile,
-    sidecar::{Sidecar, Sitting},
+    sidecar::{Seal, Sidecar, Sitting},
 };
 use crate::experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns};
 
@@ -63,9 +63,10 @@ impl SessionStore {
                 return Err(StoreError::Exists(taken.clone()));
             }
         }
-        paths.prepare(protocol)?;
+        let undescribed = paths.prepare(protocol)?;
         let rows = ResultFile::create(&paths.csv, &columns(protocol))?;
-        let sidecar = Sidecar::new(protocol, seed, sitting);
+        let mut sidecar = Sidecar::new(protocol, seed, sitting);
+        sidecar.sittings[0].incidents.extend(undescribed);
         if let Err(error) = sidecar.write(&paths.sidecar) {
             // Nothing is recorded yet: the next try must not find a session, and least of all a sidecar without rows.
             let _ = std::fs::remove_file(&paths.sidecar);
@@ -94,6 +95,7 @@ impl SessionStore {
         if !is_there(&paths.csv)? {
             return Err(StoreError::NothingToResume(paths.csv));
         }
+        paths.refuse_links()?;
         // Locked before anything is read: another program may be ending this very session.
         let mut rows = ResultFile::open(&paths.csv)?;
         let found = Sidecar::read(&paths.sidecar)?;
@@ -142,8 +144,8 @@ impl SessionStore {
         // From here on the files change; a session that has ended well stays as it is.
         if !finished {
             remove_leftovers(&store.paths.sidecar);
-            remove_abandoned(&store.paths.dataset);
             store.sidecar.complete = false;
+            store.sidecar.seal = None;
             store.sidecar.sittings.push(sitting);
             if let Some(torn) = &recovered.torn {
                 store.note(format!("a half-written last row was cut off and its trial asked again: {torn:?}"));
@@ -151,6 +153,8 @@ impl SessionStore {
             if let Some(error) = unread {
                 store.note(format!("the frames of this sitting are not kept: {error}"));
             }
+            // An earlier version may have described fewer columns.
+            store.prepare()?;
             store.sidecar.write(&store.paths.sidecar)?;
             store.rows.flush()?;
         }
@@ -207,10 +211,16 @@ impl SessionStore {
             if is_there(&self.paths.csv)? {
                 return Err(error);
             }
-            self.paths.prepare(&self.protocol)?;
+            self.prepare()?;
             self.rows.move_to(&self.paths.csv)?;
             self.sidecar.write(&self.paths.sidecar)
         })
+    }
+
+    fn prepare(&mut self) -> Result<(), StoreError> {
+        let undescribed = self.paths.prepare(&self.protocol)?;
+        undescribed.into_iter().for_each(|what| self.note(what));
+        Ok(())
     }
 
     /// Puts everything recorded so far into another results folder and goes on there.
@@ -224,7 +234,7 @@ impl SessionStore {
             self.retry()?;
             return self.sidecar.write(&self.paths.sidecar);
         }
-        paths.prepare(&self.protocol)?;
+        let undescribed = paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
         self.rows.move_to(&paths.csv)?;
         if !self.frames_unread
@@ -233,6 +243,7 @@ impl SessionStore {
             self.note(format!("the frames could not be moved: {error}"));
         }
         self.paths = paths;
+        undescribed.into_iter().for_each(|what| self.note(what));
         self.note(format!("the results folder failed; the session was moved from {from}"));
         self.sidecar.write(&self.paths.sidecar)
     }
@@ -252,6 +263,13 @@ impl SessionStore {
     pub fn note(&mut self, incident: String) {
         if let Some(sitting) = self.sidecar.sittings.last_mut() {
             sitting.incidents.push(incident);
+        }
+    }
+
+    /// Notes the hash of a picture that is shown, for the sidecar's next writing; `condition` from 0.
+    pub fn note_picture(&mut self, condition: usize, sha256: String) {
+        if let Some(pictures) = self.sidecar.sittings.last_mut().and_then(|sitting| sitting.pictures.as_mut()) {
+            pictures.sha256.insert(condition + 1, sha256);
         }
     }
 
@@ -277,6 +295,11 @@ impl SessionStore {
             sitting.ended_at = Some(ended_at);
             sitting.frames = frames;
         }
+        self.sidecar.seal = Some(Seal {
+            data_sha256: self.rows.sha256(),
+            frames_sha256: self.frames_file().map(|_| self.frames.sha256()),
+            sidecar_sha256: self.sidecar.own_sha256(),
+        });
         self.sidecar.write(&self.paths.sidecar)
     }
 }

@@ -5,7 +5,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::{FileFault, FileFaults, StoreError, dataset::write_json, definition, fault::io};
+use super::{
+    FileFault, FileFaults, StoreError, dataset::write_json, definition, fault::io, hash::sha256, pictures::Pictures,
+};
 use crate::experiment::{GENERATOR, Protocol, columns};
 
 /// How an onset is defined, for the reader of the data.
@@ -14,6 +16,9 @@ const ONSET: &str = "Start of the frame that presents the stimulus, by the progr
 /// The sidecar's content.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sidecar {
+    /// For readers of linked data, as those of Psych-DS are: which of the keys here are machband's own.
+    #[serde(rename = "@context", default = "context")]
+    pub context: Value,
     /// The definition in the form of its file.
     pub definition: Value,
     /// [`definition::hash`] of it.
@@ -30,6 +35,31 @@ pub struct Sidecar {
     pub sittings: Vec<Sitting>,
     /// Description, unit and levels of every column.
     pub columns: Map<String, Value>,
+    /// By which is seen that files were touched since the session ended; absent while it is not ended.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seal: Option<Seal>,
+}
+
+/// Hashes of a session's files at its end. They tell an accident, and an honest change by hand; who wants to deceive
+/// can make new ones.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Seal {
+    /// SHA-256 of the data file.
+    pub data_sha256: String,
+    /// SHA-256 of the file of the frames, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames_sha256: Option<String>,
+    /// [`Sidecar::own_sha256`].
+    pub sidecar_sha256: String,
+}
+
+/// Keys of a sidecar mean nothing to schema.org: without this, a reader of linked data would look for them there.
+fn context() -> Value {
+    let own =
+        ["definition", "definition_sha256", "seed", "generator", "onset", "complete", "sittings", "columns", "seal"];
+    let mut context = Map::from_iter([("@vocab".to_owned(), "http://schema.org/".into())]);
+    context.extend(own.map(|key| (key.to_owned(), Value::Null)));
+    context.into()
 }
 
 /// One stretch of a session, from its start or resumption to its end.
@@ -63,6 +93,9 @@ pub struct Sitting {
     /// How ratings are stamped, and for how long at most a key may have waited for that.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<Value>,
+    /// What was shown, to be rendered again by who doubts it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pictures: Option<Pictures>,
     /// What was mended or moved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub incidents: Vec<String>,
@@ -108,6 +141,7 @@ impl Sidecar {
             .map(|column| (column.name.clone(), serde_json::to_value(&column).unwrap_or_default()))
             .collect();
         Self {
+            context: context(),
             definition: serde_json::to_value(protocol).unwrap_or_default(),
             definition_sha256: definition::hash(protocol),
             seed,
@@ -116,7 +150,16 @@ impl Sidecar {
             complete: false,
             sittings: vec![sitting],
             columns,
+            seal: None,
         }
+    }
+
+    /// SHA-256 of what the sidecar says but for its seal.
+    #[must_use]
+    pub fn own_sha256(&self) -> String {
+        let open = Self { seal: None, ..self.clone() };
+        // Its parts are plain data: nothing in them can fail to be written.
+        sha256(&serde_json::to_vec(&open).unwrap_or_default())
     }
 
     /// Reads a sidecar; `None` where there is none.

@@ -6,10 +6,10 @@ use std::{
 };
 
 use super::FileFault;
-use crate::store::frames;
+use crate::store::{FileFaults, frames};
 
 /// Ends the name of a data file of a Psych-DS data set, as our results are.
-const DATA_FILE: &str = "_data.csv";
+pub const DATA_FILE: &str = "_data.csv";
 
 /// The files to read, each once, in the order they were named; those of a folder in natural order of their paths.
 pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
@@ -34,6 +34,20 @@ pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
     }
     found.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
     (found, faults)
+}
+
+/// The data files of all sessions in a folder and those below it, in natural order of their paths.
+///
+/// # Errors
+/// The folder cannot be read, or has none.
+pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileFaults> {
+    let fault = |message: String| FileFaults(vec![whole(root, message)]);
+    let mut files = folder(root).map_err(fault)?;
+    files.retain(|path| has_suffix(path, DATA_FILE));
+    if files.is_empty() {
+        return Err(fault("has no data file of a session; expected a results folder".to_owned()));
+    }
+    Ok(files)
 }
 
 /// A fault of a path as a whole.

@@ -20,6 +20,8 @@ mod survey;
 
 use std::path::PathBuf;
 
+pub use discovery::{DATA_FILE, data_files};
+
 use super::{FileFault, sidecar::Sidecar};
 use crate::experiment::Protocol;
 

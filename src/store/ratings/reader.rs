@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
 
 use super::{
+    super::hash::hexadecimal,
     FileFault, Layout, Reading, SessionRead, Shape, Sink, Source,
     discovery::{self, natural, whole},
     emit::{Emitter, Rules, Tally, is_rating},
@@ -352,7 +353,7 @@ fn sha256(input: &Input) -> Option<String> {
     let mut block = vec![0; 1 << 16];
     loop {
         match reader.read(&mut block) {
-            Ok(0) => return Some(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()),
+            Ok(0) => return Some(hexadecimal(&hash.finalize())),
             Ok(n) => hash.update(&block[..n]),
             Err(_) => return None,
         }

@@ -1,0 +1,98 @@
+//! Recorded sessions as they lie on disk, for those who read whole data sets: nothing is changed or locked.
+
+use std::path::{Path, PathBuf};
+
+use super::{FileFaults, StoreError, dataset::SIDECAR_SUFFIX, definition, frames, ratings, results, sidecar::Sidecar};
+use crate::experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns};
+
+/// A session with everything that is known of it.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// Its rows on disk.
+    pub csv: PathBuf,
+    /// The sidecar on disk.
+    pub sidecar_path: PathBuf,
+    /// The file of the frames, where there is one.
+    pub frames: Option<PathBuf>,
+    /// Whose it is, by the names of its files.
+    pub identity: Identity,
+    /// The definition, by the sidecar.
+    pub protocol: Protocol,
+    /// The order of the trials, by definition and seed.
+    pub schedule: Schedule,
+    /// What else is known.
+    pub sidecar: Sidecar,
+    /// Its rows, in the order of the file.
+    pub rows: Vec<TrialRecord>,
+    /// A last line that is half written: the session was interrupted and not gone on with.
+    pub torn: Option<String>,
+}
+
+impl Recorded {
+    /// Reads a session by the path of its data file.
+    ///
+    /// # Errors
+    /// A name that is none of a session; no sidecar; anything that does not parse, with its place.
+    pub fn open(csv: &Path) -> Result<Self, StoreError> {
+        let whole = |path: &Path, message: String| FileFaults::whole(path.display().to_string(), message);
+        let (stem, identity) = identity(csv).map_err(|message| whole(csv, message))?;
+        let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
+        let sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| {
+            whole(&sidecar_path, "is not there; expected the sidecar of the data file beside it".to_owned())
+        })?;
+        let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
+        let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
+            .map_err(|error| StoreError::Mismatch { path: sidecar_path.clone(), what: error.to_string() })?;
+        let read = results::read(csv, &columns(&protocol))?;
+        let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
+        Ok(Self {
+            csv: csv.to_owned(),
+            sidecar_path,
+            frames: frames.exists().then_some(frames),
+            identity,
+            protocol,
+            schedule,
+            sidecar,
+            rows: read.rows,
+            torn: read.torn,
+        })
+    }
+
+    /// The part of its files' names that they have in common.
+    pub fn stem(&self) -> String {
+        let name = self.csv.file_name().unwrap_or_default().to_string_lossy();
+        name.strip_suffix(ratings::DATA_FILE).unwrap_or(&name).to_owned()
+    }
+
+    /// What the rows come from; for a row's `sitting`, see the row.
+    pub fn context(&self) -> RowContext<'_> {
+        RowContext { protocol: &self.protocol, schedule: &self.schedule, identity: &self.identity, sitting: 1 }
+    }
+
+    /// Index of the condition that a row shows, into [`Schedule::conditions`]; `None` where the row is not planned.
+    pub fn condition(&self, row: &TrialRecord) -> Option<usize> {
+        Some(self.schedule.trials[row.planned_trial(&self.context())?].condition)
+    }
+}
+
+/// The data files of all sessions in a results folder, in the folder of one experiment, or its `data` folder; in natural
+/// order of their paths.
+///
+/// # Errors
+/// The folder cannot be read, or has none.
+pub fn find(folder: &Path) -> Result<Vec<PathBuf>, FileFaults> {
+    ratings::data_files(folder)
+}
+
+/// The part of a data file's name before `_data.csv`, and whose session it says it is.
+fn identity(csv: &Path) -> Result<(String, Identity), String> {
+    let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
+    let stem = name.strip_suffix(ratings::DATA_FILE).ok_or_else(|| format!("is named otherwise; {expected}"))?;
+    let part = |key: &str| stem.split('_').find_map(|part| part.strip_prefix(key)?.strip_prefix('-'));
+    let (Some(subject), Some(session)) = (part("subject"), part("session")) else {
+        return Err(format!("its name has no subject or session; {expected}"));
+    };
+    let identity = Identity::new(subject, session).map_err(|error| error.to_string())?;
+    Ok((stem.to_owned(), identity))
+}
