@@ -19,6 +19,11 @@ use std::{
     time::{Duration, Instant},
 };
 
+#[path = "faults/build.rs"]
+mod build;
+#[path = "window/faults.rs"]
+mod faults;
+
 const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
 const SCREEN: (usize, usize) = (1280, 1024);
 /// Longest wait for anything: a software renderer on a busy machine is slow.
@@ -395,6 +400,8 @@ struct Desk {
     display: String,
     servers: Vec<Child>,
     window: Option<Child>,
+    /// For the program, beside what every command here has.
+    environment: Vec<(&'static str, std::ffi::OsString)>,
     /// One window at a time has the machine to itself: timing is what is tested.
     _alone: MutexGuard<'static, ()>,
 }
@@ -422,7 +429,8 @@ impl Desk {
         }
         let runtime = std::os::unix::fs::PermissionsExt::from_mode(0o700);
         fs::set_permissions(dir.path().join("runtime"), runtime).unwrap();
-        let mut desk = Self { dir, display: String::new(), servers: Vec::new(), window: None, _alone: alone };
+        let (display, servers, environment) = (String::new(), Vec::new(), Vec::new());
+        let mut desk = Self { dir, display, servers, window: None, environment, _alone: alone };
         desk.start_servers();
         Some(desk)
     }
@@ -527,6 +535,7 @@ impl Desk {
             .command(MACHBAND)
             .args(["run", experiment, "--results", &self.results()])
             .args(arguments)
+            .envs(self.environment.iter().cloned())
             .stdout(self.log("machband"))
             .stderr(self.log("machband"))
             .spawn()
@@ -659,6 +668,14 @@ impl Desk {
             .chunks_exact(stride)
             .flat_map(|line| line[..4 * width].chunks_exact(4).flat_map(|bgrx| [bgrx[2], bgrx[1], bgrx[0]]))
             .collect()
+    }
+
+    /// Takes a picture of the screen, to be looked at: where `MACHBAND_PICTURES` names a folder.
+    fn keep_picture(&self, name: &str) {
+        if let Some(folder) = std::env::var_os("MACHBAND_PICTURES") {
+            let to = Path::new(&folder).join(name).with_extension("png");
+            let _ = self.command("import").args(["-window", "root"]).arg(to).output();
+        }
     }
 
     fn see(&self) -> Sight {

@@ -1,11 +1,13 @@
 //! The event loop: eframe's, with an ear of our own before it.
 
 use std::{
+    mem::ManuallyDrop,
+    panic::{self, AssertUnwindSafe},
     sync::{Mutex, Once, PoisonError},
     time::{Duration, Instant},
 };
 
-use eframe::{AppCreator, EframeWinitApplication, NativeOptions, UserEvent, egui::Key};
+use eframe::{EframeWinitApplication, NativeOptions, UserEvent, egui::Key};
 use winit::{
     application::ApplicationHandler,
     event::{DeviceEvent, DeviceId, ElementState, StartCause, WindowEvent},
@@ -17,6 +19,7 @@ use winit::{
 use super::{
     WindowError,
     input::{Pressed, Stamps},
+    loss::{Loss, Shared},
 };
 
 /// A loop that comes back from waiting this late had nothing to do, and was woken by what it then finds.
@@ -25,14 +28,34 @@ const SLEPT: Duration = Duration::from_micros(500);
 /// Runs the window until it is closed.
 ///
 /// # Errors
-/// [`WindowError::Refused`] with the reason of the window system or the graphics driver.
-pub fn run(options: NativeOptions, stamps: Stamps, creator: AppCreator<'_>) -> Result<(), WindowError> {
+/// [`WindowError::Refused`] with the reason of the window system or the graphics driver; [`WindowError::Lost`] where one
+/// of them has gone meanwhile.
+pub fn run(options: NativeOptions, stamps: Stamps, app: Shared) -> Result<(), WindowError> {
     let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
     overhear();
     let events = EventLoop::<UserEvent>::with_user_event().build().map_err(|error| refused(&error))?;
+    let (loss, creator) = (app.loss(), app.creator());
+    loss.catch_panics();
+    app.prepare_last_words();
     let inner = eframe::create_native("machband", options, creator, &events);
-    let mut ear = Ear { inner, stamps, looked: None, idle_since: None, unseen_since: Instant::now() };
-    events.run_app(&mut ear).map_err(|error| refused(&error))?;
+    // What is broken is not taken apart: its parts would ask a window system or a graphics card that is gone.
+    let mut ear =
+        ManuallyDrop::new(Ear { inner, app, stamps, looked: None, idle_since: None, unseen_since: Instant::now() });
+    let ran = panic::catch_unwind(AssertUnwindSafe(|| events.run_app(&mut *ear)));
+    match &ran {
+        Err(_) => loss.tell_panic(),
+        Ok(Err(error)) if ear.app.is_open() => loss.tell(error.to_string()),
+        Ok(_) => {}
+    }
+    ear.app.forget_last_words();
+    if let Some(reason) = loss.reason() {
+        let rows = ear.app.close();
+        return Err(WindowError::Lost { reason, rows });
+    }
+    ManuallyDrop::into_inner(ear).app.close();
+    if let Ok(Err(error)) = ran {
+        return Err(refused(&error));
+    }
     // eframe tells why it stopped in its log alone.
     match OVERHEARD.lock().unwrap_or_else(PoisonError::into_inner).take() {
         Some(reason) => Err(WindowError::Refused(reason)),
@@ -43,6 +66,8 @@ pub fn run(options: NativeOptions, stamps: Stamps, creator: AppCreator<'_>) -> R
 /// Stamps keys and clicks, and hands everything on.
 struct Ear<'a> {
     inner: EframeWinitApplication<'a>,
+    /// The program in the window, to be closed where the window is lost.
+    app: Shared,
     stamps: Stamps,
     /// When this round had asked for all that had arrived: where its drawing began. `None` until then.
     looked: Option<Instant>,
@@ -52,7 +77,19 @@ struct Ear<'a> {
     unseen_since: Instant,
 }
 
-impl Ear<'_> {
+impl<'a> Ear<'a> {
+    /// Hands an event on, unless window or graphics are lost: then the session is closed, and the loop ends.
+    fn hand_on(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
+        let loss: Loss = self.app.loss();
+        if loss.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
+            loss.tell_panic();
+        }
+        if loss.reason().is_some() {
+            self.app.close();
+            events.exit();
+        }
+    }
+
     /// A round begins: what it finds has arrived since the one before looked, or, where that went to sleep with nothing
     /// to do, has just woken it.
     fn wake(&mut self, now: Instant) {
@@ -93,43 +130,43 @@ fn key(physical: PhysicalKey) -> Option<Key> {
 impl ApplicationHandler<UserEvent> for Ear<'_> {
     fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
         self.wake(Instant::now());
-        self.inner.new_events(events, cause);
+        self.hand_on(events, |inner| inner.new_events(events, cause));
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
         self.hear(&event);
-        self.inner.window_event(events, window, event);
+        self.hand_on(events, |inner| inner.window_event(events, window, event));
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        self.inner.about_to_wait(events);
+        self.hand_on(events, |inner| inner.about_to_wait(events));
         let now = Instant::now();
         self.looked.get_or_insert(now);
         self.idle_since = Some(now);
     }
 
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        self.inner.resumed(events);
+        self.hand_on(events, |inner| inner.resumed(events));
     }
 
     fn user_event(&mut self, events: &ActiveEventLoop, event: UserEvent) {
-        self.inner.user_event(events, event);
+        self.hand_on(events, |inner| inner.user_event(events, event));
     }
 
     fn device_event(&mut self, events: &ActiveEventLoop, device: DeviceId, event: DeviceEvent) {
-        self.inner.device_event(events, device, event);
+        self.hand_on(events, |inner| inner.device_event(events, device, event));
     }
 
     fn suspended(&mut self, events: &ActiveEventLoop) {
-        self.inner.suspended(events);
+        self.hand_on(events, |inner| inner.suspended(events));
     }
 
     fn exiting(&mut self, events: &ActiveEventLoop) {
-        self.inner.exiting(events);
+        self.hand_on(events, |inner| inner.exiting(events));
     }
 
     fn memory_warning(&mut self, events: &ActiveEventLoop) {
-        self.inner.memory_warning(events);
+        self.hand_on(events, |inner| inner.memory_warning(events));
     }
 }
 

@@ -43,6 +43,8 @@ pub struct Finish {
     opened: Option<String>,
     /// The frames in one sentence, where there were any.
     frames: Option<String>,
+    /// What of the sitting's end could not be written.
+    fault: Option<String>,
 }
 
 /// Mean rating along the first factor, for one level of the second.
@@ -59,6 +61,7 @@ impl Finish {
         path: PathBuf,
         complete: bool,
         frames: Option<String>,
+        fault: Option<String>,
     ) -> Self {
         let name = |wanted: &str, other: usize| {
             let found = protocol.factors.iter().position(|factor| factor.name == wanted);
@@ -80,6 +83,7 @@ impl Finish {
             complete,
             opened: None,
             frames,
+            fault,
         }
     }
 
@@ -102,6 +106,12 @@ impl Finish {
                 self.plot(ui);
             }
             ui.add_space(8.0);
+            if let Some(fault) = &self.fault {
+                theme::fault(
+                    ui,
+                    &format!("The end of this sitting could not be noted; please call the experimenter. {fault}"),
+                );
+            }
             ui.label(&texts.saved_in);
             ui.add(egui::Label::new(egui::RichText::new(self.path.display().to_string()).monospace()).wrap());
             ui.horizontal_wrapped(|ui| {

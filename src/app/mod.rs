@@ -16,6 +16,7 @@ mod gallery;
 mod hasher;
 mod home;
 mod input;
+mod loss;
 mod monitor;
 mod pages;
 mod pixels;
@@ -29,7 +30,11 @@ pub mod timing;
 mod trouble;
 mod work;
 
-use std::{path::PathBuf, sync::Arc, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Instant,
+};
 
 use eframe::{
     egui::{self, ViewportBuilder, ViewportCommand},
@@ -88,6 +93,25 @@ pub enum WindowError {
         "display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)"
     )]
     Refused(String),
+    /// The window system or the graphics driver went away while the window was open.
+    #[error("{}", lost(reason, rows.as_deref()))]
+    Lost {
+        /// What they said.
+        reason: String,
+        /// Where the rows of the session are that ran.
+        rows: Option<PathBuf>,
+    },
+}
+
+fn lost(reason: &str, rows: Option<&Path>) -> String {
+    let (place, kept) = match rows {
+        Some(rows) => (
+            rows.display().to_string(),
+            "every answer that was saved is there; expected the same command with --resume, or Home with the same participant and session, to go on",
+        ),
+        None => ("display".to_owned(), "expected a window system and graphics that stay"),
+    };
+    format!("{place}: the window was lost ({reason}); {kept}")
 }
 
 /// Opens the window and returns when it is closed.
@@ -117,7 +141,7 @@ fn window(
     }
     let stamps = input::Stamps::default();
     let input = input::Input::hearing(stamps.clone());
-    event_loop::run(options(fullscreen), stamps, Box::new(|cc| Ok(Box::new(App { input, ..app(cc) }))))
+    event_loop::run(options(fullscreen), stamps, loss::Shared::new(|cc| App { input, ..app(cc) }))
 }
 
 fn options(fullscreen: bool) -> eframe::NativeOptions {
@@ -266,9 +290,7 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self) {
-        if let Page::Session(session) = &mut self.page {
-            session.close();
-        }
+        self.close();
     }
 
     /// The page's ground, and the uniform field of a trial: clearing to it costs nothing, while a rectangle over the
@@ -285,6 +307,13 @@ impl eframe::App for App {
 }
 
 impl App {
+    /// Ends a session that runs; gives the file of its rows.
+    fn close(&mut self) -> Option<PathBuf> {
+        let Page::Session(session) = &mut self.page else { return None };
+        session.close();
+        Some(session.csv().to_owned())
+    }
+
     fn turn_to(&mut self, ctx: &egui::Context, page: Page) {
         self.page = page;
         ctx.request_repaint();

@@ -2,6 +2,8 @@
 
 use std::{
     collections::BTreeSet,
+    io::Write as _,
+    path::Path,
     time::{Duration, SystemTime, UNIX_EPOCH},
 };
 
@@ -117,6 +119,8 @@ pub struct SessionPage {
     categories: CategoryPictures,
     hasher: Option<Hasher>,
     screen: ScreenRefresh,
+    /// The monitor's physical pixels.
+    screen_px: (u32, u32),
     input: InputReport,
     /// Clicked on the scale in the frame before, which still showed the stimulus.
     clicked: Option<(u8, Heard)>,
@@ -194,6 +198,7 @@ impl SessionPage {
             categories: CategoryPictures::default(),
             hasher: Hasher::start(),
             screen,
+            screen_px: screen_px(monitor),
             input: InputReport::default(),
             clicked: None,
             scale_shown: practising,
@@ -244,6 +249,7 @@ impl SessionPage {
 
     /// The window may be moved to another monitor, and a monitor set to another rate.
     fn follow_screen(&mut self, monitor: &Monitor) {
+        self.screen_px = screen_px(monitor);
         if self.screen.look(monitor) {
             self.session.judge_against(self.screen.frames());
             let hz =
@@ -381,13 +387,14 @@ impl SessionPage {
     }
 
     fn too_small(&self, ctx: &egui::Context) -> Option<String> {
-        let (width, height) = window_px(ctx);
-        (width.min(height) < self.size_px).then(|| {
-            format!(
-                "The window has {width} × {height} pixels and the stimulus needs {}; make the window larger.",
-                self.size_px
-            )
-        })
+        let (window, needed) = (window_px(ctx), self.size_px);
+        // A window does not shrink below its least size: what is beyond a smaller screen is not seen.
+        [("window", window, "make the window larger"), ("screen", self.screen_px, "put the window on a larger one")]
+            .into_iter()
+            .find(|(_, (width, height), _)| *width.min(height) < needed)
+            .map(|(what, (width, height), remedy)| {
+                format!("The {what} has {width} × {height} pixels and the stimulus needs {needed}; {remedy}.")
+            })
     }
 
     fn pause_if_too_small(&mut self, ctx: &egui::Context, now: Duration) {
@@ -478,7 +485,7 @@ impl SessionPage {
     }
 
     fn finish(&mut self, ctx: &egui::Context) -> Go {
-        self.close();
+        let fault = self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         let complete = *self.session.state() == State::Done;
         let frames = self.session.frame_times();
@@ -488,16 +495,24 @@ impl SessionPage {
             self.store.csv().to_owned(),
             complete,
             frames::sentence(frames, self.screen.refresh),
+            fault,
         );
         Go::To(Page::Finish(Box::new(finish)))
     }
 
-    /// Ends the sitting in the sidecar, once. The rows are on disk already; a sidecar that cannot be written now says
-    /// less, and takes nothing with it.
-    pub fn close(&mut self) {
+    /// Where the rows are.
+    pub fn csv(&self) -> &Path {
+        self.store.csv()
+    }
+
+    /// Ends the sitting in the sidecar, once; gives what could not be written, which is said on stderr too. A sidecar
+    /// that cannot be written now says less, and takes nothing with it.
+    pub fn close(&mut self) -> Option<String> {
         if std::mem::replace(&mut self.closed, true) {
-            return;
+            return None;
         }
+        // An answer that is in memory only has its last chance.
+        let saved = if self.is_unsaved() { self.store.retry() } else { Ok(()) };
         self.store_frames();
         self.store.describe_input(self.input.summary());
         for (condition, sha256) in self.hasher.take().map(Hasher::finish).unwrap_or_default() {
@@ -506,10 +521,20 @@ impl SessionPage {
         let (times, file) = (self.session.frame_times(), self.store.frames_file());
         let summary = frames::summary(times, self.screen.refresh, self.screen.source, file);
         let complete = *self.session.state() == State::Done;
-        if let Err(error) = self.store.finish(complete, Timestamp::now().to_string(), summary) {
-            eprintln!("error: {error}");
+        let ended = self.store.finish(complete, Timestamp::now().to_string(), summary);
+        let faults: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
+        for fault in &faults {
+            // Where nobody listens, nothing is lost.
+            let _ = writeln!(std::io::stderr(), "error: {fault}");
         }
+        (!faults.is_empty()).then(|| faults.join("\n"))
     }
+}
+
+/// Physical pixels of the monitor; a system that does not know them limits nothing.
+fn screen_px(monitor: &Monitor) -> (u32, u32) {
+    let known = |pixels: u32| if pixels == 0 { u32::MAX } else { pixels };
+    (known(monitor.width_px), known(monitor.height_px))
 }
 
 fn viewing(request: &Request, prepared: &Prepared) -> serde_json::Value {

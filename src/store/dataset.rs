@@ -4,6 +4,7 @@ use std::{
     fs::{self, File},
     io::Write as _,
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use super::{StoreError, description, fault::io, frames, ratings::DATA_FILE};
@@ -48,6 +49,7 @@ impl SessionPaths {
         self.refuse_links()?;
         let data = self.dataset.join("data");
         fs::create_dir_all(&data).map_err(io(&data, "make the folder"))?;
+        remove_abandoned(&self.dataset);
         description::describe(&self.dataset, protocol)
     }
 
@@ -104,16 +106,22 @@ pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<
     let written = file
         .write_all(content)
         .and_then(|()| if durable { file.sync_all() } else { Ok(()) })
+        .and_then(|()| whole(&file, content.len()))
         .and_then(|()| fs::rename(&temporary, path));
     if let Err(error) = written {
         // The temporary file is of no use; that it may stay behind on a broken disk changes nothing.
         let _ = fs::remove_file(&temporary);
         return Err(io(path, "write")(error));
     }
-    if durable {
-        sync_folder(path);
+    if durable { sync_folder(path) } else { Ok(()) }
+}
+
+/// A disk may take less than it says: half a file must not replace a whole one.
+fn whole(file: &File, length: usize) -> std::io::Result<()> {
+    match file.metadata()?.len() {
+        found if found == length as u64 => Ok(()),
+        found => Err(std::io::Error::other(format!("{found} of {length} bytes were kept"))),
     }
-    Ok(())
 }
 
 /// A new file beside `path`, named after the process: two programs that describe the same data set do not meet in one
@@ -128,6 +136,20 @@ fn create_temporary(path: &Path) -> std::io::Result<(PathBuf, File)> {
         match File::create_new(&temporary) {
             Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
             created => return created.map(|file| (temporary, file)),
+        }
+    }
+}
+
+/// Removes what killed programs left in a data set's folder of their tries to describe it. Other programs may be about
+/// to, so only what is old.
+fn remove_abandoned(dataset: &Path) {
+    const OLD: Duration = Duration::from_secs(60);
+    for entry in fs::read_dir(dataset).into_iter().flatten().flatten() {
+        let ours = entry.file_name().to_str().is_some_and(|name| name.ends_with(".tmp"));
+        let age = entry.metadata().and_then(|metadata| metadata.modified()).ok().and_then(|time| time.elapsed().ok());
+        if ours && age.is_some_and(|age| age > OLD) {
+            // It is in nobody's way if it stays.
+            let _ = fs::remove_file(entry.path());
         }
     }
 }
@@ -148,12 +170,38 @@ pub(super) fn remove_leftovers(path: &Path) {
     }
 }
 
-/// Makes a new or renamed name in a folder survive a power cut, where the system knows the notion. Windows does not
-/// open folders as files and needs no such call, so a failure is no fault.
-pub(super) fn sync_folder(file: &Path) {
-    if let Some(folder) = file.parent()
-        && let Ok(folder) = File::open(folder)
-    {
-        let _ = folder.sync_all();
+/// Makes a new or renamed name in a folder survive a power cut, where the system knows the notion: Windows does not open
+/// folders as files.
+///
+/// # Errors
+/// The system's refusal.
+pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
+    use std::io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    let opened = match File::open(folder) {
+        // A folder may take files and show none.
+        Err(error) if error.kind() == PermissionDenied => return Ok(()),
+        opened => opened.map_err(io(folder, "sync"))?,
+    };
+    match opened.sync_all() {
+        // Some network shares know no such call.
+        Err(error) if matches!(error.kind(), InvalidInput | Unsupported) => Ok(()),
+        synced => synced.map_err(io(folder, "sync")),
+    }
+}
+
+/// Whether there is something of this name. A disk that does not answer has not said no.
+///
+/// # Errors
+/// The system's refusal to say.
+pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
+    use std::io::ErrorKind::{NotADirectory, NotFound};
+    match fs::metadata(path) {
+        Ok(_) => Ok(true),
+        Err(error) if matches!(error.kind(), NotFound | NotADirectory) => Ok(false),
+        Err(error) => Err(io(path, "look for")(error)),
     }
 }

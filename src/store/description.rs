@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::{
     StoreError,
-    dataset::{write_json, write_whole},
+    dataset::{is_there, write_json, write_whole},
     fault::io,
     frames,
 };
@@ -25,20 +25,23 @@ const IGNORE: [&str; 2] = [".psychds-ignore", ".psychdsignore"];
 /// # Errors
 /// The system's refusal.
 pub(super) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<String>, StoreError> {
-    let absent = |name: &str| Some(dataset.join(name)).filter(|path| !path.exists());
-    if let Some(path) = absent("README.md") {
+    let absent = |name: &str| -> Result<_, StoreError> {
+        let path = dataset.join(name);
+        Ok(if is_there(&path)? { None } else { Some(path) })
+    };
+    if let Some(path) = absent("README.md")? {
         write_whole(&path, readme(protocol).as_bytes(), true)?;
     }
-    if let Some(path) = absent("CHANGES.md") {
+    if let Some(path) = absent("CHANGES.md")? {
         write_whole(&path, changes().as_bytes(), true)?;
     }
     for name in IGNORE {
-        if let Some(path) = absent(name) {
+        if let Some(path) = absent(name)? {
             write_whole(&path, ignored().as_bytes(), true)?;
         }
     }
     let path = dataset.join(DESCRIPTION);
-    if !path.exists() {
+    if !is_there(&path)? {
         return write_json(&path, &description(&protocol.name, &protocol.title, &columns(protocol))).map(|()| None);
     }
     let found = fs::read(&path).map_err(io(&path, "read"))?;

@@ -60,7 +60,7 @@ impl NullingFile {
                 Ok(file) => {
                     let mut made = Self { path, file, seed, content: Vec::new(), on_disk: 0 };
                     made.add(&COLUMNS.map(str::to_owned))?;
-                    sync_folder(&made.path);
+                    sync_folder(&made.path)?;
                     return Ok(made);
                 }
                 Err(error) if error.kind() == ErrorKind::AlreadyExists && number < MOST_FILES => number += 1,

@@ -51,12 +51,11 @@ impl ResultFile {
         })?;
         lock(&file, path)?;
         let mut created = Self { path: path.to_owned(), file, content, on_disk: 0, width };
-        if let Err(error) = created.flush() {
+        if let Err(error) = created.flush().and_then(|()| sync_folder(path)) {
             // Ours alone, made just now: half a file must not stand in the way of the next try.
             let _ = fs::remove_file(path);
             return Err(error);
         }
-        sync_folder(path);
         Ok(created)
     }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{
     StoreError,
-    dataset::{SessionPaths, remove_leftovers},
+    dataset::{SessionPaths, is_there, remove_leftovers},
     definition,
     frames::{FrameFile, FrameRow},
     results::ResultFile,
@@ -59,7 +59,7 @@ impl SessionStore {
         let paths = SessionPaths::new(results, protocol, identity);
         // A sidecar or frames without their rows are of a session too.
         for taken in [&paths.csv, &paths.sidecar, &paths.frames] {
-            if taken.exists() {
+            if is_there(taken)? {
                 return Err(StoreError::Exists(taken.clone()));
             }
         }
@@ -68,7 +68,8 @@ impl SessionStore {
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
         if let Err(error) = sidecar.write(&paths.sidecar) {
-            // Nothing is recorded yet: the next try must not find a session.
+            // Nothing is recorded yet: the next try must not find a session, and least of all a sidecar without rows.
+            let _ = std::fs::remove_file(&paths.sidecar);
             drop(rows);
             let _ = std::fs::remove_file(&paths.csv);
             return Err(error);
@@ -91,7 +92,7 @@ impl SessionStore {
         sitting: Sitting,
     ) -> Result<(Self, Interrupted), StoreError> {
         let paths = SessionPaths::new(results, protocol, identity);
-        if !paths.csv.exists() {
+        if !is_there(&paths.csv)? {
             return Err(StoreError::NothingToResume(paths.csv));
         }
         paths.refuse_links()?;
@@ -207,7 +208,7 @@ impl SessionStore {
     pub fn retry(&mut self) -> Result<(), StoreError> {
         self.rows.flush().or_else(|error| {
             // Deleted, and the place is usable again: everything goes into a new file of the same name.
-            if self.paths.csv.exists() {
+            if is_there(&self.paths.csv)? {
                 return Err(error);
             }
             self.prepare()?;

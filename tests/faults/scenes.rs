@@ -1,0 +1,219 @@
+//! What happens around a session: each a scene of its own with a line of the table.
+
+use std::{
+    fs,
+    io::{BufRead as _, BufReader, Read as _, Write as _},
+    path::{Path, PathBuf},
+    process::{Child, Stdio},
+    time::Duration,
+};
+
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng as _, SeedableRng as _},
+};
+
+use crate::{
+    disk,
+    run::{self, Ended, Said},
+    shim::{self, Fault},
+    sweep::{self, Sweep},
+    table::{Line, Table},
+};
+
+/// The definition of the scenes: eight trials.
+const DEFINITION: usize = 1;
+
+/// A folder with a session in it.
+struct Scene<'a> {
+    sweep: &'a Sweep,
+    folder: tempfile::TempDir,
+}
+
+impl<'a> Scene<'a> {
+    fn new(sweep: &'a Sweep) -> Self {
+        Self { sweep, folder: sweep::folder() }
+    }
+
+    fn first(&self) -> PathBuf {
+        self.folder.path().join("first")
+    }
+
+    fn second(&self) -> PathBuf {
+        self.folder.path().join("second")
+    }
+
+    fn csv(&self) -> PathBuf {
+        disk::paths(&self.first(), DEFINITION).csv
+    }
+
+    fn resume(&self, results: &Path) -> Ended {
+        run::ended(&mut run::binary(&self.sweep.definition(DEFINITION), results, true))
+    }
+
+    /// A child that waits after so many rows.
+    fn waiting(&self, rows: usize) -> Waiting {
+        let mut command = run::child(DEFINITION, &self.first(), &self.second(), false);
+        command.env("MACHBAND_CHILD_WAIT", rows.to_string());
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let mut stdout = BufReader::new(child.stdout.take().unwrap());
+        let mut said = String::new();
+        while !said.contains("@waiting\n") {
+            assert!(stdout.read_line(&mut said).unwrap() > 0, "the child ended: {said}");
+        }
+        Waiting { child, stdout, said }
+    }
+
+    /// Every row that was reported is there, and the session is complete once resumed; gives the line of the table.
+    fn assert_kept(&self, said: &Said, results: &Path) -> Line {
+        let recorded = || disk::lines(&disk::paths(results, DEFINITION).csv);
+        let lost = |rows: &[String]| said.rows.iter().filter(|row| !rows.contains(row)).count();
+        assert_eq!(lost(&recorded()), 0, "{said:?}");
+        let unparsable = disk::unparsable(self.folder.path(), DEFINITION);
+        assert_eq!(unparsable, Vec::<String>::new());
+        let resumed = self.resume(results);
+        assert!(resumed.status.success(), "{resumed:?}");
+        assert_eq!(lost(&recorded()), 0, "{said:?}");
+        let faults = disk::faults_of_ended(results, DEFINITION, self.sweep.planned(DEFINITION));
+        assert_eq!(faults, Vec::<String>::new());
+        Line {
+            injected: 1,
+            hit: 1,
+            sessions: 1,
+            said: usize::from(!said.errors.is_empty()),
+            acknowledged: said.rows.len(),
+            resumed: 1,
+            ..Line::default()
+        }
+    }
+}
+
+struct Waiting {
+    child: Child,
+    stdout: BufReader<std::process::ChildStdout>,
+    said: String,
+}
+
+impl Waiting {
+    /// Lets it go on to its end.
+    fn end(mut self) -> Said {
+        self.child.stdin.take().unwrap().write_all(b"\n").unwrap();
+        self.stdout.read_to_string(&mut self.said).unwrap();
+        self.child.wait().unwrap();
+        Said::read(&self.said)
+    }
+}
+
+/// All scenes, each in the table.
+pub fn play(sweep: &Sweep, table: &mut Table) {
+    for rows in [1, 3, 7] {
+        table.line("the folder is removed in mid-session", removed(sweep, rows));
+        table.line("two programs at once", two_at_once(sweep, rows));
+        table.line("the clock is turned back between sittings", clock_back(sweep, rows));
+        for (name, what) in
+            [("the disk is full from then on", "ENOSPC"), ("the folder is read-only from then on", "EROFS")]
+        {
+            table.line(name, lasting(sweep, rows, what));
+        }
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    for _ in 0..40 {
+        let (rows, wait) = (1 + rng.next_u64() as usize % 7, Duration::from_micros(rng.next_u64() % 3000));
+        table.line("killed at any moment", killed(sweep, rows, wait));
+    }
+    cut(sweep, table);
+}
+
+/// The folder goes while the program waits for the next answer: said, and made anew with all rows.
+fn removed(sweep: &Sweep, rows: usize) -> Line {
+    let scene = Scene::new(sweep);
+    let waiting = scene.waiting(rows);
+    fs::remove_dir_all(scene.first()).unwrap();
+    let said = waiting.end();
+    assert!(said.done && said.errors[0].contains("is gone"), "{said:?}");
+    scene.assert_kept(&said, &scene.first())
+}
+
+/// The second program is told, and changes nothing; the first goes on.
+fn two_at_once(sweep: &Sweep, rows: usize) -> Line {
+    let scene = Scene::new(sweep);
+    let waiting = scene.waiting(rows);
+    let before = fs::read(scene.csv()).unwrap();
+    let second = scene.resume(&scene.first());
+    let (csv, code) = (scene.csv().display().to_string(), second.status.code());
+    let sentence = format!("error: {csv}: another machband is writing this session; expected it to be closed first\n");
+    assert_eq!((code, &second.stderr), (Some(1), &sentence));
+    let fresh = run::ended(&mut run::binary(&sweep.definition(DEFINITION), &scene.first(), false));
+    assert!(fresh.status.code() == Some(1) && fresh.stderr.contains("already have a file"), "{fresh:?}");
+    assert_eq!(fs::read(scene.csv()).unwrap(), before);
+    let said = waiting.end();
+    assert!(said.done && said.errors.is_empty(), "{said:?}");
+    Line { said: 1, ..scene.assert_kept(&said, &scene.first()) }
+}
+
+/// The wall clock of the second sitting is an hour behind: the session's own time goes on.
+fn clock_back(sweep: &Sweep, rows: usize) -> Line {
+    let scene = Scene::new(sweep);
+    let lines = run::interrupted(DEFINITION, &scene.first(), rows);
+    let fault = Fault { op: "clock", n: 1, what: "back", lasting: false };
+    let mut command = run::binary(&sweep.definition(DEFINITION), &scene.first(), true);
+    let (ended, log) = shim::run_with(&mut command, &[fault], scene.folder.path(), &scene.folder.path().join("log"));
+    assert!(ended.status.success() && log.hits.len() == 1, "{ended:?}");
+    let said = Said { rows: lines, done: true, ..Said::default() };
+    let columns = machband::experiment::columns(&run::protocol(DEFINITION));
+    let content = fs::read(scene.csv()).unwrap();
+    let found = machband::store::results::parse("rows", &content, &columns).unwrap();
+    assert!(found[rows].started_at < found[rows - 1].started_at, "the clock was not turned back");
+    scene.assert_kept(&said, &scene.first())
+}
+
+/// The place refuses every writing from then on: said, tried again, and moved to another folder.
+fn lasting(sweep: &Sweep, rows: usize, what: &'static str) -> Line {
+    let scene = Scene::new(sweep);
+    // The rows come last but for the sidecar's end.
+    let writes = sweep.calls(DEFINITION, None, false).iter().find(|(op, _)| op == "write").map_or(0, |(_, n)| *n);
+    let before = writes - 1 - sweep.planned(DEFINITION).len() as u64;
+    let fault = Fault { op: "write", n: before + rows as u64, what, lasting: true };
+    let mut command = run::child(DEFINITION, &scene.first(), &scene.second(), false);
+    let (ended, log) = shim::run_with(&mut command, &[fault], &scene.first(), &scene.folder.path().join("log"));
+    let said = Said::read(&ended.stdout);
+    assert!(said.done && !log.hits.is_empty() && said.errors.len() == 3, "{said:?} {log:?}");
+    assert_eq!(said.moved, Some(scene.second()));
+    // What was recorded before stays where it was, too.
+    assert_eq!(disk::lines(&scene.csv())[1..], said.rows[..rows - 1]);
+    scene.assert_kept(&said, &scene.second())
+}
+
+/// SIGKILL from outside, a moment after a row.
+fn killed(sweep: &Sweep, rows: usize, wait: Duration) -> Line {
+    let scene = Scene::new(sweep);
+    let mut waiting = scene.waiting(rows);
+    waiting.child.stdin.take().unwrap().write_all(b"\n").unwrap();
+    std::thread::sleep(wait);
+    waiting.child.kill().unwrap();
+    waiting.stdout.read_to_string(&mut waiting.said).unwrap();
+    waiting.child.wait().unwrap();
+    let said = Said::read(&waiting.said);
+    assert!(said.rows.len() >= rows, "{said:?}");
+    scene.assert_kept(&said, &scene.first())
+}
+
+/// The file ends at each byte of its last two rows: what was whole stays, what was torn is told and asked again.
+fn cut(sweep: &Sweep, table: &mut Table) {
+    let scene = Scene::new(sweep);
+    run::interrupted(DEFINITION, &scene.first(), 5);
+    let sidecar = disk::paths(&scene.first(), DEFINITION).sidecar;
+    let (whole, saved) = (fs::read(scene.csv()).unwrap(), fs::read(&sidecar).unwrap());
+    let ends: Vec<usize> = (0..whole.len()).filter(|i| whole[*i] == b'\n').map(|i| i + 1).collect();
+    for length in ends[ends.len() - 3]..whole.len() {
+        fs::write(scene.csv(), &whole[..length]).unwrap();
+        fs::write(&sidecar, &saved).unwrap();
+        let kept = disk::lines(&scene.csv()).split_off(1);
+        let resumed = scene.resume(&scene.first());
+        let torn = !ends.contains(&length);
+        assert_eq!(resumed.stderr.contains("a half-written last row was cut off"), torn, "{length}: {resumed:?}");
+        let errors = if torn { vec![resumed.stderr] } else { Vec::new() };
+        let said = Said { rows: kept, errors, ..Said::default() };
+        table.line("the file is cut in its last two rows", scene.assert_kept(&said, &scene.first()));
+    }
+}

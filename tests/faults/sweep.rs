@@ -1,0 +1,322 @@
+//! A thousand sessions, each with calls of the disk or the clock that go wrong.
+
+use std::{
+    collections::{BTreeMap, HashMap},
+    fs,
+    path::{Path, PathBuf},
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::{Duration, SystemTime},
+};
+
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng as _, SeedableRng as _},
+};
+
+use crate::{
+    disk,
+    run::{self, DEFINITIONS, Said},
+    shim::{self, Fault, Hit, Log},
+    table::{Line, Table},
+};
+
+/// What can go wrong with each call, the common ones more often.
+const KINDS: &[(&str, &[&str])] = &[
+    ("open", &["EIO", "EMFILE", "EACCES", "EROFS", "EINTR", "kill-before", "kill-after"]),
+    ("read", &["EIO", "EINTR", "short"]),
+    ("write", &["EIO", "ENOSPC", "EINTR", "short", "lie", "torn", "kill-before", "kill-after", "kill-torn"]),
+    ("write", &["EIO", "ENOSPC", "EROFS", "lie", "torn", "kill-before", "kill-after", "kill-torn"]),
+    ("sync", &["EIO", "ENOSPC", "EINTR", "kill-before", "kill-after"]),
+    ("sync", &["EIO", "ENOSPC", "kill-before", "kill-after"]),
+    ("rename", &["EIO", "ENOSPC", "EACCES", "EROFS", "kill-before", "kill-after"]),
+    ("truncate", &["EIO", "EROFS", "EINTR", "kill-before", "kill-after"]),
+    ("seek", &["EIO"]),
+    ("stat", &["EIO", "EACCES", "kill-before"]),
+    ("unlink", &["EIO", "EROFS", "kill-before", "kill-after"]),
+    ("mkdir", &["ENOSPC", "EROFS", "EACCES", "kill-before", "kill-after"]),
+    ("lock", &["EIO", "kill-after"]),
+    ("clock", &["back"]),
+];
+
+/// How a session is when the faults come.
+#[derive(Clone, Debug)]
+struct Before {
+    /// Rows that an earlier sitting left; `None`: a new session.
+    rows: Option<usize>,
+    /// Bytes of the last row that are missing.
+    torn: usize,
+    sidecar_lost: bool,
+    /// A killed program left a half-written file.
+    leftover: bool,
+}
+
+/// One session with its faults.
+#[derive(Clone, Debug)]
+struct Case {
+    definition: usize,
+    before: Before,
+    /// `machband simulate` instead of the child that tells of every row.
+    binary: bool,
+    faults: Vec<Fault>,
+}
+
+/// What is the same for every case.
+pub struct Sweep {
+    folder: tempfile::TempDir,
+    seed: u64,
+    /// The rows that each definition plans.
+    planned: Vec<Vec<Vec<String>>>,
+    /// Calls of a run that nothing disturbs.
+    calls: Mutex<HashMap<(usize, Option<usize>, bool), Vec<(String, u64)>>>,
+}
+
+/// A folder in memory where there is one: what is tested is not how fast a disk is.
+pub fn folder() -> tempfile::TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
+fn pick<T: Clone>(rng: &mut ChaCha8Rng, from: &[T]) -> T {
+    from[rng.next_u64() as usize % from.len()].clone()
+}
+
+fn one_in(rng: &mut ChaCha8Rng, n: u64) -> bool {
+    rng.next_u64().is_multiple_of(n)
+}
+
+impl Sweep {
+    pub fn new(seed: u64) -> Self {
+        let folder = folder();
+        let mut sweep = Self { folder, seed, planned: Vec::new(), calls: Mutex::default() };
+        for (i, text) in DEFINITIONS.iter().enumerate() {
+            fs::write(sweep.definition(i), text).unwrap();
+            let results = sweep.folder.path().join("planned");
+            let ended = run::ended(&mut run::binary(&sweep.definition(i), &results, false));
+            assert!(ended.status.success(), "{ended:?}");
+            let csv = disk::paths(&results, i).csv;
+            let columns = machband::experiment::columns(&run::protocol(i));
+            let rows = machband::store::results::parse("planned", &fs::read(csv).unwrap(), &columns).unwrap();
+            sweep.planned.push(rows.iter().map(disk::planned).collect());
+        }
+        sweep
+    }
+
+    /// The file of a definition.
+    pub fn definition(&self, index: usize) -> PathBuf {
+        self.folder.path().join(format!("definition{index}.toml"))
+    }
+
+    /// The rows that a definition plans.
+    pub fn planned(&self, definition: usize) -> &[Vec<String>] {
+        &self.planned[definition]
+    }
+
+    /// Runs so many cases, some at a time, and gives the table and what must not have been.
+    pub fn run(&self, cases: usize) -> (Table, Vec<String>) {
+        let (next, found) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
+        let threads = std::thread::available_parallelism().map_or(2, |n| n.get().clamp(2, 8));
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    loop {
+                        let number = next.fetch_add(1, Ordering::Relaxed);
+                        if number >= cases {
+                            return;
+                        }
+                        let done = self.one(number);
+                        found.lock().unwrap().insert(number, done);
+                    }
+                });
+            }
+        });
+        let (mut table, mut wrong) = (Table::default(), Vec::new());
+        for (number, (case, hits, line, faults)) in found.into_inner().unwrap() {
+            table.add(&case.faults, &hits, line);
+            let seed = self.seed;
+            wrong.extend(faults.iter().map(|what| format!("seed {seed}, case {number}: {what}\n    {case:?}")));
+        }
+        (table, wrong)
+    }
+
+    /// The case of a number: the same for the same seed.
+    fn case(&self, number: usize) -> Case {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(number as u64);
+        let rng = &mut rng;
+        let definition = pick(rng, &[0, 0, 1, 1, 2]);
+        let rows = pick(rng, &[None, None, Some(0), Some(2), Some(4)]).filter(|rows| *rows < 4 || definition != 2);
+        let rows = rows.map(|rows| rows.min(self.planned[definition].len() - 1));
+        let before = Before {
+            rows,
+            torn: if one_in(rng, 3) { 1 + rng.next_u64() as usize % 40 } else { 0 },
+            sidecar_lost: one_in(rng, 5),
+            leftover: one_in(rng, 3),
+        };
+        let binary = one_in(rng, 3);
+        let calls = self.calls(definition, rows, binary);
+        let mut faults = Vec::new();
+        for _ in 0..pick(rng, &[1, 1, 1, 2, 3]) {
+            // One that the session makes.
+            let (op, whats, count) = loop {
+                let (op, whats) = pick(rng, KINDS);
+                let count = calls.iter().find(|(name, _)| name == op).map_or(0, |(_, count)| *count);
+                if count > 0 {
+                    break (op, whats, count);
+                }
+            };
+            let what = pick(rng, whats);
+            let lasting = one_in(rng, 4) && !what.starts_with("kill") && !["EINTR", "short", "back"].contains(&what);
+            faults.push(Fault { op, n: 1 + rng.next_u64() % count, what, lasting });
+        }
+        Case { definition, before, binary, faults }
+    }
+
+    /// How often each call is made where nothing goes wrong.
+    pub fn calls(&self, definition: usize, rows: Option<usize>, binary: bool) -> Vec<(String, u64)> {
+        if let Some(known) = self.calls.lock().unwrap().get(&(definition, rows, binary)) {
+            return known.clone();
+        }
+        let before = Before { rows, torn: 0, sidecar_lost: false, leftover: true };
+        let case = Case { definition, before, binary, faults: Vec::new() };
+        let folder = folder();
+        self.prepare(&case, folder.path());
+        let (ended, log) = self.disturbed(&case, folder.path());
+        assert!(ended.status.success(), "{ended:?}");
+        self.calls.lock().unwrap().insert((definition, rows, binary), log.counts.clone());
+        log.counts
+    }
+
+    /// What stands on the disk before: the rows that count as recorded.
+    fn prepare(&self, case: &Case, folder: &Path) -> Vec<String> {
+        let results = folder.join("first");
+        let Some(rows) = case.before.rows else { return Vec::new() };
+        let mut lines = run::interrupted(case.definition, &results, rows);
+        let paths = disk::paths(&results, case.definition);
+        if case.before.torn > 0 && rows > 0 {
+            let whole = fs::read(&paths.csv).unwrap();
+            fs::write(&paths.csv, &whole[..whole.len() - case.before.torn]).unwrap();
+            lines.pop();
+        }
+        if case.before.sidecar_lost {
+            fs::remove_file(&paths.sidecar).unwrap();
+        }
+        if case.before.leftover {
+            let name = format!("{}.1-0.tmp", paths.sidecar.file_name().unwrap().to_str().unwrap());
+            fs::write(paths.sidecar.with_file_name(name), "{").unwrap();
+        }
+        lines
+    }
+
+    /// Runs the session with its faults.
+    fn disturbed(&self, case: &Case, folder: &Path) -> (run::Ended, Log) {
+        let (first, second) = (folder.join("first"), folder.join("second"));
+        let resume = case.before.rows.is_some();
+        let mut command = if case.binary {
+            run::binary(&self.definition(case.definition), &first, resume)
+        } else {
+            run::child(case.definition, &first, &second, resume)
+        };
+        // A disk that stays broken is one of two; a moment's fault may come anywhere.
+        let lasting = case.faults.iter().any(|fault| fault.lasting);
+        let under = if lasting { &first } else { folder };
+        shim::run_with(&mut command, &case.faults, under, &folder.join("log"))
+    }
+
+    /// One case: its line of the table, and what must not have been.
+    fn one(&self, number: usize) -> (Case, Vec<Hit>, Line, Vec<String>) {
+        let case = self.case(number);
+        let folder = folder();
+        let mut recorded = self.prepare(&case, folder.path());
+        let (ended, log) = self.disturbed(&case, folder.path());
+        let said = if case.binary { binary_said(&ended) } else { Said::read(&ended.stdout) };
+        recorded.extend(said.rows.iter().cloned());
+        let results = said.moved.clone().unwrap_or_else(|| folder.path().join("first"));
+        let csv = disk::paths(&results, case.definition).csv;
+        let mut line =
+            Line { acknowledged: said.rows.len(), said: usize::from(!said.errors.is_empty()), ..Line::default() };
+        let mut wrong = Vec::new();
+
+        wrong.extend(silence(&ended, &said, &log, folder.path()));
+        if said.done {
+            let faults = disk::faults_of_ended(&results, case.definition, &self.planned[case.definition]);
+            wrong.extend(faults.into_iter().map(|fault| format!("called complete, but {fault}")));
+        }
+        line.silent = wrong.len();
+        let lost = |when: &str| -> Vec<String> {
+            let kept = disk::lines(&csv);
+            recorded.iter().filter(|row| !kept.contains(row)).map(|row| format!("lost {when}: {row}")).collect()
+        };
+        let unparsable = disk::unparsable(folder.path(), case.definition);
+        let gone = lost("by the fault");
+        (line.unparsable, line.lost) = (unparsable.len(), gone.len());
+        wrong.extend(unparsable.into_iter().chain(gone));
+
+        // A while later, undisturbed.
+        let hour_ago = SystemTime::now() - Duration::from_secs(3600);
+        for path in disk::leftovers(folder.path()) {
+            fs::File::options().write(true).open(path).unwrap().set_modified(hour_ago).unwrap();
+        }
+        let resumed = run::ended(&mut run::binary(&self.definition(case.definition), &results, true));
+        let mut faults = Vec::new();
+        if !resumed.status.success() {
+            faults.push(format!("resume says {}", resumed.stderr));
+        }
+        faults.extend(disk::faults_of_ended(&results, case.definition, &self.planned[case.definition]));
+        let gone = lost("by resume");
+        line.lost += gone.len();
+        faults.extend(gone);
+        faults.extend(disk::unparsable(folder.path(), case.definition));
+        let undeletable = log.hits.iter().any(|hit| hit.op == "unlink");
+        let left = disk::leftovers(&results);
+        if !undeletable && !left.is_empty() {
+            faults.push(format!("left behind: {left:?}"));
+        }
+        line.resumed = usize::from(faults.is_empty());
+        wrong.extend(faults);
+        (case, log.hits, line, wrong)
+    }
+}
+
+/// The binary tells of no rows, but of errors and of its end.
+fn binary_said(ended: &run::Ended) -> Said {
+    let errors = ended.stderr.lines().filter_map(|line| line.strip_prefix("error: ")).map(str::to_owned).collect();
+    Said { errors, done: ended.status.success(), ..Said::default() }
+}
+
+/// What went wrong without a word, or in other words than a plain error that names the place.
+fn silence(ended: &run::Ended, said: &Said, log: &Log, folder: &Path) -> Vec<String> {
+    let mut wrong = Vec::new();
+    if ended.stderr.contains("panicked") {
+        wrong.push(format!("a panic: {}", ended.stderr));
+    }
+    let folder = folder.display().to_string();
+    wrong
+        .extend(said.errors.iter().filter(|error| !error.starts_with(&folder)).map(|e| format!("names no place: {e}")));
+    if ended.was_killed() {
+        return wrong;
+    }
+    let unheard: Vec<&Hit> = log.hits.iter().filter(|hit| matters(hit)).collect();
+    if said.errors.is_empty() && !unheard.is_empty() {
+        wrong.push(format!("not a word of {unheard:?}"));
+    }
+    if !said.done && said.errors.is_empty() {
+        wrong.push("ended early without a word".to_owned());
+    }
+    if !said.done && ended.status.code() != Some(1) {
+        wrong.push(format!("ended by {} with {:?}", ended.status, said.errors));
+    }
+    wrong
+}
+
+/// Whether somebody has to be told: not where the system's own library tries again, or goes on with the rest, nor where
+/// a file of no use could not be removed.
+fn matters(hit: &Hit) -> bool {
+    let again = ["open", "read", "write", "sync", "truncate"].contains(&&*hit.op) && hit.what == "EINTR";
+    // A folder that takes files and shows none cannot be synced, and need not be.
+    let hidden = hit.op == "open" && hit.what.starts_with("EACCES") && Path::new(&hit.path).extension().is_none();
+    // Frames that cannot be kept are noted in the sidecar, and keep no session from going on.
+    let frames = hit.op == "open" && hit.path.ends_with("_frames.csv");
+    !again && !hidden && !frames && hit.what != "short" && hit.op != "unlink" && hit.op != "clock"
+}
