@@ -21,17 +21,16 @@ use crate::{
 const VERSION: &str = "1.11.1";
 /// What stands for a value that is missing.
 const MISSING: &str = "n/a";
-/// Columns of ours that BIDS knows by another name; those it asks for first come first.
-const RENAMED: [(&str, &str); 6] = [
-    ("onset_s", "onset"),
-    ("stimulus_s", "duration"),
+/// Columns of ours that BIDS knows by another name; the first two lead the table, and the picture's file follows. Onset and
+/// duration keep our names: under those of BIDS, a behavioural table is taken for one of events.
+const RENAMED: [(&str, &str); 4] = [
     ("phase", "trial_type"),
     ("response_time_s", "response_time"),
     ("subject_id", "participant_id"),
     ("session_id", "session_id"),
 ];
-/// How many of them lead the table; the picture's file follows.
-const LEADING: usize = 4;
+/// How many of them lead the table.
+const LEADING: usize = 2;
 /// The column that names the picture.
 const STIM_FILE: &str = "stim_file";
 
@@ -174,6 +173,7 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
         said.insert("StartedAt".to_owned(), sitting.started_at.as_str().into());
         said.extend(sitting.ended_at.as_ref().map(|ended| ("EndedAt".to_owned(), ended.as_str().into())));
         said.extend(sitting.observer.as_ref().map(|observer| ("SimulatedObserver".to_owned(), observer.clone())));
+        said.extend(sitting.input.as_ref().map(|input| ("ResponseStamp".to_owned(), input.clone())));
         said.insert("StimulusPresentation".to_owned(), presented.clone().into());
         said.into()
     });
