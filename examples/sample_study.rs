@@ -24,7 +24,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let protocol = definition::open("quick")?;
     let identity = Identity::new("S001", "1")?;
     let schedule = Schedule::new(&protocol, &identity, SEED)?;
-    let now = Timestamp::now();
+    // An hour ago: the simulated rest of the session does not lie before it.
+    let now = Timestamp::now() - Duration::from_secs(3600);
     let sitting = Sitting {
         started_at: now.to_string(),
         observer: Some(serde_json::json!({ "observer": "examples/sample_study" })),

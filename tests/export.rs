@@ -20,7 +20,7 @@ use parquet::{
     file::reader::{FileReader as _, SerializedFileReader},
     record::Field,
 };
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const FORMATS: [Format; 4] = [Format::Bids, Format::PsychDs, Format::Psychopy, Format::Parquet];
 
@@ -364,4 +364,52 @@ fn unfinished_sessions_can_be_left_out() {
     interrupt(&data(&results, "quick", "S001", "_data.csv"), 7);
     let error = export(&results, &scratch.at("none"), Format::Bids, true).unwrap_err().to_string();
     assert!(error.contains("no session that is complete"), "{error}");
+}
+
+#[test]
+fn what_is_known_of_screen_and_people_stands_in_the_words_and_units_of_bids() {
+    let scratch = Scratch::new("words");
+    let (results, bids) = (scratch.at("results"), scratch.at("bids"));
+    simulate(&results, &["quick"]);
+    // As the window writes it, for a person.
+    let change = |path: &Path, change: &dyn Fn(&mut Value)| {
+        let mut value: Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
+        change(&mut value);
+        fs::write(path, value.to_string()).unwrap();
+    };
+    change(&data(&results, "quick", "S001", "_data.json"), &|sidecar| {
+        let sitting = sidecar["sittings"][0].as_object_mut().unwrap();
+        sitting.remove("observer");
+        sitting.insert(
+            "viewing".to_owned(),
+            json!({ "distance_cm": 57.0, "screen_width_cm": 53.1, "screen_width_measured": true }),
+        );
+        sitting.insert("monitor".to_owned(), json!({ "width_px": 2560, "height_px": 1440, "refresh_hz": 60.0 }));
+        sitting.insert("frames".to_owned(), json!({ "refresh_s": 0.016683350 }));
+    });
+    change(&results.join("quick/dataset_description.json"), &|description| {
+        description["author"] =
+            json!([{ "@type": "Person", "givenName": "Ada", "familyName": "Beispiel" }, "B. Muster"]);
+        description["license"] = "CC0".into();
+        description["identifier"] = "https://doi.org/10.1234/abc".into();
+    });
+    written(&results, &bids, Format::Bids);
+    let read = |path: &str| serde_json::from_slice::<Value>(&fs::read(bids.join(path)).unwrap()).unwrap();
+    let screen = &read("sub-S001/ses-1/beh/sub-S001_ses-1_task-quick_beh.json")["StimulusPresentation"];
+    assert_eq!(screen["ScreenDistance"], 0.57);
+    // 53.1 cm × 1440 / 2560.
+    assert_eq!(screen["ScreenSize"], json!([0.531, 0.29869]));
+    assert_eq!(screen["ScreenResolution"], json!([2560, 1440]));
+    assert_eq!(screen["ScreenRefreshRate"], 59.94);
+    let description = read("dataset_description.json");
+    assert_eq!(description["Authors"], json!(["Ada Beispiel", "B. Muster"]));
+    assert_eq!((&description["License"], &description["DatasetDOI"]), (&json!("CC0"), &json!("doi:10.1234/abc")));
+    let participants = fs::read_to_string(bids.join("participants.tsv")).unwrap();
+    assert!(participants.ends_with("sub-S001\tperson\t1\t1\n"), "{participants}");
+    // Every column of the table is described.
+    let described = read("task-quick_beh.json");
+    let table = fs::read_to_string(bids.join("sub-S001/ses-1/beh/sub-S001_ses-1_task-quick_beh.tsv")).unwrap();
+    for name in table.lines().next().unwrap().split('\t') {
+        assert!(described[name]["Description"].is_string(), "{name}");
+    }
 }
