@@ -413,3 +413,38 @@ fn what_is_known_of_screen_and_people_stands_in_the_words_and_units_of_bids() {
         assert!(described[name]["Description"].is_string(), "{name}");
     }
 }
+
+#[test]
+fn sessions_of_one_name_may_differ_in_their_definition() {
+    let scratch = Scratch::new("definitions");
+    let results = scratch.at("results");
+    for (folder, participants, factor) in [("a", "1", "tanh_k = [5, 7.5]"), ("b", "2", "color = [\"red\", \"gray\"]")] {
+        let definition = scratch.at("small.toml");
+        let text =
+            "schema = 1\nname = \"small\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n".to_owned();
+        fs::write(&definition, text + factor + "\n").unwrap();
+        simulate(&results.join(folder), &[definition.to_str().unwrap(), "--participants", participants]);
+    }
+    for end in ["_data.csv", "_data.json"] {
+        fs::remove_file(data(&results.join("b"), "small", "S001", end)).unwrap();
+    }
+    let (bids, tables) = (scratch.at("bids"), scratch.at("tables"));
+    assert_eq!(written(&results, &bids, Format::Bids).sessions, 2);
+    assert!(!bids.join("task-small_beh.json").exists());
+    let described = |subject: &str| -> Value {
+        let path = format!("sub-{subject}/ses-1/beh/sub-{subject}_ses-1_task-small_beh.json");
+        serde_json::from_slice(&fs::read(bids.join(path)).unwrap()).unwrap()
+    };
+    assert!(described("S001")["tanh_k"].is_object() && described("S002")["tanh_k"].is_null());
+    written(&results, &tables, Format::Parquet);
+    let file = fs::File::open(tables.join("small.parquet")).unwrap();
+    let rows: Vec<_> =
+        SerializedFileReader::new(file).unwrap().get_row_iter(None).unwrap().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 4);
+    for row in rows {
+        let fields: HashMap<&String, &Field> = row.get_column_iter().collect();
+        let first = fields[&"subject_id".to_owned()] == &Field::Str("S001".to_owned());
+        assert_eq!(matches!(fields[&"tanh_k".to_owned()], Field::Double(_)), first);
+        assert_eq!(matches!(fields[&"tanh_k".to_owned()], Field::Null), !first);
+    }
+}

@@ -114,8 +114,8 @@ fn table(experiment: &Experiment, file: File) -> Result<(), ParquetError> {
         });
         let (group, later) = rest.split_at(wanted.count());
         let mut group_writer = writer.next_row_group()?;
-        for (column, kind) in &columns {
-            write_column(&mut group_writer, *kind, &cells(group, &column.name))?;
+        for ((_, kind), cells) in columns.iter().zip(cells(group, &columns)) {
+            write_column(&mut group_writer, *kind, &cells)?;
         }
         group_writer.close()?;
         rest = later;
@@ -146,13 +146,20 @@ fn joined(experiment: &Experiment) -> Vec<(Column, Kind)> {
     joined
 }
 
-/// The cells of a column, row by row; empty where a session does not have it.
-fn cells(sessions: &[Recorded], name: &str) -> Vec<String> {
-    let mut all = Vec::new();
+/// The cells of each column, row by row; empty where a session does not have the column.
+fn cells(sessions: &[Recorded], joined: &[(Column, Kind)]) -> Vec<Vec<String>> {
+    let mut all = vec![Vec::new(); joined.len()];
     for session in sessions {
-        let place = columns(&session.protocol).iter().position(|column| column.name == name);
-        let cell = |cells: Vec<String>| place.and_then(|place| cells.into_iter().nth(place)).unwrap_or_default();
-        all.extend(session.rows.iter().map(|row| cell(row.cells())));
+        let own = columns(&session.protocol);
+        let places: Vec<Option<usize>> =
+            joined.iter().map(|(column, _)| own.iter().position(|other| other.name == column.name)).collect();
+        for row in &session.rows {
+            let mut cells = row.cells();
+            for (column, place) in all.iter_mut().zip(&places) {
+                let cell = place.and_then(|place| cells.get_mut(place)).map(std::mem::take);
+                column.push(cell.unwrap_or_default());
+            }
+        }
     }
     all
 }
