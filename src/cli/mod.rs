@@ -7,6 +7,7 @@ mod analyze;
 mod calibrate;
 mod check;
 mod counts;
+mod export;
 mod options;
 mod parallel;
 mod plan;
@@ -54,6 +55,7 @@ enum Command {
     Analyze(analyze::Arguments),
     Calibrate(calibrate::Arguments),
     Counts(counts::Arguments),
+    Export(export::Arguments),
     Shade(shade::Arguments),
     Stimulus(stimulus::Arguments),
     Stimuli(stimuli::Arguments),
@@ -88,6 +90,7 @@ pub fn main() -> ExitCode {
         Some(Command::Analyze(arguments)) => analyze::run(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
         Some(Command::Counts(arguments)) => counts::run(&arguments),
+        Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments),
         Some(Command::Stimulus(arguments)) => stimulus::run(&arguments),
         Some(Command::Stimuli(arguments)) => stimuli::run(&arguments),

@@ -132,5 +132,9 @@ hand.
 }
 
 fn ignored() -> String {
-    format!("# Frame intervals describe a session and are not its data.\n*{}\n", frames::SUFFIX)
+    let [by_the_text, _] = IGNORE;
+    format!(
+        "# Frame intervals describe a session and are not its data.\n*{}\n# This list, by the name that the standard's text gives it.\n{by_the_text}\n",
+        frames::SUFFIX
+    )
 }

@@ -160,6 +160,15 @@ pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
     Ok(recover(&path.display().to_string(), &content, columns)?.0)
 }
 
+/// A result file without a last line that is half written: the header and whole rows.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn whole(path: &Path, columns: &[Column]) -> Result<Vec<u8>, StoreError> {
+    let content = fs::read(path).map_err(io(path, "read"))?;
+    Ok(recover(&path.display().to_string(), &content, columns)?.1)
+}
+
 /// What a file holds, its content without a half-written last line, and how much of the file that is.
 fn recover(file: &str, found: &[u8], columns: &[Column]) -> Result<(Recovered, Vec<u8>, usize), FileFaults> {
     let header = line(columns.iter().map(|column| column.name.as_str()));

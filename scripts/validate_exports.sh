@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# Makes a data set with everything that an export must bear, exports it in every format, and lets the validators judge:
+# `scripts/validate_exports.sh [FOLDER]`. Needs Python 3 with venv; keeps the BIDS validator in target/validators.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+folder=${1:-$(mktemp -d)}
+mkdir -p "$folder"
+results=$folder/results
+machband() {
+    cargo run --quiet --bin machband -- "$@"
+}
+
+# Eight simulated participants with practice; S001 corrects a response, is interrupted while a row is written, and resumed.
+cargo run --quiet --example sample_study -- "$results"
+machband simulate quick --participants 8 --results "$results" --resume
+# A task with shaded meshes.
+machband simulate shaders --participants 1 --results "$results"
+for format in bids psych-ds psychopy parquet; do
+    machband export "$results" --format "$format" --out "$folder/$format"
+done
+machband verify "$folder/psych-ds"
+
+venv=${CARGO_TARGET_DIR:-target}/validators
+if ! "$venv/bin/bids-validator-deno" --version >/dev/null 2>&1; then
+    python3 -m venv "$venv"
+    "$venv/bin/pip" install --quiet 'bids-validator-deno==3.0.*'
+fi
+echo '--- BIDS'
+# Fails on any error. docs/data.md explains the warnings, and any other one fails too.
+status=0
+NO_COLOR=1 "$venv/bin/bids-validator-deno" "$folder/bids" >"$folder/bids.txt" || status=$?
+cat "$folder/bids.txt"
+if [ "$status" != 0 ]; then
+    echo 'error: the BIDS data set is not valid' >&2
+    exit 1
+fi
+explained='JSON_KEY_RECOMMENDED|SIDECAR_KEY_RECOMMENDED|NO_AUTHORS|TOO_FEW_AUTHORS'
+if grep -E '\[WARNING\]' "$folder/bids.txt" | grep -vE "\] ($explained) "; then
+    echo 'error: the BIDS validator warns of what docs/data.md does not explain' >&2
+    exit 1
+fi
+
+echo '--- Psych-DS'
+python3 scripts/check_psych_ds.py "$results"/* "$folder"/psych-ds/*
+python3 scripts/check_psych_ds.py --self-test "$folder/psych-ds/quick"

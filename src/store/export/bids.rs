@@ -1,0 +1,372 @@
+//! BIDS 1.11, behavioural data: a table and a sidecar for each session, what sessions of a task have in common said once
+//! at the top, the pictures below `stimuli`, and the data as they were recorded below `sourcedata`.
+
+use std::{collections::BTreeMap, path::Path};
+
+use serde_json::{Map, Value, json};
+
+use super::{Experiment, Exported, dataset, make_folder, note_once, psych_ds, rated, stimuli, stimuli::Stimuli};
+use crate::{
+    experiment::{Column, Protocol, TrialRecord, columns},
+    store::{
+        StoreError,
+        dataset::{write_file, write_json},
+        description::DESCRIPTION,
+        recorded::Recorded,
+        sidecar::Sitting,
+    },
+};
+
+/// The version of the standard that the tables are written by.
+const VERSION: &str = "1.11.1";
+/// What stands for a value that is missing.
+const MISSING: &str = "n/a";
+/// Columns of ours that BIDS knows by another name; the first two lead the table, and the picture's file follows. Onset and
+/// duration keep our names: under those of BIDS, a behavioural table is taken for one of events.
+const RENAMED: [(&str, &str); 4] = [
+    ("phase", "trial_type"),
+    ("response_time_s", "response_time"),
+    ("subject_id", "participant_id"),
+    ("session_id", "session_id"),
+];
+/// How many of them lead the table.
+const LEADING: usize = 2;
+/// The column that names the picture.
+const STIM_FILE: &str = "stim_file";
+
+/// Writes the data set into `to`.
+pub(super) fn write(experiments: &[Experiment], to: &Path, exported: &mut Exported) -> Result<(), StoreError> {
+    let stimuli = stimuli::write(experiments, &to.join("stimuli"), exported)?;
+    write_json(&to.join(DESCRIPTION), &description(experiments, &mut exported.notes))?;
+    write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
+    write_file(&to.join("CHANGES"), changes(experiments).as_bytes())?;
+    write_participants(experiments, to)?;
+    for experiment in experiments {
+        psych_ds::copy(experiment, &to.join("sourcedata").join(&experiment.name))?;
+        let common = experiment.has_one_definition();
+        let protocol = &experiment.sessions[0].protocol;
+        if common {
+            write_json(&to.join(format!("task-{}_beh.json", protocol.task())), &of_task(protocol))?;
+        }
+        for session in &experiment.sessions {
+            write_session(session, &stimuli, common, to)?;
+        }
+    }
+    Ok(())
+}
+
+fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path) -> Result<(), StoreError> {
+    let (subject, id) = (session.identity.subject(), session.identity.session());
+    let folder = to.join(format!("sub-{subject}")).join(format!("ses-{id}")).join("beh");
+    make_folder(&folder)?;
+    let stem = format!("sub-{subject}_ses-{id}_task-{}_beh", session.protocol.task());
+    write_file(&folder.join(format!("{stem}.tsv")), table(session, stimuli).as_bytes())?;
+    let mut sidecar = of_session(session);
+    if !common {
+        // What sessions of one name do not share stands with each of them.
+        sidecar.append(&mut of_task(&session.protocol).as_object().cloned().unwrap_or_default());
+    }
+    write_json(&folder.join(format!("{stem}.json")), &sidecar.into())
+}
+
+/// The columns in the order of the table, each with its place in a row; `None` for the picture's file.
+fn ordered(columns: &[Column]) -> Vec<(Option<usize>, &str)> {
+    let place = |name: &str| columns.iter().position(|column| column.name == name);
+    let leading = RENAMED[..LEADING].iter().filter_map(|(ours, theirs)| Some((Some(place(ours)?), *theirs)));
+    let named = |(i, column): (usize, &'_ Column)| {
+        let theirs = RENAMED.iter().find(|(ours, _)| *ours == column.name).map(|(_, theirs)| *theirs);
+        (i, theirs)
+    };
+    let rest = columns.iter().enumerate().map(named).zip(columns);
+    let rest = rest.filter(|((_, theirs), _)| !RENAMED[..LEADING].iter().any(|(_, leading)| Some(*leading) == *theirs));
+    leading
+        .chain([(None, STIM_FILE)])
+        .chain(rest.map(|((i, theirs), column)| (Some(i), theirs.unwrap_or(&column.name))))
+        .collect()
+}
+
+fn table(session: &Recorded, stimuli: &Stimuli) -> String {
+    let columns = columns(&session.protocol);
+    let ordered = ordered(&columns);
+    let line = |cells: Vec<String>| cells.join("\t") + "\n";
+    let mut text = line(ordered.iter().map(|(_, name)| (*name).to_owned()).collect());
+    for row in &session.rows {
+        let cells = row.cells();
+        let cell = |(place, name): &(Option<usize>, &str)| {
+            let ours = place.map_or_else(|| picture(session, row, stimuli), |place| cells[place].clone());
+            clean(name, &ours)
+        };
+        text += &line(ordered.iter().map(cell).collect());
+    }
+    text
+}
+
+fn picture(session: &Recorded, row: &TrialRecord, stimuli: &Stimuli) -> String {
+    stimuli.of(session, row).unwrap_or_default().to_owned()
+}
+
+/// A cell of the table: never empty, and without what separates cells.
+fn clean(name: &str, cell: &str) -> String {
+    match name {
+        _ if cell.is_empty() => MISSING.to_owned(),
+        "participant_id" => format!("sub-{cell}"),
+        "session_id" => format!("ses-{cell}"),
+        _ => cell.replace(['\t', '\n', '\r'], " "),
+    }
+}
+
+/// What holds for every session of a task: what was asked, and what the columns mean.
+fn of_task(protocol: &Protocol) -> Value {
+    let mut said = Map::new();
+    said.insert("TaskName".to_owned(), protocol.task().into());
+    said.insert("TaskDescription".to_owned(), protocol.title.as_str().into());
+    said.insert("Instructions".to_owned(), instructions(protocol).into());
+    let columns = columns(protocol);
+    for (place, name) in ordered(&columns) {
+        let described = place.map_or_else(
+            || json!({ "Description": "The picture that was shown, below stimuli/." }),
+            |place| described(&columns[place]),
+        );
+        said.insert(name.to_owned(), described);
+    }
+    said.into()
+}
+
+/// The page that a participant reads first, and the scale.
+fn instructions(protocol: &Protocol) -> String {
+    let texts = &protocol.instructions;
+    let scale: Vec<String> =
+        protocol.response.categories.iter().map(|category| format!("{}: {}", category.key, category.label)).collect();
+    [&texts.task, &texts.light, &texts.keys, &protocol.response.question, &scale.join("; ")]
+        .map(String::as_str)
+        .join("\n\n")
+}
+
+fn described(column: &Column) -> Value {
+    let mut said = Map::new();
+    said.insert("Description".to_owned(), column.description.as_str().into());
+    if !column.unit.is_empty() {
+        said.insert("Units".to_owned(), column.unit.as_str().into());
+    }
+    if !column.levels.is_empty() {
+        said.insert("Levels".to_owned(), column.levels.clone().into());
+    }
+    said.into()
+}
+
+/// What is known of one session. Keys that BIDS does not know are allowed beside its own.
+fn of_session(session: &Recorded) -> Map<String, Value> {
+    let sittings = &session.sidecar.sittings;
+    let presented: Vec<Map<String, Value>> = sittings.iter().map(presentation).collect();
+    // Where sittings differ, the session as a whole has no one value.
+    let mut common = presented.first().cloned().unwrap_or_default();
+    common.retain(|key, value| presented.iter().all(|other| other.get(key) == Some(value)));
+    let mut said = Map::new();
+    said.insert("StimulusPresentation".to_owned(), common.into());
+    let (rated, planned) = rated(session);
+    said.insert("TrialsPlanned".to_owned(), planned.into());
+    said.insert("TrialsRated".to_owned(), rated.into());
+    said.insert("Seed".to_owned(), session.sidecar.seed.into());
+    said.insert("OnsetDefinition".to_owned(), session.sidecar.onset.as_str().into());
+    let each = sittings.iter().zip(&presented).map(|(sitting, presented)| {
+        let mut said = Map::new();
+        said.insert("StartedAt".to_owned(), sitting.started_at.as_str().into());
+        said.extend(sitting.ended_at.as_ref().map(|ended| ("EndedAt".to_owned(), ended.as_str().into())));
+        said.extend(sitting.observer.as_ref().map(|observer| ("SimulatedObserver".to_owned(), observer.clone())));
+        said.extend(sitting.input.as_ref().map(|input| ("ResponseStamp".to_owned(), input.clone())));
+        said.insert("StimulusPresentation".to_owned(), presented.clone().into());
+        said.into()
+    });
+    said.insert("Sittings".to_owned(), Value::Array(each.collect()));
+    said
+}
+
+/// Screen and program in the words and units of BIDS; what is not known is left out. `n/a`: there was no screen.
+fn presentation(sitting: &Sitting) -> Map<String, Value> {
+    let mut said = Map::new();
+    let number = |part: &Option<Value>, key: &str| part.as_ref()?.get(key)?.as_f64();
+    let viewing = |key: &str| number(&sitting.viewing, key);
+    let pixels = (number(&sitting.monitor, "width_px"), number(&sitting.monitor, "height_px"));
+    if sitting.observer.is_some() && sitting.viewing.is_none() {
+        for key in ["ScreenDistance", "ScreenSize", "ScreenResolution"] {
+            said.insert(key.to_owned(), MISSING.into());
+        }
+    }
+    if let Some(distance) = viewing("distance_cm") {
+        said.insert("ScreenDistance".to_owned(), meters(distance));
+    }
+    let measured = sitting.viewing.as_ref().and_then(|viewing| viewing.get("screen_width_measured")?.as_bool());
+    if let ((Some(wide), Some(high)), Some(width), Some(true)) = (pixels, viewing("screen_width_cm"), measured)
+        && wide > 0.0
+    {
+        // Pixels are square, as they are to the program.
+        said.insert("ScreenSize".to_owned(), json!([meters(width), meters(width * high / wide)]));
+    }
+    if let (Some(wide), Some(high)) = pixels {
+        said.insert("ScreenResolution".to_owned(), json!([wide as u64, high as u64]));
+    }
+    let measured_hz =
+        number(&sitting.frames, "refresh_s").filter(|seconds| *seconds > 0.0).map(|seconds| 1.0 / seconds);
+    if let Some(hertz) = measured_hz.or(number(&sitting.monitor, "refresh_hz")) {
+        said.insert("ScreenRefreshRate".to_owned(), rounded(hertz, 1e3));
+    }
+    said.insert("SoftwareName".to_owned(), sitting.program.name.as_str().into());
+    said.insert("SoftwareVersion".to_owned(), sitting.program.version.as_str().into());
+    if sitting.program.commit != "unknown" {
+        said.insert("SoftwareCommit".to_owned(), sitting.program.commit.as_str().into());
+    }
+    said
+}
+
+/// Metres of centimetres, to a hundredth of a millimetre.
+fn meters(centimeters: f64) -> Value {
+    rounded(centimeters / 100.0, 1e5)
+}
+
+fn rounded(value: f64, steps: f64) -> Value {
+    ((value * steps).round() / steps).into()
+}
+
+/// The data set's own description: what people wrote into those of the experiments is taken over.
+fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
+    let written = written(experiments);
+    let titles: Vec<&str> = experiments.iter().map(|one| one.sessions[0].protocol.title.as_str()).collect();
+    let mut said = Map::new();
+    said.insert("Name".to_owned(), titles.join("; ").into());
+    said.insert("BIDSVersion".to_owned(), VERSION.into());
+    said.insert("DatasetType".to_owned(), "raw".into());
+    let lists = [("Authors", "author"), ("Funding", "funder"), ("Keywords", "keywords")];
+    for (theirs, ours) in lists {
+        let mut all: Vec<String> = Vec::new();
+        for text in written.iter().filter_map(|one| one.get(ours)).flat_map(texts) {
+            if !all.contains(&text) {
+                all.push(text);
+            }
+        }
+        if !all.is_empty() {
+            said.insert(theirs.to_owned(), all.into());
+        }
+    }
+    for (theirs, ours) in [("License", "license"), ("HowToAcknowledge", "citation"), ("DatasetDOI", "identifier")] {
+        let mut all: Vec<String> = written.iter().filter_map(|one| one.get(ours)).flat_map(texts).collect();
+        all.sort();
+        all.dedup();
+        match all.as_slice() {
+            [] => {}
+            [one] => match doi(theirs, one) {
+                Some(value) => _ = said.insert(theirs.to_owned(), value.into()),
+                None => note_once(notes, format!("{DESCRIPTION}: {ours} is {one:?}, which is no DOI; it is left out")),
+            },
+            several => note_once(
+                notes,
+                format!("{DESCRIPTION}: the experiments have {} values of {ours}; none is taken over", several.len()),
+            ),
+        }
+    }
+    let program = json!({ "Name": env!("CARGO_PKG_NAME"), "Version": env!("CARGO_PKG_VERSION"), "Description": "machband export --format bids" });
+    said.insert("GeneratedBy".to_owned(), json!([program]));
+    said.into()
+}
+
+/// A DOI as BIDS wants it, where one is asked; any other value as it is.
+fn doi(key: &str, value: &str) -> Option<String> {
+    if key != "DatasetDOI" {
+        return Some(value.to_owned());
+    }
+    let bare = ["https://doi.org/", "http://doi.org/", "doi:"].iter().find_map(|start| value.strip_prefix(start));
+    bare.or(value.starts_with("10.").then_some(value)).map(|bare| format!("doi:{bare}"))
+}
+
+/// The descriptions beside the data, where they are there and JSON.
+fn written(experiments: &[Experiment]) -> Vec<Value> {
+    let mut files: Vec<_> = experiments
+        .iter()
+        .flat_map(|one| &one.sessions)
+        .filter_map(|session| Some(dataset(&session.csv)?.join(DESCRIPTION)))
+        .collect();
+    files.dedup();
+    files.iter().filter_map(|path| serde_json::from_slice(&std::fs::read(path).ok()?).ok()).collect()
+}
+
+/// Texts of a value of schema.org: a text, a thing with a name, or a list of them.
+fn texts(value: &Value) -> Vec<String> {
+    match value {
+        Value::String(text) => vec![text.clone()],
+        Value::Array(values) => values.iter().flat_map(texts).collect(),
+        Value::Object(thing) => {
+            let part = |key: &str| thing.get(key).and_then(Value::as_str);
+            let full = || Some(format!("{} {}", part("givenName")?, part("familyName")?));
+            let named = part("name").map(str::to_owned).or_else(full);
+            named.or_else(|| part("url").or(part("@id")).map(str::to_owned)).into_iter().collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn readme(experiments: &[Experiment]) -> String {
+    let mut text = String::from("# Ratings of the visibility of Mach bands\n\n");
+    for experiment in experiments {
+        let protocol = &experiment.sessions[0].protocol;
+        text += &format!(
+            "- task `{}`: {} ({} sessions of the definition `{}`)\n",
+            protocol.task(),
+            protocol.title,
+            experiment.sessions.len(),
+            experiment.name
+        );
+    }
+    text + "
+One row of a `_beh.tsv` is one trial; `n/a` is a missing value. Rows whose `trial_type` is practice are no data. A corrected
+response is a row of its own with `attempt` + 1; the last attempt of a trial counts. `TrialsRated` below `TrialsPlanned`
+marks a session that was not finished; each of its `Sittings` says what ran it and on which screen. A sitting with a
+`SimulatedObserver` had neither a participant nor a screen.
+
+`stim_file` names the picture below `stimuli/`, made again from its recipe and proved by the hash of what was shown.
+`sourcedata/` holds the data as they were recorded: a Psych-DS data set for each experiment, with the definition, the display
+profile and what happened during each session in the JSON beside each CSV.
+"
+}
+
+/// In the form that the standard asks: a version, the day of the last sitting, what there is.
+fn changes(experiments: &[Experiment]) -> String {
+    let sittings = experiments.iter().flat_map(|one| &one.sessions).flat_map(|session| &session.sidecar.sittings);
+    let last = sittings.filter_map(|sitting| sitting.started_at.parse::<jiff::Timestamp>().ok()).max();
+    let day = last.unwrap_or_default().strftime("%Y-%m-%d").to_string();
+    let version = env!("CARGO_PKG_VERSION");
+    format!("1.0.0 {day}\n  - Sessions up to this day, exported by machband {version}.\n")
+}
+
+/// One row a participant, with no more than is known: sessions, and whether anybody sat there.
+fn write_participants(experiments: &[Experiment], to: &Path) -> Result<(), StoreError> {
+    let mut participants: BTreeMap<&str, Vec<&Recorded>> = BTreeMap::new();
+    for session in experiments.iter().flat_map(|experiment| &experiment.sessions) {
+        participants.entry(session.identity.subject()).or_default().push(session);
+    }
+    let mut text = "participant_id\tobserver\tsessions\tcomplete_sessions\n".to_owned();
+    for (subject, sessions) in participants {
+        let simulated =
+            |session: &&&Recorded| session.sidecar.sittings.iter().any(|sitting| sitting.observer.is_some());
+        let complete = |session: &&&Recorded| {
+            let (rated, planned) = rated(session);
+            rated == planned
+        };
+        let observer = match sessions.iter().filter(simulated).count() {
+            0 => "person",
+            some if some == sessions.len() => "simulated",
+            _ => "both",
+        };
+        text +=
+            &format!("sub-{subject}\t{observer}\t{}\t{}\n", sessions.len(), sessions.iter().filter(complete).count());
+    }
+    write_file(&to.join("participants.tsv"), text.as_bytes())?;
+    let described = json!({
+        "participant_id": { "Description": "Participant." },
+        "observer": {
+            "Description": "Who rated.",
+            "Levels": { "person": "A person", "simulated": "A simulated observer", "both": "Some sessions each" },
+        },
+        "sessions": { "Description": "Sessions of all tasks in this data set." },
+        "complete_sessions": { "Description": "Those of them with every planned trial rated." },
+    });
+    write_json(&to.join("participants.json"), &described)
+}

@@ -1,0 +1,89 @@
+//! Psych-DS: the results folder is one already. A copy has whole rows only, and describes every column.
+
+use std::{fs, path::Path};
+
+use super::{Experiment, Exported, dataset, make_folder, note_once};
+use crate::{
+    experiment::columns,
+    store::{
+        StoreError,
+        dataset::{SIDECAR_SUFFIX, write_file},
+        description,
+        fault::io,
+        frames,
+        ratings::DATA_FILE,
+        recorded::Recorded,
+        results,
+    },
+};
+
+/// What a data set says of itself as a whole. Nothing else is copied: what people keep beside their data is theirs.
+const OWN: [&str; 8] = [
+    description::DESCRIPTION,
+    "README.md",
+    "CHANGES.md",
+    ".psychds-ignore",
+    ".psychdsignore",
+    "LICENSE",
+    "LICENSE.md",
+    "CITATION.cff",
+];
+
+/// Writes a data set for each experiment below `to`.
+pub(super) fn write(experiments: &[Experiment], to: &Path, exported: &mut Exported) -> Result<(), StoreError> {
+    for experiment in experiments {
+        let folder = to.join(&experiment.name);
+        copy(experiment, &folder)?;
+        for session in &experiment.sessions {
+            tidy(session, &folder.join("data"))?;
+            if let Some(note) = description::describe(&folder, &session.protocol)? {
+                note_once(&mut exported.notes, format!("{}: {note}", experiment.name));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Copies an experiment's sessions as they are, with what their data set says of itself.
+pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreError> {
+    let data = folder.join("data");
+    make_folder(&data)?;
+    let sources = experiment.sessions.iter().filter_map(|session| dataset(&session.csv));
+    for (source, name) in sources.flat_map(|source| OWN.map(|name| (source, name))) {
+        let (from, to) = (source.join(name), folder.join(name));
+        if from.is_file() && !to.exists() {
+            copy_file(&from, &to)?;
+        }
+    }
+    for session in &experiment.sessions {
+        let stem = session.stem();
+        copy_file(&session.csv, &data.join(format!("{stem}{DATA_FILE}")))?;
+        copy_file(&session.sidecar_path, &data.join(format!("{stem}{SIDECAR_SUFFIX}")))?;
+        if let Some(path) = &session.frames {
+            copy_file(path, &data.join(format!("{stem}{}", frames::SUFFIX)))?;
+        }
+    }
+    Ok(())
+}
+
+/// Cuts a row off that is half written; the seal of the file with it holds no longer.
+fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
+    if session.torn.is_none() {
+        return Ok(());
+    }
+    let stem = session.stem();
+    let whole = results::whole(&session.csv, &columns(&session.protocol))?;
+    write_file(&data.join(format!("{stem}{DATA_FILE}")), &whole)?;
+    if session.sidecar.seal.is_some() {
+        let mut sidecar = session.sidecar.clone();
+        sidecar.seal = None;
+        sidecar.write(&data.join(format!("{stem}{SIDECAR_SUFFIX}")))?;
+    }
+    Ok(())
+}
+
+/// Content alone: a new file has no rights of the old one, so that a data set that is write-protected can be copied.
+fn copy_file(from: &Path, to: &Path) -> Result<(), StoreError> {
+    let content = fs::read(from).map_err(io(from, "read"))?;
+    write_file(to, &content)
+}
