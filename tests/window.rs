@@ -95,6 +95,10 @@ fn a_full_session_records_every_key_and_shows_the_exact_stimulus() {
         assert!(seconds("frames") >= 1.0, "row {i}");
     }
     assert!(checked(&csv).contains("28 of 28 planned trials"));
+    // Every picture that was on the screen is rendered again, and is the same.
+    let proved = Command::new(MACHBAND).arg("verify").arg(csv.parent().unwrap()).output().unwrap();
+    let said = String::from_utf8_lossy(&proved.stdout).into_owned() + &String::from_utf8_lossy(&proved.stderr);
+    assert!(proved.status.success() && said.contains("24 pictures rendered again; as it was recorded"), "{said}");
 }
 
 /// Backspace gives a second attempt; Esc holds the trial and Space brings it back.

@@ -110,6 +110,9 @@ pub struct Program {
     pub version: String,
     /// Commit it was built from, or `unknown`.
     pub commit: String,
+    /// The kind of operating system it was built for, such as `linux`; earlier versions did not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub system: Option<String>,
 }
 
 impl Default for Program {
@@ -118,6 +121,7 @@ impl Default for Program {
             name: env!("CARGO_PKG_NAME").to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: env!("MACHBAND_COMMIT").to_owned(),
+            system: Some(std::env::consts::OS.to_owned()),
         }
     }
 }

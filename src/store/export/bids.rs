@@ -210,6 +210,9 @@ fn presentation(sitting: &Sitting) -> Map<String, Value> {
     if let Some(hertz) = measured_hz.or(number(&sitting.monitor, "refresh_hz")) {
         said.insert("ScreenRefreshRate".to_owned(), rounded(hertz, 1e3));
     }
+    if let Some(system) = &sitting.program.system {
+        said.insert("OperatingSystem".to_owned(), system.as_str().into());
+    }
     said.insert("SoftwareName".to_owned(), sitting.program.name.as_str().into());
     said.insert("SoftwareVersion".to_owned(), sitting.program.version.as_str().into());
     if sitting.program.commit != "unknown" {

@@ -15,7 +15,7 @@ use std::{
 
 use rayon::prelude::*;
 
-use super::{FileFault, FileFaults, StoreError, fault::io, recorded, recorded::Recorded};
+use super::{FileFault, FileFaults, StoreError, fault::io, recorded, recorded::Recorded, spreadsheet::is_formula};
 use crate::experiment::{columns, name_fault};
 
 /// What a data set is exported as.
@@ -199,11 +199,6 @@ fn faults(recorded: &Recorded) -> Vec<FileFault> {
         }
     }
     faults
-}
-
-/// Whether a spreadsheet would compute a cell instead of showing it.
-fn is_formula(cell: &str) -> bool {
-    cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
 }
 
 /// Leaves out what is not complete where that is asked, and notes what is not.
