@@ -127,6 +127,10 @@ mod layout {
             .map(|(path, _)| path.strip_prefix(folder.path()).unwrap().to_str().unwrap().replace('\\', "/"))
             .collect();
         let expected = [
+            "small-one/.psychds-ignore",
+            "small-one/.psychdsignore",
+            "small-one/CHANGES.md",
+            "small-one/README.md",
             "small-one/data/subject-S001_session-1_task-smallone_data.csv",
             "small-one/data/subject-S001_session-1_task-smallone_data.json",
             "small-one/dataset_description.json",
@@ -276,7 +280,7 @@ mod rows_on_disk {
         let (mut store, found) = resume(folder.path()).unwrap();
         rate(&mut store, Some(&found), usize::MAX).unwrap();
         assert_whole(folder.path());
-        assert_eq!(everything(folder.path()).len(), 3, "rows, sidecar, data set");
+        assert_eq!(everything(folder.path()).len(), 7, "rows, sidecar, five files that describe the data set");
         // Nor in the way of a session that begins.
         let other = tempfile::tempdir().unwrap();
         let sidecar = paths(other.path()).sidecar;
