@@ -63,6 +63,9 @@ struct Case {
     faults: Vec<Fault>,
 }
 
+/// A run that nothing disturbs: its definition, how many rows are there when it resumes, whether it is the program.
+type Undisturbed = (usize, Option<usize>, bool);
+
 /// What is the same for every case.
 pub struct Sweep {
     folder: tempfile::TempDir,
@@ -70,7 +73,7 @@ pub struct Sweep {
     /// The rows that each definition plans.
     planned: Vec<Vec<Vec<String>>>,
     /// Calls of a run that nothing disturbs.
-    calls: Mutex<HashMap<(usize, Option<usize>, bool), Vec<(String, u64)>>>,
+    calls: Mutex<HashMap<Undisturbed, Vec<(String, u64)>>>,
 }
 
 /// A folder in memory where there is one: what is tested is not how fast a disk is.
