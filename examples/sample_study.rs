@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sitting = Sitting {
         started_at: now.to_string(),
         observer: Some(serde_json::json!({ "observer": "examples/sample_study" })),
-        pictures: Some(Pictures::without_screen(&protocol, &schedule.conditions)),
+        pictures: Some(Pictures::without_screen(&protocol)),
         ..Sitting::default()
     };
     let mut store = SessionStore::create(&results, &protocol, &identity, SEED, sitting)?;

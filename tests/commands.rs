@@ -99,7 +99,7 @@ mod simulate {
             let root = folder.path().join(results);
             everything(&root).into_iter().map(|(path, _)| path.strip_prefix(&root).unwrap().to_owned()).collect()
         };
-        assert_eq!(names("a").len(), 8 * 2 + 1);
+        assert_eq!(names("a").len(), 8 * 2 + 5);
         assert_eq!(names("a"), names("b"));
         let mut orders = HashSet::new();
         for number in 1..=8 {
@@ -180,7 +180,9 @@ mod simulate {
             ratings(&folder.path().join("alone"), &protocol, 40)
         );
         for (path, _) in everything(folder.path()) {
-            assert!(matches!(path.extension().and_then(|e| e.to_str()), Some("csv" | "json")), "{path:?} was left");
+            let described = path.file_name().unwrap().to_str().unwrap().starts_with(".psychds");
+            let known = matches!(path.extension().and_then(|e| e.to_str()), Some("csv" | "json" | "md"));
+            assert!(known || described, "{path:?} was left");
         }
     }
 

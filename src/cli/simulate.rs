@@ -2,6 +2,7 @@
 
 use std::{
     path::PathBuf,
+    sync::OnceLock,
     time::{Duration, Instant},
 };
 
@@ -59,16 +60,21 @@ struct Rater {
     description: serde_json::Value,
 }
 
+/// What the sessions show. It is rendered when the first of them ends: rows do not wait for it.
+struct Shown {
+    pictures: Pictures,
+    hashes: OnceLock<Vec<String>>,
+}
+
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let protocol = definition::open(&arguments.experiment)?;
     let rater = rater(arguments, &protocol)?;
-    let conditions = protocol.conditions().map_err(|error| anyhow::anyhow!("{}: {error}", arguments.experiment))?;
-    let pictures = Pictures::without_screen(&protocol, &conditions);
+    let shown = Shown { pictures: Pictures::without_screen(&protocol), hashes: OnceLock::new() };
     let started = Instant::now();
     let trials = protocol.main_trials() + protocol.design.practice as usize;
     let total = arguments.participants as usize;
     let bar = ProgressBar::new((total * trials) as u64).with_style(progress_style("trials"));
-    let done = parallel::each(total, AT_A_TIME, |i| one(arguments, &protocol, &rater, &pictures, i + 1, &bar));
+    let done = parallel::each(total, AT_A_TIME, |i| one(arguments, &protocol, &rater, &shown, i + 1, &bar));
     bar.finish_and_clear();
     done?;
     super::say(&format!(
@@ -114,7 +120,7 @@ fn one(
     arguments: &Arguments,
     protocol: &Protocol,
     rater: &Rater,
-    pictures: &Pictures,
+    shown: &Shown,
     number: usize,
     bar: &ProgressBar,
 ) -> anyhow::Result<()> {
@@ -122,7 +128,7 @@ fn one(
     let sitting = Sitting {
         started_at: Timestamp::now().to_string(),
         observer: Some(rater.description.clone()),
-        pictures: Some(pictures.clone()),
+        pictures: Some(shown.pictures.clone()),
         ..Sitting::default()
     };
     let fresh = |sitting| -> anyhow::Result<_> {
@@ -163,6 +169,8 @@ fn one(
         bar.inc(1);
         store.append(&TrialRecord::new(&context, response, origin + response.onset))
     })?;
+    let hashes = shown.hashes.get_or_init(|| shown.pictures.hashes(&schedule.conditions));
+    hashes.iter().enumerate().for_each(|(condition, hash)| store.note_picture(condition, hash.clone()));
     store.finish(true, Timestamp::now().to_string(), None)?;
     Ok(())
 }

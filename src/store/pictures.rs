@@ -42,14 +42,17 @@ impl Pictures {
         Self { recipe, sha256: BTreeMap::new() }
     }
 
-    /// Those of a session without a screen: every condition, 256 pixels a side, sRGB.
+    /// Those of a session without a screen: 256 pixels a side, sRGB. None is hashed yet.
     #[must_use]
-    pub fn without_screen(protocol: &Protocol, conditions: &[Condition]) -> Self {
-        let mut pictures = Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None);
-        let quantizer = pictures.recipe.quantizer();
-        let hash = |(i, condition)| (i + 1, hash(&pictures.recipe_of(condition).codes(&quantizer)));
-        pictures.sha256 = conditions.par_iter().enumerate().map(hash).collect();
-        pictures
+    pub fn without_screen(protocol: &Protocol) -> Self {
+        Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None)
+    }
+
+    /// The hash of every condition's picture, in their order.
+    #[must_use]
+    pub fn hashes(&self, conditions: &[Condition]) -> Vec<String> {
+        let quantizer = self.recipe.quantizer();
+        conditions.par_iter().map(|condition| hash(&self.recipe_of(condition).codes(&quantizer))).collect()
     }
 
     /// How the picture of a condition is made.
