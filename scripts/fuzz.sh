@@ -26,7 +26,8 @@ dictionary() {
 }
 export -f dictionary
 
-# New inputs go to a folder of their own: the committed corpus is what `cargo fuzz cmin` makes of both.
+# New inputs go to a folder of their own: the committed corpus is what
+# `-set_cover_merge=1 -use_counters=0` makes of both.
 one() {
     local found=fuzz/target/found/$1
     mkdir -p "$found" "fuzz/artifacts/$1"
