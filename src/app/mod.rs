@@ -144,12 +144,15 @@ fn window(
     event_loop::run(options(fullscreen), stamps, loss::Shared::new(|cc| App { input, ..app(cc) }))
 }
 
+/// Least size of the window, outside sessions, in points.
+const LEAST_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
+
 fn options(fullscreen: bool) -> eframe::NativeOptions {
     let mut options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("machband")
             .with_inner_size([1100.0, 860.0])
-            .with_min_inner_size([420.0, 360.0])
+            .with_min_inner_size(LEAST_SIZE)
             .with_fullscreen(fullscreen),
         // egui's dither adds noise to every pixel, stimulus included.
         dithering: false,

@@ -35,12 +35,8 @@ pub struct Monitor {
 impl Monitor {
     /// The monitor of the window now; without a window, one of the size of the page.
     pub fn current(ctx: &egui::Context, frame: &eframe::Frame) -> Self {
-        if let Some(window) = frame.winit_window()
-            && let Some(monitor) = window.current_monitor()
-        {
-            // What the window knows of its monitor may be as old as its last move; the list follows the monitors.
-            let listed = window.available_monitors().find(|listed| listed.name() == monitor.name());
-            return described!(listed.unwrap_or(monitor));
+        if let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) {
+            return described!(monitor);
         }
         let (width_px, height_px) = window_px(ctx);
         Self { name: None, width_px, height_px, refresh_hz: None, scale: f64::from(ctx.pixels_per_point()) }

@@ -119,8 +119,6 @@ pub struct SessionPage {
     categories: CategoryPictures,
     hasher: Option<Hasher>,
     screen: ScreenRefresh,
-    /// The monitor's physical pixels.
-    screen_px: (u32, u32),
     input: InputReport,
     /// Clicked on the scale in the frame before, which still showed the stimulus.
     clicked: Option<(u8, Heard)>,
@@ -174,6 +172,8 @@ impl SessionPage {
                 .map_err(|error| StoreError::Mismatch { path: store.csv().to_owned(), what: error.to_string() })?;
             (store, schedule, Resumed::default(), 0.0, 1, Vec::new())
         };
+        // A window that kept its least size on a smaller screen would show part of the stimulus, unnoticed.
+        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(egui::Vec2::splat(1.0)));
         let offset = offset(elapsed_s, rows.first());
         let quantizer = Quantizer::new(&request.display.transfers, Bits::Eight);
         let screen = ScreenRefresh::new(monitor, &prepared);
@@ -198,7 +198,6 @@ impl SessionPage {
             categories: CategoryPictures::default(),
             hasher: Hasher::start(),
             screen,
-            screen_px: screen_px(monitor),
             input: InputReport::default(),
             clicked: None,
             scale_shown: practising,
@@ -249,7 +248,6 @@ impl SessionPage {
 
     /// The window may be moved to another monitor, and a monitor set to another rate.
     fn follow_screen(&mut self, monitor: &Monitor) {
-        self.screen_px = screen_px(monitor);
         if self.screen.look(monitor) {
             self.session.judge_against(self.screen.frames());
             let hz =
@@ -387,14 +385,13 @@ impl SessionPage {
     }
 
     fn too_small(&self, ctx: &egui::Context) -> Option<String> {
-        let (window, needed) = (window_px(ctx), self.size_px);
-        // A window does not shrink below its least size: what is beyond a smaller screen is not seen.
-        [("window", window, "make the window larger"), ("screen", self.screen_px, "put the window on a larger one")]
-            .into_iter()
-            .find(|(_, (width, height), _)| *width.min(height) < needed)
-            .map(|(what, (width, height), remedy)| {
-                format!("The {what} has {width} × {height} pixels and the stimulus needs {needed}; {remedy}.")
-            })
+        let (width, height) = window_px(ctx);
+        (width.min(height) < self.size_px).then(|| {
+            format!(
+                "The window has {width} × {height} pixels and the stimulus needs {}; make the window larger.",
+                self.size_px
+            )
+        })
     }
 
     fn pause_if_too_small(&mut self, ctx: &egui::Context, now: Duration) {
@@ -487,6 +484,7 @@ impl SessionPage {
     fn finish(&mut self, ctx: &egui::Context) -> Go {
         let fault = self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(super::LEAST_SIZE));
         let complete = *self.session.state() == State::Done;
         let frames = self.session.frame_times();
         let finish = Finish::new(
@@ -532,11 +530,6 @@ impl SessionPage {
 }
 
 /// Physical pixels of the monitor; a system that does not know them limits nothing.
-fn screen_px(monitor: &Monitor) -> (u32, u32) {
-    let known = |pixels: u32| if pixels == 0 { u32::MAX } else { pixels };
-    (known(monitor.width_px), known(monitor.height_px))
-}
-
 fn viewing(request: &Request, prepared: &Prepared) -> serde_json::Value {
     let screen = prepared.viewing.screen();
     json!({

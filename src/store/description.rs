@@ -29,15 +29,16 @@ pub(super) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
         let path = dataset.join(name);
         Ok(if is_there(&path)? { None } else { Some(path) })
     };
+    // The session waits for the disk only where data depend on it.
     if let Some(path) = absent("README.md")? {
-        write_whole(&path, readme(protocol).as_bytes(), true)?;
+        write_whole(&path, readme(protocol).as_bytes(), false)?;
     }
     if let Some(path) = absent("CHANGES.md")? {
-        write_whole(&path, changes().as_bytes(), true)?;
+        write_whole(&path, changes().as_bytes(), false)?;
     }
     for name in IGNORE {
         if let Some(path) = absent(name)? {
-            write_whole(&path, ignored().as_bytes(), true)?;
+            write_whole(&path, ignored().as_bytes(), false)?;
         }
     }
     let path = dataset.join(DESCRIPTION);
