@@ -219,10 +219,10 @@ mod simulate {
                 .sum()
             };
             loop {
-                // From the first instructions of the program to a third of a whole run.
+                // From the first instructions of the program to most of a whole run.
                 let share = session_seed(kills * 1000 + rounds) as f64 / 2_f64.powi(32);
                 let delay =
-                    if kills % 5 == 0 { Duration::from_secs_f64(share * 0.02) } else { whole.mul_f64(share / 3.0) };
+                    if kills % 5 == 0 { Duration::from_secs_f64(share * 0.02) } else { whole.mul_f64(0.8 * share) };
                 let before = rated();
                 let mut child = spawn(&results);
                 std::thread::sleep(delay);
