@@ -1,6 +1,5 @@
 //! Gamma by eye, its check and the steps of equal brightness, driven without a display.
 
-#![cfg(feature = "window")]
 
 use std::path::Path;
 

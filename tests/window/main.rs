@@ -19,9 +19,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-#[path = "faults/build.rs"]
+#[path = "../faults/build.rs"]
 mod build;
-#[path = "window/faults.rs"]
 mod faults;
 
 const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");

@@ -1,6 +1,5 @@
 //! The shading demo, driven without a display. What it draws is held against the shaders' own pictures.
 
-#![cfg(feature = "window")]
 
 use std::{io::BufReader, path::Path};
 

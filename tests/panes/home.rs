@@ -1,6 +1,5 @@
 //! The window's pages, driven without a display: clicks, keys and time come from the test.
 
-#![cfg(feature = "window")]
 
 use std::path::Path;
 

@@ -15,7 +15,7 @@ use machband::{
     store::definition,
 };
 
-const DESIGN: &str = include_str!("golden/power.toml");
+const DESIGN: &str = include_str!("../golden/power.toml");
 
 fn design() -> Protocol {
     definition::parse("power.toml", DESIGN).unwrap()
@@ -46,7 +46,7 @@ fn power_is_that_of_r() {
     let plan = plan(&design(), &oblique(0.6), &[], None);
     let sampling = Sampling { studies: 1000, ..Sampling::default() };
     let mut compared = 0;
-    for line in include_str!("golden/power.csv").lines().skip(2) {
+    for line in include_str!("../golden/power.csv").lines().skip(2) {
         let cells: Vec<&str> = line.split(',').collect();
         let number = |place: usize| cells[place].parse::<f64>().unwrap();
         let test = if cells[1] == "friedman" { Test::Friedman } else { Test::LikelihoodRatio };

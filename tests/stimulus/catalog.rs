@@ -16,7 +16,7 @@ fn case(kind: &str, variant: usize) -> Stimulus {
 
 #[test]
 fn light_is_that_of_the_independent_script() {
-    let golden = include_str!("golden/catalog.csv");
+    let golden = include_str!("../golden/catalog.csv");
     let mut seen = 0;
     for line in golden.lines().filter(|line| !line.starts_with('#')).skip(1) {
         let cells: Vec<&str> = line.split(',').collect();

@@ -1,6 +1,5 @@
 //! The patch shader: fields that it must give back, its smoothness, another implementation.
 
-mod plane;
 
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
@@ -11,7 +10,7 @@ use machband::{
         shapes::{self, Shape},
     },
 };
-use plane::{frame, grid, random};
+use crate::plane::{frame, grid, random};
 
 /// The same field in all channels but for its size.
 fn gray(value: f64) -> DVec3 {
@@ -191,7 +190,7 @@ fn inner_jump(light: impl Fn([f64; 3]) -> DVec3, k: usize) -> (f64, f64) {
 
 #[test]
 fn cubics_are_those_of_scipy() {
-    let text = include_str!("golden/patch.csv");
+    let text = include_str!("../golden/patch.csv");
     let (mut places, mut lights, mut gradients, mut triangles) = (vec![], vec![], vec![], vec![]);
     let mut samples = vec![];
     for line in text.lines().filter(|line| !line.starts_with('#')) {

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, time::Instant};
 
-#[path = "../fuzz/targets.rs"]
+#[path = "../../fuzz/targets.rs"]
 mod targets;
 
 #[test]

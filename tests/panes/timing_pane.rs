@@ -1,6 +1,5 @@
 //! The measurement of frames, driven without a display: here every frame takes a 60th of a second.
 
-#![cfg(feature = "window")]
 
 use std::fs;
 

@@ -1,0 +1,8 @@
+//! Ratings in; models, tests, figures and the report out.
+
+mod figures;
+mod ordinal;
+mod ordinal_faults;
+mod ordinal_recovery;
+mod ranks;
+mod report;

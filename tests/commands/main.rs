@@ -1,0 +1,9 @@
+//! The command line, run as a user runs it.
+
+mod analyze;
+mod basics;
+mod calibrate_command;
+mod plan;
+mod predict;
+mod security;
+mod shade;

@@ -1,0 +1,12 @@
+//! The pages of the window, driven without a display.
+
+#![cfg(feature = "window")]
+
+mod analysis_pane;
+mod demo;
+mod display;
+mod home;
+mod nulling_pane;
+mod photometer_pane;
+mod predicted_pane;
+mod timing_pane;

@@ -1,0 +1,14 @@
+//! Light, screen, eye and stimulus: the numbers below every picture.
+
+mod baselines;
+mod calibrate;
+mod catalog;
+mod color;
+mod dither;
+mod images;
+mod light;
+mod nulling;
+mod palette;
+mod ramp;
+mod timing;
+mod vision;

@@ -1,0 +1,11 @@
+//! Definitions, sessions and every file that they leave.
+
+mod definitions;
+mod dictionary;
+mod export;
+mod folder;
+mod frame_files;
+mod fuzz_corpus;
+mod reading;
+mod session;
+mod verify;
