@@ -389,7 +389,7 @@ impl Arguments {
                 fields.insert(name.to_owned(), value);
             }
         }
-        store::dataset::write_json(path, &metrics)?;
+        store::write_json(path, &metrics)?;
         let of_gouraud = |over: Option<f64>| {
             over.map_or_else(|| "Gouraud has none".to_owned(), |over| format!("{over:.4} of Gouraud's"))
         };

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::{
     StoreError,
-    dataset::{is_there, write_json, write_whole},
     fault::io,
+    file::{is_there, write_json, write_whole},
     frames,
 };
 use crate::experiment::{Column, Protocol, columns};

@@ -3,13 +3,13 @@
 //!
 //! The frames describe a session and are not its data: where this file cannot be written the session goes on.
 
-use std::{
-    fs::OpenOptions,
-    io::{Seek as _, SeekFrom, Write as _},
-    path::{Path, PathBuf},
-};
+use std::path::Path;
 
-use super::{FileFault, FileFaults, StoreError, fault::io, hash::sha256, text};
+use super::{
+    FileFault, FileFaults, StoreError,
+    file::{AppendFile, Sync, is_there, whole_lines},
+    text,
+};
 use crate::{
     display::frames::Refresh,
     experiment::{Phase, Schedule, Shown, Stretch},
@@ -58,102 +58,81 @@ impl FrameRow {
 
 /// The file of a running session. It is made when the first row comes: a session without a screen has none.
 #[derive(Debug)]
-pub struct FrameFile {
-    path: PathBuf,
-    /// Everything that belongs in the file.
-    content: Vec<u8>,
-    /// How much of it is known to be in the file.
-    written: usize,
-    /// The file is this session's own: made by it, or found when it went on.
-    own: bool,
-}
+pub struct FrameFile(AppendFile);
 
 impl FrameFile {
     /// For a new session.
     pub fn new(path: &Path) -> Self {
-        Self { path: path.to_owned(), content: Vec::new(), written: 0, own: false }
+        Self(AppendFile::new(path, Sync::Never))
     }
 
-    /// For a session that goes on: keeps what is there, less a last line that was half written.
+    /// For a session that is resumed: keeps what is there, less a last line that was half written.
     ///
     /// # Errors
-    /// The file is there and cannot be read, or is none of this kind; the old one must not be written to then.
+    /// The file is there and cannot be read, or is of another kind; it must not be written to then.
     pub fn resume(path: &Path) -> Result<Self, StoreError> {
-        let content = match std::fs::read(path) {
-            Ok(content) => content,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Self::new(path)),
-            Err(error) => return Err(io(path, "read")(error)),
-        };
-        let whole = content.iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1);
-        if !content.starts_with(HEADER.as_bytes()) && !HEADER.as_bytes().starts_with(&content) {
-            let message = format!("is no file of frames; expected the header {HEADER}");
+        if !is_there(path)? {
+            return Ok(Self::new(path));
+        }
+        let mut file = AppendFile::open(path, Sync::Never)?;
+        let content = file.content();
+        if !content.starts_with(HEADER.as_bytes()) && !HEADER.as_bytes().starts_with(content) {
+            let message = format!("is not a file of frames; expected the header {HEADER}");
             return Err(FileFaults::whole(path.display().to_string(), message).into());
         }
-        Ok(Self { path: path.to_owned(), content: content[..whole].to_vec(), written: whole, own: true })
+        let whole = whole_lines(content).to_vec();
+        let written = whole.len();
+        file.repair(whole, written);
+        Ok(Self(file))
     }
 
     /// Where the file is, or would be.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.0.path()
     }
 
     /// SHA-256 of everything that belongs in the file.
     pub fn sha256(&self) -> String {
-        sha256(&self.content)
+        self.0.sha256()
     }
 
     /// Whether there is anything in it.
     pub fn is_empty(&self) -> bool {
-        self.content.is_empty()
+        self.0.content().is_empty()
     }
 
     /// Adds rows. They are kept in memory from here on, and in the file when this returns without an error; after an
-    /// error the next call tries again. A power cut may take the last of them, since nobody waits for the disk.
+    /// error the next call tries again, in a new file where the old one is gone. A power cut may take the last of them,
+    /// since nobody waits for the disk.
     ///
     /// # Errors
     /// The system's refusal.
     pub fn append(&mut self, rows: &[FrameRow]) -> Result<(), StoreError> {
-        if self.is_empty() && !rows.is_empty() {
-            self.content.extend_from_slice(HEADER.as_bytes());
-            self.content.push(b'\n');
-        }
-        for row in rows {
-            self.content.extend_from_slice(row.line().as_bytes());
-        }
-        self.write()
-    }
-
-    fn write(&mut self) -> Result<(), StoreError> {
-        if self.content.len() == self.written {
+        let mut text = if self.is_empty() && !rows.is_empty() { format!("{HEADER}\n") } else { String::new() };
+        text.extend(rows.iter().map(FrameRow::line));
+        if self.is_empty() && text.is_empty() {
             return Ok(());
         }
-        let refused = |error| io(&self.path, "write")(error);
-        let mut options = OpenOptions::new();
-        // Nobody else's file is written to.
-        options.write(true).create(true).create_new(!self.own).truncate(false);
-        let mut file = options.open(&self.path).map_err(refused)?;
-        self.own = true;
-        // Gone, and made anew just now: all of it.
-        if file.metadata().map_err(refused)?.len() < self.written as u64 {
-            self.written = 0;
-        }
-        file.set_len(self.written as u64).map_err(refused)?;
-        file.seek(SeekFrom::Start(self.written as u64)).map_err(refused)?;
-        file.write_all(&self.content[self.written..]).map_err(refused)?;
-        self.written = self.content.len();
-        Ok(())
+        self.0.append(text.as_bytes()).or_else(|error| {
+            let path = self.0.path().to_owned();
+            if matches!(error, StoreError::Changed { .. }) && !is_there(&path)? {
+                self.move_to(&path)
+            } else {
+                Err(error)
+            }
+        })
     }
 
-    /// Puts everything into a new file, and goes on there. The old one stays as it is.
+    /// Puts everything into a new file and continues there. The old one stays as it is.
     ///
     /// # Errors
     /// The new place refuses, or has such a file; the old one is then kept.
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
-        let content = self.content.clone();
-        let mut moved = Self { path: path.to_owned(), content, written: 0, own: false };
-        moved.write()?;
-        *self = moved;
-        Ok(())
+        if self.is_empty() {
+            *self = Self::new(path);
+            return Ok(());
+        }
+        self.0.move_to(path)
     }
 }
 

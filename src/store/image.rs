@@ -7,7 +7,7 @@ use std::{
     path::Path,
 };
 
-use super::{FileFaults, StoreError, dataset::write_whole, fault::io, picture};
+use super::{FileFaults, StoreError, fault::io, file::write_whole, picture};
 use crate::{
     light::{
         CodeImage, Quantizer, Samples, Transfer, Transfers,

@@ -9,7 +9,7 @@ use std::{
     sync::Mutex,
 };
 
-use super::{StoreError, dataset::write_whole, fault::io, hash::sha256, image};
+use super::{StoreError, fault::io, file::write_whole, hash::sha256, image};
 use crate::{
     experiment::{Condition, Protocol},
     light::Quantizer,

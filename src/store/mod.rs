@@ -11,6 +11,7 @@ pub mod definition;
 pub mod description;
 pub mod export;
 mod fault;
+mod file;
 pub mod frames;
 mod hash;
 pub mod image;
@@ -32,5 +33,5 @@ mod text;
 mod toml_reader;
 pub mod verify;
 
-pub use dataset::write_file;
 pub use fault::{FileFault, FileFaults, StoreError};
+pub use file::{write_file, write_json};

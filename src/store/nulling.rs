@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{FileFault, FileFaults, StoreError, dataset::sync_folder, fault::io, text};
+use super::{FileFault, FileFaults, StoreError, fault::io, file::sync_folder, text};
 use crate::display::{
     UnknownChannel,
     nulling::{NullingStimulus, Observation, RowField},

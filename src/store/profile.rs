@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::{
     FileFaults, StoreError,
-    dataset::write_whole,
     fault::io,
+    file::write_whole,
     hash::sha256,
     text,
     toml_reader::{self, Section},

@@ -7,8 +7,8 @@ use std::{
 
 use super::{
     FileFault, FileFaults, StoreError,
-    dataset::write_whole,
     fault::io,
+    file::write_whole,
     text::{self, position},
 };
 use crate::display::photometer::{Channel, Reading, ReadingFault, Readings};

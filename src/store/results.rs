@@ -1,25 +1,18 @@
 //! A session's rows: one CSV file, one row a trial, on disk before the next trial is shown.
 
-use std::{
-    fs::{self, File, OpenOptions, TryLockError},
-    io::{Read as _, Seek as _, SeekFrom, Write as _},
-    path::{Path, PathBuf},
-};
+use std::{fs, path::Path};
 
-use super::{FileFault, FileFaults, StoreError, dataset::sync_folder, fault::io, hash::sha256};
+use super::{
+    FileFault, FileFaults, StoreError,
+    fault::io,
+    file::{AppendFile, Sync, whole_lines},
+};
 use crate::experiment::{Column, TRAILING, TrialRecord};
 
-/// The result file of a running session; locked against a second program while it is open.
-///
-/// What has been recorded is also kept in memory, so that a disk that fails or vanishes takes nothing with it.
+/// The result file of a running session.
 #[derive(Debug)]
 pub struct ResultFile {
-    path: PathBuf,
-    file: File,
-    /// Everything that belongs in the file.
-    content: Vec<u8>,
-    /// How much of it is known to be on disk.
-    on_disk: usize,
+    file: AppendFile,
     /// Columns that the file has: one that an earlier version began lacks some at the end.
     width: usize,
 }
@@ -39,24 +32,9 @@ impl ResultFile {
     /// # Errors
     /// [`StoreError::Exists`], or the system's refusal.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
-        let content = line(columns.iter().map(|column| column.name.as_str()));
-        Self::create_with(path, content, columns.len())
-    }
-
-    fn create_with(path: &Path, content: Vec<u8>, width: usize) -> Result<Self, StoreError> {
-        let file = OpenOptions::new().read(true).write(true).create_new(true).open(path);
-        let file = file.map_err(|error| match error.kind() {
-            std::io::ErrorKind::AlreadyExists => StoreError::Exists(path.to_owned()),
-            _ => io(path, "create")(error),
-        })?;
-        lock(&file, path)?;
-        let mut created = Self { path: path.to_owned(), file, content, on_disk: 0, width };
-        if let Err(error) = created.flush().and_then(|()| sync_folder(path)) {
-            // Ours alone, made just now: half a file must not stand in the way of the next try.
-            let _ = fs::remove_file(path);
-            return Err(error);
-        }
-        Ok(created)
+        let mut file = AppendFile::new(path, Sync::Always);
+        file.append(&line(columns.iter().map(|column| column.name.as_str())))?;
+        Ok(Self { file, width: columns.len() })
     }
 
     /// Opens an interrupted session's file, and keeps every other program from it. Its rows are read by
@@ -65,12 +43,7 @@ impl ResultFile {
     /// # Errors
     /// [`StoreError::InUse`], or the system's refusal.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
-        let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
-        lock(&file, path)?;
-        let mut content = Vec::new();
-        file.read_to_end(&mut content).map_err(io(path, "read"))?;
-        let on_disk = content.len();
-        Ok(Self { path: path.to_owned(), file, content, on_disk, width: usize::MAX })
+        Ok(Self { file: AppendFile::open(path, Sync::Always)?, width: usize::MAX })
     }
 
     /// Reads the rows of a file that was opened. A last line that was half written is left out, and cut off by the
@@ -79,20 +52,21 @@ impl ResultFile {
     /// # Errors
     /// Rows that do not parse, each with line and column.
     pub fn recover(&mut self, columns: &[Column]) -> Result<Recovered, FileFaults> {
-        let (recovered, content, whole) = recover(&self.path.display().to_string(), &self.content, columns)?;
+        let name = self.path().display().to_string();
+        let (recovered, content, whole) = recover(&name, self.file.content(), columns)?;
         self.width = columns_of(&content, columns).len();
-        (self.content, self.on_disk) = (content, whole);
+        self.file.repair(content, whole);
         Ok(recovered)
     }
 
     /// SHA-256 of everything that belongs in the file.
     pub fn sha256(&self) -> String {
-        sha256(&self.content)
+        self.file.sha256()
     }
 
     /// Where the file is.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.file.path()
     }
 
     /// Adds a row. It is kept in memory from here on, and on disk when this returns without an error.
@@ -101,8 +75,7 @@ impl ResultFile {
     /// The disk refuses, or the file is no longer the one that was written; [`ResultFile::flush`] tries again,
     /// [`ResultFile::move_to`] goes elsewhere.
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
-        self.content.extend(line(record.cells().iter().take(self.width).map(String::as_str)));
-        self.flush()
+        self.file.append(&line(record.cells().iter().take(self.width).map(String::as_str)))
     }
 
     /// Writes what is not on disk yet.
@@ -110,44 +83,15 @@ impl ResultFile {
     /// # Errors
     /// As [`ResultFile::append`].
     pub fn flush(&mut self) -> Result<(), StoreError> {
-        let path = self.path.clone();
-        // After a failed write the file may hold part of a row: back to what is known to be whole.
-        self.file.set_len(self.on_disk as u64).map_err(io(&path, "write"))?;
-        self.file.seek(SeekFrom::Start(self.on_disk as u64)).map_err(io(&path, "write"))?;
-        self.file.write_all(&self.content[self.on_disk..]).map_err(io(&path, "write"))?;
-        self.file.sync_data().map_err(io(&path, "write"))?;
-        self.verify()?;
-        self.on_disk = self.content.len();
-        Ok(())
+        self.file.flush()
     }
 
-    /// A file that was deleted, or whose folder was, can still be written to on some systems, and the rows are lost
-    /// when the program ends: so its name is asked for after each row.
-    fn verify(&self) -> Result<(), StoreError> {
-        let changed = |what: String| StoreError::Changed { path: self.path.clone(), what };
-        let expected = self.content.len() as u64;
-        match fs::metadata(&self.path) {
-            Ok(metadata) if metadata.len() == expected => Ok(()),
-            Ok(metadata) => Err(changed(format!("has {} bytes instead of {expected}", metadata.len()))),
-            Err(error) => Err(changed(format!("is gone ({error})"))),
-        }
-    }
-
-    /// Puts everything recorded so far into a new file, and goes on there. The old file stays as it is.
+    /// Puts everything recorded so far into a new file and continues there. The old file stays as it is.
     ///
     /// # Errors
     /// The new place refuses; the old one is then kept.
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
-        *self = Self::create_with(path, self.content.clone(), self.width)?;
-        Ok(())
-    }
-}
-
-/// Unlocks at once: a program started a moment ago may still hold its copy of the file open, and the lock with it.
-impl Drop for ResultFile {
-    fn drop(&mut self) {
-        // Closing unlocks too, so a refusal changes nothing.
-        let _ = self.file.unlock();
+        self.file.move_to(path)
     }
 }
 
@@ -172,7 +116,7 @@ pub(super) fn whole(path: &Path, columns: &[Column]) -> Result<Vec<u8>, StoreErr
 /// What a file holds, its content without a half-written last line, and how much of the file that is.
 fn recover(file: &str, found: &[u8], columns: &[Column]) -> Result<(Recovered, Vec<u8>, usize), FileFaults> {
     let header = line(columns.iter().map(|column| column.name.as_str()));
-    let whole = whole_lines(found);
+    let whole = whole_lines(found).len();
     let rest = without_zeros(&found[whole..]);
     if whole == 0 && !header.starts_with(rest) {
         // Not the beginning of a file of ours: not to be cut away.
@@ -273,16 +217,6 @@ fn header_faults(
     false
 }
 
-/// Length of the leading part that consists of whole lines. A power cut may also leave zero bytes where the system had
-/// enlarged the file and not yet filled it: after the last line, or within it. Zeros before the last line are no
-/// interrupted writing, since each line was on disk before the next; they are left for the parser to name.
-fn whole_lines(content: &[u8]) -> usize {
-    let end_of_line = |content: &[u8]| content.iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1);
-    let whole = end_of_line(content);
-    let last = end_of_line(&content[..whole.saturating_sub(1)]);
-    if content[last..whole].contains(&0) { last } else { whole }
-}
-
 fn without_zeros(content: &[u8]) -> &[u8] {
     let end = content.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
     &content[..end]
@@ -312,14 +246,4 @@ fn line<'a>(cells: impl Iterator<Item = &'a str>) -> Vec<u8> {
     // Writing to memory does not fail, and one record cannot differ in length from the others.
     let _ = writer.write_record(&clean);
     writer.into_inner().unwrap_or_default()
-}
-
-fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
-    match file.try_lock() {
-        Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(StoreError::InUse(path.to_owned())),
-        // A file system without locks (some network shares) is no reason to refuse the session.
-        Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => Ok(()),
-        Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
-    }
 }

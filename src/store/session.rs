@@ -1,11 +1,12 @@
 //! A running session on disk: rows, sidecar and data set together.
 
-use std::path::Path;
+use std::{path::Path, time::Duration};
 
 use super::{
     StoreError,
-    dataset::{SessionPaths, is_there, remove_leftovers},
+    dataset::SessionPaths,
     definition,
+    file::{is_there, remove_temporary},
     frames::{FrameFile, FrameRow},
     results::ResultFile,
     sidecar::{Seal, Sidecar, Sitting},
@@ -143,7 +144,9 @@ impl SessionStore {
         };
         // From here on the files change; a session that has ended well stays as it is.
         if !finished {
-            remove_leftovers(&store.paths.sidecar);
+            // The session is locked: nobody else is about to write its sidecar.
+            let sidecar = store.paths.sidecar.file_name().unwrap_or_default().to_string_lossy();
+            remove_temporary(&store.paths.dataset.join("data"), &sidecar, Duration::ZERO);
             store.sidecar.complete = false;
             store.sidecar.seal = None;
             store.sidecar.sittings.push(sitting);

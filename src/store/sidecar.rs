@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::{
-    FileFault, FileFaults, StoreError, dataset::write_json, definition, fault::io, hash::sha256, pictures::Pictures,
+    FileFault, FileFaults, StoreError, definition, fault::io, file::write_json, hash::sha256, pictures::Pictures,
 };
 use crate::experiment::{GENERATOR, Protocol, columns};
 

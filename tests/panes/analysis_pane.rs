@@ -1,6 +1,5 @@
 //! The analysis pane, driven without a display: what it shows is held against the analysis itself.
 
-
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},

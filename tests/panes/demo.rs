@@ -1,6 +1,5 @@
 //! The shading demo, driven without a display. What it draws is held against the shaders' own pictures.
 
-
 use std::{io::BufReader, path::Path};
 
 use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Vec2};

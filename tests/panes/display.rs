@@ -1,7 +1,6 @@
 //! A display profile from its file to the screen: what is shown is what the command writes, each code is the nearest, and
 //! what is known of the screen stands with the data.
 
-
 use std::{path::Path, process::Command};
 
 use eframe::egui::Key;

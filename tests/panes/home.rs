@@ -1,6 +1,5 @@
 //! The window's pages, driven without a display: clicks, keys and time come from the test.
 
-
 use std::path::Path;
 
 use eframe::egui::{self, Key};

@@ -1,6 +1,5 @@
 //! Gamma by eye, its check and the steps of equal brightness, driven without a display.
 
-
 use std::path::Path;
 
 use eframe::egui::{self, Key};

@@ -1,6 +1,5 @@
 //! The photometer's page, driven without a display: patches, typed readings, the fit, the profile.
 
-
 use std::path::Path;
 
 use eframe::egui::{self, Key};

@@ -1,7 +1,6 @@
 //! Predicted bands in the gallery and in the shading demo, driven without a display: what they show is what the library
 //! says, and the window does not wait for it.
 
-
 use std::time::{Duration, Instant};
 
 use eframe::egui::{Vec2, accesskit::Role};

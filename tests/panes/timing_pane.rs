@@ -1,6 +1,5 @@
 //! The measurement of frames, driven without a display: here every frame takes a 60th of a second.
 
-
 use std::fs;
 
 use eframe::egui::Key;

@@ -1,6 +1,6 @@
 //! The crease metric, and what the shaders leave of Gouraud's creases.
 
-
+use crate::plane::{frame, grid, random};
 use glam::{DVec2, DVec3};
 use machband::{
     light::Depth,
@@ -9,7 +9,6 @@ use machband::{
         shapes::{self, Shape},
     },
 };
-use crate::plane::{frame, grid, random};
 
 /// B and C, and the apexes A and D of two triangles at the edge between them, in pixels; and their lights.
 const PLACES: [DVec2; 4] =

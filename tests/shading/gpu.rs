@@ -1,6 +1,5 @@
 //! The shaders on graphics cards, software ones here, held against the plain f64 reference.
 
-
 use glam::DVec3;
 use machband::{
     light::{Bits, Depth, LinearImage, Quantizer, Transfer, TransferTable},

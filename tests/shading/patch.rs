@@ -1,6 +1,6 @@
 //! The patch shader: fields that it must give back, its smoothness, another implementation.
 
-
+use crate::plane::{frame, grid, random};
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::Transfer,
@@ -10,7 +10,6 @@ use machband::{
         shapes::{self, Shape},
     },
 };
-use crate::plane::{frame, grid, random};
 
 /// The same field in all channels but for its size.
 fn gray(value: f64) -> DVec3 {

@@ -41,5 +41,9 @@ fn the_column_dictionary_is_that_of_the_program() {
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(PATH, dictionary()).unwrap();
     }
-    assert_eq!(std::fs::read_to_string(PATH).unwrap(), dictionary(), "run UPDATE_DOCS=1 cargo test --test store dictionary");
+    assert_eq!(
+        std::fs::read_to_string(PATH).unwrap(),
+        dictionary(),
+        "run UPDATE_DOCS=1 cargo test --test store dictionary"
+    );
 }

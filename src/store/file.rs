@@ -1,0 +1,281 @@
+//! Files on disk: written whole or not at all, or appended to row by row.
+
+use std::{
+    fs::{self, File, OpenOptions, TryLockError},
+    io::{Error, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _},
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use super::{StoreError, fault::io, hash::sha256};
+
+/// Ends the name of a temporary file.
+const TEMPORARY: &str = ".tmp";
+
+/// Writes a JSON file, whole or not at all, and onto the disk.
+///
+/// # Errors
+/// The system's refusal.
+pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreError> {
+    let mut text = serde_json::to_vec_pretty(value).map_err(|error| io(path, "describe")(Error::other(error)))?;
+    text.push(b'\n');
+    write_whole(path, &text, true)
+}
+
+/// Writes a file that can be made again, whole or not at all.
+///
+/// # Errors
+/// The system's refusal.
+pub fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> {
+    write_whole(path, content, false)
+}
+
+/// Writes a file so that a reader sees the old one or the new one and never half of either. `durable`: the same holds
+/// after a power cut; what can be made again need not wait for the disk.
+///
+/// # Errors
+/// The system's refusal.
+pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<(), StoreError> {
+    write_beside(path, content, durable).map_err(io(path, "write"))?;
+    if durable { sync_folder(path) } else { Ok(()) }
+}
+
+/// Writes a temporary file beside `path` and gives it that name. The temporary file is removed when anything fails.
+fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<()> {
+    let mut prefix = path.file_name().unwrap_or_default().to_owned();
+    prefix.push(".");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(TEMPORARY);
+    // As any other file; temporary files are their owner's alone unless told otherwise.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut temporary = builder.tempfile_in(folder_of(path))?;
+    temporary.write_all(content)?;
+    if durable {
+        temporary.as_file().sync_all()?;
+    }
+    // A disk may take less than it says: half a file must not replace a whole one.
+    let kept = temporary.as_file().metadata()?.len();
+    if kept != content.len() as u64 {
+        return Err(Error::other(format!("{kept} of {} bytes were kept", content.len())));
+    }
+    fs::rename(temporary.path(), path)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Removes the temporary files that killed programs left in a folder and whose names begin with `prefix`: those of at
+/// least this age, since another program may be about to use its own. A file that cannot be removed is in nobody's way.
+pub(super) fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let is_temporary = name.to_str().is_some_and(|name| name.starts_with(prefix) && name.ends_with(TEMPORARY));
+        let modified = entry.metadata().and_then(|metadata| metadata.modified());
+        let is_old = age.is_zero() || modified.ok().and_then(|time| time.elapsed().ok()).is_some_and(|a| a > age);
+        if is_temporary && is_old {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Makes a new or renamed name in a folder survive a power cut, where the system knows the notion: Windows does not open
+/// folders as files.
+///
+/// # Errors
+/// The system's refusal.
+pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    let folder = folder_of(file);
+    let opened = match File::open(folder) {
+        // A folder may take files and show none.
+        Err(error) if error.kind() == ErrorKind::PermissionDenied => return Ok(()),
+        opened => opened.map_err(io(folder, "sync"))?,
+    };
+    match opened.sync_all() {
+        // Some network shares know no such call.
+        Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
+        synced => synced.map_err(io(folder, "sync")),
+    }
+}
+
+/// Whether there is something of this name. A disk that does not answer has not said no.
+///
+/// # Errors
+/// The system's refusal to say.
+pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
+    match fs::metadata(path) {
+        Ok(_) => Ok(true),
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(false),
+        Err(error) => Err(io(path, "look for")(error)),
+    }
+}
+
+/// Whether what is appended waits for the disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sync {
+    /// It is on disk when [`AppendFile::append`] returns.
+    Always,
+    /// A power cut may take the last of it.
+    Never,
+}
+
+/// A file that only grows, locked against a second program while it is open.
+///
+/// Everything in it is also kept in memory, so that a disk that fails or vanishes takes nothing with it: the next call
+/// tries again, and [`AppendFile::move_to`] goes elsewhere.
+#[derive(Debug)]
+pub(super) struct AppendFile {
+    path: PathBuf,
+    /// None until the first write.
+    file: Option<File>,
+    content: Vec<u8>,
+    /// How much of the content is known to be in the file.
+    written: usize,
+    sync: Sync,
+}
+
+impl AppendFile {
+    /// A file that does not exist yet; the first write makes it, and never touches an existing one.
+    pub fn new(path: &Path, sync: Sync) -> Self {
+        Self { path: path.to_owned(), file: None, content: Vec::new(), written: 0, sync }
+    }
+
+    /// Opens and reads a file, and keeps every other program from it. It is not changed until the next write.
+    ///
+    /// # Errors
+    /// [`StoreError::InUse`], or the system's refusal.
+    pub fn open(path: &Path, sync: Sync) -> Result<Self, StoreError> {
+        let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
+        lock(&file, path)?;
+        let mut content = Vec::new();
+        file.read_to_end(&mut content).map_err(io(path, "read"))?;
+        Ok(Self { path: path.to_owned(), file: Some(file), written: content.len(), content, sync })
+    }
+
+    /// Where the file is, or will be.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Everything that belongs in the file.
+    pub fn content(&self) -> &[u8] {
+        &self.content
+    }
+
+    /// SHA-256 of everything that belongs in the file.
+    pub fn sha256(&self) -> String {
+        sha256(&self.content)
+    }
+
+    /// Replaces the content by what of it is whole; of the file its first `written` bytes are right. The next write
+    /// cuts off the rest.
+    pub fn repair(&mut self, content: Vec<u8>, written: usize) {
+        (self.content, self.written) = (content, written);
+    }
+
+    /// Adds rows. They are kept in memory from here on, and in the file when this returns without an error.
+    ///
+    /// # Errors
+    /// As [`AppendFile::flush`].
+    pub fn append(&mut self, rows: &[u8]) -> Result<(), StoreError> {
+        self.content.extend_from_slice(rows);
+        self.flush()
+    }
+
+    /// Writes what is not in the file yet.
+    ///
+    /// # Errors
+    /// [`StoreError::Exists`] where the file would be made; [`StoreError::Changed`] where it is no longer the one that
+    /// was written; the system's refusal.
+    pub fn flush(&mut self) -> Result<(), StoreError> {
+        if self.file.is_some() {
+            return self.write();
+        }
+        let made = OpenOptions::new().read(true).write(true).create_new(true).open(&self.path);
+        let made = made.map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists => StoreError::Exists(self.path.clone()),
+            _ => io(&self.path, "create")(error),
+        })?;
+        let locked = lock(&made, &self.path);
+        self.file = Some(made);
+        let synced = |this: &Self| if this.sync == Sync::Always { sync_folder(&this.path) } else { Ok(()) };
+        let begun = locked.and_then(|()| self.write()).and_then(|()| synced(self));
+        if begun.is_err() {
+            // Ours alone, made just now: half a file must not stand in the way of the next try.
+            let _ = fs::remove_file(&self.path);
+            (self.file, self.written) = (None, 0);
+        }
+        begun
+    }
+
+    fn write(&mut self) -> Result<(), StoreError> {
+        let Some(file) = &mut self.file else { return Ok(()) };
+        // After a failed write the file may hold part of a row: back to what is known to be whole.
+        let from = self.written as u64;
+        let mut write = || {
+            file.set_len(from)?;
+            file.seek(SeekFrom::Start(from))?;
+            file.write_all(&self.content[self.written..])?;
+            if self.sync == Sync::Always { file.sync_data() } else { Ok(()) }
+        };
+        write().map_err(io(&self.path, "write"))?;
+        self.verify()?;
+        self.written = self.content.len();
+        Ok(())
+    }
+
+    /// A file that was deleted, or whose folder was, can still be written to on some systems, and the rows are lost
+    /// when the program ends. So its name is looked up after each write.
+    fn verify(&self) -> Result<(), StoreError> {
+        let changed = |what: String| StoreError::Changed { path: self.path.clone(), what };
+        let expected = self.content.len() as u64;
+        match fs::metadata(&self.path) {
+            Ok(metadata) if metadata.len() == expected => Ok(()),
+            Ok(metadata) => Err(changed(format!("has {} bytes instead of {expected}", metadata.len()))),
+            Err(error) => Err(changed(format!("is gone ({error})"))),
+        }
+    }
+
+    /// Puts everything into a new file and continues there. The old file stays as it is.
+    ///
+    /// # Errors
+    /// The new place refuses; the old one is then kept.
+    pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
+        let mut moved = Self::new(path, self.sync);
+        moved.append(&self.content)?;
+        *self = moved;
+        Ok(())
+    }
+}
+
+/// Unlocks at once: a program started a moment ago may still hold its copy of the file open, and the lock with it.
+impl Drop for AppendFile {
+    fn drop(&mut self) {
+        // Closing unlocks too, so a refusal changes nothing.
+        let _ = self.file.as_ref().map(File::unlock);
+    }
+}
+
+fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
+    match file.try_lock() {
+        Ok(()) => Ok(()),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse(path.to_owned())),
+        // A file system without locks (some network shares) is no reason to refuse the session.
+        Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => Ok(()),
+        Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
+    }
+}
+
+/// The part of a file that consists of whole lines. A power cut may also leave zero bytes where the system had enlarged
+/// the file and not yet filled it: after the last line, or within it. Zeros before the last line are no interrupted
+/// writing, since each line was on disk before the next; they are left for the parser to name.
+pub(super) fn whole_lines(content: &[u8]) -> &[u8] {
+    let end_of_line = |content: &[u8]| content.iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1);
+    let whole = end_of_line(content);
+    let last = end_of_line(&content[..whole.saturating_sub(1)]);
+    &content[..if content[last..whole].contains(&0) { last } else { whole }]
+}
