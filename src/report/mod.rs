@@ -2,16 +2,15 @@
 //!
 //! [`Study`] is what was read, [`analyse`](crate::analysis::analyse) makes results of it; [`tables`], [`figures`] and
 //! [`html`] show them, and [`write_all`] writes everything into a folder.
-//! [`intervals`] draws how evenly frames came.
 
+pub(crate) mod document;
 pub mod figures;
-pub mod html;
-pub mod intervals;
 mod output;
 pub mod prediction;
-mod study;
+pub mod skins;
+pub mod study;
 pub mod tables;
 
-pub use html::Repetition;
 pub use output::{Extent, Written, write_all};
-pub use study::Study;
+pub use skins::html;
+pub use study::{Repetition, Study};

@@ -10,9 +10,9 @@ use std::{
 use rayon::prelude::*;
 
 use super::{
-    Study,
+    Repetition, Study,
     figures::{self, Figure},
-    html::{self, Repetition},
+    html,
     prediction::{Predicted, Unpredicted},
     tables,
 };

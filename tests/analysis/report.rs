@@ -12,9 +12,9 @@ use machband::{
     },
     experiment::Protocol,
     report::{
-        Study, figures,
-        html::{self, Repetition, Summary},
+        Repetition, Study, figures, html,
         prediction::Predicted,
+        study::{self, Summary},
     },
     store::{
         FileFault, definition,
@@ -104,7 +104,7 @@ fn page(source: &Source, results: &Results) -> String {
 }
 
 fn summary(results: &Results) -> Summary {
-    html::summary(&source(&["width", "depth", "shader"]), results)
+    study::summary(&source(&["width", "depth", "shader"]), results)
 }
 
 /// The only finding that has these words.
@@ -412,7 +412,7 @@ fn what_is_wrong_with_the_data_is_told() {
     for session in &mut source.sessions {
         session.sidecar.as_mut().unwrap().sittings[0].observer = Some(serde_json::json!({ "observer": "random" }));
     }
-    let summary = html::summary(&source, &results);
+    let summary = study::summary(&source, &results);
     assert!(summary.cautions[0].contains("nothing here says anything about people"), "{:?}", summary.cautions);
     assert!(words(&page(&source, &results)).contains("2 simulated observers gave"));
 }
@@ -433,7 +433,7 @@ fn who_answers_all_alike_is_named() {
         }
     }
     let results = analyse(builder.finish(), &options());
-    let cautions = html::summary(&source(&["width"]), &results).cautions;
+    let cautions = study::summary(&source(&["width"]), &results).cautions;
     assert!(
         cautions.iter().any(|caution| caution == "ben used one category only: all 30 ratings are 2."),
         "{cautions:?}"
@@ -475,7 +475,7 @@ fn what_a_model_leaves_open_is_told() {
         builder.add(&row).unwrap();
     }
     let results = analyse(builder.finish(), &options());
-    let caution = &html::summary(&source(&["width"]), &results).cautions[0];
+    let caution = &study::summary(&source(&["width"]), &results).cautions[0];
     assert_eq!(caution, "There is no model: every rating is 2; expected at least two different ones.");
 }
 

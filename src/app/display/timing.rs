@@ -11,7 +11,7 @@ use crate::{
         Monitor, theme,
         timing::{Patch, Place, Plan, Run, SceneKind, TimingReport, WARNING, table},
     },
-    report::intervals,
+    report::figures::intervals,
     store,
 };
 

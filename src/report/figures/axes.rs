@@ -3,9 +3,9 @@
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::{
-    canvas::{Canvas, Drawn, Setting, WIDTH},
-    style::{AXIS, GRID, TEXT},
-    text,
+    labels as text,
+    palette::{AXIS, GRID, TEXT},
+    svg::{Canvas, Drawn, Setting, WIDTH},
 };
 use crate::analysis::{
     counts::{Counts, Factor},

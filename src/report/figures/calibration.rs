@@ -5,8 +5,8 @@ use plotters::style::{RGBColor, text_anchor::HPos};
 use super::{
     Figure,
     axes::{EDGE, Panel, Values},
-    canvas::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
-    style::{AXIS, GRID, Look, MARKER, Marker, TEXT},
+    palette::{AXIS, GRID, Look, MARKER, Marker, TEXT},
+    svg::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
 };
 use crate::display::photometer::{Calibration, Channel, FittedChannel};
 

@@ -5,9 +5,9 @@ use plotters::style::{WHITE, text_anchor::HPos};
 use super::{
     Figure,
     axes::{EDGE, Panel, base, below, ends, number_ticks, plain, ticks},
-    canvas::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
-    style::{AXIS, GRID, Look, MARKER, TEXT},
-    text,
+    labels as text,
+    palette::{AXIS, GRID, Look, MARKER, TEXT},
+    svg::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
 };
 use crate::analysis::{
     Coefficient, Link, Model, Note, Results,

@@ -8,10 +8,10 @@ use plotters::style::text_anchor::HPos;
 use super::{
     Figure,
     axes::{EDGE, Levels, PANEL, Panel, Values, below},
-    canvas::{Canvas, Drawn, Setting, WIDTH, drawing},
+    labels as text,
+    palette::{Look, MARKER, MOST_SERIES, TEXT},
     regroup::{by_interest, project},
-    style::{Look, MARKER, MOST_SERIES, TEXT},
-    text,
+    svg::{Canvas, Drawn, Setting, WIDTH, drawing},
 };
 use crate::analysis::{
     Results,

@@ -5,16 +5,21 @@
 
 mod axes;
 mod calibration;
-mod canvas;
+pub mod intervals;
+mod labels;
+mod palette;
+mod raster;
+mod svg;
+
 mod effects;
 mod means;
 mod orientation;
-mod png;
+
 mod proportions;
 mod regroup;
-mod style;
+
 mod subjects;
-mod text;
+
 mod times;
 
 use rayon::prelude::*;
@@ -22,7 +27,7 @@ use rayon::prelude::*;
 use crate::analysis::Results;
 
 pub use calibration::calibration;
-pub use png::FigureError;
+pub use raster::FigureError;
 
 /// A chart.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,7 +50,7 @@ impl Figure {
     /// # Errors
     /// A drawing that cannot be rendered or encoded.
     pub fn png(&self) -> Result<Vec<u8>, FigureError> {
-        png::png(&self.svg)
+        raster::png(&self.svg)
     }
 }
 

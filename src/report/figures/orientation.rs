@@ -3,10 +3,10 @@
 use super::{
     Figure,
     axes::{EDGE, PANEL, Panel, Values, below, ends, number_ticks, plain},
-    canvas::{Canvas, Drawn, WIDTH, drawing},
+    labels as text,
+    palette::{Look, MARKER, TEXT},
     regroup::regroup,
-    style::{Look, MARKER, TEXT},
-    text,
+    svg::{Canvas, Drawn, WIDTH, drawing},
 };
 use crate::analysis::{
     Results,

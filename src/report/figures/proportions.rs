@@ -8,11 +8,11 @@ use plotters::style::{
 use super::{
     Figure,
     axes::{EDGE, middle},
-    canvas::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
+    labels as text,
     means::evenly,
+    palette::{AXIS, SMALL, TEXT, category},
     regroup::{by_interest, project},
-    style::{AXIS, SMALL, TEXT, category},
-    text,
+    svg::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
 };
 use crate::analysis::{
     Results,

@@ -5,10 +5,10 @@ use plotters::style::{RGBColor, text_anchor::HPos};
 use super::{
     Figure,
     axes::{EDGE, Levels, PANEL, Panel, Values, below},
-    canvas::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
+    labels as text,
+    palette::{Look, MARKER, TEXT},
     regroup::{by_interest, project},
-    style::{Look, MARKER, TEXT},
-    text,
+    svg::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
 };
 use crate::analysis::{Results, summary::category_values};
 

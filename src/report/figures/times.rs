@@ -3,9 +3,9 @@
 use super::{
     Figure,
     axes::{EDGE, Levels, PANEL, Panel, Values, below},
-    canvas::{Canvas, Drawn, Stroke, WIDTH, drawing},
-    style::{Look, MARKER},
-    text,
+    labels as text,
+    palette::{Look, MARKER},
+    svg::{Canvas, Drawn, Stroke, WIDTH, drawing},
 };
 use crate::analysis::{Results, counts::Factor, numbers_of, times::Quartiles};
 

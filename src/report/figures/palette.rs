@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::canvas::Stroke;
+use super::svg::Stroke;
 
 /// Size of text in a chart for a column.
 pub(super) const TEXT: f64 = 29.0;

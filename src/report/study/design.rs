@@ -2,12 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{
-    description, names,
-    numbers::{count, fixed, short_list, whole},
-    sittings,
-    table::{Kind, table},
-};
+use super::{description, names, sittings};
+use crate::report::document::numbers::{count, fixed, short_list, whole};
+use crate::report::skins::html::table::{Kind, table};
 use crate::{
     analysis::Results,
     experiment::{Order, Protocol},
@@ -15,7 +12,7 @@ use crate::{
 };
 
 /// The section.
-pub(super) fn section(source: &Source, results: &Results) -> Markup {
+pub(crate) fn section(source: &Source, results: &Results) -> Markup {
     html! {
         @match &source.protocol {
             Some(protocol) => (defined(source, protocol)),

@@ -1,19 +1,14 @@
 //! What the reader must bear in mind, in sentences.
 
-use super::{
-    effects, health, names,
-    numbers::{count, list, p_is, probability, short_list},
-    oddities::oddities,
-    sittings,
-    summary::ALPHA,
-};
+use super::{effects, health, names, oddities::oddities, sittings, summary::ALPHA};
+use crate::report::document::numbers::{count, list, p_is, probability, short_list};
 use crate::{
     analysis::{Note, Results, results::FactorResults},
     store::ratings::Source,
 };
 
 /// All of them, the gravest first.
-pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
+pub(crate) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
     cautions.extend(one_participant(source, results));
@@ -41,7 +36,7 @@ fn nothing_found(results: &Results) -> Option<String> {
 }
 
 /// Said first and plainly: these are not people.
-pub(super) fn simulated(source: &Source, results: &Results) -> Option<String> {
+pub(crate) fn simulated(source: &Source, results: &Results) -> Option<String> {
     let simulated = sittings::simulated(source);
     if simulated.is_empty() {
         return None;
@@ -133,7 +128,7 @@ fn is_serious(note: &Note) -> bool {
 }
 
 /// Where no ratings whatever could tell a pair of levels apart.
-pub(super) fn hopeless_pairs(results: &Results, factor: &FactorResults) -> Option<String> {
+pub(crate) fn hopeless_pairs(results: &Results, factor: &FactorResults) -> Option<String> {
     let pairs = factor.pairs.as_ref().filter(|pairs| results.is_inferential() && pairs.cannot_reach(ALPHA))?;
     let people = results.people() - factor.incomplete.len();
     let (name, people) = (names::factor(&factor.name), count(people as u64, "participant"));

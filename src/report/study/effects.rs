@@ -11,11 +11,11 @@ use crate::analysis::{
 /// Kendall's τ of means and levels from which a course is called a tendency.
 const TENDENCY: f64 = 0.7;
 /// Half the width of a 95 % interval in standard errors.
-pub(super) const Z_95: f64 = 1.959_963_984_540_054;
+pub(crate) const Z_95: f64 = 1.959_963_984_540_054;
 
 /// The course of the means along ordered levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Course {
+pub(crate) enum Course {
     /// Up at every step.
     Rises,
     /// Down at every step.
@@ -30,7 +30,7 @@ pub(super) enum Course {
 
 /// The test whose probability a sentence may lean on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Evidence {
+pub(crate) struct Evidence {
     /// In words.
     pub name: &'static str,
     /// χ².
@@ -43,7 +43,7 @@ pub(super) struct Evidence {
 
 /// A difference on the scale of the link: of two levels, or of one unit of a number.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Contrast {
+pub(crate) struct Contrast {
     /// The level with the higher ratings, or the number's name.
     pub higher: String,
     /// The other level; none for a number.
@@ -57,7 +57,7 @@ pub(super) struct Contrast {
 }
 
 /// The course of a factor's means.
-pub(super) fn course(results: &Results, factor: &FactorResults) -> Course {
+pub(crate) fn course(results: &Results, factor: &FactorResults) -> Course {
     let means: Vec<f64> = factor.levels.iter().map(|level| level.summary.mean).collect();
     if means.len() < 2 || !names::is_ordered(&results.measured.counts, &factor.name) {
         return Course::None;
@@ -87,7 +87,7 @@ fn kendall(values: &[f64]) -> f64 {
 }
 
 /// Indices of the levels with the highest and the lowest mean.
-pub(super) fn extremes(factor: &FactorResults) -> Option<(usize, usize)> {
+pub(crate) fn extremes(factor: &FactorResults) -> Option<(usize, usize)> {
     let mean = |index: &usize| factor.levels[*index].summary.mean;
     let indices = || 0..factor.levels.len();
     // Of equal means the first level stands for both.
@@ -97,13 +97,13 @@ pub(super) fn extremes(factor: &FactorResults) -> Option<(usize, usize)> {
 }
 
 /// Whether the model knows which ratings belong together: its probabilities hold for people, not for ratings alone.
-pub(super) fn is_clustered(results: &Results) -> bool {
+pub(crate) fn is_clustered(results: &Results) -> bool {
     results.model.as_ref().is_ok_and(|report| report.model.random.is_some())
 }
 
 /// The likelihood-ratio test of the factor's main effect, if the model knows which ratings belong together; otherwise
 /// Friedman's. None from one subject.
-pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
+pub(crate) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
     if !results.is_inferential() {
         return None;
     }
@@ -132,7 +132,7 @@ fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
 }
 
 /// The size of a factor's effect: the ends of a course, else the extremes; none where an interaction makes it several.
-pub(super) fn contrast(results: &Results, factor: &FactorResults) -> Option<Contrast> {
+pub(crate) fn contrast(results: &Results, factor: &FactorResults) -> Option<Contrast> {
     let report = results.model.as_ref().ok()?;
     let term = main_effect(results, &factor.name)?;
     if results.spec.terms.is_marginal(term) {
@@ -190,7 +190,7 @@ fn difference(report: &ModelReport, factor: &FactorResults, first: usize, second
 }
 
 /// The 95 % interval of an estimate.
-pub(super) fn around(estimate: f64, se: f64) -> Interval {
+pub(crate) fn around(estimate: f64, se: f64) -> Interval {
     Interval { low: estimate - Z_95 * se, high: estimate + Z_95 * se }
 }
 

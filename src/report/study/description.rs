@@ -2,18 +2,16 @@
 
 use maud::{Markup, html};
 
-use super::{
-    names,
-    numbers::{fixed, mean, percent, range, short_list, unit, whole},
-    table::{Column, Kind, table},
-};
+use super::names;
 use crate::analysis::{
     Results,
     summary::{Group, Summary},
 };
+use crate::report::document::numbers::{fixed, mean, percent, range, short_list, unit, whole};
+use crate::report::skins::html::table::{Column, Kind, table};
 
 /// The section.
-pub(super) fn section(results: &Results, figures: Markup) -> Markup {
+pub(crate) fn section(results: &Results, figures: Markup) -> Markup {
     let level = percent(results.options.bootstrap.level);
     html! {
         p {
@@ -87,7 +85,7 @@ fn groups(
 }
 
 /// Subjects whose number of ratings differs from most others', in words; none where all are alike.
-pub(super) fn uneven(results: &Results) -> Option<String> {
+pub(crate) fn uneven(results: &Results) -> Option<String> {
     let ns: Vec<u64> = results.subjects.iter().map(|subject| subject.group.summary.n).collect();
     let (least, most) = (*ns.iter().min()?, *ns.iter().max()?);
     if least == most {

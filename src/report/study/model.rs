@@ -2,17 +2,13 @@
 
 use maud::{Markup, html};
 
-use super::{
-    effects::around,
-    names,
-    numbers::{fixed, maybe, p_is, percent, probability, range, ratio, whole},
-    summary::ALPHA,
-    table::{Column, Kind, table},
-};
+use super::{effects::around, names, summary::ALPHA};
 use crate::analysis::{Coefficient, Link, Model, ModelReport, Note, Results, TermTest};
+use crate::report::document::numbers::{fixed, maybe, p_is, percent, probability, range, ratio, whole};
+use crate::report::skins::html::table::{Column, Kind, table};
 
 /// The section.
-pub(super) fn section(results: &Results, figures: Markup) -> Markup {
+pub(crate) fn section(results: &Results, figures: Markup) -> Markup {
     match &results.model {
         Err(error) => html! {
             p.warning { "No model could be fitted: " (error) "." }
@@ -32,7 +28,7 @@ pub(super) fn section(results: &Results, figures: Markup) -> Markup {
 }
 
 /// The call that fits the same model with R's `ordinal`.
-pub(super) fn call(results: &Results, model: &Model) -> String {
+pub(crate) fn call(results: &Results, model: &Model) -> String {
     let terms = &results.spec.terms;
     let mut parts: Vec<String> = terms.iter().map(|term| term.to_string().replace("num:", "")).collect();
     if parts.is_empty() {

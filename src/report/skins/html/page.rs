@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{
+use crate::report::study::{
     Repetition, agreement, cautions, description, design, health, methods, model, ranks, references, repeat,
     summary::{Summary, summary},
     times, vision,
@@ -30,7 +30,7 @@ struct Section {
 }
 
 /// The whole page.
-pub(super) fn page(
+pub(crate) fn page(
     source: &Source,
     results: &Results,
     figures: &[Figure],

@@ -1,14 +1,14 @@
 //! What participants did that a reader should look at: one category only, answers in haste, ratings not repeated.
 
-use super::numbers::{count, fixed, percent, short_list, unit};
 use crate::analysis::{Results, results::SubjectResults};
+use crate::report::document::numbers::{count, fixed, percent, short_list, unit};
 
 /// Proportion of one category from which a subject is said to have used hardly another.
 const NEARLY_ALL: f64 = 0.9;
 /// Fewer ratings say nothing about how somebody uses the scale.
 const FEW_RATINGS: u64 = 10;
 /// κ up to which agreement is "slight" at most, Landis & Koch (1977).
-pub(super) const LOW_KAPPA: f64 = 0.2;
+pub(crate) const LOW_KAPPA: f64 = 0.2;
 /// Median response time, seconds, in which nobody looks and decides.
 const HASTY_S: f64 = 0.3;
 /// A participant's median time is odd where it is so many times longer or shorter than the middle one.
@@ -17,7 +17,7 @@ const ODD_TIMES: f64 = 3.0;
 const MOST_NAMES: usize = 6;
 
 /// What participants did that a reader should look at, in sentences.
-pub(super) fn oddities(results: &Results) -> Vec<String> {
+pub(crate) fn oddities(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences: Vec<String> = subjects.iter().filter_map(|subject| one_category(results, subject)).collect();
     sentences.extend(little_agreement(subjects));

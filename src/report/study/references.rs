@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 /// A publication.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Reference {
+pub(crate) struct Reference {
     /// Names as a text cites them, `McCullagh (1980)`.
     pub short: &'static str,
     /// The entry, without the address.
@@ -15,7 +15,7 @@ pub(super) struct Reference {
 
 macro_rules! references {
     ($($name:ident: $short:literal, $entry:literal $(, $address:literal)?;)*) => {
-        $(pub(super) const $name: Reference =
+        $(pub(crate) const $name: Reference =
             Reference { short: $short, entry: $entry, address: first(&[$($address)?]) };)*
     };
 }
@@ -82,7 +82,7 @@ references! {
 }
 
 /// The list, by name, each once.
-pub(super) fn section(mut used: Vec<Reference>) -> Markup {
+pub(crate) fn section(mut used: Vec<Reference>) -> Markup {
     used.sort_unstable_by_key(|reference| reference.entry);
     used.dedup();
     html! {

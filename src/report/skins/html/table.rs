@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 /// How a column is set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// Words, from the left.
     Text,
     /// Numbers, to the right.
@@ -14,7 +14,7 @@ pub(super) enum Kind {
 }
 
 /// A column: its head and its kind.
-pub(super) type Column<'a> = (&'a str, Kind);
+pub(crate) type Column<'a> = (&'a str, Kind);
 
 /// Most rows that a page shows of one table; all of them are in the CSV files beside it.
 const MOST_ROWS: usize = 2000;
@@ -22,7 +22,7 @@ const MOST_ROWS: usize = 2000;
 const MANY_ROWS: usize = 24;
 
 /// A table, whose first column names the rows. A long one is folded.
-pub(super) fn table<R>(caption: &str, columns: &[Column<'_>], rows: R) -> Markup
+pub(crate) fn table<R>(caption: &str, columns: &[Column<'_>], rows: R) -> Markup
 where
     R: IntoIterator<Item = Vec<String>>,
     R::IntoIter: ExactSizeIterator,
@@ -38,7 +38,7 @@ where
             }
         }
         @if all > MOST_ROWS {
-            p.note { "The first " (MOST_ROWS) " of " (super::numbers::whole(all as u64)) " rows." }
+            p.note { "The first " (MOST_ROWS) " of " (crate::report::document::numbers::whole(all as u64)) " rows." }
         }
     };
     if folded {

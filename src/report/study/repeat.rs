@@ -3,10 +3,8 @@
 use jiff::Timestamp;
 use maud::{Markup, html};
 
-use super::{
-    numbers::whole,
-    table::{Kind, table},
-};
+use crate::report::document::numbers::whole;
+use crate::report::skins::html::table::{Kind, table};
 use crate::{
     analysis::Results,
     store::ratings::{FileRead, Layout, Source},
@@ -55,7 +53,7 @@ fn quoted(argument: &str) -> String {
 }
 
 /// The section.
-pub(super) fn section(source: &Source, results: &Results, how: &Repetition) -> Markup {
+pub(crate) fn section(source: &Source, results: &Results, how: &Repetition) -> Markup {
     let bootstrap = &results.options.bootstrap;
     let row = |what: &str, value: String| vec![what.to_owned(), value];
     let terms = results.spec.terms.to_string();

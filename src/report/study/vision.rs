@@ -3,11 +3,8 @@
 
 use maud::{Markup, html};
 
-use super::{
-    names,
-    numbers::{count, fixed, list, mean, unit, whole},
-    sittings,
-};
+use super::{names, sittings};
+use crate::report::document::numbers::{count, fixed, list, mean, unit, whole};
 use crate::{
     analysis::{Results, counts::Counts, summary::category_values},
     report::prediction::{Held, Predicted, Unpredicted},
@@ -18,7 +15,7 @@ use crate::{
 const FURTHEST: usize = 3;
 
 /// The section; `figures` stand side by side, measured and predicted.
-pub(super) fn section(
+pub(crate) fn section(
     source: &Source,
     results: &Results,
     predicted: &Result<Predicted, Unpredicted>,
@@ -46,7 +43,7 @@ pub(super) fn section(
 }
 
 /// The width of the window, with its unit.
-pub(super) fn degrees(predicted: &Predicted) -> String {
+pub(crate) fn degrees(predicted: &Predicted) -> String {
     let text = fixed(predicted.sight.window_deg, 2);
     format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
 }

@@ -3,15 +3,15 @@
 use maud::{Markup, html};
 
 use super::{
-    numbers::{count, percent, range, unit, whole},
     oddities::LOW_KAPPA,
     summary::{RELIABLE, TENTATIVE},
-    table::{Kind, table},
 };
 use crate::analysis::{Results, results::SubjectResults};
+use crate::report::document::numbers::{count, percent, range, unit, whole};
+use crate::report::skins::html::table::{Kind, table};
 
 /// The section.
-pub(super) fn section(results: &Results) -> Markup {
+pub(crate) fn section(results: &Results) -> Markup {
     html! { (between(results)) (within(results)) }
 }
 

@@ -2,9 +2,9 @@
 
 use super::{
     effects, names,
-    numbers::{count, fixed, list, p_is, percent, range, unit, whole},
     references::{self as r, Reference},
 };
+use crate::report::document::numbers::{count, fixed, list, p_is, percent, range, unit, whole};
 use crate::{
     analysis::{Link, Results, rank_tests::PMethod},
     experiment::Protocol,
@@ -14,7 +14,7 @@ use crate::{
 
 /// Paragraphs, and what they cite.
 #[derive(Default)]
-pub(super) struct Methods {
+pub(crate) struct Methods {
     /// The text.
     pub paragraphs: Vec<String>,
     /// The literature, in the order it is first cited.
@@ -31,7 +31,7 @@ impl Methods {
 }
 
 /// The text.
-pub(super) fn methods(source: &Source, results: &Results, predicted: Option<&Predicted>, version: &str) -> Methods {
+pub(crate) fn methods(source: &Source, results: &Results, predicted: Option<&Predicted>, version: &str) -> Methods {
     let mut methods = Methods::default();
     let paragraphs = [
         procedure(&mut methods, source, results),

@@ -11,8 +11,8 @@ use plotters::{
 };
 
 use super::{
-    style::{Look, Marker},
-    text,
+    labels as text,
+    palette::{Look, Marker},
 };
 
 /// Back-end units, which are whole numbers, in one of ours.

@@ -2,23 +2,20 @@
 
 use maud::{Markup, html};
 
-use super::{
-    cautions::hopeless_pairs,
-    names,
-    numbers::{fixed, probability, short_list, unit},
-    table::{Kind, table},
-};
+use super::{cautions::hopeless_pairs, names};
 use crate::analysis::{
     Results,
     rank_tests::{PMethod, Pair},
     results::FactorResults,
 };
+use crate::report::document::numbers::{fixed, probability, short_list, unit};
+use crate::report::skins::html::table::{Kind, table};
 
 /// Subjects below which the χ² distribution is a rough guide to Friedman's statistic.
 const FEW_SUBJECTS: usize = 6;
 
 /// The section.
-pub(super) fn section(results: &Results) -> Markup {
+pub(crate) fn section(results: &Results) -> Markup {
     if !results.is_inferential() {
         return html! {
             p { "These tests compare people. With one participant there is nothing to test." }

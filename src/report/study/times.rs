@@ -2,15 +2,13 @@
 
 use maud::{Markup, html};
 
-use super::{
-    names,
-    numbers::{fixed, whole},
-    table::{Column, Kind, table},
-};
+use super::names;
 use crate::analysis::{Results, times::Quartiles};
+use crate::report::document::numbers::{fixed, whole};
+use crate::report::skins::html::table::{Column, Kind, table};
 
 /// The section.
-pub(super) fn section(results: &Results, figures: Markup) -> Markup {
+pub(crate) fn section(results: &Results, figures: Markup) -> Markup {
     if results.times.iter().all(Option::is_none) {
         return html! { p { "The files have no response times, or they were not asked for." } };
     }

@@ -4,12 +4,9 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::{
-    numbers::{count, list, short_list, whole},
-    oddities::oddities,
-    sittings,
-    table::{Kind, table},
-};
+use super::{oddities::oddities, sittings};
+use crate::report::document::numbers::{count, list, short_list, whole};
+use crate::report::skins::html::table::{Kind, table};
 use crate::{
     analysis::Results,
     store::ratings::{FileRead, SessionRead, Source},
@@ -17,7 +14,7 @@ use crate::{
 
 /// What became of all rows.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Rows {
+pub(crate) struct Rows {
     /// Below the headers.
     pub rows: u64,
     /// Of these, those that count.
@@ -35,7 +32,7 @@ pub(super) struct Rows {
 }
 
 /// The sum over files.
-pub(super) fn rows(source: &Source) -> Rows {
+pub(crate) fn rows(source: &Source) -> Rows {
     source.files.iter().fold(Rows::default(), |sum, file: &FileRead| Rows {
         rows: sum.rows + file.rows,
         counted: sum.counted + file.counted,
@@ -48,12 +45,12 @@ pub(super) fn rows(source: &Source) -> Rows {
 }
 
 /// Sessions in which planned trials are not rated.
-pub(super) fn unfinished(source: &Source) -> Vec<&SessionRead> {
+pub(crate) fn unfinished(source: &Source) -> Vec<&SessionRead> {
     source.sessions.iter().filter(|session| session.is_unfinished()).collect()
 }
 
 /// The section.
-pub(super) fn section(source: &Source, results: &Results) -> Markup {
+pub(crate) fn section(source: &Source, results: &Results) -> Markup {
     let oddities = oddities(results);
     html! {
         (reading(source))
@@ -130,7 +127,7 @@ fn sessions(source: &Source) -> Markup {
 }
 
 /// How many sessions are finished, as far as that is known.
-pub(super) fn finished_sentence(source: &Source, unfinished: &[&SessionRead]) -> String {
+pub(crate) fn finished_sentence(source: &Source, unfinished: &[&SessionRead]) -> String {
     let planned = source.sessions.iter().filter(|session| session.planned.is_some()).count();
     let (all, open) = (source.sessions.len(), unfinished.len());
     if planned < all {
@@ -227,6 +224,6 @@ fn differences(source: &Source) -> Markup {
 }
 
 /// Subjects of whom a file says something wrong: how many files have faults.
-pub(super) fn files_with_faults(source: &Source) -> usize {
+pub(crate) fn files_with_faults(source: &Source) -> usize {
     source.faults.iter().map(|fault| fault.file.as_str()).collect::<BTreeSet<_>>().len()
 }

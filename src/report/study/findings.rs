@@ -3,13 +3,13 @@
 use super::{
     effects::{self, Contrast, Course, Evidence},
     names,
-    numbers::{fixed, list, mean, p_is, range, ratio, short_list},
     summary::ALPHA,
 };
 use crate::analysis::{Link, Part, Results, results::FactorResults};
+use crate::report::document::numbers::{fixed, list, mean, p_is, range, ratio, short_list};
 
 /// What a factor does.
-pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
+pub(crate) fn finding(results: &Results, factor: &FactorResults) -> String {
     let course = effects::course(results, factor);
     let Some(evidence) = effects::evidence(results, factor) else {
         let none = if results.is_inferential() { " No test of it could be made." } else { "" };
@@ -176,7 +176,7 @@ fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence
 }
 
 /// Effects that depend on each other.
-pub(super) fn interactions(results: &Results) -> Vec<String> {
+pub(crate) fn interactions(results: &Results) -> Vec<String> {
     let Ok(report) = &results.model else { return Vec::new() };
     if !results.is_inferential() || !effects::is_clustered(results) {
         return Vec::new();

@@ -4,14 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use super::numbers::fixed;
+use crate::report::document::numbers::fixed;
 use crate::store::{
     ratings::{SessionRead, Source},
     sidecar::{PreflightNote, Sitting},
 };
 
 /// Something that sittings have in common or not.
-pub(super) struct Property {
+pub(crate) struct Property {
     /// What.
     pub name: &'static str,
     /// Its values, each with the number of sittings.
@@ -19,26 +19,26 @@ pub(super) struct Property {
 }
 
 /// Every sitting with its session.
-pub(super) fn all(source: &Source) -> impl Iterator<Item = (&SessionRead, &Sitting)> {
+pub(crate) fn all(source: &Source) -> impl Iterator<Item = (&SessionRead, &Sitting)> {
     source.sessions.iter().flat_map(|session| {
         session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings).map(move |sitting| (session, sitting))
     })
 }
 
 /// Whether a program, and not a person, gave ratings of a session.
-pub(super) fn is_simulated(session: &SessionRead) -> bool {
+pub(crate) fn is_simulated(session: &SessionRead) -> bool {
     session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings).any(|sitting| sitting.observer.is_some())
 }
 
 /// Subjects whose ratings a program gave, in whole or in part.
-pub(super) fn simulated(source: &Source) -> Vec<String> {
+pub(crate) fn simulated(source: &Source) -> Vec<String> {
     let names: BTreeSet<&str> =
         source.sessions.iter().filter(|session| is_simulated(session)).map(|s| s.subject.as_str()).collect();
     names.into_iter().map(str::to_owned).collect()
 }
 
 /// What is the same in all sittings, and what is not; only what any of them tells.
-pub(super) fn properties(source: &Source) -> Vec<Property> {
+pub(crate) fn properties(source: &Source) -> Vec<Property> {
     type Tell = fn(&Sitting) -> Option<String>;
     let tells: [(&'static str, Tell); 7] = [
         ("program", program),
@@ -63,7 +63,7 @@ pub(super) fn properties(source: &Source) -> Vec<Property> {
 }
 
 /// What was found before sessions and was not as it should be, each sentence with the number of sittings.
-pub(super) fn preflight(source: &Source) -> Vec<(String, usize)> {
+pub(crate) fn preflight(source: &Source) -> Vec<(String, usize)> {
     let mut sentences: BTreeMap<&str, usize> = BTreeMap::new();
     for note in all(source).flat_map(|(_, sitting)| &sitting.preflight).filter(|note: &&PreflightNote| !note.ok) {
         *sentences.entry(note.sentence.as_str()).or_default() += 1;
@@ -72,7 +72,7 @@ pub(super) fn preflight(source: &Source) -> Vec<(String, usize)> {
 }
 
 /// What was mended or moved while sessions ran.
-pub(super) fn incidents(source: &Source) -> Vec<String> {
+pub(crate) fn incidents(source: &Source) -> Vec<String> {
     all(source)
         .flat_map(|(session, sitting)| {
             let who = |incident| format!("{}, session {}: {incident}", session.subject, session.session);
@@ -82,7 +82,7 @@ pub(super) fn incidents(source: &Source) -> Vec<String> {
 }
 
 /// The first and the last day on which a sitting began, `2026-11-21`.
-pub(super) fn days(source: &Source) -> Option<(String, String)> {
+pub(crate) fn days(source: &Source) -> Option<(String, String)> {
     let day = |(_, sitting): (_, &Sitting)| sitting.started_at.get(..10).map(str::to_owned);
     let days: BTreeSet<String> = all(source).filter_map(day).collect();
     Some((days.first()?.clone(), days.last()?.clone()))

@@ -1,21 +1,18 @@
 //! The summary in plain language. Every sentence is computed: what cannot be said of these results is not said.
 
-use super::{
-    cautions::cautions,
-    findings, health, names,
-    numbers::{count, list, mean, percent, range, unit},
-};
+use super::{cautions::cautions, findings, health, names};
+use crate::report::document::numbers::{count, list, mean, percent, range, unit};
 use crate::{
     analysis::{Results, bootstrap::Interval, results::SubjectResults, summary::category_values},
     store::ratings::Source,
 };
 
 /// Probability below which a difference is told apart from chance.
-pub(super) const ALPHA: f64 = 0.05;
+pub(crate) const ALPHA: f64 = 0.05;
 /// α from which Krippendorff calls data reliable.
-pub(super) const RELIABLE: f64 = 0.8;
+pub(crate) const RELIABLE: f64 = 0.8;
 /// α from which Krippendorff allows tentative conclusions.
-pub(super) const TENTATIVE: f64 = 0.667;
+pub(crate) const TENTATIVE: f64 = 0.667;
 
 /// What a study says, in sentences.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,0 +1,3 @@
+//! What a document consists of.
+
+pub(crate) mod numbers;

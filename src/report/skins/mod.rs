@@ -1,0 +1,3 @@
+//! What becomes of the blocks of a document.
+
+pub mod html;
