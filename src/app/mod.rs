@@ -26,7 +26,6 @@ mod preflight;
 mod scale;
 mod session;
 mod theme;
-pub mod timing;
 mod trouble;
 mod work;
 
@@ -48,6 +47,7 @@ use crate::{
     shading::gpu,
 };
 
+pub use display::timing;
 pub use monitor::Monitor;
 
 /// How the window starts.

@@ -3,7 +3,7 @@
 mod channel;
 pub mod frames;
 pub mod geometry;
-pub mod nulling;
+pub mod matching;
 pub mod photometer;
 pub mod profile;
 pub mod steps;

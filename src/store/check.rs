@@ -3,7 +3,7 @@
 use std::{collections::HashMap, path::Path};
 
 use super::{
-    FileFault, FileFaults, definition, frames, image, nulling, observer, profile, readings, results, sidecar::Sidecar,
+    FileFault, FileFaults, definition, frames, image, matches, observer, profile, readings, results, sidecar::Sidecar,
     text, toml_reader,
 };
 use crate::{
@@ -48,7 +48,7 @@ pub fn look(name_or_path: &str) -> Result<Found, FileFaults> {
         Some("csv") if name_or_path.ends_with(frames::SUFFIX) => check_frames(path),
         Some("csv") => match first_column(path).as_deref() {
             Some("channel") => check_readings(path),
-            Some("event") => check_nulling(path),
+            Some("event") => check_matches(path),
             _ => check_results(path),
         },
         Some("png") => image::prove(path),
@@ -140,8 +140,8 @@ fn check_readings(path: &Path) -> Result<String, FileFaults> {
     Ok(format!("{} readings of a photometer, {}", readings.all().len(), channels.join(", ")))
 }
 
-fn check_nulling(path: &Path) -> Result<String, FileFaults> {
-    Ok(format!("{} answers of a visual nulling", nulling::open(path)?.len()))
+fn check_matches(path: &Path) -> Result<String, FileFaults> {
+    Ok(format!("{} answers of a visual nulling", matches::open(path)?.len()))
 }
 
 /// The frames beside a result file.

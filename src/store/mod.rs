@@ -16,7 +16,7 @@ pub mod frames;
 mod hash;
 pub mod image;
 pub mod manifest;
-pub mod nulling;
+pub mod matches;
 pub mod obj;
 pub mod observer;
 pub mod picture;

@@ -6,7 +6,7 @@ mod analysis_pane;
 mod demo;
 mod display;
 mod home;
-mod nulling_pane;
+mod matching_pane;
 mod photometer_pane;
 mod predicted_pane;
 mod timing_pane;

@@ -7,7 +7,7 @@ mod color;
 mod dither;
 mod images;
 mod light;
-mod nulling;
+mod matching;
 mod palette;
 mod ramp;
 mod timing;

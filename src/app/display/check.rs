@@ -7,7 +7,7 @@ use crate::{
     app::{Monitor, pixels, theme},
     display::{
         DisplayProfile,
-        nulling::{Channel, CheckField, check::CHECKED},
+        matching::{Channel, CheckField, check::CHECKED},
     },
     light::CodeImage,
 };

@@ -4,19 +4,19 @@
 pub mod card;
 mod check;
 mod geometry;
-mod nulling;
+mod matching;
 mod photometer;
 mod picture;
 mod steps;
-mod timing;
+pub mod timing;
 
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Key, RichText};
 
 use self::{
-    check::CheckScreen, geometry::GeometryPane, nulling::NullingPane, photometer::PhotometerPane, steps::StepsPane,
-    timing::TimingPane,
+    check::CheckScreen, geometry::GeometryPane, matching::NullingPane, photometer::PhotometerPane, steps::StepsPane,
+    timing::pane::TimingPane,
 };
 use super::{
     Go, Monitor,

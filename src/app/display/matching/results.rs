@@ -13,7 +13,7 @@ use crate::{
     app::{display::check::capital, theme, today},
     display::{
         DisplayProfile, Measurement,
-        nulling::{Channel, ChannelEstimate, Estimates, estimate},
+        matching::{Channel, ChannelEstimate, Estimates, estimate},
     },
 };
 

@@ -8,11 +8,11 @@ use machband::{
     app::{App, Launch},
     display::{
         DisplayProfile, LuminanceRange,
-        nulling::{Channel, Judgement, NullingStimulus, RowField, SimulatedDisplay, SimulatedObserver},
+        matching::{Channel, Judgement, NullingStimulus, RowField, SimulatedDisplay, SimulatedObserver},
         steps::{csv, steps},
     },
     light::{Transfer, Transfers},
-    store::{nulling, profile},
+    store::{matches, profile},
 };
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
@@ -158,9 +158,9 @@ fn an_observer_at_the_keys_gets_the_gamma_of_the_screen() {
     let file = folder.path().join("left-nulling.csv");
     let text = std::fs::read_to_string(&file).unwrap();
     assert_eq!(text.lines().count(), 1 + 42 + 2, "every answer is kept, the one taken back too: {text}");
-    assert_eq!(nulling::open(&file).unwrap().len(), 42);
+    assert_eq!(matches::open(&file).unwrap().len(), 42);
     let broken = text.replace(",red,", ",rot,");
-    let faults = nulling::parse("answers", &broken).unwrap_err().to_string();
+    let faults = matches::parse("answers", &broken).unwrap_err().to_string();
     assert!(faults.contains("expected r, g, b or gray"), "{faults}");
 }
 
@@ -204,7 +204,7 @@ fn the_slider_matches_by_arrows_and_enter() {
         assert!((found - gamma).abs() < 0.05, "{found} for {gamma}");
     }
     // The next run has a file of its own.
-    assert_eq!(nulling::open(&folder.path().join("right-nulling.csv")).unwrap().len(), 12);
+    assert_eq!(matches::open(&folder.path().join("right-nulling.csv")).unwrap().len(), 12);
     open(&mut harness, "Gamma by eye");
     type_into(&mut harness, "Save the profile as", &path.display().to_string());
     harness.get_by_label_contains("right-nulling.csv, and a matching that was left cannot be gone on with");

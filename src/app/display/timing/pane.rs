@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use eframe::egui::{self, Color32, Key, ViewportCommand};
 use egui_plot::{HLine, Plot, Points};
 
-use super::{ToolGo, tool};
+use super::super::{ToolGo, tool};
 use crate::{
     app::{
         Monitor, theme,

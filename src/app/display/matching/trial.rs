@@ -6,11 +6,11 @@ use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
 
 use crate::{
     app::{monitor::window_px, pixels, theme},
-    display::nulling::{
+    display::matching::{
         Judgement, Method, Nulling, NullingStimulus, Observation, picture,
         plan::{GAP_S, Plan},
     },
-    store::{StoreError, nulling::NullingFile},
+    store::{StoreError, matches::NullingFile},
 };
 
 /// Room for the line of text below the field, points.

@@ -1,5 +1,6 @@
 //! How evenly frames come, measured while something changes with each of them.
 
+pub(super) mod pane;
 mod report;
 mod scene;
 
@@ -13,8 +14,10 @@ use eframe::{
     egui_wgpu::RenderState,
 };
 
-use super::{Monitor, theme};
-use crate::display::frames::FrameTimes;
+use crate::{
+    app::{Monitor, theme},
+    display::frames::FrameTimes,
+};
 
 pub use report::{TimingReport, table};
 use scene::Scene;

@@ -12,10 +12,10 @@ use crate::{
     app::theme,
     display::{
         Viewing,
-        nulling::{Channel, Effort, Method, Nulling, Pattern, Plan},
+        matching::{Channel, Effort, Method, Nulling, Pattern, Plan},
     },
     experiment::session_seed,
-    store::nulling::{NullingFile, beside},
+    store::matches::{NullingFile, beside},
 };
 
 /// Periods a degree from which on rows of full contrast blend: near the limit of sight, 50 to 60.

@@ -10,7 +10,7 @@ use std::{
 use super::{FileFault, FileFaults, StoreError, fault::io, file::sync_folder, text};
 use crate::display::{
     UnknownChannel,
-    nulling::{NullingStimulus, Observation, RowField},
+    matching::{NullingStimulus, Observation, RowField},
 };
 
 /// The columns. `event` is `answer` or `taken-back`; `level` counts from 0 in the order of the plan; `lit` of `period`

@@ -1,7 +1,7 @@
 //! Visual nulling, run by simulated observers before known displays.
 
 use machband::{
-    display::nulling::{
+    display::matching::{
         Channel, CheckField, Doubt, Effort, Estimates, FitError, Judgement, Level, Method, Nulling, Observation,
         Pattern, Plan, PlanError, SimulatedDisplay, SimulatedObserver, check::CHECKED, estimate, picture,
     },
@@ -270,7 +270,7 @@ fn the_picture_is_rows_and_a_patch() {
         assert_eq!(seen, plan.trials());
     }
     let display = power([2.0; 3], 0.1);
-    let rows = machband::display::nulling::RowField { lit: 1, period: 4, row_px: 1, lo: 0, hi: 255 };
+    let rows = machband::display::matching::RowField { lit: 1, period: 4, row_px: 1, lo: 0, hi: 255 };
     assert!((rows.mean(|code| display.luminance(Channel::Red, code)) - 0.35).abs() < 1e-12);
 }
 

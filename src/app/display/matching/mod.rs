@@ -10,7 +10,7 @@ use self::{results::Results, setup::Setup, trial::Trials};
 use super::{ToolGo, check::CheckScreen, tool};
 use crate::{
     app::{Monitor, theme},
-    display::{DisplayProfile, Viewing, nulling::Method},
+    display::{DisplayProfile, Viewing, matching::Method},
 };
 
 /// The pane.
