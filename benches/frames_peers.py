@@ -11,9 +11,9 @@ moment the process is started to the moment its first frame has been handed over
     peers/bin/pip install pyglet==1.5.27 numpy pillow scipy pandas matplotlib packaging pyyaml requests freetype-py \\
         opencv-python-headless json_tricks python-bidi arabic-reshaper openpyxl pyparsing msgpack gevent tables \\
         msgpack-numpy psutil six
-    cargo build --release --example bare_window
+    cargo build --release -p tools
     DISPLAY=:20 python3 benches/frames_peers.py --machband target/release/machband --python peers/bin/python \\
-        --bare target/release/examples/bare_window
+        --bare "target/release/tools bare-window"
 
 Prints a line a pair and then medians, 99 % and ratios. Exit status 0; 1 where a program fails.
 """
@@ -93,7 +93,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--machband", required=True, help="the release binary")
     parser.add_argument("--python", default=sys.executable, help="a Python that has PsychoPy")
-    parser.add_argument("--bare", help="the example bare_window, for what the graphics take for nothing")
+    parser.add_argument("--bare", help="the tool bare-window, for what the graphics take for nothing")
     parser.add_argument("--frames", type=int, default=300)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--fullscreen", action="store_true", help="needs a window manager for machband")
@@ -111,7 +111,7 @@ def main():
             if name == "PsychoPy":
                 run = psychopy(arguments)
             elif name == "bare window":
-                run = told(name, [arguments.bare, str(arguments.frames)])
+                run = told(name, [*shlex.split(arguments.bare), str(arguments.frames)])
             else:
                 run = machband(arguments, name.split()[1])
             runs[name].append(run)

@@ -9,9 +9,9 @@ own. The first round also compares what they answer, where machband writes it.
     python3 -m venv peers && peers/bin/pip install numpy scipy
     git clone https://github.com/computational-psychology/multyscale && git -C multyscale checkout 5d29c68e49ed   # 0.2.0
     peers/bin/pip install --no-deps ./multyscale
-    cargo build --release --example odog
+    cargo build --release -p tools
     python3 benches/odog_peers.py --python peers/bin/python \\
-        --machband-command "target/release/examples/odog {size} {ppd} {out}"
+        --machband-command "target/release/tools odog {size} {ppd} {out}"
 
 In the command {size}, {ppd} and {out} are filled in. It prints `construct_s SECONDS run_s SECONDS`; where it does not, its
 wall time counts as both together. Where it uses {out}, it writes its response there: float32, row by row, as the machine

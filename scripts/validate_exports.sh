@@ -12,7 +12,7 @@ machband() {
 }
 
 # Eight simulated participants with practice; S001 corrects a response, is interrupted while a row is written, and resumed.
-cargo run --quiet --example sample_study -- "$results"
+cargo run --quiet -p tools -- sample-study "$results"
 machband simulate quick --participants 8 --results "$results" --resume
 # A task with shaded meshes.
 machband simulate shaders --participants 1 --results "$results"

@@ -9,10 +9,10 @@ pub mod demo;
 mod dialog;
 mod display;
 mod event_loop;
+mod explore;
 mod finish;
 mod form;
 mod frames;
-mod gallery;
 mod hasher;
 mod home;
 mod input;
@@ -21,7 +21,6 @@ mod monitor;
 mod pages;
 mod pixels;
 mod platform;
-mod predicted;
 mod preflight;
 mod scale;
 mod session;
@@ -182,7 +181,7 @@ enum Page {
     Preflight(Box<preflight::Preflight>),
     Session(Box<session::SessionPage>),
     Finish(Box<finish::Finish>),
-    Gallery(Box<gallery::Gallery>),
+    Gallery(Box<explore::gallery::Gallery>),
     Demo(Box<demo::Demo>),
     Display(Box<display::Display>),
     Analysis(Box<analysis::Analysis>),

@@ -94,7 +94,8 @@ pub(super) fn peak([before, here, after]: [Complex64; 3]) -> (f64, Complex64) {
 }
 
 /// Where the parabola through (−1, `a`), (0, `b`) and (1, `c`) is highest, within −½…½; 0 where it is flat.
-pub(super) fn vertex(a: f64, b: f64, c: f64) -> f64 {
+#[must_use]
+pub fn vertex(a: f64, b: f64, c: f64) -> f64 {
     let bend = 2.0 * b - a - c;
     if bend > 0.0 { (0.5 * (c - a) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }

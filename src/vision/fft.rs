@@ -8,17 +8,21 @@ thread_local! {
     static PLANNER: RefCell<FftPlanner<f64>> = RefCell::new(FftPlanner::new());
 }
 
-pub(super) fn forward(length: usize) -> Arc<dyn Fft<f64>> {
+/// The transform of values in the order of their places.
+#[must_use]
+pub fn forward(length: usize) -> Arc<dyn Fft<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
 }
 
-/// Without a factor.
-pub(super) fn inverse(length: usize) -> Arc<dyn Fft<f64>> {
+/// The inverse transform, times the length.
+#[must_use]
+pub fn inverse(length: usize) -> Arc<dyn Fft<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length))
 }
 
 /// The next number that has no prime factor above 5: quick to transform.
-pub(super) fn smooth(least: usize) -> usize {
+#[must_use]
+pub fn smooth(least: usize) -> usize {
     let is_smooth = |mut n: usize| {
         for factor in [2, 3, 5] {
             while n.is_multiple_of(factor) {

@@ -14,16 +14,15 @@
 //! source where it is defined. [`Line`] is for what varies in one direction, [`Picture`] for images; they agree.
 
 mod band;
-pub mod baselines;
 mod eye;
-mod fft;
+pub mod fft;
 mod line;
 mod picture;
 mod rating;
 
 use crate::light::LinearImage;
 
-pub use band::{Band, Polarity, Visibility, pooled};
+pub use band::{Band, Polarity, Visibility, pooled, vertex};
 pub use eye::{Channel, Eye};
 pub use line::{Line, LineView};
 pub use picture::{BandMap, Picture, PictureView};

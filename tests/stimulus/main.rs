@@ -1,6 +1,5 @@
 //! Light, screen, eye and stimulus: the numbers below every picture.
 
-mod baselines;
 mod calibrate;
 mod catalog;
 mod color;

@@ -11,8 +11,8 @@ use super::{
 };
 use crate::{
     app::{
+        explore::predicted::{self, Drawing, number},
         pixels,
-        predicted::{self, Drawing, number},
         work::Latest,
     },
     light::CodeImage,

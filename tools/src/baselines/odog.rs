@@ -11,9 +11,9 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
 use super::bands::{overshoots, range};
+use super::model::{Baseline, Mark, is_profile};
 use super::picture::Bank;
 use super::spectrum::{Spectrum, gaussian};
-use super::{Baseline, Mark, is_profile};
 
 /// Part of a picture's range of light below which the response of an orientation is rounding, not a response.
 const ROUNDING: f64 = 1e-9;

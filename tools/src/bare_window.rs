@@ -1,6 +1,6 @@
 //! What the graphics take for a frame with nothing in it: a window that clears itself, without egui.
 //!
-//! `benches/frames_peers.py --bare` holds the program's own frames against it. Arguments: frames to count. Prints
+//! `benches/frames_peers.py --bare` compares the program's own frames with it. Prints
 //! `RESULT`, when the first frame was handed over (seconds since 1970), and every interval in seconds.
 
 use std::{
@@ -98,8 +98,7 @@ impl ApplicationHandler for Bare {
     }
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let frames = std::env::args().nth(1).map_or(Ok(300), |text| text.parse())?;
+pub fn run(frames: usize) -> Result<(), Box<dyn std::error::Error>> {
     let mut bare = Bare { open: None, frames, first: None, last: None, intervals: Vec::new() };
     EventLoop::new()?.run_app(&mut bare)?;
     print!("RESULT {:.6}", bare.first.unwrap_or_default());

@@ -1,17 +1,15 @@
-//! How long ODOG takes: `odog [PIXELS A SIDE] [PIXELS A DEGREE] [FILE]`. For `benches/odog_peers.py`.
+//! How long ODOG takes, for `benches/odog_peers.py`.
 //!
 //! The picture is a linear ramp between plateaus. Prints the seconds for the filters and the median of five runs; writes
 //! the response, float32 row by row, to FILE.
 
 use std::error::Error;
+use std::path::Path;
 use std::time::Instant;
 
-use machband::vision::baselines::Odog;
+use tools::baselines::Odog;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let size: usize = arguments.next().map_or(Ok(512), |text| text.parse())?;
-    let px_per_deg: f64 = arguments.next().map_or(Ok(32.0), |text| text.parse())?;
+pub fn run(size: usize, px_per_deg: f64, file: Option<&Path>) -> Result<(), Box<dyn Error>> {
     let row = (0..size).map(|x| 0.25 + 0.5 * ((x as f32 / size as f32 - 0.4) / 0.2).clamp(0.0, 1.0));
     let light = row.collect::<Vec<_>>().repeat(size);
 
@@ -27,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     times.sort_by(f64::total_cmp);
     println!("construct_s {construct_s:.6} run_s {:.6}", times[2]);
-    if let Some(path) = arguments.next() {
+    if let Some(path) = file {
         std::fs::write(path, response.iter().flat_map(|value| value.to_ne_bytes()).collect::<Vec<_>>())?;
     }
     Ok(())

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rustfft::Fft;
 use rustfft::num_complex::Complex;
 
-use crate::vision::fft::{self, smooth};
+use machband::vision::fft::{self, smooth};
 
 /// A profile of one dimension, continued beyond both ends by its end values, ready to be filtered.
 pub struct Spectrum {

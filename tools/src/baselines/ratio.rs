@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 use rustfft::num_complex::Complex;
 
 use super::bands::{degrees, range, sorted};
+use super::model::{Baseline, Mark, is_profile};
 use super::spectrum::{Spectrum, gaussian};
-use super::{Baseline, Mark, is_profile};
-use crate::vision::band::vertex;
+use machband::vision::vertex;
 
 /// Gaussian derivatives of first and second order at many scales σ, each times a power of σ:
 /// `N_k = σ^α_k · ∂^k(G_σ ∗ I)`.

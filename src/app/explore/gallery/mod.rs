@@ -5,8 +5,8 @@ mod prediction;
 use eframe::egui::{self, Color32, Key, TextureHandle};
 use egui_plot::{Corner, Legend, Line, MarkerShape, Plot, PlotUi, Points};
 
-use super::{Go, pixels, theme};
 use crate::{
+    app::{Go, pixels, theme},
     display::DisplayProfile,
     light::{Bits, Dither, Quantizer},
     stimulus::{Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
@@ -111,7 +111,7 @@ impl Gallery {
     }
 
     /// Draws the page.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui) -> Go {
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Go {
         let stimulus = self.stimulus();
         if let Ok(stimulus) = &stimulus {
             self.refresh(ui.ctx(), stimulus);

@@ -1,22 +1,4 @@
-//! Published models of Mach bands, to be held against ours on the same facts.
-//!
-//! Each sees a picture of one dimension: a profile of linear light. Each answers with the bands it
-//! predicts, in a unit of its own; only order and ratios of one model's strengths mean anything, never
-//! one model's against another's.
-//!
-//! A band, in all of them, is an extremum of what the model makes of the light **where the light itself has
-//! none**: the crest of a grating is bright, but it is no Mach band.
-
-mod bands;
-mod dog;
-mod odog;
-mod picture;
-mod ratio;
-mod spectrum;
-
-pub use dog::LateralInhibition;
-pub use odog::{Beyond, Odog, OdogFilters};
-pub use ratio::SecondDerivativeRatio;
+//! What every model of one dimension answers.
 
 /// A band as a model of one dimension sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,16 +24,10 @@ pub trait Baseline {
     fn marks(&self, light: &[f64], px_per_deg: f64) -> Vec<Mark>;
 }
 
-/// Every model here with its published constants.
-#[must_use]
-pub fn all() -> Vec<Box<dyn Baseline + Send + Sync>> {
-    vec![Box::new(LateralInhibition::default()), Box::new(Odog::default()), Box::new(SecondDerivativeRatio::default())]
-}
-
 /// Most samples a degree: far beyond any eye, and a profile's continuation still fits into memory.
 const MOST_PX_PER_DEG: f64 = 1e5;
 
 /// Whether a model can look at this profile at all.
-fn is_profile(light: &[f64], px_per_deg: f64) -> bool {
+pub fn is_profile(light: &[f64], px_per_deg: f64) -> bool {
     light.len() >= 3 && px_per_deg > 0.0 && px_per_deg <= MOST_PX_PER_DEG && light.iter().all(|value| value.is_finite())
 }

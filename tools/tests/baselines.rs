@@ -1,6 +1,6 @@
 //! Published models of Mach bands: ODOG against another implementation, and what is known to be true of each.
 
-use machband::vision::baselines::{Baseline, Beyond, LateralInhibition, Mark, Odog, SecondDerivativeRatio, all};
+use tools::baselines::{Baseline, Beyond, LateralInhibition, Mark, Odog, SecondDerivativeRatio, all};
 
 /// Samples a degree of the profiles here.
 const PX_PER_DEG: f64 = 120.0;

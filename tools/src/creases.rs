@@ -1,6 +1,4 @@
-//! How much of Gouraud's creases each shader leaves: the table of the README.
-//!
-//! `cargo run --release --example crease_table`
+//! How much of Gouraud's creases each shader leaves.
 //!
 //! A crease is the jump on the screen of the slope normal to an edge that two triangles facing the eye share, measured by
 //! one-sided differences of the light. Each cell has the root mean square over the edges' length, then the median, both
@@ -16,7 +14,7 @@ use machband::{
 /// Pixels a side of the window.
 const SIZE: u32 = 1024;
 
-fn main() -> Result<(), Box<dyn Error>> {
+pub fn run() -> Result<(), Box<dyn Error>> {
     let scene = Scene::default();
     let meshes: [(&str, Mesh); 4] = [
         ("sphere", shapes::mesh(shapes::Shape::Sphere, 642)?),

@@ -1,18 +1,14 @@
 //! What is known of Mach bands, and which of it each model meets: the table of `docs/models.md`.
 //!
-//! `cargo run --release --example fact_table`
-//!
 //! Profiles from ¼ to ¾ of white, 10° long with 128 samples a degree, that go on beyond their ends as they end.
 
 use statrs::function::erf::erf;
 
 use machband::{
     light::{Depth, Interpolation},
-    vision::{
-        Border, Eye, Line, Polarity,
-        baselines::{self, Baseline, Mark},
-    },
+    vision::{Border, Eye, Line, Polarity},
 };
+use tools::baselines::{self, Baseline, Mark};
 
 const PX_PER_DEG: f64 = 128.0;
 const LENGTH_DEG: f64 = 10.0;
@@ -228,7 +224,7 @@ const FACTS: [Fact; 12] = [
     ("bright above, dark below the ramp, near its ends (distance, of the width)", |asked| asked.ends()),
 ];
 
-fn main() {
+pub fn run() {
     let baselines = baselines::all();
     let (ours, inside) = (LocalEnergy { border: Border::Continues }, LocalEnergy { border: Border::Cut });
     let asked: Vec<Asked> = std::iter::once(Asked::of(&ours, &inside))

@@ -4,8 +4,8 @@
 use rustfft::num_complex::Complex;
 
 use super::bands::overshoots;
+use super::model::{Baseline, Mark, is_profile};
 use super::spectrum::{Spectrum, gaussian};
-use super::{Baseline, Mark, is_profile};
 
 /// A balanced centre and surround of one size, both Gaussians of area 1.
 ///

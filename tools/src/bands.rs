@@ -1,11 +1,9 @@
 //! How visible the model of vision finds the bands that each shader leaves: the table of `docs/shaders.md`.
 //!
-//! `cargo run --release --example band_table [DEFAULT]`
-//!
 //! Pictures of 512 pixels a side, 10° wide, without their outlines; white has 100 cd/m². Each cell has the visibility of
 //! the strongest band, then the amount of bands (strength times length over the area), both relative to Gouraud's. The lamp
-//! stands at the eye and the surface is matt, so that the light of the surface itself has no lines; with an argument the
-//! scene is that of the demo, whose terminators and highlights are lines of their own.
+//! stands at the eye and the surface is matt, so that the light of the surface itself has no lines; with `--default-scene` the
+//! scene is that of the shading page, whose terminators and highlights are lines of their own.
 
 use std::error::Error;
 
@@ -24,8 +22,7 @@ const WINDOW_DEG: f64 = 10.0;
 /// Vertices of the meshes that stand for the smooth surfaces.
 const FINE: usize = 60_000;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let is_default = std::env::args().nth(1).is_some();
+pub fn run(is_default: bool) -> Result<(), Box<dyn Error>> {
     let lamp = |scene: Scene| if is_default { scene } else { Scene { light: DVec3::Z, specular: 0.0, ..scene } };
     let turned = |rotate_deg| lamp(Scene { rotate_deg, ..Scene::default() });
     let (usual, blob, sheet) =

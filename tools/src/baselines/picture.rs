@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use rustfft::Fft;
 use rustfft::num_complex::Complex;
 
-use crate::vision::fft::{self, smooth};
+use machband::vision::fft::{self, smooth};
 
 /// Filters of one size, ready for pictures of the same size.
 pub struct Bank {

@@ -4,9 +4,8 @@ use eframe::egui::{self, TextureHandle};
 
 use crate::{
     app::{
-        pixels,
-        predicted::{self, Drawing, Mark, number},
-        theme,
+        explore::predicted::{self, Drawing, Mark, number},
+        pixels, theme,
         work::Latest,
     },
     display::{DisplayProfile, Screen, Viewing},

@@ -1,10 +1,10 @@
-//! The first half of an interrupted session with a corrected response: `cargo run --example sample_study -- RESULTS`.
+//! The first half of an interrupted session with a corrected response.
 //!
 //! Participant S001 of `quick` rates a few trials, takes one rating back, and the program is killed while it writes a row.
 //! `machband simulate quick --results RESULTS --resume` goes on with it. A simulated observer corrects nothing and is not
 //! interrupted, so what exports do with that is tried on this.
 
-use std::{fs::OpenOptions, io::Write as _, path::PathBuf, time::Duration};
+use std::{fs::OpenOptions, io::Write as _, path::Path, time::Duration};
 
 use jiff::Timestamp;
 use machband::{
@@ -19,8 +19,7 @@ const RATED: usize = 11;
 /// As `simulate` has it.
 const SEED: u64 = 1;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let results = PathBuf::from(std::env::args().nth(1).ok_or("expected a folder for the results")?);
+pub fn run(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let protocol = definition::open("quick")?;
     let identity = Identity::new("S001", "1")?;
     let schedule = Schedule::new(&protocol, &identity, SEED)?;
@@ -28,11 +27,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let now = Timestamp::now() - Duration::from_secs(3600);
     let sitting = Sitting {
         started_at: now.to_string(),
-        observer: Some(serde_json::json!({ "observer": "examples/sample_study" })),
+        observer: Some(serde_json::json!({ "observer": "tools sample-study" })),
         pictures: Some(Pictures::without_screen(&protocol)),
         ..Sitting::default()
     };
-    let mut store = SessionStore::create(&results, &protocol, &identity, SEED, sitting)?;
+    let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting)?;
     let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
     let mut session = Session::new(protocol.clone(), schedule.clone(), &Resumed::default(), options);

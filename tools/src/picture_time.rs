@@ -1,17 +1,13 @@
-//! How long the model of vision takes for a picture: `picture_speed [PIXELS A SIDE] [PIXELS A DEGREE]`. For
-//! `benches/odog_peers.py`.
+//! How long the vision model takes for a picture, for `benches/odog_peers.py`.
 //!
-//! The picture is a linear ramp between plateaus, as ODOG's in `examples/odog.rs`. It prints the median of seven runs; there
+//! The picture is a linear ramp between plateaus, as in `odog_time.rs`. It prints the median of seven runs; there
 //! is nothing to construct.
 
 use std::{error::Error, time::Instant};
 
 use machband::vision::{Eye, Picture};
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let size: usize = arguments.next().map_or(Ok(512), |text| text.parse())?;
-    let px_per_deg: f64 = arguments.next().map_or(Ok(32.0), |text| text.parse())?;
+pub fn run(size: usize, px_per_deg: f64) -> Result<(), Box<dyn Error>> {
     let row = (0..size).map(|x| 0.25 + 0.5 * ((x as f64 / size as f64 - 0.4) / 0.2).clamp(0.0, 1.0));
     let light = row.collect::<Vec<_>>().repeat(size);
     let picture = Picture { light: &light, width: size, height: size, px_per_deg, mask: None };

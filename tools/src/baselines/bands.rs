@@ -1,7 +1,7 @@
 //! From a model's response to the bands in it.
 
-use super::Mark;
-use crate::vision::band::vertex;
+use super::model::Mark;
+use machband::vision::vertex;
 
 /// Part of a response's range below which an extremum is rounding, not a band.
 const OF_RESPONSE: f64 = 1e-7;

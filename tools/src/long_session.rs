@@ -1,11 +1,11 @@
 //! A session of 20,000 trials through the real session and the real store: does memory, or the time of a trial, grow?
 //!
-//! `cargo run --release --example long_session [FOLDER]` prints a table, one row a thousand trials: milliseconds a trial
+//! It prints a table, one row per thousand trials: milliseconds a trial
 //! (median, 99th percentile, of which the disk takes nearly all) and resident memory. The session is written below
 //! FOLDER, or a temporary folder; on a disk in memory (`/dev/shm`) the disk's own time falls away.
 
 use std::{
-    path::PathBuf,
+    path::Path,
     time::{Duration, Instant},
 };
 
@@ -36,8 +36,7 @@ practice = 0
 /// Trials a row of the table.
 const EACH: usize = 1000;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = std::env::args().nth(1).map_or_else(std::env::temp_dir, PathBuf::from);
+pub fn run(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let results = folder.join(format!("machband-long-{}", std::process::id()));
     let protocol = definition::parse("long.toml", DEFINITION)?;
     let identity = Identity::new("S001", "1")?;
