@@ -21,6 +21,7 @@ Prints a line a pair and then medians, 99 % and ratios. Exit status 0; 1 where a
 import argparse
 import csv
 import os
+import shlex
 import statistics
 import subprocess
 import sys
