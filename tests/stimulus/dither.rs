@@ -3,7 +3,6 @@
 //!
 //! `cargo test --test dither -- --nocapture` prints the figures.
 
-use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 use machband::light::blue_noise::{self, MASK_SIZE};
@@ -13,8 +12,6 @@ use machband::light::{
 };
 use machband::stimulus::{MachBand, StimulusColor};
 use proptest::prelude::*;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng as _;
 
 /// Every kind, the random one with several seeds.
 fn dithers() -> Vec<Dither> {
