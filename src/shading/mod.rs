@@ -5,42 +5,32 @@
 //! Mesh → Surface (edges, curvature: once a mesh) → Frame (view, light: once a frame) → picture
 //! ```
 //!
-//! Shaders light the vertices (all but flat and Phong), and spread that light over the triangles on the screen.
+//! | room | what is in it |
+//! |---|---|
+//! | [`mesh`] | triangles, their normals, edges and curvature, and meshes by name |
+//! | [`lighting`] | materials, lamps, highlights, transparency, refraction |
+//! | [`frame`] | a mesh on the screen: the view, which triangle each pixel shows, bends at edges, slopes at vertices |
+//! | [`shaders`] | one file a shader: how light spreads over a triangle |
+//! | [`draw`] | pictures, on the processor and on a graphics card |
+//! | [`measure`] | the creases that a shader leaves |
 
-pub mod boundary;
-pub mod coverage;
-pub mod crease;
-mod curvature;
-pub mod edges;
+pub mod draw;
 pub mod frame;
-#[cfg(feature = "gpu")]
-pub mod gpu;
-pub mod illumination;
+pub mod lighting;
+pub mod measure;
 pub mod mesh;
-pub mod normals;
-pub mod patch;
-pub mod polygon;
-pub mod raster;
-pub mod reference;
-pub mod refraction;
-pub mod scene;
-pub mod shader;
+mod names;
 pub mod shaders;
-pub mod shapes;
-pub mod surface;
-pub mod transparency;
-pub mod view;
 
-pub use crease::{Creases, EdgeCrease};
-pub use edges::{Edge, EdgeKind, Edges};
-pub use frame::{Across, Frame, FrameTriangle, FrameVertex};
-pub use illumination::{Lamp, LampPlace, Lighting, LightingError, Material, Specular};
-pub use mesh::{Mesh, MeshError, Polygons, Vertex};
-pub use patch::Patches;
-pub use reference::Reference;
-pub use refraction::Refraction;
-pub use scene::{Highlight, Scene};
-pub use shader::{Correction, Gradients, Shade, Shader};
-pub use surface::Surface;
-pub use transparency::{Transparency, TransparencyError};
-pub use view::View;
+#[cfg(feature = "gpu")]
+pub use draw::gpu;
+pub use draw::{Reference, raster};
+pub use frame::{
+    Across, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Patches, Scene, View, boundary, coverage,
+};
+pub use lighting::{
+    Lamp, LampPlace, Lighting, LightingError, Material, Refraction, Specular, Transparency, TransparencyError,
+};
+pub use measure::{self as crease, Creases, EdgeCrease};
+pub use mesh::{Edge, EdgeKind, Edges, Mesh, MeshError, Polygons, Surface, Vertex, shapes};
+pub use shaders::{Correction, Shade, Shader};

@@ -7,7 +7,7 @@ use machband::{
         Correction, Frame, FrameVertex, Gradients, Lamp, LampPlace, Lighting, Mesh, Reference, Shade, Shader, Specular,
         Surface, View, coverage,
         gpu::{Gpu, GpuError, Offscreen, Region},
-        illumination::{Facets, Microfacets},
+        lighting::{Facets, Microfacets},
         shapes,
     },
 };

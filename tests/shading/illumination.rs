@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DMat3, DQuat, DVec3};
-use machband::shading::illumination::{
+use machband::shading::lighting::{
     Facets, Microfacets, attenuation, beckmann, fresnel, gaussian, geometry, index_from_reflectance,
 };
 use machband::shading::{Lamp, LampPlace, Lighting, Material, Refraction, Specular, Transparency, TransparencyError};

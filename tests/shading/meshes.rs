@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 use machband::shading::{
     EdgeKind, Edges, Mesh, MeshError, Surface,
-    normals::newell,
-    polygon::triangulated,
+    mesh::newell,
+    mesh::triangulated,
     shapes::{self, Shape},
 };
 use proptest::prelude::*;

@@ -4,7 +4,7 @@ use std::{fmt::Write as _, path::Path};
 
 use glam::DVec3;
 use machband::{
-    shading::{EdgeKind, Edges, Mesh, normals::newell, shapes},
+    shading::{EdgeKind, Edges, Mesh, mesh::newell, shapes},
     store::obj,
 };
 use proptest::prelude::*;

@@ -6,7 +6,7 @@ use machband::{
     light::Transfer,
     shading::{
         Across, Creases, Frame, Gradients, Lighting, Patches, Scene, Surface, View, crease,
-        patch::Gradient,
+        frame::Gradient,
         shapes::{self, Shape},
     },
 };

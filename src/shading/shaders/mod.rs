@@ -10,4 +10,7 @@ pub mod gradient;
 pub mod phong;
 pub mod quadratic;
 pub mod reweight;
+mod shade;
 pub mod vertex;
+
+pub use shade::{Correction, Shade, Shader};

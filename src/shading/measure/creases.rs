@@ -1,22 +1,12 @@
-//! How much of a crease a shader leaves at the edges of triangles: the jump, on the screen, of the slope of the light.
-//!
-//! Measured on the light itself, by one-sided differences of what a shader gives at points close to the edge. No
-//! shader's formula is used, so a fault in one shows here. A jump of the slope is what light does; whether it is seen
-//! as a band is another question, and depends on its size, its length and what is around it.
+//! The creases at the edges that two triangles share.
 
-mod picture;
-mod vertices;
-
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
-pub use picture::picture;
-pub use vertices::{VertexCrease, at_vertices};
-
-use super::{
+use crate::shading::{
+    draw::Reference,
     frame::{Across, Frame},
-    reference::Reference,
-    shader::Shade,
+    shaders::Shade,
 };
 
 /// The crease at one edge.
@@ -171,7 +161,7 @@ const POINTS: usize = 6;
 
 /// Largest change of a barycentric weight in a step, relative to the smaller weight at the edge. Strips are many such
 /// steps wide; rounding is still ten digits below the slope.
-const STEP: f64 = 1e-5;
+pub(super) const STEP: f64 = 1e-5;
 
 /// Jumps that are none: what rounding makes of a field without creases, linear light per pixel.
 pub const NOISE: f64 = 1e-9;
@@ -234,19 +224,7 @@ impl SharedEdge {
 }
 
 /// Light and slope at the beginning of a line, from three points on it `h` apart; the error goes as h².
-fn slope(h: f64, at: impl Fn(f64) -> DVec3) -> (DVec3, DVec3) {
+pub(super) fn slope(h: f64, at: impl Fn(f64) -> DVec3) -> (DVec3, DVec3) {
     let here = at(0.0);
     (here, (4.0 * at(1.0) - at(2.0) - 3.0 * here) / (2.0 * h))
-}
-
-/// Weights with corner `k` at 1.
-fn corner(k: usize) -> DVec3 {
-    DVec3::from_array([0, 1, 2].map(|i| f64::from(u8::from(i == k))))
-}
-
-/// The length of a step on the screen that changes the weights by `change`.
-fn on_screen(frame: &Frame, triangle: usize, change: DVec3) -> DVec2 {
-    let [a, b, c] = frame.corners(triangle).map(|v| v.screen);
-    // Against the first corner: the change sums to 0.
-    change.y * (b - a) + change.z * (c - a)
 }

@@ -1,25 +1,12 @@
 //! Meshes by name.
-//!
-//! All are closed and counter-clockwise seen from outside, but for [`jittered_grid`]. The round ones have the normals of
-//! the surface that they stand for; those of the others are averaged over the faces around each vertex, as the papers
-//! have them.
-
-mod blob;
-mod grid;
-mod hull;
-mod round;
-mod solids;
 
 use super::{
-    mesh::{Mesh, MeshError},
-    shader::named,
+    blob::{self, blob},
+    hull::HullError,
+    round::{self, sphere},
+    solids::{cube, pyramid},
 };
-
-pub use blob::{blob, fibonacci_points};
-pub use grid::{MOST_JITTER, jittered_grid};
-pub use hull::{HullError, hull};
-pub use round::{sphere, torus};
-pub use solids::{cube, pyramid};
+use crate::shading::{mesh::Mesh, names::named};
 
 named! {
     /// A mesh by its name.
@@ -50,9 +37,6 @@ pub enum ShapeError {
         /// The fewest it can have.
         least: usize,
     },
-    /// The triangles are not a mesh.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
     /// The points have no convex hull.
     #[error(transparent)]
     Hull(#[from] HullError),
@@ -94,6 +78,6 @@ pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
         Shape::Pyramid => Ok(pyramid()),
         Shape::Sphere => Ok(sphere(round::subdivisions(vertices))),
         Shape::Torus => Ok(round::torus_of(vertices)),
-        Shape::Blob => blob(vertices),
+        Shape::Blob => Ok(blob(vertices)?),
     }
 }

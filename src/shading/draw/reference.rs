@@ -2,15 +2,19 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{
-    boundary::{self, Blend, EdgeConstants},
-    coverage,
-    frame::{Across, Frame, FrameTriangle},
-    patch::Patches,
-    shader::{Correction, Shade, Shader},
-    shaders::{cut, exact, fixed, flat, gouraud, gradient, phong, quadratic, reweight, vertex},
+use crate::{
+    light::{Interpolation, LinearImage},
+    shading::{
+        frame::{
+            Across, Frame, FrameTriangle, Patches,
+            boundary::{self, Blend, EdgeConstants},
+            coverage,
+        },
+        shaders::{
+            Correction, Shade, Shader, cut, exact, fixed, flat, gouraud, gradient, phong, quadratic, reweight, vertex,
+        },
+    },
 };
-use crate::light::{Interpolation, LinearImage};
 
 /// A frame ready to be shaded.
 #[derive(Clone, Debug)]

@@ -5,7 +5,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Gradient;
+/// The slope of the light at a vertex: of red, green and blue, per pixel right and per pixel down.
+pub type Gradient = [DVec2; 3];
 
 /// The Bézier ordinates of a triangle split at its centroid S. For corner i, and edge k opposite corner k:
 ///

@@ -2,12 +2,11 @@
 
 use glam::DVec3;
 
-use super::{
-    frame::Frame,
-    illumination::{Facets, Lamp, LampPlace, Lighting, Microfacets, Specular},
-    shader::named,
-    surface::Surface,
-    view::View,
+use super::{frame::Frame, view::View};
+use crate::shading::{
+    lighting::{Facets, Lamp, LampPlace, Lighting, Microfacets, Specular},
+    mesh::Surface,
+    names::named,
 };
 
 /// Index of refraction of the small mirrors: a quarter of the light is reflected straight on.

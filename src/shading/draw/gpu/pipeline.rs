@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     light::{Depth, Transfer},
-    shading::{Correction, Frame, Shade, Shader, Specular, illumination::Facets},
+    shading::{Correction, Frame, Shade, Shader, Specular, lighting::Facets},
 };
 
 /// The whole of the WGSL.

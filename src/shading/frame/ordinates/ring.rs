@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::Gradient;
+use super::clough_tocher::Gradient;
 use crate::shading::frame::Frame;
 
 /// For each vertex, the vertices that it shares a drawn triangle with, each once.

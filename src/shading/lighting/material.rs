@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::microfacet::Microfacets;
+use super::microfacets::Microfacets;
 
 /// What a surface does with light.
 #[derive(Clone, Copy, Debug, PartialEq)]

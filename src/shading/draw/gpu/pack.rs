@@ -7,8 +7,8 @@ use crate::{
     shading::{
         Across, Frame, FrameVertex, Lamp, LampPlace, Patches, Shade, Shader, Specular,
         boundary::{self, EdgeConstants},
-        illumination::{Facets, Microfacets},
-        patch::ControlPoints,
+        frame::ControlPoints,
+        lighting::{Facets, Microfacets},
         shaders::{flat, quadratic},
     },
 };

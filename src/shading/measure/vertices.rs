@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{STEP, corner, on_screen, slope};
+use super::creases::{STEP, slope};
 use crate::shading::frame::Frame;
 
 /// How far the light around a vertex is from having one slope there.
@@ -52,4 +52,16 @@ fn spread(slopes: &[(DVec2, DVec3)]) -> f64 {
     let (gx, gy) = ((yy * x - xy * y) / determinant, (xx * y - xy * x) / determinant);
     let squares: f64 = slopes.iter().map(|(d, slope)| (*slope - d.x * gx - d.y * gy).length_squared()).sum();
     (squares / (3 * slopes.len()) as f64).sqrt()
+}
+
+/// Weights with corner `k` at 1.
+fn corner(k: usize) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|i| f64::from(u8::from(i == k))))
+}
+
+/// The length of a step on the screen that changes the weights by `change`.
+fn on_screen(frame: &Frame, triangle: usize, change: DVec3) -> DVec2 {
+    let [a, b, c] = frame.corners(triangle).map(|v| v.screen);
+    // Against the first corner: the change sums to 0.
+    change.y * (b - a) + change.z * (c - a)
 }

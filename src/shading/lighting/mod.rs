@@ -10,10 +10,14 @@ mod fault;
 mod lamp;
 mod lighting;
 mod material;
-mod microfacet;
+mod microfacets;
+mod refraction;
+mod transparency;
 
 pub use fault::{LightingError, ParameterFault};
 pub use lamp::{Lamp, LampPlace, attenuation};
 pub use lighting::Lighting;
 pub use material::{Material, Specular};
-pub use microfacet::{Facets, Microfacets, beckmann, fresnel, gaussian, geometry, index_from_reflectance};
+pub use microfacets::{Facets, Microfacets, beckmann, fresnel, gaussian, geometry, index_from_reflectance};
+pub use refraction::Refraction;
+pub use transparency::{Transparency, TransparencyError};

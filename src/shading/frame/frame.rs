@@ -2,8 +2,14 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::{edges::EdgeKind, illumination::Lighting, surface::Surface, view::View};
-use crate::light::Transfers;
+use super::view::View;
+use crate::{
+    light::Transfers,
+    shading::{
+        lighting::Lighting,
+        mesh::{EdgeKind, Surface},
+    },
+};
 
 /// A frame to be shaded. Vertices are on the screen; lights are linear, red green blue.
 #[derive(Clone, Debug)]

@@ -4,7 +4,12 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::{Facets, LampPlace, Lighting, Material, Specular};
+use super::{
+    lamp::LampPlace,
+    lighting::Lighting,
+    material::{Material, Specular},
+    microfacets::Facets,
+};
 
 /// A parameter that makes no sense.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

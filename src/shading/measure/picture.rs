@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{Creases, EdgeCrease};
+use super::creases::{Creases, EdgeCrease};
 use crate::light::{LinearImage, Transfer};
 use crate::shading::frame::Frame;
 

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{Gradient, ring::Ring};
+use super::{clough_tocher::Gradient, ring::Ring};
 use crate::shading::frame::{Frame, FrameVertex};
 
 /// Weight of the ring beside the chain rule's. Where the surface turns away by the angle θ, a step on it shortens on

@@ -11,22 +11,29 @@
 //!
 //! Given true gradients, fields up to quadratic ones come out exactly; with those of [`Gradients::Ring`], linear ones.
 
-mod clough_tocher;
-mod curvature;
-mod ring;
-
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-pub use clough_tocher::{ControlPoints, value};
-
 use super::{
+    clough_tocher::{self, ControlPoints, Gradient, value},
+    curvature, ring,
+};
+use crate::shading::{
     frame::{Across, Frame},
-    shader::Gradients,
+    names::named,
 };
 
-/// The slope of the light at a vertex: of red, green and blue, per pixel right and per pixel down.
-pub type Gradient = [DVec2; 3];
+named! {
+    /// Where the slopes at the vertices come from that *patch* needs.
+    Gradients, GradientsError {
+        /// The chain rule through the curvature of the mesh.
+        Curvature = "curvature",
+        /// The lights of the vertices around, fitted by a plane.
+        Ring = "ring",
+        /// The lights of the vertices around, fitted by a quadric.
+        Quadric = "quadric",
+    }
+}
 
 /// The cubics of a frame.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::shading::mesh::{MOST, Mesh, MeshError};
+use crate::shading::mesh::{Mesh, MeshError, build::MOST};
 
 /// Largest jitter: beyond a quarter of a cell a triangle could turn over.
 pub const MOST_JITTER: f64 = 0.24;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::{ShapeError, hull};
+use super::hull::{self, HullError};
 use crate::shading::mesh::Mesh;
 
 /// A tetrahedron.
@@ -30,12 +30,12 @@ pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
 /// hollows, and no symmetry.
 ///
 /// # Errors
-/// [`ShapeError::Hull`] for fewer than 4 points.
-pub fn blob(count: usize) -> Result<Mesh, ShapeError> {
+/// [`HullError`] for fewer than 4 points.
+pub fn blob(count: usize) -> Result<Mesh, HullError> {
     let points = fibonacci_points(count);
     let triangles = hull::hull(&points)?;
     let positions: Vec<DVec3> = points.iter().map(|p| *p * radius(*p)).collect();
-    Ok(Mesh::new(&positions, &triangles, 180.0)?.with_normals(normal))
+    Ok(Mesh::new(&positions, &triangles, 180.0).expect("a hull is a mesh").with_normals(normal))
 }
 
 /// The surface is at the distance r(u) in the direction u; its normal is along u − ∇r/r, of the slope the part across u.

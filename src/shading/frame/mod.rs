@@ -1,0 +1,14 @@
+//! A surface seen and lit: where its triangles are on the screen, which of them each pixel shows, and what the shaders
+//! need of the light at edges and vertices.
+
+pub mod boundary;
+pub mod coverage;
+mod frame;
+pub mod ordinates;
+mod scene;
+mod view;
+
+pub use frame::{Across, FARTHEST_PX, Frame, FrameTriangle, FrameVertex};
+pub use ordinates::{ControlPoints, Gradient, Gradients, Patches};
+pub use scene::{Highlight, Scene};
+pub use view::View;

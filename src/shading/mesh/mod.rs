@@ -1,0 +1,17 @@
+//! Meshes of triangles: their normals, edges and curvature, and meshes by name.
+
+mod build;
+mod curvature;
+mod edges;
+mod mesh;
+mod normals;
+mod polygons;
+pub mod shapes;
+mod surface;
+
+pub use build::{LARGEST_COORDINATE, MeshError, Polygons};
+pub use edges::{Edge, EdgeKind, Edges};
+pub use mesh::{Mesh, Vertex};
+pub use normals::newell;
+pub use polygons::triangulated;
+pub use surface::Surface;
