@@ -1,53 +1,50 @@
-//! Floor 6: the window. One page a file; the only place that makes a texture.
+//! Floor 6: the window: the App and its places. Nothing below this file uses it.
 //!
-//! Home → preflight → session → finish. `machband run` begins at the preflight. Home → display, gallery, demo, analysis;
-//! finish → analysis.
+//! | room | what |
+//! |---|---|
+//! | [`ui`] | the vocabulary of all pages |
+//! | [`window`] | the event loop, keys and their times, a window that is lost |
+//! | [`analysis`] | files in, the results out |
+//! | [`explore`], [`demo`] | every stimulus; shaders beside each other |
+//! | [`session`] | preflight, instructions, trials, the end |
+//! | [`display`] | tools that measure the screen |
+//! | [`start`] | Home and its form |
 
 mod analysis;
-mod blit;
 pub mod demo;
-mod dialog;
 mod display;
-mod event_loop;
 mod explore;
-mod finish;
-mod form;
-mod frames;
-mod hasher;
-mod home;
-mod input;
-mod loss;
-mod monitor;
-mod pages;
-mod pixels;
-mod platform;
-mod preflight;
-mod scale;
 mod session;
-mod theme;
-mod trouble;
-mod work;
+mod start;
+mod ui;
+mod window;
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-    time::Instant,
-};
+use std::{path::PathBuf, time::Instant};
 
-use eframe::{
-    egui::{self, ViewportBuilder, ViewportCommand},
-    egui_wgpu::WgpuSetup,
-    wgpu::DeviceDescriptor,
-};
+use eframe::egui::{self, ViewportCommand};
 
-use crate::{
-    display::DisplayProfile,
-    experiment::{Identity, Protocol},
-    shading::gpu,
-};
+use session::Runner;
+use start::{Destination, Form, Home};
+use ui::{Step, dialog, pixels, platform, screen as monitor, today, work};
+use window::{Input, Program};
 
 pub use display::timing;
-pub use monitor::Monitor;
+pub use session::Request;
+pub use ui::Monitor;
+pub use window::WindowError;
+
+/// Names by which pages still ask for parts of [`ui`].
+mod theme {
+    pub use super::ui::{
+        fault, heading, page, page_from, primary, quiet,
+        theme::{COLUMN, FAULT, GOOD, NOTE, PAGE, QUIET, compact},
+        tick as mark,
+    };
+}
+mod form {
+    pub use super::ui::number as parse;
+}
+use Step as Go;
 
 /// How the window starts.
 #[derive(Debug, Default)]
@@ -56,70 +53,13 @@ pub struct Launch {
     pub request: Option<Request>,
 }
 
-/// A session that is to be run, with everything checked that can be checked before the screen is known.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// The definition.
-    pub protocol: Protocol,
-    /// Whose session.
-    pub identity: Identity,
-    /// Seed of the order; `None` for a fresh one, or on resume the one it had.
-    pub seed: Option<u64>,
-    /// Results folder.
-    pub results: PathBuf,
-    /// What is known of the screen.
-    pub display: DisplayProfile,
-    /// Eye to screen, cm.
-    pub distance_cm: f64,
-    /// Width of the screen in cm; `None` to assume 96 pixels an inch.
-    pub screen_width_cm: Option<f64>,
-    /// Go on with an interrupted session.
-    pub resume: bool,
-    /// In a window instead of the full screen.
-    pub windowed: bool,
-}
-
-/// Why there is no window.
-#[derive(Debug, thiserror::Error)]
-pub enum WindowError {
-    /// No display to open a window on.
-    #[error(
-        "display: no window can be opened, since neither DISPLAY nor WAYLAND_DISPLAY is set; expected a desktop session (without one, `machband simulate` runs sessions with a simulated observer)"
-    )]
-    NoDisplay,
-    /// The window system or the graphics driver refused.
-    #[error(
-        "display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)"
-    )]
-    Refused(String),
-    /// The window system or the graphics driver went away while the window was open.
-    #[error("{}", lost(reason, rows.as_deref()))]
-    Lost {
-        /// What they said.
-        reason: String,
-        /// Where the rows of the session are that ran.
-        rows: Option<PathBuf>,
-    },
-}
-
-fn lost(reason: &str, rows: Option<&Path>) -> String {
-    let (place, kept) = match rows {
-        Some(rows) => (
-            rows.display().to_string(),
-            "every answer that was saved is there; expected the same command with --resume, or Home with the same participant and session, to go on",
-        ),
-        None => ("display".to_owned(), "expected a window system and graphics that stay"),
-    };
-    format!("{place}: the window was lost ({reason}); {kept}")
-}
-
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
 /// [`WindowError`] where there is no display, or no graphics.
 pub fn open(launch: Launch) -> Result<(), WindowError> {
     let fullscreen = launch.request.as_ref().is_some_and(|request| !request.windowed);
-    window(fullscreen, |cc| App::new(cc, launch))
+    window::open(fullscreen, |cc, input| App { input, ..App::new(cc, launch) })
 }
 
 /// Opens a window that measures its frames, and returns when it is closed.
@@ -127,91 +67,32 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
 /// # Errors
 /// [`WindowError`] where there is no display, or no graphics.
 pub fn time(request: timing::TimingRequest) -> Result<(), WindowError> {
-    window(request.fullscreen, |cc| App::timing(cc, request))
-}
-
-fn window(
-    fullscreen: bool,
-    app: impl FnOnce(&eframe::CreationContext<'_>) -> App + 'static,
-) -> Result<(), WindowError> {
-    let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    if cfg!(target_os = "linux") && !set("DISPLAY") && !set("WAYLAND_DISPLAY") {
-        return Err(WindowError::NoDisplay);
-    }
-    let stamps = input::Stamps::default();
-    let input = input::Input::hearing(stamps.clone());
-    event_loop::run(options(fullscreen), stamps, loss::Shared::new(|cc| App { input, ..app(cc) }))
-}
-
-/// Least size of the window, outside sessions, in points.
-const LEAST_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
-
-fn options(fullscreen: bool) -> eframe::NativeOptions {
-    let mut options = eframe::NativeOptions {
-        viewport: ViewportBuilder::default()
-            .with_title("machband")
-            .with_inner_size([1100.0, 860.0])
-            .with_min_inner_size(LEAST_SIZE)
-            .with_fullscreen(fullscreen),
-        // egui's dither adds noise to every pixel, stimulus included.
-        dithering: false,
-        ..Default::default()
-    };
-    // All that the graphics card has: eframe's own choice leaves OpenGL without what the shaders read.
-    if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
-        setup.device_descriptor = Arc::new(|adapter| DeviceDescriptor {
-            label: Some("machband"),
-            required_limits: gpu::limits(adapter),
-            ..Default::default()
-        });
-    }
-    // One frame in flight: an image reaches the screen as soon as the system allows.
-    options.wgpu_options.surface.desired_maximum_frame_latency = Some(1);
-    options
-}
-
-/// The day, by the system's clock.
-fn today() -> jiff::civil::Date {
-    jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
+    window::open(request.fullscreen, |cc, input| App { input, ..App::timing(cc, request) })
 }
 
 /// What the window shows.
 enum Page {
-    Home(Box<home::Home>),
-    Preflight(Box<preflight::Preflight>),
-    Session(Box<session::SessionPage>),
-    Finish(Box<finish::Finish>),
+    Home(Box<Home>),
+    Session(Box<Runner>),
     Gallery(Box<explore::gallery::Gallery>),
-    Demo(Box<demo::Demo>),
+    Shading(Box<demo::Demo>),
     Display(Box<display::Display>),
     Analysis(Box<analysis::Analysis>),
     Timing(Box<timing::TimingPage>),
 }
 
-/// Where a page leads.
-enum Go {
-    /// Nowhere yet.
-    Stay,
-    /// Home, or out of the program where it began with a session.
-    Back,
-    /// On to a page.
-    To(Page),
-    /// To a page that leads back here.
-    Aside(Page),
-}
-
 /// The program's window.
 pub struct App {
     page: Page,
-    /// Where the page leads back to, if not Home.
+    /// The page that the analysis leads back to, if not Home.
     behind: Option<Page>,
     /// Started with a session: leaving it closes the window.
     direct: bool,
     monitors: Vec<Monitor>,
     /// Home's fields as they were left, to come back to.
-    form: form::Form,
+    form: Form,
     /// Keys and clicks with the time of their arrival.
-    input: input::Input,
+    input: Input,
 }
 
 impl App {
@@ -219,7 +100,7 @@ impl App {
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
         let direct = launch.request.is_some();
         let page = match launch.request {
-            Some(request) => Page::Preflight(Box::new(preflight::Preflight::new(request))),
+            Some(request) => Page::Session(Box::new(Runner::new(request))),
             None => Page::Home(Box::default()),
         };
         Self::at(cc, page, direct)
@@ -231,62 +112,96 @@ impl App {
     }
 
     fn at(cc: &eframe::CreationContext<'_>, page: Page, direct: bool) -> Self {
-        theme::apply(&cc.egui_ctx);
-        blit::install(cc);
-        let (form, input) = (form::Form::default(), input::Input::default());
+        ui::theme::apply(&cc.egui_ctx);
+        ui::blit::install(cc);
+        let (form, input) = (Form::default(), Input::default());
         Self { page, behind: None, direct, monitors: Vec::new(), form, input }
+    }
+
+    /// Draws the page, and gives the one that it leads to.
+    fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) -> Step<Page> {
+        let monitor = Monitor::current(ui.ctx(), frame);
+        match &mut self.page {
+            Page::Home(home) => {
+                self.monitors = Monitor::all(frame);
+                let step = home.show(ui, &monitor, &self.monitors);
+                self.form = home.form().clone();
+                step.map(|destination| self.page_of(destination))
+            }
+            Page::Session(session) => {
+                let step = session.show(ui, &monitor, &mut self.input, self.direct);
+                step.map(|data_set| Page::Analysis(Box::new(analysis::Analysis::of(ui.ctx(), data_set))))
+            }
+            Page::Gallery(gallery) => gallery.show(ui).widen(),
+            Page::Shading(demo) => demo.show(ui, frame.wgpu_render_state()).widen(),
+            Page::Display(display) => {
+                let step = display.show(ui, &monitor);
+                self.form.screen = display.form().clone();
+                step.widen()
+            }
+            Page::Analysis(analysis) => analysis.show(ui).widen(),
+            Page::Timing(timing) => Step::back_if(timing.show(ui, &monitor, frame.wgpu_render_state())),
+        }
+    }
+
+    fn page_of(&self, destination: Destination) -> Page {
+        match destination {
+            Destination::Session(request) => Page::Session(Box::new(Runner::new(*request))),
+            Destination::Display { window_deg } => {
+                Page::Display(Box::new(display::Display::new(self.form.screen.clone(), window_deg)))
+            }
+            Destination::Gallery(profile, distance_cm) => {
+                Page::Gallery(Box::new(explore::gallery::Gallery::new(profile, distance_cm)))
+            }
+            Destination::Shading => Page::Shading(Box::default()),
+            Destination::Analysis(results) => Page::Analysis(Box::new(analysis::Analysis::new(&results))),
+        }
+    }
+
+    /// The page that a page leads back to; `None` to close the window.
+    fn page_behind(&mut self) -> Option<Page> {
+        if let Some(page) = self.behind.take() {
+            return Some(page);
+        }
+        if self.direct {
+            return None;
+        }
+        let mut form = self.form.clone();
+        if matches!(&self.page, Page::Session(session) if session.is_complete()) {
+            // The next participant; an interrupted session stays, to be resumed.
+            form.participant.clear();
+        }
+        Some(Page::Home(Box::new(Home::again(form))))
+    }
+
+    /// A window that closes while an answer is only in memory would lose it.
+    fn keep_unsaved(&self, ctx: &egui::Context) {
+        let unsaved = matches!(&self.page, Page::Session(session) if session.is_unsaved());
+        if unsaved && ctx.input(|input| input.viewport().close_requested()) {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+        }
     }
 }
 
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         self.input.frame(ui.input(|input| input.time), Instant::now());
-        let monitor = Monitor::current(ui.ctx(), frame);
-        if let Page::Home(_) = self.page {
-            self.monitors = Monitor::all(frame);
-        }
-        let go = match &mut self.page {
-            Page::Home(home) => home.show(ui, &monitor, &self.monitors),
-            Page::Preflight(preflight) => preflight.show(ui, &monitor),
-            Page::Session(session) => session.show(ui, &monitor, &mut self.input),
-            Page::Finish(finish) => finish.show(ui, self.direct),
-            Page::Gallery(gallery) => gallery.show(ui),
-            Page::Demo(demo) => demo.show(ui, frame.wgpu_render_state()),
-            Page::Display(display) => display.show(ui, &monitor),
-            Page::Analysis(analysis) => analysis.show(ui),
-            Page::Timing(timing) => {
-                if timing.show(ui, &monitor, frame.wgpu_render_state()) {
-                    timing::TimingPage::leave(ui.ctx());
+        let next = match self.draw(ui, frame) {
+            Step::Stay => None,
+            Step::Next(page) => Some(page),
+            Step::Back => match self.page_behind() {
+                Some(page) => Some(page),
+                None => {
+                    ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+                    None
                 }
-                Go::Stay
-            }
+            },
         };
-        match &self.page {
-            Page::Home(home) => self.form = home.form().clone(),
-            Page::Display(display) => self.form = display.form().clone(),
-            _ => {}
-        }
-        match go {
-            Go::Stay => {}
-            Go::To(page) => self.turn_to(ui.ctx(), page),
-            Go::Aside(page) => {
-                self.behind = Some(std::mem::replace(&mut self.page, page));
-                ui.ctx().request_repaint();
-            }
-            Go::Back if self.behind.is_some() => {
-                if let Some(page) = self.behind.take() {
-                    self.turn_to(ui.ctx(), page);
-                }
-            }
-            Go::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
-            Go::Back => {
-                let mut form = self.form.clone();
-                if matches!(&self.page, Page::Finish(finish) if finish.complete) {
-                    // The next participant; an interrupted one stays, to be resumed.
-                    form.participant.clear();
-                }
-                self.turn_to(ui.ctx(), Page::Home(Box::new(home::Home::again(form))));
-            }
+        if let Some(page) = next {
+            let left = std::mem::replace(&mut self.page, page);
+            // From the end of a session, the analysis leads back to it.
+            self.behind = Some(left).filter(|left| matches!((left, &self.page), (Page::Session(_), Page::Analysis(_))));
+            ui.ctx().request_repaint();
         }
         self.keep_unsaved(ui.ctx());
     }
@@ -302,30 +217,15 @@ impl eframe::App for App {
             Page::Session(session) => session.ground(),
             Page::Timing(timing) => timing.ground(),
             Page::Display(display) => display.ground(),
-            _ => theme::PAGE,
+            _ => ui::theme::PAGE,
         };
         ground.to_normalized_gamma_f32()
     }
 }
 
-impl App {
-    /// Ends a session that runs; gives the file of its rows.
+impl Program for App {
     fn close(&mut self) -> Option<PathBuf> {
         let Page::Session(session) = &mut self.page else { return None };
-        session.close();
-        Some(session.csv().to_owned())
-    }
-
-    fn turn_to(&mut self, ctx: &egui::Context, page: Page) {
-        self.page = page;
-        ctx.request_repaint();
-    }
-
-    /// A window that closes while an answer is only in memory would lose it.
-    fn keep_unsaved(&self, ctx: &egui::Context) {
-        let unsaved = matches!(&self.page, Page::Session(session) if session.is_unsaved());
-        if unsaved && ctx.input(|input| input.viewport().close_requested()) {
-            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-        }
+        session.close().map(ToOwned::to_owned)
     }
 }

@@ -10,8 +10,8 @@ use super::{
     look, words,
 };
 use crate::app::{
-    finish::{COLORS, MARKERS},
     theme,
+    ui::theme::{MARKERS, SERIES as COLORS},
 };
 
 /// Most points of a plot's sides.

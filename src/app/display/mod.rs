@@ -21,12 +21,12 @@ use self::{
 use super::{
     Go, Monitor,
     dialog::{Ask, Dialog},
-    form::{Form, parse},
-    theme, today,
+    theme,
+    ui::{ScreenFields, number as parse, today},
 };
 use crate::{
     display::{DisplayProfile, Screen, Viewing},
-    store::{StoreError, definition, profile},
+    store::{StoreError, profile},
 };
 
 /// Where a tool leads.
@@ -71,7 +71,9 @@ enum Tool {
 /// The page.
 pub struct Display {
     /// Home's fields: the profile's path, the screen's width and the distance are set here too.
-    form: Form,
+    form: ScreenFields,
+    /// Side of the planned stimulus, degrees.
+    window_deg: f64,
     /// The path that `profile` was read from, and what was found there.
     read: Option<(String, Result<DisplayProfile, String>)>,
     tool: Option<Tool>,
@@ -84,12 +86,12 @@ pub struct Display {
 
 impl Display {
     /// The tools, with what Home's fields say.
-    pub fn new(form: Form) -> Self {
-        Self { form, read: None, tool: None, dialog: Dialog::default(), saved: None, paused: None }
+    pub fn new(form: ScreenFields, window_deg: f64) -> Self {
+        Self { form, window_deg, read: None, tool: None, dialog: Dialog::default(), saved: None, paused: None }
     }
 
     /// Home's fields, as they are now.
-    pub fn form(&self) -> &Form {
+    pub fn form(&self) -> &ScreenFields {
         &self.form
     }
 
@@ -230,10 +232,8 @@ const TOOLS: &[Entry] = &[
         "Size and distance",
         "How wide the screen is, by a bank card or typed; what a degree is on it, and whether the stimulus fits.",
         |display, _, _| {
-            let window_deg =
-                definition::open(&display.form.experiment).map_or(10.0, |protocol| protocol.viewing.window_deg);
             let (width, distance) = (display.form.screen_width_cm.clone(), display.form.distance_cm.clone());
-            Tool::Geometry(Box::new(GeometryPane::new(width, distance, window_deg)))
+            Tool::Geometry(Box::new(GeometryPane::new(width, distance, display.window_deg)))
         },
     ),
     (

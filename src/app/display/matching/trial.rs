@@ -164,7 +164,7 @@ impl Trials {
         }
         let Some((_, _, texture)) = &self.shown else { return };
         let area = ui.ctx().content_rect();
-        pixels::draw_centred(ui, texture, size, area);
+        pixels::draw_centered(ui, texture, area);
         let response = ui.interact(area, ui.scope_id().with("field"), egui::Sense::hover());
         let label = describe(&stimulus);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &label));

@@ -169,7 +169,7 @@ impl Trial {
         let shown = frame % (FIELD_FRAMES + STIMULUS_FRAMES) >= FIELD_FRAMES;
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
             if let Some((_, texture)) = self.picture.as_ref().filter(|_| shown) {
-                pixels::draw_centred(ui, texture, STIMULUS_PX, ui.ctx().content_rect());
+                pixels::draw_centered(ui, texture, ui.ctx().content_rect());
             }
         });
     }

@@ -260,7 +260,7 @@ impl Gallery {
         let room = ui.available_width();
         let texture = self.prediction.texture(stimulus, *size).unwrap_or(&shown.texture);
         egui::ScrollArea::horizontal().id_salt("stimulus").show(ui, |ui| {
-            pixels::picture(ui, texture, *size, catalog::all()[self.entry].title);
+            pixels::picture(ui, texture, catalog::all()[self.entry].title);
         });
         self.prediction.show(ui, stimulus, *size);
         ui.add_space(8.0);

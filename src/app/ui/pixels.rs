@@ -2,13 +2,16 @@
 //!
 //! A texture drawn at physical pixels, without filtering and tint, reaches the screen byte for byte.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use eframe::egui::{
-    self, Color32, ColorImage, Pos2, Rect, TextureHandle, TextureId, TextureOptions, Vec2, epaint::ImageDelta,
+    self, Color32, ColorImage, Pos2, Rect, Sense, TextureHandle, TextureId, TextureOptions, Vec2, epaint::ImageDelta,
 };
 
-use super::blit::{self, Part};
+use super::{
+    blit::{self, Part},
+    text::describe,
+};
 use crate::{
     light::{CodeImage, Quantizer},
     stimulus::Stimulus,
@@ -66,64 +69,44 @@ impl Canvas {
     }
 }
 
-/// The colour of a uniform field of linear light.
+/// The color of a uniform field of linear light.
 pub fn field(quantizer: &Quantizer, light: [f32; 3]) -> Color32 {
     let [r, g, b] = quantizer.codes(light).map(|code| code.min(255) as u8);
     Color32::from_rgb(r, g, b)
 }
 
-/// Draws a texture of `size` physical pixels one to one, its corner on a whole pixel, centred in `area`.
-pub fn draw_centred(ui: &egui::Ui, texture: &TextureHandle, size: u32, area: Rect) {
-    let scale = ui.ctx().pixels_per_point();
-    let corner = |low: f32, high: f32| (((low + high) * scale - size as f32) / 2.0).floor() / scale;
-    let min = Pos2::new(corner(area.min.x, area.max.x), corner(area.min.y, area.max.y));
-    draw_at(ui, texture, size, min);
-}
-
-/// Draws a texture of `size` physical pixels one to one with its upper left corner at `min`, a whole pixel.
-fn draw_at(ui: &egui::Ui, texture: &TextureHandle, size: u32, min: Pos2) {
-    if blit::draw(ui, texture.id(), part(ui, [size; 2], 0..size, min)) {
-        return;
-    }
-    let side = size as f32 / ui.ctx().pixels_per_point();
-    let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-    ui.painter().image(texture.id(), Rect::from_min_size(min, Vec2::splat(side)), whole, Color32::WHITE);
-}
-
-/// Reserves room for a picture of `size` physical pixels in a page, and draws it there. `label` tells what it shows to
-/// someone who does not see it.
-pub fn picture(ui: &mut egui::Ui, texture: &TextureHandle, size: u32, label: &str) -> egui::Response {
-    let side = size as f32 / ui.ctx().pixels_per_point();
-    let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), egui::Sense::hover());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, label));
-    draw_centred(ui, texture, size, rect);
+/// Reserves room for a picture in a page and draws it there, pixel for pixel. `label` tells what it shows to someone who
+/// does not see it.
+pub fn picture(ui: &mut egui::Ui, texture: &TextureHandle, label: &str) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(texture.size_vec2() / ui.ctx().pixels_per_point(), Sense::hover());
+    describe(&response, label);
+    draw_centered(ui, texture, rect);
     response
+}
+
+/// Draws a texture pixel for pixel, its corner on a whole pixel, centered in `area`.
+pub fn draw_centered(ui: &egui::Ui, texture: &TextureHandle, area: Rect) {
+    let scale = ui.ctx().pixels_per_point();
+    let corner = ((area.min + area.max.to_vec2()).to_vec2() * scale - texture.size_vec2()) / 2.0;
+    let size = texture.size().map(|side| side as u32);
+    draw_columns(ui, texture.id(), size, 0..size[0], (corner.floor() / scale).to_pos2());
 }
 
 /// Draws the columns `columns` of a texture of `size` physical pixels one to one, the texture's upper left corner at
 /// `min`, a whole pixel.
-pub fn draw_columns(ui: &egui::Ui, texture: TextureId, size: [u32; 2], columns: std::ops::Range<u32>, min: Pos2) {
+pub fn draw_columns(ui: &egui::Ui, texture: TextureId, size: [u32; 2], columns: Range<u32>, min: Pos2) {
     if columns.is_empty() {
-        return;
-    }
-    if blit::draw(ui, texture, part(ui, size, columns.clone(), min)) {
         return;
     }
     let scale = ui.ctx().pixels_per_point();
     let [width, height] = size.map(|side| side as f32);
     let [from, to] = [columns.start as f32, columns.end as f32];
+    let corner = (min.to_vec2() * scale).round();
+    let part = Part { at: [corner.x + from, corner.y], from: [from, 0.0], size: [to - from, height] };
+    if blit::draw(ui, texture, part) {
+        return;
+    }
     let rect = Rect::from_min_max(min + Vec2::new(from, 0.0) / scale, min + Vec2::new(to, height) / scale);
     let part = Rect::from_min_max(Pos2::new(from / width, 0.0), Pos2::new(to / width, 1.0));
     ui.painter().image(texture, rect, part, Color32::WHITE);
-}
-
-/// The columns `columns` of a picture of `size` physical pixels whose upper left corner is at `min`, a whole pixel.
-fn part(ui: &egui::Ui, size: [u32; 2], columns: std::ops::Range<u32>, min: Pos2) -> Part {
-    let corner = (min.to_vec2() * ui.ctx().pixels_per_point()).round();
-    let from = columns.start as f32;
-    Part {
-        at: [corner.x + from, corner.y],
-        from: [from, 0.0],
-        size: [(columns.end - columns.start) as f32, size[1] as f32],
-    }
 }

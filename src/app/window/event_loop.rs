@@ -1,4 +1,4 @@
-//! The event loop: eframe's, with an ear of our own before it.
+//! The event loop: eframe's, with keys and clicks stamped before they are handed to it.
 
 use std::{
     mem::ManuallyDrop,
@@ -17,9 +17,9 @@ use winit::{
 };
 
 use super::{
-    WindowError,
+    error::WindowError,
     input::{Pressed, Stamps},
-    loss::{Loss, Shared},
+    program::{Loss, Shared},
 };
 
 /// A loop that comes back from waiting this late had nothing to do, and was woken by what it then finds.
@@ -30,62 +30,68 @@ const SLEPT: Duration = Duration::from_micros(500);
 /// # Errors
 /// [`WindowError::Refused`] with the reason of the window system or the graphics driver; [`WindowError::Lost`] where one
 /// of them has gone meanwhile.
-pub fn run(options: NativeOptions, stamps: Stamps, app: Shared) -> Result<(), WindowError> {
+pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<(), WindowError> {
     let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
-    overhear();
+    listen_to_log();
     let events = EventLoop::<UserEvent>::with_user_event().build().map_err(|error| refused(&error))?;
-    let (loss, creator) = (app.loss(), app.creator());
-    loss.catch_panics();
-    app.prepare_last_words();
+    let (loss, creator) = (program.loss().clone(), program.creator());
+    Loss::catch_panics();
+    program.report_at_exit();
     let inner = eframe::create_native("machband", options, creator, &events);
     // What is broken is not taken apart: its parts would ask a window system or a graphics card that is gone.
-    let mut ear =
-        ManuallyDrop::new(Ear { inner, app, stamps, looked: None, idle_since: None, unseen_since: Instant::now() });
-    let ran = panic::catch_unwind(AssertUnwindSafe(|| events.run_app(&mut *ear)));
+    let mut handler = ManuallyDrop::new(Handler {
+        inner,
+        program,
+        stamps,
+        polled: None,
+        idle_since: None,
+        unseen_since: Instant::now(),
+    });
+    let ran = panic::catch_unwind(AssertUnwindSafe(|| events.run_app(&mut *handler)));
     match &ran {
-        Err(_) => loss.tell_panic(),
-        Ok(Err(error)) if ear.app.is_open() => loss.tell(error.to_string()),
+        Err(_) => loss.report_panic(),
+        Ok(Err(error)) if handler.program.is_open() => loss.report(error.to_string()),
         Ok(_) => {}
     }
-    ear.app.forget_last_words();
+    handler.program.forget_exit();
     if let Some(reason) = loss.reason() {
-        let rows = ear.app.close();
+        let rows = handler.program.close();
         return Err(WindowError::Lost { reason, rows });
     }
-    ManuallyDrop::into_inner(ear).app.close();
+    ManuallyDrop::into_inner(handler).program.close();
     if let Ok(Err(error)) = ran {
         return Err(refused(&error));
     }
-    // eframe tells why it stopped in its log alone.
-    match OVERHEARD.lock().unwrap_or_else(PoisonError::into_inner).take() {
+    // eframe says why it stopped in its log alone.
+    match LOGGED.lock().unwrap_or_else(PoisonError::into_inner).take() {
         Some(reason) => Err(WindowError::Refused(reason)),
         None => Ok(()),
     }
 }
 
 /// Stamps keys and clicks, and hands everything on.
-struct Ear<'a> {
+struct Handler<'a> {
     inner: EframeWinitApplication<'a>,
     /// The program in the window, to be closed where the window is lost.
-    app: Shared,
+    program: Shared,
     stamps: Stamps,
     /// When this round had asked for all that had arrived: where its drawing began. `None` until then.
-    looked: Option<Instant>,
+    polled: Option<Instant>,
     /// When the last round was over.
     idle_since: Option<Instant>,
     /// Since when nobody has looked at what arrives.
     unseen_since: Instant,
 }
 
-impl<'a> Ear<'a> {
+impl<'a> Handler<'a> {
     /// Hands an event on, unless window or graphics are lost: then the session is closed, and the loop ends.
     fn hand_on(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
-        let loss: Loss = self.app.loss();
+        let loss = self.program.loss();
         if loss.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
-            loss.tell_panic();
+            loss.report_panic();
         }
         if loss.reason().is_some() {
-            self.app.close();
+            self.program.close();
             events.exit();
         }
     }
@@ -94,15 +100,15 @@ impl<'a> Ear<'a> {
     /// to do, has just woken it.
     fn wake(&mut self, now: Instant) {
         let slept = self.idle_since.is_some_and(|since| now.saturating_duration_since(since) > SLEPT);
-        self.unseen_since = if slept { now } else { self.looked.take().unwrap_or(now) };
-        self.looked = None;
+        self.unseen_since = if slept { now } else { self.polled.take().unwrap_or(now) };
+        self.polled = None;
     }
 
-    fn hear(&mut self, event: &WindowEvent) {
+    fn stamp(&mut self, event: &WindowEvent) {
         let now = Instant::now();
         let pressed = match event {
             WindowEvent::RedrawRequested => {
-                self.looked.get_or_insert(now);
+                self.polled.get_or_insert(now);
                 return;
             }
             WindowEvent::KeyboardInput { event, is_synthetic: false, .. }
@@ -127,21 +133,21 @@ fn key(physical: PhysicalKey) -> Option<Key> {
     short.filter(|short| short.len() == 1).and_then(Key::from_name)
 }
 
-impl ApplicationHandler<UserEvent> for Ear<'_> {
+impl ApplicationHandler<UserEvent> for Handler<'_> {
     fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
         self.wake(Instant::now());
         self.hand_on(events, |inner| inner.new_events(events, cause));
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
-        self.hear(&event);
+        self.stamp(&event);
         self.hand_on(events, |inner| inner.window_event(events, window, event));
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         self.hand_on(events, |inner| inner.about_to_wait(events));
         let now = Instant::now();
-        self.looked.get_or_insert(now);
+        self.polled.get_or_insert(now);
         self.idle_since = Some(now);
     }
 
@@ -171,7 +177,7 @@ impl ApplicationHandler<UserEvent> for Ear<'_> {
 }
 
 /// Why eframe gave up.
-static OVERHEARD: Mutex<Option<String>> = Mutex::new(None);
+static LOGGED: Mutex<Option<String>> = Mutex::new(None);
 /// What eframe's log says before the reason.
 const GAVE_UP: &str = "Exiting because of error: ";
 
@@ -186,14 +192,14 @@ impl log::Log for Listener {
         if self.enabled(record.metadata())
             && let Some(reason) = record.args().to_string().strip_prefix(GAVE_UP)
         {
-            *OVERHEARD.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason.to_owned());
+            *LOGGED.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason.to_owned());
         }
     }
 
     fn flush(&self) {}
 }
 
-fn overhear() {
+fn listen_to_log() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // A program that has a log of its own keeps it, and then knows the reason.

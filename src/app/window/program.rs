@@ -1,5 +1,5 @@
-//! When the graphics card or the window system goes in the middle: what is recorded is on disk, the sitting is closed, and
-//! one sentence says how to go on.
+//! The program in the window, and what happens when the graphics card or the window system goes away under it: what is
+//! recorded is on disk, the sitting is closed, and one sentence says how to resume.
 
 use std::{
     cell::{Cell, RefCell},
@@ -12,65 +12,71 @@ use std::{
 
 use eframe::{AppCreator, CreationContext, egui, wgpu::DeviceLostReason};
 
-use super::{App, WindowError};
+use super::error::WindowError;
 
-/// Why window or graphics are lost, once they are.
+/// What runs in the window.
+pub trait Program: eframe::App {
+    /// Ends a session that runs; gives the file of its rows.
+    fn close(&mut self) -> Option<PathBuf>;
+}
+
+/// Why window or graphics were lost, once they are.
 #[derive(Clone, Debug, Default)]
 pub struct Loss(Arc<Mutex<Option<String>>>);
 
 thread_local! {
-    /// What the last panic of this thread said, where panics are caught.
+    /// The message of the last panic of this thread, where panics are caught.
     static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
     static CAUGHT: Cell<bool> = const { Cell::new(false) };
     /// The system drops this where a library ends the program by itself, as Xlib does when its server is gone.
-    static LAST_WORDS: RefCell<Option<LastWords>> = const { RefCell::new(None) };
+    static AT_EXIT: RefCell<Option<AtExit>> = const { RefCell::new(None) };
 }
 
 impl Loss {
-    /// The first reason that was told.
+    /// The first reason that was reported.
     pub fn reason(&self) -> Option<String> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Window or graphics are lost.
-    pub fn tell(&self, reason: String) {
+    pub fn report(&self, reason: String) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
     }
 
     /// The libraries under the window panic where graphics or window system are gone. From here on a panic of this
-    /// thread is kept for [`Loss::tell_panic`] and not printed.
-    pub fn catch_panics(&self) {
+    /// thread is kept for [`Loss::report_panic`] and not printed.
+    pub fn catch_panics() {
         CAUGHT.set(true);
         let before = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
             if !CAUGHT.get() {
                 return before(info);
             }
-            let said = info.payload_as_str().unwrap_or("no reason given").replace('\n', " ");
+            let message = info.payload_as_str().unwrap_or("no reason given").replace('\n', " ");
             let place = info.location().map(|place| format!(", {}:{}", file_name(place.file()), place.line()));
-            PANIC.set(Some(format!("{}{}", said.trim(), place.unwrap_or_default())));
+            PANIC.set(Some(format!("{}{}", message.trim(), place.unwrap_or_default())));
         }));
     }
 
     /// A panic was caught. Where the graphics card was lost before, that is its reason.
-    pub fn tell_panic(&self) {
-        self.tell(PANIC.take().unwrap_or_else(|| "no reason given".to_owned()));
+    pub fn report_panic(&self) {
+        self.report(PANIC.take().unwrap_or_else(|| "no reason given".to_owned()));
     }
 
-    /// Hears of the graphics card's end and of whatever else goes wrong with it.
-    pub fn watch(&self, cc: &CreationContext<'_>) {
+    /// Watches for the graphics card's end and whatever else goes wrong with it.
+    fn watch(&self, cc: &CreationContext<'_>) {
         let Some(state) = &cc.wgpu_render_state else { return };
         let (lost, wrong) = (self.clone(), self.clone());
         let (ctx, other) = (cc.egui_ctx.clone(), cc.egui_ctx.clone());
         state.device.set_device_lost_callback(move |reason, message| {
             // The program's own end destroys it too.
             if reason != DeviceLostReason::Destroyed {
-                lost.tell(format!("the graphics card is gone: {}", message.trim()));
+                lost.report(format!("the graphics card is gone: {}", message.trim()));
                 ctx.request_repaint();
             }
         });
         state.device.on_uncaptured_error(Arc::new(move |error| {
-            wrong.tell(format!("the graphics card: {}", error.to_string().replace('\n', " ").trim()));
+            wrong.report(format!("the graphics card: {}", error.to_string().replace('\n', " ").trim()));
             other.request_repaint();
         }));
     }
@@ -83,22 +89,22 @@ fn file_name(path: &str) -> &str {
 /// The program in the window, which the event loop can close where the window no longer can.
 #[derive(Clone)]
 pub struct Shared {
-    app: Rc<RefCell<Option<App>>>,
+    program: Rc<RefCell<Option<Box<dyn Program>>>>,
     make: Rc<Cell<Option<Make>>>,
     loss: Loss,
 }
 
-type Make = Box<dyn FnOnce(&CreationContext<'_>) -> App>;
+type Make = Box<dyn FnOnce(&CreationContext<'_>) -> Box<dyn Program>>;
 
 impl Shared {
     /// A program that is made when there is a window.
-    pub fn new(make: impl FnOnce(&CreationContext<'_>) -> App + 'static) -> Self {
-        Self { app: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), loss: Loss::default() }
+    pub fn new(make: impl FnOnce(&CreationContext<'_>) -> Box<dyn Program> + 'static) -> Self {
+        Self { program: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), loss: Loss::default() }
     }
 
     /// Whether window or graphics are lost.
-    pub fn loss(&self) -> Loss {
-        self.loss.clone()
+    pub fn loss(&self) -> &Loss {
+        &self.loss
     }
 
     /// Makes the program.
@@ -106,37 +112,37 @@ impl Shared {
         let shared = self.clone();
         Box::new(move |cc| {
             shared.loss.watch(cc);
-            shared.app.replace(shared.make.take().map(|make| make(cc)));
+            shared.program.replace(shared.make.take().map(|make| make(cc)));
             Ok(Box::new(shared))
         })
     }
 
-    /// From here on the program does not end without a word.
-    pub fn prepare_last_words(&self) {
-        LAST_WORDS.set(Some(LastWords(self.clone())));
+    /// From here on the program does not end without a message.
+    pub fn report_at_exit(&self) {
+        AT_EXIT.set(Some(AtExit(self.clone())));
     }
 
     /// The window has ended in order, or somebody else says why not.
-    pub fn forget_last_words(&self) {
-        mem::forget(LAST_WORDS.take());
+    pub fn forget_exit(&self) {
+        mem::forget(AT_EXIT.take());
     }
 
     /// Whether there has been a window.
     pub fn is_open(&self) -> bool {
-        self.app.try_borrow().map_or(true, |app| app.is_some())
+        self.program.try_borrow().map_or(true, |program| program.is_some())
     }
 
     /// Ends a session that runs; gives the file of its rows.
     pub fn close(&self) -> Option<PathBuf> {
         // Borrowed only while it draws, which a caught panic has ended.
-        self.app.try_borrow_mut().ok()?.as_mut()?.close()
+        self.program.try_borrow_mut().ok()?.as_mut()?.close()
     }
 }
 
 impl eframe::App for Shared {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
-        if let Some(app) = &mut *self.app.borrow_mut() {
-            app.ui(ui, frame);
+        if let Some(program) = &mut *self.program.borrow_mut() {
+            program.ui(ui, frame);
         }
     }
 
@@ -145,17 +151,17 @@ impl eframe::App for Shared {
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
-        self.app.borrow().as_ref().map_or([0.0; 4], |app| app.clear_color(visuals))
+        self.program.borrow().as_ref().map_or([0.0; 4], |program| program.clear_color(visuals))
     }
 }
 
-struct LastWords(Shared);
+struct AtExit(Shared);
 
-impl Drop for LastWords {
+impl Drop for AtExit {
     fn drop(&mut self) {
         let rows = self.0.close();
         let reason = self.0.loss.reason().unwrap_or_else(|| "the window system is gone".to_owned());
-        // Where nobody listens, the exit status still tells.
+        // Where stderr is closed, the exit status still tells.
         let _ = writeln!(std::io::stderr(), "error: {}", WindowError::Lost { reason, rows });
     }
 }

@@ -3,7 +3,7 @@
 use jiff::civil::Date;
 
 use crate::{
-    app::{Monitor, platform::Platform},
+    app::ui::{Monitor, platform::Platform},
     display::DisplayProfile,
     experiment::{Condition, Protocol},
     store::sidecar::PreflightNote,

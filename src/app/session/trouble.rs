@@ -4,10 +4,7 @@ use std::path::PathBuf;
 
 use eframe::egui;
 
-use super::{
-    dialog::{Ask, Dialog},
-    theme,
-};
+use crate::app::ui::{self, Ask, Dialog};
 
 /// The page.
 pub struct Trouble {
@@ -43,13 +40,13 @@ impl Trouble {
         if let Some(path) = self.dialog.take() {
             self.folder = path.display().to_string();
         }
-        theme::page(ui, |ui| {
+        ui::page(ui, |ui| {
             let mut remedy = Remedy::None;
             ui.heading("The last answer could not be saved");
-            theme::fault(ui, &self.what);
+            ui::fault(ui, &self.what);
             ui.label("Nothing is lost: every answer of this session is kept in memory. Please call the experimenter. The session goes on when the answers are saved.");
             ui.add_space(12.0);
-            if theme::primary(ui, "Try again", true, "") {
+            if ui::primary(ui, "Try again", true, "") {
                 remedy = Remedy::Retry;
             }
             ui.add_space(12.0);

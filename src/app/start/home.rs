@@ -1,24 +1,16 @@
 //! Home: what is to be run, for whom, on which screen.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use eframe::egui::{self, Key, RichText, TextureHandle, ViewportCommand};
 
-use super::{
-    Go, Monitor, Page,
-    analysis::Analysis,
-    dialog::{Ask, Dialog},
-    display::{
-        Display,
-        card::{CardHelper, CardOutcome},
-    },
-    explore::gallery::Gallery,
-    form::{Checked, Form},
-    pixels,
-    preflight::Preflight,
-    theme, today,
-};
+use super::form::{Checked, Form};
 use crate::{
+    app::{
+        display::card::{CardHelper, CardOutcome},
+        session::Request,
+        ui::{self, Ask, Dialog, Monitor, Step, number, pixels, theme, today},
+    },
     display::DisplayProfile,
     light::{Bits, Quantizer, Transfer},
     stimulus::{MachBand, Stimulus},
@@ -27,6 +19,23 @@ use crate::{
 
 /// Side of the picture beside the form, physical pixels.
 const PICTURE_PX: u32 = 180;
+
+/// Where Home leads.
+pub enum Destination {
+    /// A session.
+    Session(Box<Request>),
+    /// The display lab.
+    Display {
+        /// Side of the planned stimulus, degrees.
+        window_deg: f64,
+    },
+    /// The gallery, for a display at a distance in cm, where that is known.
+    Gallery(DisplayProfile, Option<f64>),
+    /// The shading demo.
+    Shading,
+    /// The analysis, with the experiments of a results folder.
+    Analysis(PathBuf),
+}
 
 /// The page.
 #[derive(Default)]
@@ -66,7 +75,7 @@ impl Home {
     }
 
     /// Draws the page.
-    pub fn show(&mut self, ui: &mut egui::Ui, here: &Monitor, monitors: &[Monitor]) -> Go {
+    pub fn show(&mut self, ui: &mut egui::Ui, here: &Monitor, monitors: &[Monitor]) -> Step<Destination> {
         // The form is about the monitor that the session will use, wherever this window is.
         let chosen = self.monitor_choice.filter(|_| self.full_screen).and_then(|index| monitors.get(index));
         let monitor = chosen.unwrap_or(here);
@@ -77,16 +86,16 @@ impl Home {
         }
         self.take_files(ui.ctx());
         self.recheck(monitor);
-        let mut go = Go::Stay;
-        theme::page_from(ui, 0.02, |ui| {
+        let mut step = Step::Stay;
+        ui::page_from(ui, 0.02, |ui| {
             ui.heading("machband");
             ui.label("How visible are Mach bands? Rate them, and keep every answer.");
             ui.add_space(12.0);
             let measure = self.fields(ui, monitor, here, monitors);
             ui.add_space(8.0);
-            go = self.start(ui);
+            step = self.start(ui);
             if measure {
-                go = Go::To(Page::Display(Box::new(Display::new(self.form.clone()))));
+                step = Step::Next(Destination::Display { window_deg: self.window_deg() });
             }
             row(ui, "", |ui, _| {
                 ui.horizontal_wrapped(|ui| {
@@ -94,17 +103,13 @@ impl Home {
                     ui.spacing_mut().button_padding.x = 8.0;
                     if ui.button("Gallery of stimuli…").clicked() {
                         let profile = checked_display(&self.checked);
-                        go = Go::To(Page::Gallery(Box::new(Gallery::new(
-                            profile,
-                            super::form::parse(&self.form.distance_cm),
-                        ))));
+                        step = Step::Next(Destination::Gallery(profile, number(&self.form.screen.distance_cm)));
                     }
                     if ui.button("Shading demo…").clicked() {
-                        go = Go::To(Page::Demo(Box::default()));
+                        step = Step::Next(Destination::Shading);
                     }
                     if ui.button("Analyse results…").clicked() {
-                        let results = Path::new(self.form.results.trim());
-                        go = Go::To(Page::Analysis(Box::new(Analysis::new(results))));
+                        step = Step::Next(Destination::Analysis(self.form.results.trim().into()));
                     }
                 });
             });
@@ -112,7 +117,7 @@ impl Home {
             self.example(ui);
         });
         self.card(ui.ctx(), here);
-        go
+        step
     }
 
     /// A file dropped on the window or chosen in a dialog.
@@ -125,7 +130,7 @@ impl Home {
             let path = path.display().to_string();
             match self.asking {
                 Some(Field::Experiment) => self.choose_experiment(path),
-                Some(Field::Profile) => self.form.profile = path,
+                Some(Field::Profile) => self.form.screen.profile = path,
                 Some(Field::Results) => self.form.results = path,
                 None => {}
             }
@@ -136,23 +141,23 @@ impl Home {
         self.form.experiment = name_or_path;
         // The planned distance belongs to the definition, and so does its colour.
         self.form.gray = false;
-        self.form.distance_cm.clear();
+        self.form.screen.distance_cm.clear();
     }
 
     /// Looks the form through when something in it has changed.
     fn recheck(&mut self, monitor: &Monitor) {
         let current = |(form, seen, _): &(Form, Monitor, Checked)| *form == self.form && seen == monitor;
         if !self.checked.as_ref().is_some_and(current) {
-            if self.form.distance_cm.is_empty() {
+            if self.form.screen.distance_cm.is_empty() {
                 self.form.suggest(monitor);
             }
             let mut checked = self.form.check(monitor);
             let measured = checked.display.as_ref().and_then(|display| display.screen_width_cm);
             if let Some(width) = measured
-                && self.form.width_is_assumed(monitor)
+                && self.form.screen.width_is_assumed(monitor)
             {
                 // A profile that knows the screen's width is better than an assumption.
-                self.form.screen_width_cm = width.to_string();
+                self.form.screen.screen_width_cm = width.to_string();
                 self.profile_cm = Some(width);
                 checked = self.form.check(monitor);
             }
@@ -173,33 +178,34 @@ impl Home {
         text_field(
             ui,
             "Viewing distance, cm",
-            &mut typed.distance_cm,
+            &mut typed.screen.distance_cm,
             faults.distance.as_deref(),
             "from eye to screen",
         );
         row(ui, "Screen width, cm", |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                ui.add(egui::TextEdit::singleline(&mut self.form.screen_width_cm).desired_width(120.0))
+                ui.add(egui::TextEdit::singleline(&mut self.form.screen.screen_width_cm).desired_width(120.0))
                     .labelled_by(label);
                 let measure = ui.add_enabled(monitor == here, egui::Button::new("Measure with a card…"));
                 if measure.on_disabled_hover_text("Move this window to that screen first.").clicked() {
-                    let width = self.form.screen_width_cm.parse().unwrap_or_else(|_| monitor.assumed_width_cm());
+                    let width = self.form.screen.screen_width_cm.parse().unwrap_or_else(|_| monitor.assumed_width_cm());
                     self.card = Some(CardHelper::new(width, monitor.width_px));
                 }
             });
             match (&faults.screen_width, checked.stimulus_px) {
-                (Some(text), _) => theme::fault(ui, text),
+                (Some(text), _) => ui::fault(ui, text),
                 (None, Some((side, per_degree))) => {
-                    let origin = if self.measured_cm.is_some_and(|cm| self.form.screen_width_cm == cm.to_string()) {
-                        "Measured with a card"
-                    } else if self.profile_cm.is_some_and(|cm| self.form.screen_width_cm == cm.to_string()) {
-                        "From the display profile"
-                    } else if self.form.width_is_assumed(monitor) {
-                        "Assumed from 96 pixels an inch; measure it for a real study"
-                    } else {
-                        "As typed"
-                    };
-                    ui.label(theme::quiet(format!(
+                    let origin =
+                        if self.measured_cm.is_some_and(|cm| self.form.screen.screen_width_cm == cm.to_string()) {
+                            "Measured with a card"
+                        } else if self.profile_cm.is_some_and(|cm| self.form.screen.screen_width_cm == cm.to_string()) {
+                            "From the display profile"
+                        } else if self.form.screen.width_is_assumed(monitor) {
+                            "Assumed from 96 pixels an inch; measure it for a real study"
+                        } else {
+                            "As typed"
+                        };
+                    ui.label(ui::quiet(format!(
                         "{origin}. {per_degree:.1} pixels a degree; the stimulus is {side} pixels wide."
                     )));
                 }
@@ -208,15 +214,17 @@ impl Home {
         });
         row(ui, "Display profile", |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                ui.add(egui::TextEdit::singleline(&mut self.form.profile).desired_width(210.0).hint_text("sRGB"))
-                    .labelled_by(label);
+                ui.add(
+                    egui::TextEdit::singleline(&mut self.form.screen.profile).desired_width(210.0).hint_text("sRGB"),
+                )
+                .labelled_by(label);
                 self.browse(ui, Field::Profile, "Choose a display profile…");
                 measure = ui.button("Measure…").on_hover_text("The screen's light, size and timing.").clicked();
             });
             match (&faults.profile, &checked.display) {
-                (Some(text), _) => theme::fault(ui, text),
+                (Some(text), _) => ui::fault(ui, text),
                 (None, Some(display)) => {
-                    ui.add(egui::Label::new(theme::quiet(display.sentence())).wrap());
+                    ui.add(egui::Label::new(ui::quiet(display.sentence())).wrap());
                     if display.measured.is_some()
                         && let Some(doubt) = display.doubt(today())
                     {
@@ -232,7 +240,7 @@ impl Home {
                 self.browse(ui, Field::Results, "Choose the results folder…");
             });
             if let Some(text) = &faults.results {
-                theme::fault(ui, text);
+                ui::fault(ui, text);
             }
         });
         self.monitor_field(ui, &checked, monitor, monitors);
@@ -267,7 +275,7 @@ impl Home {
                 self.browse(ui, Field::Experiment, "Choose a definition…");
             });
             match (&checked.faults.experiment, &checked.protocol) {
-                (Some(text), _) => text.lines().for_each(|line| theme::fault(ui, line)),
+                (Some(text), _) => text.lines().for_each(|line| ui::fault(ui, line)),
                 (None, Some(protocol)) => {
                     let practice = match protocol.design.practice {
                         0 => String::new(),
@@ -276,7 +284,7 @@ impl Home {
                     let minutes = (protocol.main_trials() + protocol.design.practice as usize) as f64
                         * (protocol.recovery.duration_s + 3.5)
                         / 60.0;
-                    ui.label(theme::quiet(format!(
+                    ui.label(ui::quiet(format!(
                         "{}. {practice}{} trials, about {:.0} min. A .toml file can also be dropped on this window.",
                         protocol.title,
                         protocol.main_trials(),
@@ -331,14 +339,14 @@ impl Home {
         });
     }
 
-    fn start(&mut self, ui: &mut egui::Ui) -> Go {
-        let Some((_, _, checked)) = &self.checked else { return Go::Stay };
+    fn start(&mut self, ui: &mut egui::Ui) -> Step<Destination> {
+        let Some((_, _, checked)) = &self.checked else { return Step::Stay };
         let text = if checked.resume { "Resume" } else { "Start" };
         let ready = checked.request().is_some();
         let mut clicked = false;
         row(ui, "", |ui, _| {
             if self.dialog.is_missing() {
-                theme::fault(
+                ui::fault(
                     ui,
                     "No file dialog opened on this system: type the path, or drop a definition on this window.",
                 );
@@ -348,7 +356,7 @@ impl Home {
                 (true, true) => "This session was interrupted; it goes on with the trials that are missing.",
                 (true, false) => "Enter starts too. Esc pauses at any time; every answer is saved at once.",
             };
-            clicked = theme::primary(ui, text, ready, hint);
+            clicked = ui::primary(ui, text, ready, hint);
         });
         let typing = ui.ctx().memory(|memory| memory.focused().is_some());
         let entered = !typing && self.card.is_none() && ui.input(|input| input.key_pressed(Key::Enter));
@@ -363,10 +371,16 @@ impl Home {
                         None => ViewportCommand::Fullscreen(true),
                     });
                 }
-                Go::To(Page::Preflight(Box::new(Preflight::new(request))))
+                Step::Next(Destination::Session(Box::new(request)))
             }
-            _ => Go::Stay,
+            _ => Step::Stay,
         }
+    }
+
+    /// Side of the stimulus that the definition plans, degrees.
+    fn window_deg(&self) -> f64 {
+        let protocol = self.checked.as_ref().and_then(|(_, _, checked)| checked.protocol.as_ref());
+        protocol.map_or(10.0, |protocol| protocol.viewing.window_deg)
     }
 
     /// A Mach band to look at while deciding.
@@ -377,7 +391,7 @@ impl Home {
         });
         ui.separator();
         ui.horizontal_top(|ui| {
-            pixels::picture(ui, texture, PICTURE_PX, "A dark and a bright area with a linear ramp between them");
+            pixels::picture(ui, texture, "A dark and a bright area with a linear ramp between them");
             ui.vertical(|ui| {
                 ui.label(RichText::new("Do you see a bright line?").strong());
                 ui.label("On the right of the ramp, where it meets the bright area: that line is not in the picture.");
@@ -392,7 +406,7 @@ impl Home {
             CardOutcome::Open => return,
             CardOutcome::Closed => {}
             CardOutcome::Measured(width) => {
-                self.form.screen_width_cm = width.to_string();
+                self.form.screen.screen_width_cm = width.to_string();
                 self.measured_cm = Some(width);
             }
         }
@@ -434,7 +448,7 @@ fn text_field(ui: &mut egui::Ui, label: &str, text: &mut String, fault: Option<&
     row(ui, label, |ui, id| {
         ui.add(egui::TextEdit::singleline(text).desired_width(300.0).hint_text(hint)).labelled_by(id);
         if let Some(fault) = fault {
-            theme::fault(ui, fault);
+            ui::fault(ui, fault);
         }
     });
 }

@@ -12,7 +12,7 @@ use x11rb::{
     rust_connection::RustConnection,
 };
 
-use super::Monitor;
+use super::screen::Monitor;
 
 /// What is known; `None` where the system does not tell.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

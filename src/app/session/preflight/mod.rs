@@ -7,15 +7,12 @@ use eframe::egui::{self, Key, ViewportCommand};
 
 use self::asked::Asked;
 use super::{
-    Go, Monitor, Page, Request,
-    form::stimulus_side_px,
     frames::FrameStatistics,
-    monitor::window_px,
-    platform::Platform,
-    session::{Prepared, SessionPage},
-    theme, today,
+    request::{Request, stimulus_side_px},
+    trials::{Prepared, Trials},
 };
 use crate::{
+    app::ui::{self, Monitor, Step, platform::Platform, theme, today, window_px},
     display::{Screen, Viewing, frames::Refresh},
     experiment::FrameCount,
     store::{
@@ -99,7 +96,7 @@ impl Preflight {
     }
 
     /// Draws the page.
-    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Go {
+    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step<Box<Trials>> {
         let now = ui.input(|input| input.time);
         let since = *self.since.get_or_insert(now);
         if self.measuring(now - since) {
@@ -107,12 +104,12 @@ impl Preflight {
                 self.frames.frame(now);
             }
             ui.ctx().request_repaint();
-            theme::page(ui, |ui| {
+            ui::page(ui, |ui| {
                 ui.heading("Before the session");
                 ui.label("Measuring the screen…");
                 ui.spinner();
             });
-            return if ui.input(|input| input.key_pressed(Key::Escape)) { self.back(ui.ctx()) } else { Go::Stay };
+            return if ui.input(|input| input.key_pressed(Key::Escape)) { self.back(ui.ctx()) } else { Step::Stay };
         }
         let platform = self.platform.take().unwrap_or_else(|| Platform::look(monitor));
         let mut findings = self.findings(ui.ctx(), monitor, &platform);
@@ -125,15 +122,15 @@ impl Preflight {
         }
         match findings.prepared {
             Some(prepared) if begin => {
-                match SessionPage::begin(ui.ctx(), &self.request, prepared, findings.notes, monitor) {
-                    Ok(page) => Go::To(Page::Session(Box::new(page))),
+                match Trials::begin(ui.ctx(), &self.request, prepared, findings.notes, monitor) {
+                    Ok(page) => Step::Next(Box::new(page)),
                     Err(error) => {
                         self.refused = Some(error.to_string());
-                        Go::Stay
+                        Step::Stay
                     }
                 }
             }
-            _ => Go::Stay,
+            _ => Step::Stay,
         }
     }
 
@@ -141,19 +138,19 @@ impl Preflight {
         elapsed < SETTLE_S + MEASURE_S || (self.frames.count() < MEASURE_FRAMES && elapsed < SETTLE_S + 5.0 * MEASURE_S)
     }
 
-    fn back(&self, ctx: &egui::Context) -> Go {
+    fn back(&self, ctx: &egui::Context) -> Step<Box<Trials>> {
         if !self.request.windowed {
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         }
-        Go::Back
+        Step::Back
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, findings: &Findings) -> (bool, bool) {
         let mut begin = false;
         let mut back = false;
-        theme::page_from(ui, 0.02, |ui| {
+        ui::page_from(ui, 0.02, |ui| {
             ui.heading("Before the session");
-            ui.label(theme::quiet(format!(
+            ui.label(ui::quiet(format!(
                 "{} · participant {} · session {} · Space continues, Esc goes back",
                 self.request.protocol.title,
                 self.request.identity.subject(),
@@ -163,21 +160,21 @@ impl Preflight {
             theme::compact(ui);
             for note in &findings.notes {
                 ui.horizontal(|ui| {
-                    theme::mark(ui, note.ok);
+                    ui::tick(ui, note.ok);
                     ui.add(egui::Label::new(&note.sentence).wrap());
                 });
             }
             ui.add_space(8.0);
             if let Some(asked) = &mut self.asked {
                 ui.label(egui::RichText::new("Please look yourself").strong());
-                ui.label(theme::quiet("No program can tell these. What is not ticked is recorded as not confirmed."));
+                ui.label(ui::quiet("No program can tell these. What is not ticked is recorded as not confirmed."));
                 asked.show(ui);
             }
             ui.add_space(16.0);
             if let Some(refused) = &self.refused {
-                theme::fault(ui, refused);
+                ui::fault(ui, refused);
             }
-            begin = theme::primary(
+            begin = ui::primary(
                 ui,
                 "Continue",
                 findings.prepared.is_some(),
@@ -186,7 +183,7 @@ impl Preflight {
             ui.add_space(4.0);
             ui.horizontal(|ui| {
                 back = ui.button("Back").clicked();
-                ui.label(theme::quiet("Esc"));
+                ui.label(ui::quiet("Esc"));
             });
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());

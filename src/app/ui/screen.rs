@@ -1,6 +1,10 @@
-//! The monitor as the system describes it.
+//! The monitor as the system describes it, and what is typed about it.
+
+use std::path::Path;
 
 use eframe::egui;
+
+use crate::{display::DisplayProfile, store::profile};
 
 /// A monitor as the window system describes it. A macro, since the type is the window system's own and is named nowhere
 /// else here.
@@ -26,7 +30,7 @@ pub struct Monitor {
     pub width_px: u32,
     /// Physical pixels.
     pub height_px: u32,
-    /// Hertz, where the system tells.
+    /// Hertz, where the system reports it.
     pub refresh_hz: Option<f64>,
     /// Physical pixels for each of the system's logical points.
     pub scale: f64,
@@ -67,4 +71,38 @@ impl Monitor {
 pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
     let size = ctx.content_rect().size() * ctx.pixels_per_point();
     (size.x.round() as u32, size.y.round() as u32)
+}
+
+/// What is typed about the screen. Home and the display lab share it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ScreenFields {
+    /// Path of a display profile; empty for sRGB.
+    pub profile: String,
+    /// Width of the visible screen, cm.
+    pub screen_width_cm: String,
+    /// Eye to screen, cm.
+    pub distance_cm: String,
+}
+
+impl ScreenFields {
+    /// The display profile, sRGB where none is named.
+    ///
+    /// # Errors
+    /// What is wrong with the file, a line a fault.
+    pub fn profile(&self) -> Result<DisplayProfile, String> {
+        match self.profile.trim() {
+            "" => Ok(DisplayProfile::default()),
+            path => profile::open(Path::new(path)).map_err(|error| error.to_string()),
+        }
+    }
+
+    /// Whether the screen's width is the one that nobody measured or typed.
+    pub fn width_is_assumed(&self, monitor: &Monitor) -> bool {
+        self.screen_width_cm.trim() == format!("{:.1}", monitor.assumed_width_cm())
+    }
+}
+
+/// The date, by the system's clock.
+pub fn today() -> jiff::civil::Date {
+    jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }

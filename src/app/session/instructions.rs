@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, Key, ProgressBar, TextureHandle};
 
-use super::{pixels, theme};
 use crate::{
+    app::ui::{self, pixels, theme},
     experiment::{Phase, Progress, Protocol, Texts},
     light::{Depth, Quantizer},
     stimulus::{ParameterValue, Stimulus},
@@ -80,7 +80,7 @@ pub fn instructions(
     quantizer: &Quantizer,
 ) -> Answer {
     let texts = &protocol.instructions;
-    theme::page(ui, |ui| {
+    ui::page(ui, |ui| {
         if page == 0 {
             ui.heading(&texts.welcome);
             if let Some(progress) = resumed {
@@ -91,7 +91,7 @@ pub fn instructions(
                 ui.label(paragraph);
                 ui.add_space(4.0);
             }
-            ui.add(egui::Label::new(theme::quiet(&texts.light)).wrap());
+            ui.add(egui::Label::new(ui::quiet(&texts.light)).wrap());
         } else {
             ui.heading(&texts.categories);
             ui.label(&protocol.response.question);
@@ -104,7 +104,7 @@ pub fn instructions(
                 for (category, texture) in protocol.response.categories.iter().zip(shown) {
                     ui.vertical(|ui| {
                         ui.set_width(side);
-                        pixels::picture(ui, texture, size, &category.label);
+                        pixels::picture(ui, texture, &category.label);
                         ui.label(egui::RichText::new(category.key.to_string()).size(24.0).strong());
                         ui.add(egui::Label::new(&category.label).wrap());
                     });
@@ -120,7 +120,7 @@ pub fn instructions(
 
 /// Before practice, or before the main trials.
 pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Answer {
-    theme::page(ui, |ui| {
+    ui::page(ui, |ui| {
         ui.label(match phase {
             Phase::Practice => &texts.practice,
             Phase::Main => &texts.main,
@@ -132,7 +132,7 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Answer {
 
 /// A break.
 pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Answer {
-    theme::page(ui, |ui| {
+    ui::page(ui, |ui| {
         ui.heading(&texts.pause_heading);
         ui.label(fill(&texts.break_progress, progress));
         ui.add(ProgressBar::new(progress.done as f32 / progress.total.max(1) as f32).desired_height(14.0));
@@ -143,11 +143,11 @@ pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Answer {
 
 /// Paused by the participant, or because the window became too small (`why`).
 pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Answer {
-    theme::page(ui, |ui| {
+    ui::page(ui, |ui| {
         ui.heading(&texts.paused);
         ui.label(&texts.paused_text);
         if let Some(why) = why {
-            theme::fault(ui, why);
+            ui::fault(ui, why);
         }
         ui.add_space(16.0);
         let next = next(ui, texts);
@@ -160,7 +160,7 @@ fn next(ui: &mut egui::Ui, texts: &Texts) -> Answer {
     // A control that has the keyboard's focus takes Space and Enter for itself.
     let focused = ui.ctx().memory(|memory| memory.focused().is_some());
     let key = !focused && ui.input(|input| input.key_pressed(Key::Space) || input.key_pressed(Key::Enter));
-    let clicked = theme::primary(ui, &texts.next, true, &texts.next_key);
+    let clicked = ui::primary(ui, &texts.next, true, &texts.next_key);
     if clicked || key { Answer::Next } else { Answer::None }
 }
 

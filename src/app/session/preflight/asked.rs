@@ -3,7 +3,7 @@
 
 use eframe::egui;
 
-use crate::{app::platform::Platform, display::DisplayProfile, store::sidecar::PreflightNote};
+use crate::{app::ui::platform::Platform, display::DisplayProfile, store::sidecar::PreflightNote};
 
 /// A statement to be confirmed by a look at the screen or into its menu.
 struct Question {

@@ -12,17 +12,19 @@ use jiff::Timestamp;
 use serde_json::json;
 
 use super::{
-    Go, Monitor, Page, Request,
     finish::Finish,
     frames,
     hasher::Hasher,
-    input::{Heard, Input, InputReport},
-    monitor::window_px,
-    pages::{self, Answer, CategoryPictures, INSTRUCTION_PAGES},
-    pixels, scale, theme,
+    instructions::{self, Answer, CategoryPictures, INSTRUCTION_PAGES},
+    request::Request,
+    scale,
     trouble::{Remedy, Trouble},
 };
 use crate::{
+    app::{
+        ui::{Monitor, Step, pixels, theme, window_px},
+        window::{Heard, Input, InputReport, LEAST_SIZE},
+    },
     display::{Viewing, frames::Refresh},
     experiment::{
         Effect, Event, FrameCount, Identity, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, State,
@@ -97,7 +99,7 @@ impl ScreenRefresh {
 }
 
 /// A session that runs.
-pub struct SessionPage {
+pub struct Trials {
     session: Session,
     store: SessionStore,
     identity: Identity,
@@ -132,9 +134,9 @@ pub struct SessionPage {
     held: BTreeSet<Key>,
 }
 
-impl SessionPage {
+impl Trials {
     /// Makes or finds the files and shows the first page.
-    pub(super) fn begin(
+    pub fn begin(
         ctx: &egui::Context,
         request: &Request,
         prepared: Prepared,
@@ -214,7 +216,7 @@ impl SessionPage {
     }
 
     /// One frame: input, time, picture.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, input: &mut Input) -> Go {
+    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, input: &mut Input) -> Step<Box<Finish>> {
         let window_s = ui.input(|input| input.time);
         let now = self.session_time(window_s);
         if self.trouble.is_some() {
@@ -222,7 +224,7 @@ impl SessionPage {
             // Keys mean nothing to the session now, but those that go up must not count as held later.
             self.fresh_keys(ui);
             self.remedy(ui, now);
-            return Go::Stay;
+            return Step::Stay;
         }
         let was_main = self.in_main();
         self.follow_screen(monitor);
@@ -420,7 +422,7 @@ impl SessionPage {
         }
     }
 
-    fn draw(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64, input: &mut Input) -> Go {
+    fn draw(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64, input: &mut Input) -> Step<Box<Finish>> {
         let texts = &self.session.protocol().instructions;
         let answer = match self.session.state() {
             State::Recovery { .. } | State::Stimulus { .. } | State::Response { .. } | State::Closing { .. } => {
@@ -429,13 +431,20 @@ impl SessionPage {
             }
             State::Instructions(page) => {
                 let resumed = self.resumed.then(|| self.session.progress());
-                pages::instructions(ui, *page, self.session.protocol(), resumed, &mut self.categories, &self.quantizer)
+                instructions::instructions(
+                    ui,
+                    *page,
+                    self.session.protocol(),
+                    resumed,
+                    &mut self.categories,
+                    &self.quantizer,
+                )
             }
-            State::PhaseStart(phase) => pages::phase_start(ui, *phase, texts),
-            State::Break => pages::rest(ui, &self.session.progress(), texts),
+            State::PhaseStart(phase) => instructions::phase_start(ui, *phase, texts),
+            State::Break => instructions::rest(ui, &self.session.progress(), texts),
             State::Paused(_) => {
                 let why = self.too_small(ui.ctx());
-                match pages::paused(ui, texts, why.as_deref()) {
+                match instructions::paused(ui, texts, why.as_deref()) {
                     Answer::Next if why.is_some() => Answer::None,
                     answer => answer,
                 }
@@ -444,12 +453,12 @@ impl SessionPage {
         };
         let paused = matches!(self.session.state(), State::Paused(_));
         match answer {
-            Answer::None => return Go::Stay,
+            Answer::None => return Step::Stay,
             Answer::Next => self.step(if paused { Event::Resume } else { Event::Continue }, now),
             Answer::Leave => self.step(Event::Leave, now),
         }
         ui.ctx().request_repaint();
-        Go::Stay
+        Step::Stay
     }
 
     /// What stands behind everything else: the uniform field during trials.
@@ -466,7 +475,7 @@ impl SessionPage {
             let schedule = self.session.schedule();
             let cell = self.session.current().map(|trial| schedule.trials[trial].condition);
             if let Some((_, texture)) = self.textures.iter().find(|(made, _)| Some(*made) == cell) {
-                pixels::draw_centred(ui, texture, self.size_px, ui.ctx().content_rect());
+                pixels::draw_centered(ui, texture, ui.ctx().content_rect());
             }
         });
         let clicked =
@@ -481,10 +490,10 @@ impl SessionPage {
         }
     }
 
-    fn finish(&mut self, ctx: &egui::Context) -> Go {
+    fn finish(&mut self, ctx: &egui::Context) -> Step<Box<Finish>> {
         let fault = self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
-        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(super::LEAST_SIZE));
+        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(LEAST_SIZE));
         let complete = *self.session.state() == State::Done;
         let frames = self.session.frame_times();
         let finish = Finish::new(
@@ -495,7 +504,7 @@ impl SessionPage {
             frames::sentence(frames, self.screen.refresh),
             fault,
         );
-        Go::To(Page::Finish(Box::new(finish)))
+        Step::Next(Box::new(finish))
     }
 
     /// Where the rows are.

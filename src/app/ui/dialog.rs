@@ -1,12 +1,14 @@
-//! The desktop's own file dialogs, beside the window's loop so that it goes on drawing.
+//! The desktop's own file dialogs, on a thread of their own so that the window goes on drawing.
 
 use std::{
     path::PathBuf,
-    sync::mpsc::{Receiver, channel},
+    sync::mpsc::{Receiver, TryRecvError, channel},
     time::{Duration, Instant},
 };
 
-use eframe::egui;
+use eframe::egui::{self, Role, WidgetInfo};
+
+use super::text;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,15 +26,29 @@ pub enum Ask {
 /// A dialog that may be open.
 #[derive(Default)]
 pub struct Dialog {
-    answer: Option<Receiver<Option<Vec<PathBuf>>>>,
-    opened: Option<Instant>,
+    open: Option<(Receiver<Option<Vec<PathBuf>>>, Instant)>,
     missing: bool,
 }
 
 impl Dialog {
+    /// The button that opens the dialog, called `name` for someone who does not see it. Puts what is chosen into `path`,
+    /// and gives whether that has happened.
+    pub fn browse(&mut self, ui: &mut egui::Ui, ask: Ask, name: &str, path: &mut String) -> bool {
+        let button = ui.button("Browse…");
+        button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+        if button.clicked() {
+            self.open(ui.ctx(), ask);
+        }
+        let chosen = self.take();
+        if let Some(chosen) = &chosen {
+            *path = chosen.display().to_string();
+        }
+        chosen.is_some()
+    }
+
     /// Opens it, unless it is open already.
     pub fn open(&mut self, ctx: &egui::Context, ask: Ask) {
-        if self.answer.is_some() {
+        if self.open.is_some() {
             return;
         }
         let (send, receive) = channel();
@@ -50,14 +66,20 @@ impl Dialog {
             let _ = send.send(paths);
             ctx.request_repaint();
         });
-        self.answer = Some(receive);
-        self.opened = Some(Instant::now());
+        self.open = Some((receive, Instant::now()));
         self.missing = false;
     }
 
     /// Whether the last one never opened.
     pub fn is_missing(&self) -> bool {
         self.missing
+    }
+
+    /// Says so where the last one never opened.
+    pub fn missing_fault(&self, ui: &mut egui::Ui) {
+        if self.missing {
+            text::fault(ui, "This system did not open a file dialog. Type the path, or drop a file on this window.");
+        }
     }
 
     /// The path chosen, once; of several the first.
@@ -67,20 +89,17 @@ impl Dialog {
 
     /// All paths chosen, once.
     pub fn take_all(&mut self) -> Option<Vec<PathBuf>> {
-        let answer = self.answer.as_ref()?.try_recv();
-        match answer {
+        let (answer, opened) = self.open.as_ref()?;
+        let paths = match answer.try_recv() {
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => None,
             Ok(paths) => {
-                self.answer = None;
                 // Nobody closes a dialog this fast: there was none. The system does not say so itself.
-                let at_once = self.opened.is_some_and(|opened| opened.elapsed() < Duration::from_millis(400));
-                self.missing = paths.is_none() && at_once;
+                self.missing = paths.is_none() && opened.elapsed() < Duration::from_millis(400);
                 paths
             }
-            Err(std::sync::mpsc::TryRecvError::Disconnected) => {
-                self.answer = None;
-                None
-            }
-            Err(std::sync::mpsc::TryRecvError::Empty) => None,
-        }
+        };
+        self.open = None;
+        paths
     }
 }

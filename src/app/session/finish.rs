@@ -2,39 +2,20 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
-use eframe::egui::{self, Color32, Key};
-use egui_plot::{Corner, GridMark, Legend, Line, MarkerShape, Plot, Points};
+use eframe::egui::{self, Key};
+use egui_plot::{Corner, GridMark, Legend, Line, Points};
 
-use super::{Go, Page, analysis::Analysis, theme};
-use crate::experiment::{Phase, Protocol, RATING_MAX, TrialRecord};
-
-/// Okabe and Ito's colours, told apart by colour-blind readers and on a dark page (2008, jfly.uni-koeln.de/color).
-pub(super) const COLORS: [Color32; 7] = [
-    Color32::from_rgb(0xe6, 0x9f, 0x00),
-    Color32::from_rgb(0x56, 0xb4, 0xe9),
-    Color32::from_rgb(0x00, 0x9e, 0x73),
-    Color32::from_rgb(0xf0, 0xe4, 0x42),
-    Color32::from_rgb(0x00, 0x72, 0xb2),
-    Color32::from_rgb(0xd5, 0x5e, 0x00),
-    Color32::from_rgb(0xcc, 0x79, 0xa7),
-];
-/// A marker of its own for each line, so that colour is not needed.
-pub(super) const MARKERS: [MarkerShape; 7] = [
-    MarkerShape::Circle,
-    MarkerShape::Square,
-    MarkerShape::Diamond,
-    MarkerShape::Up,
-    MarkerShape::Down,
-    MarkerShape::Cross,
-    MarkerShape::Plus,
-];
+use crate::{
+    app::ui::{self, Step, still_plot, theme},
+    experiment::{Phase, Protocol, RATING_MAX, TrialRecord},
+};
 
 /// The page.
 pub struct Finish {
     protocol: Protocol,
     path: PathBuf,
     /// Every planned trial is rated.
-    pub(super) complete: bool,
+    complete: bool,
     lines: Vec<MeanLine>,
     /// Labels along the horizontal axis, and what they are.
     levels: Vec<String>,
@@ -87,12 +68,17 @@ impl Finish {
         }
     }
 
+    /// Whether every planned trial is rated.
+    pub fn is_complete(&self) -> bool {
+        self.complete
+    }
+
     /// Draws the page.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui, direct: bool) -> Go {
+    pub fn show(&mut self, ui: &mut egui::Ui, direct: bool) -> Step<PathBuf> {
         let texts = self.protocol.instructions.clone();
         let mut leave = false;
         let mut analyse = false;
-        theme::page(ui, |ui| {
+        ui::page(ui, |ui| {
             if self.complete {
                 ui.heading(&texts.thanks);
                 ui.label(&texts.done);
@@ -107,9 +93,9 @@ impl Finish {
             }
             ui.add_space(8.0);
             if let Some(fault) = &self.fault {
-                theme::fault(
+                ui::fault(
                     ui,
-                    &format!("The end of this sitting could not be noted; please call the experimenter. {fault}"),
+                    format!("The end of this sitting could not be noted; please call the experimenter. {fault}"),
                 );
             }
             ui.label(&texts.saved_in);
@@ -123,22 +109,22 @@ impl Finish {
                 }
                 // Someone who comes back must not have seen where the answers are heading.
                 analyse = self.complete && ui.button("Analyse these results…").clicked();
-                leave = theme::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
+                leave = ui::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             });
             if let Some(frames) = &self.frames {
                 ui.add_space(8.0);
-                ui.add(egui::Label::new(theme::quiet(frames)).wrap());
+                ui.add(egui::Label::new(ui::quiet(frames)).wrap());
             }
             if let Some(fault) = &self.opened {
-                theme::fault(ui, fault);
+                ui::fault(ui, fault);
             }
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());
         let entered = !focused && ui.input(|input| input.key_pressed(Key::Enter));
         if let Some(data_set) = self.data_set().filter(|_| analyse) {
-            return Go::Aside(Page::Analysis(Box::new(Analysis::of(ui.ctx(), data_set))));
+            return Step::Next(data_set);
         }
-        if leave || entered { Go::Back } else { Go::Stay }
+        Step::back_if(leave || entered)
     }
 
     /// The folder of all sessions of the experiment.
@@ -151,12 +137,8 @@ impl Finish {
         ui.label(self.protocol.instructions.ratings.replace("{x}", &self.axis).replace("{lines}", lines));
         let labels = self.levels.clone();
         let last = labels.len().saturating_sub(1) as f64;
-        Plot::new("ratings")
+        still_plot("ratings")
             .height(280.0)
-            .allow_drag(false)
-            .allow_zoom(false)
-            .allow_scroll(false)
-            .allow_boxed_zoom(false)
             .include_x(-0.3)
             .include_x(last + 1.0)
             .include_y(-0.1)
@@ -172,8 +154,7 @@ impl Finish {
             })
             .show(ui, |plot| {
                 for (i, line) in self.lines.iter().enumerate() {
-                    let color = COLORS[i % COLORS.len()];
-                    let marker = MARKERS[i % MARKERS.len()];
+                    let (color, marker) = theme::series(i);
                     plot.line(Line::new(line.name.clone(), line.points.clone()).color(color).width(2.0));
                     plot.points(
                         Points::new(line.name.clone(), line.points.clone()).shape(marker).radius(5.0).color(color),

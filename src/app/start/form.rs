@@ -2,11 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Monitor, Request};
 use crate::{
+    app::{
+        session::{Request, stimulus_side_px},
+        ui::{Monitor, ScreenFields, number},
+    },
     display::{DisplayProfile, Screen, Viewing},
     experiment::{Identity, Protocol, Schedule},
-    store::{dataset::free_participant, definition, profile, session::SessionStore},
+    store::{dataset::free_participant, definition, session::SessionStore},
 };
 
 /// The form's texts as typed.
@@ -18,14 +21,10 @@ pub struct Form {
     pub participant: String,
     /// Identifier.
     pub session: String,
-    /// cm.
-    pub distance_cm: String,
-    /// cm.
-    pub screen_width_cm: String,
-    /// The experiment without colour, for an observer with a colour deficiency.
+    /// The screen and the distance from it.
+    pub screen: ScreenFields,
+    /// The experiment without color, for someone with a color deficiency.
     pub gray: bool,
-    /// Path of a profile; empty for sRGB.
-    pub profile: String,
     /// Folder.
     pub results: String,
 }
@@ -87,10 +86,8 @@ impl Default for Form {
             experiment: definition::BUILT_IN[0].name.to_owned(),
             participant: String::new(),
             session: "1".to_owned(),
-            distance_cm: String::new(),
-            screen_width_cm: String::new(),
+            screen: ScreenFields::default(),
             gray: false,
-            profile: String::new(),
             results: "results".to_owned(),
         }
     }
@@ -99,28 +96,23 @@ impl Default for Form {
 impl Form {
     /// Fills in what follows from the definition and is still empty.
     pub fn suggest(&mut self, monitor: &Monitor) {
-        if self.screen_width_cm.is_empty() {
-            self.screen_width_cm = format!("{:.1}", monitor.assumed_width_cm());
+        if self.screen.screen_width_cm.is_empty() {
+            self.screen.screen_width_cm = format!("{:.1}", monitor.assumed_width_cm());
         }
         let Ok(protocol) = self.protocol() else { return };
-        if self.distance_cm.is_empty() {
-            self.distance_cm = protocol.viewing.distance_cm.to_string();
+        if self.screen.distance_cm.is_empty() {
+            self.screen.distance_cm = protocol.viewing.distance_cm.to_string();
         }
         if self.participant.is_empty() {
             self.participant = free_participant(Path::new(&self.results), &protocol);
         }
     }
 
-    /// Whether the screen's width is the one that nobody measured or typed.
-    pub fn width_is_assumed(&self, monitor: &Monitor) -> bool {
-        self.screen_width_cm == format!("{:.1}", monitor.assumed_width_cm())
-    }
-
     /// Looks every field through.
     pub fn check(&self, monitor: &Monitor) -> Checked {
         let mut faults = Faults::default();
         let protocol = self.protocol().map_err(|error| faults.experiment = Some(error)).ok();
-        let display = self.display().map_err(|error| faults.profile = Some(error)).ok();
+        let display = self.screen.profile().map_err(|error| faults.profile = Some(error)).ok();
         faults.participant = Identity::check_subject(&self.participant).err().map(|error| error.to_string());
         faults.session = Identity::check_session(&self.session).err().map(|error| error.to_string());
         let identity = Identity::new(&self.participant, &self.session).ok();
@@ -150,8 +142,9 @@ impl Form {
                 seed: None,
                 results,
                 display: display.clone(),
-                distance_cm: parse(&self.distance_cm).unwrap_or(protocol.viewing.distance_cm),
-                screen_width_cm: parse(&self.screen_width_cm).filter(|_| !self.width_is_assumed(monitor)),
+                distance_cm: number(&self.screen.distance_cm).unwrap_or(protocol.viewing.distance_cm),
+                screen_width_cm: number(&self.screen.screen_width_cm)
+                    .filter(|_| !self.screen.width_is_assumed(monitor)),
                 resume,
                 windowed: false,
             }),
@@ -169,21 +162,13 @@ impl Form {
         })
     }
 
-    fn display(&self) -> Result<DisplayProfile, String> {
-        match self.profile.trim() {
-            "" => Ok(DisplayProfile::default()),
-            path => profile::open(Path::new(path)).map_err(|error| error.to_string()),
-        }
-    }
-
     fn geometry(&self, monitor: &Monitor, protocol: Option<&Protocol>, faults: &mut Faults) -> Option<(u32, f64)> {
-        let number =
-            |text: &str, what: &str| parse(text).ok_or(format!("{text:?} is no number; expected {what} in cm"));
-        let width = number(&self.screen_width_cm, "the width of the visible screen")
+        let cm = |text: &str, what: &str| number(text).ok_or(format!("{text:?} is no number; expected {what} in cm"));
+        let width = cm(&self.screen.screen_width_cm, "the width of the visible screen")
             .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm).map_err(|error| error.to_string()))
             .map_err(|fault| faults.screen_width = Some(fault));
-        let distance =
-            number(&self.distance_cm, "the distance from eye to screen").map_err(|fault| faults.distance = Some(fault));
+        let distance = cm(&self.screen.distance_cm, "the distance from eye to screen")
+            .map_err(|fault| faults.distance = Some(fault));
         let viewing = Viewing::new(width.ok()?, distance.ok()?)
             .map_err(|error| faults.distance = Some(error.to_string()))
             .ok()?;
@@ -204,17 +189,6 @@ impl Checked {
     pub fn request(&self) -> Option<&Request> {
         self.request.as_ref()
     }
-}
-
-/// Side of a stimulus in whole physical pixels, at least one.
-pub fn stimulus_side_px(viewing: &Viewing, window_deg: f64) -> u32 {
-    viewing.px_from_deg(window_deg).round().clamp(1.0, f64::from(u32::MAX)) as u32
-}
-
-/// A number as it is typed; `None` where it is none.
-pub fn parse(text: &str) -> Option<f64> {
-    // A comma is the decimal point of half the world.
-    text.trim().replace(',', ".").parse().ok().filter(|value: &f64| value.is_finite())
 }
 
 /// Why results cannot go there, as far as it can be told without writing.

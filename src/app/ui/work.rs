@@ -1,15 +1,15 @@
-//! What takes its time runs beside the window's loop, so that the window goes on drawing.
+//! What takes its time is computed on a thread of its own, so that the window goes on drawing.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use eframe::egui;
 
-/// Something that is being computed. Dropped before its end, nobody hears of its result.
+/// Something that is being computed. If it is dropped before it is done, its result is lost.
 pub struct Work<T>(Receiver<T>);
 
 /// How far work has come.
 pub enum Progress<T> {
-    /// It goes on.
+    /// It is not done.
     Going,
     /// Its result, once.
     Done(T),
@@ -32,7 +32,7 @@ impl<T: Send + 'static> Work<T> {
         Self(receive)
     }
 
-    /// Looks how far it is.
+    /// How far it has come.
     pub fn poll(&self) -> Progress<T> {
         match self.0.try_recv() {
             Ok(result) => Progress::Done(result),
@@ -51,7 +51,7 @@ impl Drop for Repaint {
     }
 }
 
-/// One computation at a time, of what is wanted last: it does not begin anew while an older one goes on.
+/// One computation at a time, for the key that was wanted last: a new one begins when the one before is done.
 pub struct Latest<K, T> {
     going: Option<(K, Work<Result<T, String>>)>,
     done: Option<(K, Result<T, String>)>,

@@ -64,8 +64,8 @@ pub struct Input {
 }
 
 impl Input {
-    /// Hears what an event loop stamps.
-    pub fn hearing(stamps: Stamps) -> Self {
+    /// With what an event loop stamps.
+    pub fn stamped(stamps: Stamps) -> Self {
         Self { stamps: Some(stamps), ..Self::default() }
     }
 
@@ -154,7 +154,7 @@ mod tests {
         let start = Instant::now();
         let at = |ms: u64| start + Duration::from_millis(ms);
         let stamps = Stamps::default();
-        let mut input = Input::hearing(stamps.clone());
+        let mut input = Input::stamped(stamps.clone());
         // The window's time is 1 s at 1002 ms by the clock: two were lost between. Later only half a millisecond is.
         input.frame(1.0, at(1002));
         input.frame(2.0, start + Duration::from_micros(2_000_500));

@@ -1,0 +1,67 @@
+//! One session from the preflight to its end.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{Color32, Ui};
+
+use super::{finish::Finish, preflight::Preflight, request::Request, trials::Trials};
+use crate::app::{
+    ui::{Monitor, Step, theme},
+    window::Input,
+};
+
+enum Stage {
+    Preflight(Box<Preflight>),
+    Trials(Box<Trials>),
+    Finish(Box<Finish>),
+}
+
+/// A session in the window.
+pub struct Runner(Stage);
+
+impl Runner {
+    /// Begins with the preflight; the window is on its way to full screen.
+    pub fn new(request: Request) -> Self {
+        Self(Stage::Preflight(Box::new(Preflight::new(request))))
+    }
+
+    /// Draws a frame. Leads on to the analysis of a data set. `direct` where leaving the session closes the window.
+    pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor, input: &mut Input, direct: bool) -> Step<PathBuf> {
+        let next = match &mut self.0 {
+            Stage::Preflight(preflight) => preflight.show(ui, monitor).map(Stage::Trials),
+            Stage::Trials(trials) => trials.show(ui, monitor, input).map(Stage::Finish),
+            Stage::Finish(finish) => return finish.show(ui, direct),
+        };
+        match next {
+            Step::Stay => Step::Stay,
+            Step::Back => Step::Back,
+            Step::Next(stage) => {
+                self.0 = stage;
+                ui.ctx().request_repaint();
+                Step::Stay
+            }
+        }
+    }
+
+    /// What is behind everything else.
+    pub fn ground(&self) -> Color32 {
+        if let Stage::Trials(trials) = &self.0 { trials.ground() } else { theme::PAGE }
+    }
+
+    /// Whether every planned trial is rated.
+    pub fn is_complete(&self) -> bool {
+        matches!(&self.0, Stage::Finish(finish) if finish.is_complete())
+    }
+
+    /// Whether an answer is only in memory.
+    pub fn is_unsaved(&self) -> bool {
+        matches!(&self.0, Stage::Trials(trials) if trials.is_unsaved())
+    }
+
+    /// Ends the trials, if they run; gives the file of their rows.
+    pub fn close(&mut self) -> Option<&Path> {
+        let Stage::Trials(trials) = &mut self.0 else { return None };
+        trials.close();
+        Some(trials.csv())
+    }
+}

@@ -1,0 +1,173 @@
+//! Labeled controls.
+
+use std::ops::RangeInclusive;
+
+use eframe::{
+    egui::{self, Align, ComboBox, Id, Layout, Response, Slider, TextEdit, Ui, Widget},
+    emath::Numeric,
+};
+
+use super::text;
+
+/// A page narrower than this many widths of its label column has the labels above the controls.
+const NARROW: f32 = 2.7;
+/// Room for the number beside a slider, points.
+const NUMBER: f32 = 62.0;
+/// Least room for a slider and its number on a line that has begun, points.
+const SLIDER: f32 = 190.0;
+
+/// A control and its label, on one line that wraps or in a column of labels.
+#[derive(Clone, Copy)]
+pub struct Field<'a> {
+    label: &'a str,
+    name: Option<&'a str>,
+    hint: &'a str,
+    suffix: &'a str,
+    width: Option<f32>,
+    column: Option<f32>,
+}
+
+impl<'a> Field<'a> {
+    /// A field on one line.
+    pub fn new(label: &'a str) -> Self {
+        Self { label, name: None, hint: "", suffix: "", width: None, column: None }
+    }
+
+    /// The label stands in a column of this width.
+    pub fn column(self, width: f32) -> Self {
+        Self { column: Some(width), ..self }
+    }
+
+    /// Another name than the label for someone who does not see the page.
+    pub fn named(self, name: &'a str) -> Self {
+        Self { name: Some(name), ..self }
+    }
+
+    /// What an empty text field shows.
+    pub fn hint(self, hint: &'a str) -> Self {
+        Self { hint, ..self }
+    }
+
+    /// Unit behind a slider's number.
+    pub fn suffix(self, suffix: &'a str) -> Self {
+        Self { suffix, ..self }
+    }
+
+    /// Width of the control, points.
+    pub fn width(self, width: f32) -> Self {
+        Self { width: Some(width), ..self }
+    }
+
+    /// Draws the label and whatever belongs to it; `add` gets the label's identifier, for [`Response::labelled_by`].
+    pub fn show<R>(self, ui: &mut Ui, add: impl FnOnce(&mut Ui, Id) -> R) -> R {
+        let Some(column) = self.column else {
+            let line = |ui: &mut Ui| {
+                let label = ui.label(self.label).id;
+                add(ui, label)
+            };
+            return ui.horizontal_wrapped(line).inner;
+        };
+        if ui.available_width() < NARROW * column {
+            let label = ui.label(self.label).id;
+            return ui.vertical(|ui| add(ui, label)).inner;
+        }
+        ui.horizontal_top(|ui| {
+            let size = egui::vec2(column, ui.spacing().interact_size.y);
+            let label = ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+                ui.set_min_width(column);
+                ui.label(self.label).id
+            });
+            ui.vertical(|ui| add(ui, label.inner)).inner
+        })
+        .inner
+    }
+
+    /// Any control.
+    pub fn add(self, ui: &mut Ui, control: impl Widget) -> Response {
+        self.show(ui, |ui, label| {
+            let response = ui.add(control);
+            self.tell(ui, response, label)
+        })
+    }
+
+    /// A line of text.
+    pub fn text(self, ui: &mut Ui, value: &mut String) -> Response {
+        let width = self.width.unwrap_or(ui.spacing().text_edit_width);
+        self.add(ui, TextEdit::singleline(value).desired_width(width).hint_text(self.hint))
+    }
+
+    /// A number from a range. The value keeps all its digits until the slider is moved.
+    pub fn slider<N: Numeric>(self, ui: &mut Ui, value: &mut N, range: RangeInclusive<N>, step: f64) -> Response {
+        let decimals = (-step.log10()).ceil().max(0.0);
+        let scale = 10_f64.powf(decimals);
+        self.show(ui, |ui, label| {
+            match self.column {
+                Some(_) => ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).max(60.0),
+                None if ui.available_size_before_wrap().x < SLIDER => ui.end_row(),
+                None => {}
+            }
+            // A slider rounds what it is given, and would call that a change.
+            let mut shown = (value.to_f64() * scale).round() / scale;
+            let slider = Slider::new(&mut shown, range.start().to_f64()..=range.end().to_f64())
+                .step_by(step)
+                .max_decimals(decimals as usize)
+                .suffix(self.suffix);
+            let response = ui.add(slider);
+            if response.changed() {
+                *value = N::from_f64(shown);
+            }
+            self.tell(ui, response, label)
+        })
+    }
+
+    /// One of several, from a list that opens.
+    pub fn choice<T: Clone + PartialEq>(
+        self,
+        ui: &mut Ui,
+        value: &mut T,
+        all: &[T],
+        text: impl Fn(&T) -> String,
+    ) -> Response {
+        self.show(ui, |ui, label| {
+            let width = self.width.or(self.column.map(|_| ui.available_width()));
+            let style = ui.style().clone();
+            let list = ComboBox::from_id_salt(self.name.unwrap_or(self.label)).selected_text(text(value)).height(400.0);
+            let list = match width {
+                Some(width) => list.width(width).truncate(),
+                None => list,
+            };
+            let list = list.show_ui(ui, |ui| {
+                ui.set_style(style);
+                for one in all {
+                    ui.selectable_value(value, one.clone(), text(one));
+                }
+            });
+            self.tell(ui, list.response, label)
+        })
+    }
+
+    /// One of several, all of them in view.
+    pub fn radio<T: Clone + PartialEq>(self, ui: &mut Ui, value: &mut T, all: &[(T, &str)]) {
+        self.show(ui, |ui, _| {
+            for (one, text) in all {
+                ui.radio_value(value, one.clone(), *text);
+            }
+        });
+    }
+
+    fn tell(self, ui: &Ui, response: Response, label: Id) -> Response {
+        match self.name {
+            Some(name) => {
+                text::name(ui, &response, name);
+                response
+            }
+            None => response.labelled_by(label),
+        }
+    }
+}
+
+/// A number as it is typed; `None` where the text is none.
+pub fn number(text: &str) -> Option<f64> {
+    // A comma is the decimal point of half the world.
+    text.trim().replace(',', ".").parse().ok().filter(|value: &f64| value.is_finite())
+}

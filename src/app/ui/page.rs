@@ -1,0 +1,82 @@
+//! Pages: a column of text and controls, its heading, its main button and its keys.
+
+use eframe::egui::{self, CentralPanel, Color32, Frame, Key, Popup, RichText, ScrollArea, Ui, Vec2};
+
+use super::{text::quiet, theme::COLUMN};
+
+/// A page with a centered column, a little below the top, that scrolls where the window is small.
+pub fn page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    page_from(ui, 0.18, add)
+}
+
+/// A page that begins below this share of the window's height.
+pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let column = |ui: &mut Ui| {
+        let width = ui.available_width().min(COLUMN);
+        let margin = (ui.available_width() - width) / 2.0;
+        // A small window has no room to give away.
+        let spare = ui.available_height() - 560.0;
+        ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
+        let content = |ui: &mut Ui| {
+            ui.set_width(width);
+            add(ui)
+        };
+        ui.horizontal(|ui| {
+            ui.add_space(margin);
+            ui.vertical(content).inner
+        })
+        .inner
+    };
+    let scrolling = |ui: &mut Ui| ScrollArea::vertical().auto_shrink(false).show(ui, column).inner;
+    CentralPanel::default().frame(Frame::NONE.inner_margin(24.0)).show(ui, scrolling).inner
+}
+
+/// A page of its own for one tool: its name, the way back, and its content. Gives whether it was left, by the button or
+/// by Escape, and what the content gave.
+pub fn tool_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> (bool, R) {
+    let escaped = escaped(ui);
+    page_from(ui, 0.02, |ui| {
+        let back = heading(ui, name);
+        ui.add_space(8.0);
+        let content = add(ui);
+        (back || escaped, content)
+    })
+}
+
+/// A page's name and the button that leads back from it: gives whether that was clicked.
+pub fn heading(ui: &mut Ui, name: &str) -> bool {
+    ui.horizontal_wrapped(|ui| {
+        ui.heading(name);
+        let back = ui.button("Back").clicked();
+        ui.label(quiet("Esc"));
+        back
+    })
+    .inner
+}
+
+/// The main button of a page, and a word about its keys beside it.
+pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
+    let button = egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))
+        .fill(Color32::from_rgb(0xe8, 0xd0, 0x70))
+        .min_size(Vec2::new(180.0, 44.0));
+    ui.horizontal(|ui| {
+        let clicked = ui.add_enabled(enabled, button).clicked();
+        if !hint.is_empty() {
+            super::text::hint(ui, hint);
+        }
+        clicked
+    })
+    .inner
+}
+
+/// Whether a key was pressed that means the page: a control with the keyboard's focus takes keys for itself.
+pub fn shortcut(ui: &Ui, key: Key) -> bool {
+    let focused = ui.memory(|memory| memory.focused().is_some());
+    !focused && ui.input(|input| input.key_pressed(key))
+}
+
+/// Whether Escape leaves the page. An open list or dialog is closed first, so ask before they are drawn.
+pub fn escaped(ui: &Ui) -> bool {
+    let open = Popup::is_any_open(ui.ctx()) || !ui.memory(|memory| memory.allows_interaction(ui.layer_id()));
+    !open && ui.input(|input| input.key_pressed(Key::Escape))
+}

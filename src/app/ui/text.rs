@@ -1,0 +1,78 @@
+//! Texts: paragraphs, hints, notes and faults.
+
+use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetText};
+
+use super::theme::{FAULT, GOOD, NOTE, QUIET};
+
+/// Secondary text.
+pub fn quiet(text: impl Into<String>) -> RichText {
+    RichText::new(text).small().color(QUIET)
+}
+
+/// A text that wraps.
+pub fn paragraph(ui: &mut Ui, text: impl Into<WidgetText>) {
+    ui.add(Label::new(text).wrap());
+}
+
+/// Secondary text that wraps.
+pub fn hint(ui: &mut Ui, text: impl Into<String>) {
+    paragraph(ui, quiet(text));
+}
+
+/// Small print that is worth knowing.
+pub fn note(ui: &mut Ui, text: impl Into<String>) {
+    small(ui, text, NOTE);
+}
+
+/// What is wrong, beside the field or button that it is about.
+pub fn fault(ui: &mut Ui, text: impl Into<String>) {
+    small(ui, text, FAULT);
+}
+
+/// What has worked.
+pub fn good(ui: &mut Ui, text: impl Into<String>) {
+    small(ui, text, GOOD);
+}
+
+fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
+    paragraph(ui, RichText::new(text).small().color(color));
+}
+
+/// What came of something that was asked for, if anything was.
+pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
+    match outcome {
+        Some(Ok(done)) => hint(ui, done),
+        Some(Err(error)) => fault(ui, error),
+        None => {}
+    }
+}
+
+/// A heading within a page.
+pub fn section(ui: &mut Ui, text: impl Into<String>) {
+    ui.add_space(6.0);
+    paragraph(ui, RichText::new(text).strong().size(18.0));
+}
+
+/// A tick, or an exclamation mark. Painted, since not every font has them.
+pub fn tick(ui: &mut Ui, good: bool) {
+    let (rect, _) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::hover());
+    let at = |x: f32, y: f32| rect.lerp_inside(Vec2::new(x, y));
+    let stroke = Stroke::new(2.5, if good { GOOD } else { NOTE });
+    if good {
+        ui.painter().line(vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], stroke);
+    } else {
+        ui.painter().line_segment([at(0.5, 0.1), at(0.5, 0.62)], stroke);
+        ui.painter().circle_filled(at(0.5, 0.88), 2.0, NOTE);
+    }
+}
+
+/// Tells someone who does not see a picture or a plot what it shows.
+pub fn describe(response: &Response, text: &str) {
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, text));
+}
+
+/// Gives a control a name of its own for someone who does not see it.
+pub fn name(ui: &Ui, response: &Response, name: &str) {
+    let ctx: &egui::Context = ui.ctx();
+    ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+}

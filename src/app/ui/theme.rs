@@ -1,0 +1,96 @@
+//! Colors and sizes of all pages: neutral grays, so that pages between trials leave the eye's adaptation alone.
+
+use eframe::egui::{self, Color32, FontId, TextStyle, Vec2, style::HandleShape};
+use egui_plot::MarkerShape;
+
+/// What is wrong.
+pub const FAULT: Color32 = Color32::from_rgb(0xff, 0xa0, 0x80);
+/// What is worth knowing.
+pub const NOTE: Color32 = Color32::from_rgb(0xe8, 0xc8, 0x60);
+/// What has worked, or is as it should be.
+pub const GOOD: Color32 = Color32::from_rgb(0x90, 0xd0, 0xa0);
+/// Secondary text; 7:1 on the page.
+pub const QUIET: Color32 = Color32::from_gray(0xb4);
+/// The page.
+pub const PAGE: Color32 = Color32::from_gray(0x22);
+/// Widest line of running text, points.
+pub const COLUMN: f32 = 680.0;
+
+/// Colors of the series of a plot: Okabe and Ito's, told apart by color-blind readers and on a dark page (2008,
+/// jfly.uni-koeln.de/color).
+pub const SERIES: [Color32; 7] = [
+    Color32::from_rgb(0xe6, 0x9f, 0x00),
+    Color32::from_rgb(0x56, 0xb4, 0xe9),
+    Color32::from_rgb(0x00, 0x9e, 0x73),
+    Color32::from_rgb(0xf0, 0xe4, 0x42),
+    Color32::from_rgb(0x00, 0x72, 0xb2),
+    Color32::from_rgb(0xd5, 0x5e, 0x00),
+    Color32::from_rgb(0xcc, 0x79, 0xa7),
+];
+/// A marker of its own for each series, so that color is not needed.
+pub const MARKERS: [MarkerShape; 7] = [
+    MarkerShape::Circle,
+    MarkerShape::Square,
+    MarkerShape::Diamond,
+    MarkerShape::Up,
+    MarkerShape::Down,
+    MarkerShape::Cross,
+    MarkerShape::Plus,
+];
+/// The left and the right of two pictures that are compared.
+pub const SIDES: [Color32; 2] = [SERIES[1], NOTE];
+
+/// Color and marker of a series. After all colors, the same ones come with other markers.
+pub fn series(index: usize) -> (Color32, MarkerShape) {
+    (SERIES[index % SERIES.len()], MARKERS[(index + index / SERIES.len()) % MARKERS.len()])
+}
+
+/// Sets the style once.
+pub fn apply(ctx: &egui::Context) {
+    ctx.set_theme(egui::Theme::Dark);
+    ctx.all_styles_mut(|style| {
+        style.text_styles = [
+            (TextStyle::Heading, 28.0),
+            (TextStyle::Body, 17.0),
+            (TextStyle::Button, 17.0),
+            (TextStyle::Small, 14.0),
+            (TextStyle::Monospace, 15.0),
+        ]
+        .map(|(name, size)| {
+            let family =
+                if name == TextStyle::Monospace { egui::FontFamily::Monospace } else { egui::FontFamily::Proportional };
+            (name, FontId::new(size, family))
+        })
+        .into();
+        style.spacing.item_spacing = Vec2::new(10.0, 8.0);
+        style.spacing.button_padding = Vec2::new(12.0, 6.0);
+        style.spacing.interact_size.y = 32.0;
+        style.spacing.text_edit_width = 300.0;
+        style.visuals.panel_fill = Color32::TRANSPARENT;
+        style.visuals.window_fill = Color32::from_gray(0x2c);
+        style.visuals.extreme_bg_color = Color32::from_gray(0x14);
+        style.visuals.override_text_color = Some(Color32::from_gray(0xec));
+        style.visuals.handle_shape = HandleShape::Circle;
+        style.visuals.widgets.inactive.bg_fill = Color32::from_gray(0x48);
+        style.visuals.widgets.inactive.weak_bg_fill = Color32::from_gray(0x40);
+        style.visuals.widgets.inactive.bg_stroke = egui::Stroke::new(1.0, Color32::from_gray(0x68));
+        // What has the keyboard's focus stands out; what the mouse is over, less.
+        style.visuals.widgets.active.bg_stroke = egui::Stroke::new(2.5, Color32::WHITE);
+        style.visuals.widgets.hovered.bg_stroke = egui::Stroke::new(1.0, Color32::from_gray(0xa0));
+        style.visuals.selection.bg_fill = Color32::from_rgb(0x4a, 0x5a, 0x80);
+        style.visuals.selection.stroke = egui::Stroke::new(2.0, Color32::from_rgb(0xc8, 0xd8, 0xff));
+    });
+}
+
+/// Smaller than on other pages: there is much to set and to see.
+pub fn compact(ui: &mut egui::Ui) {
+    let style = ui.style_mut();
+    for (name, size) in [(TextStyle::Body, 15.0), (TextStyle::Button, 15.0), (TextStyle::Small, 13.0)] {
+        if let Some(font) = style.text_styles.get_mut(&name) {
+            font.size = size;
+        }
+    }
+    style.spacing.item_spacing = Vec2::new(8.0, 5.0);
+    style.spacing.button_padding = Vec2::new(8.0, 3.0);
+    style.spacing.interact_size.y = 26.0;
+}

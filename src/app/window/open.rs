@@ -1,0 +1,62 @@
+//! Opens the window.
+
+use std::sync::Arc;
+
+use eframe::{
+    CreationContext, NativeOptions,
+    egui::{self, ViewportBuilder},
+    egui_wgpu::WgpuSetup,
+    wgpu::DeviceDescriptor,
+};
+
+use super::{
+    error::WindowError,
+    event_loop,
+    input::{Input, Stamps},
+    program::{Program, Shared},
+};
+use crate::shading::gpu;
+
+/// Least size of the window, outside sessions, in points.
+pub const LEAST_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
+
+/// Opens the window and returns when it is closed. `make` makes the program that runs in it.
+///
+/// # Errors
+/// [`WindowError`] where there is no display or no graphics, or where one of them goes away.
+pub fn open<P: Program + 'static>(
+    fullscreen: bool,
+    make: impl FnOnce(&CreationContext<'_>, Input) -> P + 'static,
+) -> Result<(), WindowError> {
+    let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    if cfg!(target_os = "linux") && !set("DISPLAY") && !set("WAYLAND_DISPLAY") {
+        return Err(WindowError::NoDisplay);
+    }
+    let stamps = Stamps::default();
+    let input = Input::stamped(stamps.clone());
+    event_loop::run(options(fullscreen), stamps, Shared::new(|cc| Box::new(make(cc, input))))
+}
+
+fn options(fullscreen: bool) -> NativeOptions {
+    let mut options = NativeOptions {
+        viewport: ViewportBuilder::default()
+            .with_title("machband")
+            .with_inner_size([1100.0, 860.0])
+            .with_min_inner_size(LEAST_SIZE)
+            .with_fullscreen(fullscreen),
+        // egui's dither adds noise to every pixel, stimulus included.
+        dithering: false,
+        ..Default::default()
+    };
+    // All that the graphics card has: eframe's own choice leaves OpenGL without what the shaders read.
+    if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
+        setup.device_descriptor = Arc::new(|adapter| DeviceDescriptor {
+            label: Some("machband"),
+            required_limits: gpu::limits(adapter),
+            ..Default::default()
+        });
+    }
+    // One frame in flight: an image reaches the screen as soon as the system allows.
+    options.wgpu_options.surface.desired_maximum_frame_latency = Some(1);
+    options
+}
