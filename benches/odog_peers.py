@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """ODOG (Blakeslee & McCourt 1999) of machband beside multyscale's, on the same picture.
 
-multyscale (computational-psychology/multyscale, MIT licence) makes the model's filters, `ODOG_RHS2007(shape, extent)`, and
+multyscale (computational-psychology/multyscale, MIT license) makes the model's filters, `ODOG_RHS2007(shape, extent)`, and
 then runs it, `.apply(picture)`; machband does the same two steps. The picture is a linear ramp between plateaus, 512 x 512
 pixels at 32 pixels a degree. The two take turns, so that a machine that grows slow slows both; each run is a process of its
 own. The first round also compares what they answer, where machband writes it.

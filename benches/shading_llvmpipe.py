@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The peer of shading.rs: Mesa's llvmpipe, a rasteriser on the CPU, draws the same kind of picture.
+"""The peer of shading.rs: Mesa's llvmpipe, a rasterizer on the CPU, draws the same kind of picture.
 
 1024 x 1024 pixels RGBA8, 28 x 28 x 2 jittered triangles over the whole window, two threads, no depth buffer, vertices
 already in the card's memory; prints medians in Mpix/s. Nothing is read back. GLSL works in 32-bit floats and writes

@@ -25,9 +25,9 @@ fn foot(p: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
 }
 
 /// `d` is `None` where there is nothing to be smooth with: at a border, a crease, an edge of more than two triangles, and
-/// where the neighbour looks away from the eye or has no area on the screen.
+/// where the neighbor faces away from the viewer or has no area on the screen.
 ///
-/// The four numbers of the edge from `b` to `c` of the triangle with the corner `a` opposite, and the neighbour's `d`
+/// The four numbers of the edge from `b` to `c` of the triangle with the corner `a` opposite, and the neighbor's `d`
 /// across it. `c` = −(h_D·a_A + h_A·a_D)/(h_A + h_D): a the excess of an opposite corner over the edge's line, h its height.
 fn edge(a: Corner, b: Corner, c: Corner, d: Option<Corner>) -> [f32; 4] {
     let excess = |p: Corner, at: f32| p.1 - (b.1 * (1.0 - at) + c.1 * at);

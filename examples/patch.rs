@@ -11,8 +11,8 @@ mod offscreen;
 
 use offscreen::{CORNERS, TRIANGLES};
 
-/// The slope of the light at vertex `v`, per pixel right and down: least squares over its neighbours, weighted by
-/// 1/distance². A vertex needs neighbours in two directions; the library finds the shortest slope where it has not.
+/// The slope of the light at vertex `v`, per pixel right and down: least squares over its neighbors, weighted by
+/// 1/distance². A vertex needs neighbors in two directions; the library finds the shortest slope where it does not have them.
 fn gradient(v: usize) -> [f32; 2] {
     let (place, light) = CORNERS[v];
     let (mut xx, mut xy, mut yy, mut xl, mut yl) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -44,7 +44,7 @@ fn centroid(place: [[f32; 2]; 3]) -> [f32; 2] {
 
 /// The 19 ordinates of a triangle from the places, lights and slopes of its corners: a reduced Clough–Tocher cubic.
 ///
-/// `across` is the centroid of the neighbour at each edge: the slope along the line from centroid to centroid runs
+/// `across` is the centroid of the neighbor at each edge: the slope along the line from centroid to centroid runs
 /// linearly along the edge, so that both triangles agree about it. `None` at borders, creases and silhouettes.
 fn ordinates(place: [[f32; 2]; 3], light: [f32; 3], slope: [[f32; 2]; 3], across: [Option<[f32; 2]>; 3]) -> [f32; 19] {
     let mut o = [0.0; 19];

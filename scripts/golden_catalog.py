@@ -113,13 +113,13 @@ def pixel(light, degrees, ix, iy, averaged):
     def at(px, py):
         return light(px * c + py * s, -px * s + py * c)
 
-    centre = ((ix + 0.5) / SIZE - 0.5, 0.5 - (iy + 0.5) / SIZE)
+    center = ((ix + 0.5) / SIZE - 0.5, 0.5 - (iy + 0.5) / SIZE)
     if not averaged:
-        return at(*centre)
+        return at(*center)
     total = 0.0
     for i in range(FINE):
         for j in range(FINE):
-            total += at(centre[0] + ((i + 0.5) / FINE - 0.5) / SIZE, centre[1] + ((j + 0.5) / FINE - 0.5) / SIZE)
+            total += at(center[0] + ((i + 0.5) / FINE - 0.5) / SIZE, center[1] + ((j + 0.5) / FINE - 0.5) / SIZE)
     return total / FINE**2
 
 

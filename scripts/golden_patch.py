@@ -4,7 +4,7 @@
 Usage: python3 scripts/golden_patch.py > tests/golden/patch.csv
 
 SciPy's CloughTocher2DInterpolator is another implementation of the reduced Clough-Tocher cubic whose slope toward the
-neighbour's centroid is linear along an edge. Its own estimate of the gradients is replaced by gradients written down
+neighbor's centroid is linear along an edge. Its own estimate of the gradients is replaced by gradients written down
 here, and its triangulation is written down too, so that the test compares the cubics alone. Needs numpy and scipy.
 """
 import numpy

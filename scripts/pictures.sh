@@ -164,8 +164,8 @@ convert "$work/none.png" "$work/blue-noise.png" -normalize -crop 400x160+0+0 +re
     +append -strip "$pictures/dither.png"
 
 # The paper's Figure 4 (a), of simulated participants.
-"$machband" simulate bangay2003 --participants 8 --seed 1 --results "$work/analysed" >/dev/null
-"$machband" analyze "$work/analysed" --out "$work/analysis" >/dev/null
+"$machband" simulate bangay2003 --participants 8 --seed 1 --results "$work/analyzed" >/dev/null
+"$machband" analyze "$work/analyzed" --out "$work/analysis" >/dev/null
 cp "$work/analysis/figure4a.png" "$pictures/figure4a.png"
 
 echo "$pictures: home.png, shaders.png, categories.png, trial.png, finish.png, dither.png, figure4a.png"
