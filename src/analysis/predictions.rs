@@ -13,6 +13,7 @@ use super::{
     model::{Model, ModelSpec},
     outcome::ModelError,
 };
+use crate::light::normal::Z_95;
 
 /// The ratings of one condition that a model expects; of a mixed model, from a subject in the middle (u = 0).
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -68,7 +69,7 @@ fn predict(fitted: &Fitted, model: &Model, values: &[f64], condition: u32, x: &[
     let gradient = mean_gradient(model, values, &bounds, scale, x, z);
     let variance = model.covariance.view((0, 0), (gradient.len(), gradient.len())) * &gradient;
     let error = gradient.dot(&variance).sqrt();
-    let reach = 1.959_963_984_540_054 * error;
+    let reach = Z_95 * error;
     let interval = reach.is_finite().then_some(Interval { low: mean - reach, high: mean + reach });
     Prediction { names, probabilities, mean, interval }
 }
@@ -116,7 +117,7 @@ mod tests {
                 assert!((p - expected).abs() < 1e-9);
             }
             let interval = prediction.interval.unwrap();
-            let error = (interval.high - interval.low) / (2.0 * 1.959_963_984_540_054);
+            let error = (interval.high - interval.low) / (2.0 * Z_95);
             assert!((prediction.mean - mean).abs() < 1e-9);
             assert!((error - ((square - mean * mean) / n).sqrt()).abs() < 1e-9, "{error}");
         }

@@ -128,11 +128,11 @@ fn named<'a>(figures: &'a [Figure], name: &str) -> &'a Figure {
     figures.iter().find(|figure| figure.name == name).unwrap()
 }
 
-/// Centres of the circles of a colour, in the order they are drawn.
-fn circles(figure: &Figure, colour: &str) -> Vec<(f64, f64)> {
+/// Centres of the circles of a color, in the order they are drawn.
+fn circles(figure: &Figure, color: &str) -> Vec<(f64, f64)> {
     let document = roxmltree::Document::parse(&figure.svg).unwrap();
     (document.descendants())
-        .filter(|node| node.has_tag_name("circle") && node.attribute("fill") == Some(colour))
+        .filter(|node| node.has_tag_name("circle") && node.attribute("fill") == Some(color))
         .map(|node| ["cx", "cy"].map(|name| node.attribute(name).unwrap().parse().unwrap()).into())
         .collect()
 }
@@ -147,9 +147,9 @@ fn lines(figure: &Figure, width: &str) -> Vec<Vec<(f64, f64)>> {
         .collect()
 }
 
-const BAR: &str = "22";
-const GRID: &str = "14";
-const BLUE: &str = "#0072B2";
+const BAR: &str = "2.2";
+const GRID: &str = "1.4";
+const BLUE: &str = "#0072b2";
 
 #[test]
 fn a_study_of_bands_has_every_chart() {
@@ -161,7 +161,7 @@ fn a_study_of_bands_has_every_chart() {
     {
         assert!(texts.contains(text), "{text} is not in {texts:?}");
     }
-    assert!(named(&all, "figure4a").caption.ends_with("; 6 subjects, 432 ratings."));
+    assert!(named(&all, "figure4a").caption.ends_with("; 6 participants, 432 ratings."));
 }
 
 /// The points of a single factor: at the height of the means, at the place of the logarithm of the level.
@@ -233,7 +233,7 @@ fn a_perfect_prediction_is_drawn_where_the_ratings_are() {
     let one = results(&factors[1..2], 3, 4, &no_model(), |subject, levels, repetition| {
         Some((noise(subject * 64 + levels[0] * 8 + repetition as usize) % 4).to_string())
     });
-    for (results, colour, names) in [(&uneven, "#000000", &["figure4a", "figure4b"][..]), (&one, BLUE, &["figure4a"])] {
+    for (results, color, names) in [(&uneven, "#000000", &["figure4a", "figure4b"][..]), (&one, BLUE, &["figure4a"])] {
         let expected: Vec<Option<f64>> = results.cells.iter().map(|cell| Some(cell.summary.mean)).collect();
         let (measured, predicted) = (figures::all(results), figures::predicted(results, &expected));
         assert_eq!(predicted.len(), names.len());
@@ -241,7 +241,7 @@ fn a_perfect_prediction_is_drawn_where_the_ratings_are() {
         for (name, predicted) in names.iter().zip(&predicted) {
             let measured = named(&measured, name);
             assert_eq!(predicted.name, format!("{name}_predicted"));
-            assert_eq!(circles(predicted, colour), circles(measured, colour), "{name}");
+            assert_eq!(circles(predicted, color), circles(measured, color), "{name}");
             assert_eq!(lines(predicted, GRID), lines(measured, GRID), "{name}");
             assert!(lines(predicted, BAR).is_empty() && predicted.caption.contains("model of vision"));
         }
@@ -283,7 +283,7 @@ fn one_person_has_no_intervals_and_no_effects() {
     for name in ["figure4a", "figure4b", "orientation"] {
         let figure = named(&all, name);
         assert_eq!(lines(figure, BAR).len(), 0, "{name}");
-        assert!(figure.caption.contains("one person"), "{}", figure.caption);
+        assert!(figure.caption.contains("one participant"), "{}", figure.caption);
     }
     assert!(!lines(named(&figures::all(&bands(2)), "figure4a"), BAR).is_empty());
 }

@@ -11,9 +11,6 @@ use crate::analysis::{
     times::Quartiles,
 };
 
-/// Half the width of a 95 % interval in standard errors.
-const REACH: f64 = 1.959_963_984_540_054;
-
 /// Plots of one sort.
 pub struct Sort {
     /// Its name among the others.
@@ -287,7 +284,7 @@ fn effects(results: &Results) -> Option<Chart> {
     }
     let points = (finite.iter().enumerate())
         .map(|(place, coefficient)| {
-            let reach = coefficient.se.filter(|_| results.is_inferential()).map(|se| REACH * se);
+            let reach = coefficient.se.filter(|_| results.is_inferential()).map(|se| crate::light::normal::Z_95 * se);
             let interval =
                 reach.map(|reach| Interval { low: coefficient.estimate - reach, high: coefficient.estimate + reach });
             let ends = interval.map(|i| format!(" ({})", words::interval(i, 2))).unwrap_or_default();

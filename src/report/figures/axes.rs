@@ -1,17 +1,19 @@
-//! Panels with a value upwards and the levels of a factor, or numbers, across.
-
-use plotters::style::text_anchor::{HPos, VPos};
+//! Panels with a value upward and the levels of a factor, or numbers, across; round numbers for ticks.
 
 use super::{
-    labels as text,
-    palette::{AXIS, GRID, TEXT},
-    svg::{Canvas, Drawn, Setting, WIDTH},
+    labels,
+    palette::{AXIS, GRID},
+    svg::{Anchor, Font, Svg, WIDTH},
 };
 use crate::analysis::{
     counts::{Counts, Factor},
     summary::category_values,
 };
 
+/// Size of text in a chart for a column.
+pub(super) const TEXT: f64 = 29.0;
+/// Radius of a marker.
+pub(super) const MARKER: f64 = 8.0;
 /// Height of a panel in a chart for a column.
 pub(super) const PANEL: f64 = 380.0;
 /// Free space at the edges of a chart.
@@ -41,7 +43,7 @@ pub(super) struct Panel {
 impl Panel {
     /// Where a share of the width is, 0…1 from the left.
     pub fn x(&self, share: f64) -> f64 {
-        self.left + share * (self.right - self.left)
+        self.left + share * self.width()
     }
 
     /// Where a value is.
@@ -49,16 +51,15 @@ impl Panel {
         self.bottom - (value - self.low) / (self.high - self.low) * (self.bottom - self.top)
     }
 
-    /// Its width.
     pub fn width(&self) -> f64 {
         self.right - self.left
     }
 }
 
-/// The axis upwards.
+/// The axis upward.
 pub(super) struct Values {
-    pub low: f64,
-    pub high: f64,
+    low: f64,
+    high: f64,
     ticks: Vec<(f64, String)>,
 }
 
@@ -68,27 +69,25 @@ impl Values {
         let values = category_values(counts);
         let (low, high) = ends(values.iter().copied()).unwrap_or((0.0, 1.0));
         let pad = if high > low { 0.05 * (high - low) } else { 0.5 };
-        let ticks = if values.len() <= 8 {
-            values.iter().zip(&counts.categories).map(|(&value, name)| (value, text::level(name))).collect()
-        } else {
-            let name = |value: f64| match values.iter().position(|v| *v == value) {
-                Some(index) => text::level(&counts.categories[index]),
-                None => plain(value),
-            };
-            ticks(low, high, 7).into_iter().map(|value| (value, name(value))).collect()
-        };
+        let named = |value: f64| values.iter().position(|v| *v == value).map(|i| labels::level(&counts.categories[i]));
+        let shown = if values.len() <= 8 { values.clone() } else { ticks(low, high, 7) };
+        let ticks = shown.into_iter().map(|value| (value, named(value).unwrap_or_else(|| plain(value)))).collect();
         Self { low: low - pad, high: high + pad, ticks }
     }
 
     /// From 0 to a little more than the largest value.
     pub fn from_zero(largest: f64) -> Self {
-        let high = if largest > 0.0 { 1.06 * largest } else { 1.0 };
-        Self { low: 0.0, high, ticks: ticks(0.0, high, 6).into_iter().map(|value| (value, plain(value))).collect() }
+        Self::between(0.0, if largest > 0.0 { 1.06 * largest } else { 1.0 })
     }
 
     /// From a lowest value to a highest.
     pub fn between(low: f64, high: f64) -> Self {
-        Self { low, high, ticks: ticks(low, high, 5).into_iter().map(|value| (value, plain(value))).collect() }
+        Self { low, high, ticks: ticks(low, high, 6).into_iter().map(|value| (value, plain(value))).collect() }
+    }
+
+    /// The panel between these sides that has this axis.
+    pub fn panel(&self, left: f64, right: f64, top: f64, height: f64) -> Panel {
+        Panel { left, right, top, bottom: top + height, low: self.low, high: self.high }
     }
 
     /// Room that the axis needs at the left of the panel, with its title.
@@ -97,26 +96,27 @@ impl Values {
     }
 
     fn widest(&self) -> f64 {
-        let widths = self.ticks.iter().map(|(_, name)| text::width(name, TEXT).min(LONGEST_VALUE));
+        let widths = self.ticks.iter().map(|(_, name)| labels::width(name, TEXT).min(LONGEST_VALUE));
         widths.fold(0.0, f64::max)
     }
 
     /// Lines across the panel, ticks, and their values unless they stand beside another panel.
-    pub fn draw(&self, canvas: &Canvas<'_>, panel: &Panel, title: Option<&str>) -> Drawn {
+    pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: Option<&str>) {
         for (value, name) in &self.ticks {
             let y = panel.y(*value);
-            canvas.line(&[(panel.left, y), (panel.right, y)], GRID)?;
-            canvas.line(&[(panel.left - TICK, y), (panel.left, y)], AXIS)?;
+            svg.line(&[(panel.left, y), (panel.right, y)], GRID);
+            svg.line(&[(panel.left - TICK, y), (panel.left, y)], AXIS);
             if title.is_some() {
-                let name = text::fit(name, LONGEST_VALUE, TEXT);
-                canvas.text(&name, (panel.left - TICK - 8.0, y), Setting::new(TEXT, HPos::Right))?;
+                let name = labels::fit(name, LONGEST_VALUE, TEXT);
+                svg.text(&name, (panel.left - TICK - 8.0, y), Font::new(TEXT, Anchor::End));
             }
         }
-        canvas.line(&[(panel.left, panel.top), (panel.left, panel.bottom)], AXIS)?;
-        let Some(title) = title else { return Ok(()) };
-        let x = (panel.left - TICK - 8.0 - self.widest() - 0.75 * TEXT).max(EDGE + 0.5 * TEXT);
-        let title = text::fit(title, panel.bottom - panel.top + 80.0, TEXT);
-        canvas.text(&title, (x, middle(panel.top, panel.bottom)), Setting::new(TEXT, HPos::Center).upright())
+        svg.line(&[(panel.left, panel.top), (panel.left, panel.bottom)], AXIS);
+        if let Some(title) = title {
+            let x = (panel.left - TICK - 8.0 - self.widest() - 0.75 * TEXT).max(EDGE + 0.5 * TEXT);
+            let title = labels::fit(title, panel.bottom - panel.top + 80.0, TEXT);
+            svg.text(&title, (x, (panel.top + panel.bottom) / 2.0), Font::new(TEXT, Anchor::Middle).upright());
+        }
     }
 }
 
@@ -133,11 +133,16 @@ impl Levels {
     /// Numbers at their places, on a logarithmic axis where they span more than ten times; everything else, the depth
     /// too, in order and evenly.
     pub fn of(factor: &Factor) -> Self {
-        let names: Vec<String> = factor.levels.iter().map(|name| text::level(name)).collect();
-        let count = names.len();
-        let evenly = || (0..count).map(|index| (index as f64 + 0.5) / count as f64).collect::<Vec<_>>();
-        let places = factor.numbers.as_ref().filter(|_| factor.name != "depth" && count > 1).and_then(|n| spread(n));
-        Self { at: places.unwrap_or_else(evenly), ordered: factor.numbers.is_some(), names }
+        let numbers = factor.numbers.as_ref();
+        let places = numbers.filter(|n| factor.name != "depth" && n.len() > 1).and_then(|numbers| spread(numbers));
+        let even = Self::evenly(&factor.levels, numbers.is_some());
+        Self { at: places.unwrap_or(even.at), ..even }
+    }
+
+    /// Names in their order.
+    pub fn evenly(names: &[String], ordered: bool) -> Self {
+        let at = (0..names.len()).map(|index| (index as f64 + 0.5) / names.len() as f64).collect();
+        Self { at, ordered, names: names.iter().map(|name| labels::level(name)).collect() }
     }
 
     /// The smallest distance between two levels, a share of the panel's width.
@@ -145,60 +150,44 @@ impl Levels {
         self.at.windows(2).map(|pair| pair[1] - pair[0]).fold(1.0, f64::min)
     }
 
-    /// How the names are set below a panel of this width.
+    /// How the names are set below a panel of this width: all where there is room, else one in so many; texts turned
+    /// first.
     pub fn labels(&self, width: f64) -> Labels {
-        let room = self.gap() * width - 0.4 * TEXT;
-        let widest = self.names.iter().map(|name| text::width(name, TEXT)).fold(0.0, f64::max);
-        if widest <= room.max(0.0) || self.names.len() == 1 {
-            let texts = self.names.iter().map(|name| Some(text::fit(name, width, TEXT))).collect();
-            return Labels { upright: false, texts, height: TEXT };
-        }
-        if self.ordered {
-            return Labels { upright: false, texts: self.thinned(width), height: TEXT };
-        }
-        let each = (1.15 * TEXT / (self.gap() * width)).ceil().max(1.0) as usize;
-        let short = |name: &String| text::fit(name, LONGEST_UPRIGHT, TEXT);
-        let texts: Vec<Option<String>> =
-            self.names.iter().enumerate().map(|(index, name)| (index % each == 0).then(|| short(name))).collect();
-        let height = texts.iter().flatten().map(|name| text::width(name, TEXT)).fold(TEXT, f64::max);
-        Labels { upright: true, texts, height }
-    }
-
-    /// Every so many of the names for which there is room; of numbers at uneven places, those that fit after the one
-    /// before.
-    fn thinned(&self, width: f64) -> Vec<Option<String>> {
-        let count = self.names.len();
-        let fitting = |each: usize| {
-            let mut free = f64::NEG_INFINITY;
-            let mut shown = vec![None; count];
-            for index in (0..count).step_by(each) {
-                let (centre, half) = (self.at[index] * width, text::width(&self.names[index], TEXT) / 2.0);
-                if centre - half >= free {
-                    free = centre + half + 0.4 * TEXT;
-                    shown[index] = Some(self.names[index].clone());
-                }
-            }
-            shown
+        let widths: Vec<f64> = self.names.iter().map(|name| labels::width(name, TEXT)).collect();
+        let fits = |each: usize, widths: &[f64]| {
+            let shown: Vec<usize> = (0..widths.len()).step_by(each).collect();
+            shown.windows(2).all(|pair| {
+                let room = (self.at[pair[1]] - self.at[pair[0]]) * width;
+                (widths[pair[0]] + widths[pair[1]]) / 2.0 + 0.4 * TEXT <= room
+            })
         };
-        let number = |shown: &[Option<String>]| shown.iter().flatten().count();
-        let greedy = fitting(1);
-        let even =
-            (1..=count).map(|each| (fitting(each), count.div_ceil(each))).find(|(shown, all)| number(shown) == *all);
-        even.map(|(shown, _)| shown).filter(|shown| 5 * number(shown) >= 3 * number(&greedy)).unwrap_or(greedy)
+        let upright = !self.ordered && !fits(1, &widths);
+        let widths = if upright { vec![0.75 * TEXT; widths.len()] } else { widths };
+        let each = (1..=widths.len()).find(|each| fits(*each, &widths)).unwrap_or(1);
+        let room = if upright { LONGEST_UPRIGHT } else { width };
+        let texts: Vec<Option<String>> = (self.names.iter().enumerate())
+            .map(|(index, name)| (index % each == 0).then(|| labels::fit(name, room, TEXT)))
+            .collect();
+        let longest = texts.iter().flatten().map(|name| labels::width(name, TEXT)).fold(TEXT, f64::max);
+        Labels { upright, texts, height: if upright { longest } else { TEXT } }
     }
 
     /// Axis, ticks, names and title below a panel.
-    pub fn draw(&self, canvas: &Canvas<'_>, panel: &Panel, labels: &Labels, title: &str) -> Drawn {
+    pub fn draw(&self, svg: &mut Svg, panel: &Panel, labels: &Labels, title: &str) {
         for (at, name) in self.at.iter().zip(&labels.texts) {
-            let x = panel.x(*at);
             if name.is_some() || self.at.len() <= MOST_TICKS {
-                canvas.line(&[(x, panel.bottom), (x, panel.bottom + TICK)], AXIS)?;
+                tick(svg, panel, *at);
             }
             if let Some(name) = name {
-                labels.name(canvas, name, (x, panel.bottom + TICK + 6.0))?;
+                let font = if labels.upright {
+                    Font::new(TEXT, Anchor::End).upright()
+                } else {
+                    Font::new(TEXT, Anchor::Middle).below()
+                };
+                svg.text(name, (panel.x(*at), panel.bottom + TICK + 6.0), font);
             }
         }
-        base(canvas, panel, labels.height, title)
+        base(svg, panel, labels.height, title);
     }
 }
 
@@ -210,39 +199,31 @@ pub(super) struct Labels {
     pub height: f64,
 }
 
-impl Labels {
-    fn name(&self, canvas: &Canvas<'_>, name: &str, at: (f64, f64)) -> Drawn {
-        if self.upright {
-            canvas.text(name, at, Setting::new(TEXT, HPos::Right).upright())
-        } else {
-            canvas.text(name, at, Setting { height: VPos::Top, ..Setting::new(TEXT, HPos::Center) })
-        }
-    }
-}
-
 /// Room below a panel for names of this height, and a title.
 pub(super) fn below(height: f64) -> f64 {
     TICK + 6.0 + height + 10.0 + TEXT + EDGE
 }
 
 /// The line below a panel, and its title under names of some height.
-pub(super) fn base(canvas: &Canvas<'_>, panel: &Panel, height: f64, title: &str) -> Drawn {
-    canvas.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS)?;
-    let centre = middle(panel.left, panel.right);
-    let room = 2.0 * (centre.min(WIDTH - centre) - EDGE);
-    let at = (centre, panel.bottom + TICK + 6.0 + height + 10.0);
-    canvas.text(&text::fit(title, room, TEXT), at, Setting { height: VPos::Top, ..Setting::new(TEXT, HPos::Center) })
+fn base(svg: &mut Svg, panel: &Panel, height: f64, title: &str) {
+    svg.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS);
+    let center = panel.x(0.5);
+    let title = labels::fit(title, 2.0 * (center.min(WIDTH - center) - EDGE), TEXT);
+    svg.text(&title, (center, panel.bottom + TICK + 16.0 + height), Font::new(TEXT, Anchor::Middle).below());
 }
 
-/// Ticks of a number across, below a panel; `at` are shares of its width.
-pub(super) fn number_ticks(canvas: &Canvas<'_>, panel: &Panel, at: &[(f64, String)], title: &str) -> Drawn {
+fn tick(svg: &mut Svg, panel: &Panel, share: f64) {
+    let x = panel.x(share);
+    svg.line(&[(x, panel.bottom), (x, panel.bottom + TICK)], AXIS);
+}
+
+/// The axis of a number below a panel, with its ticks at shares of the width.
+pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, at: &[(f64, String)], title: &str) {
     for (share, name) in at {
-        let x = panel.x(*share);
-        canvas.line(&[(x, panel.bottom), (x, panel.bottom + TICK)], AXIS)?;
-        let setting = Setting { height: VPos::Top, ..Setting::new(TEXT, HPos::Center) };
-        canvas.text(name, (x, panel.bottom + TICK + 6.0), setting)?;
+        tick(svg, panel, *share);
+        svg.text(name, (panel.x(*share), panel.bottom + TICK + 6.0), Font::new(TEXT, Anchor::Middle).below());
     }
-    base(canvas, panel, TEXT, title)
+    base(svg, panel, TEXT, title);
 }
 
 /// Places of numbers, a share of the width; none where some would fall on others.
@@ -254,7 +235,7 @@ fn spread(numbers: &[f64]) -> Option<Vec<f64>> {
         |number: f64| if logarithmic { (number / low).ln() / (high / low).ln() } else { (number - low) / (high - low) };
     let at: Vec<f64> = numbers.iter().map(|&number| MARGIN + (1.0 - 2.0 * MARGIN) * of(number)).collect();
     let least = 0.3 / numbers.len() as f64;
-    (at.windows(2).all(|pair| pair[1] - pair[0] >= least)).then_some(at)
+    at.windows(2).all(|pair| pair[1] - pair[0] >= least).then_some(at)
 }
 
 /// Least and greatest; none of none.
@@ -266,7 +247,7 @@ pub(super) fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 }
 
 /// Round numbers between two others: steps of 1, 2 or 5 times a power of ten, at most so many.
-pub(super) fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
+pub fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let span = high - low;
     if !(span.is_finite() && span > 0.0) {
         return vec![low];
@@ -274,19 +255,18 @@ pub(super) fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let power = 10_f64.powf((span / most as f64).log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0, 20.0].map(|factor| factor * power);
     let step = step.into_iter().find(|step| span / step < most as f64).unwrap_or(span);
+    multiples(low, high, step)
+}
+
+/// Multiples of a step between two numbers.
+pub(super) fn multiples(low: f64, high: f64, step: f64) -> Vec<f64> {
     let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
     (0..=(last - first).max(0.0) as usize).map(|index| (first + index as f64) * step).collect()
 }
 
 /// A number without the noise of binary fractions.
 pub(super) fn plain(value: f64) -> String {
-    let rounded = (value * 1e6).round() / 1e6;
-    text::level(&if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() })
-}
-
-/// The number between two others.
-pub(super) fn middle(from: f64, to: f64) -> f64 {
-    (from + to) / 2.0
+    labels::level(&((value * 1e6).round() / 1e6 + 0.0).to_string())
 }
 
 #[cfg(test)]
@@ -315,7 +295,6 @@ mod tests {
     #[test]
     fn ticks_are_round_and_few() {
         assert_eq!(ticks(0.0, 3.1, 6), [0.0, 1.0, 2.0, 3.0]);
-        assert_eq!(ticks(-2.0, 2.0, 5), [-2.0, -1.0, 0.0, 1.0, 2.0]);
         assert_eq!(ticks(1.0, 1.0, 5), [1.0]);
         for (low, high) in [(0.0, 1e-9), (-7e12, 3e11), (0.03, 0.031), (1.0, 99.0)] {
             let found = ticks(low, high, 6);
@@ -335,6 +314,5 @@ mod tests {
         let shaders =
             Levels::of(&factor("s", &["gradient-repaired", "gradient", "flat", "phong", "exact"])).labels(500.0);
         assert!(shaders.upright && shaders.texts.iter().all(Option::is_some));
-        assert!(!Levels::of(&factor("s", &["flat", "phong"])).labels(500.0).upright);
     }
 }

@@ -1,12 +1,10 @@
 //! A display's calibration: readings with the chosen curve, and how far each is from it.
 
-use plotters::style::{RGBColor, text_anchor::HPos};
-
 use super::{
-    Figure,
-    axes::{EDGE, Panel, Values},
-    palette::{AXIS, GRID, Look, MARKER, Marker, TEXT},
-    svg::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
+    axes::{EDGE, MARKER, Panel, TEXT, Values},
+    figure::Figure,
+    palette::{AXIS, BLACK, BLUE, GREEN, GRID, Marker, Series, Stroke, VERMILION},
+    svg::{Anchor, Font, Svg, WIDTH},
 };
 use crate::display::photometer::{Calibration, Channel, FittedChannel};
 
@@ -19,9 +17,8 @@ const LEAST_CODES: f64 = 1.0;
 
 /// `calibration`: readings, curves and residuals.
 #[must_use]
-pub fn calibration(calibration: &Calibration) -> Option<Figure> {
+pub fn calibration(calibration: &Calibration) -> Figure {
     let model = calibration.model(calibration.chosen);
-    let title = "Light of the display".to_owned();
     let caption = format!(
         "Above, luminance by encoded value: {} readings as markers, the chosen model ({}) as lines. Below, how far each \
          reading is from its line, in 8-bit codes.",
@@ -31,36 +28,31 @@ pub fn calibration(calibration: &Calibration) -> Option<Figure> {
     let light = Values::from_zero(calibration.readings.largest_cd_m2());
     let reach = residuals(calibration).map(|(_, _, codes)| codes.abs()).fold(LEAST_CODES, f64::max) * 1.1;
     let codes = Values::between(-reach, reach);
-    let left = light.margin().max(codes.margin());
+    let (left, right) = (light.margin().max(codes.margin()), WIDTH - EDGE - TEXT);
     let legend = EDGE + 0.6 * TEXT;
-    let top = legend + TEXT;
-    let panel = |top: f64, height: f64, values: &Values| Panel {
-        left,
-        right: WIDTH - EDGE - TEXT,
-        top,
-        bottom: top + height,
-        low: values.low,
-        high: values.high,
-    };
-    let upper = panel(top, HEIGHTS.0, &light);
-    let lower = panel(upper.bottom + TEXT, HEIGHTS.1, &codes);
-    let svg = drawing(lower.bottom + 2.9 * TEXT, &title, &caption, |canvas| {
-        names(canvas, left, legend, &model.channels)?;
-        light.draw(canvas, &upper, Some("Luminance (cd/m²)"))?;
-        across(canvas, &upper, false)?;
-        codes.draw(canvas, &lower, Some("Off (codes)"))?;
-        across(canvas, &lower, true)?;
-        for channel in &model.channels {
-            curve(canvas, &upper, channel)?;
+    let upper = light.panel(left, right, legend + TEXT, HEIGHTS.0);
+    let lower = codes.panel(left, right, upper.bottom + TEXT, HEIGHTS.1);
+    Figure::draw("calibration", "Light of the display".to_owned(), caption, lower.bottom + 2.9 * TEXT, |svg| {
+        let room = (WIDTH - EDGE - left) / model.channels.len() as f64;
+        for (index, FittedChannel { channel, .. }) in model.channels.iter().enumerate() {
+            svg.legend_entry((left + index as f64 * room, legend), series(*channel), true, channel.name(), TEXT);
+        }
+        light.draw(svg, &upper, Some("Luminance (cd/m²)"));
+        encoded_axis(svg, &upper, false);
+        codes.draw(svg, &lower, Some("Off (codes)"));
+        encoded_axis(svg, &lower, true);
+        for FittedChannel { channel, response, .. } in &model.channels {
+            let levels = (0..=STEPS).map(|step| step as f64 / STEPS as f64);
+            let points: Vec<_> = levels.map(|v| (upper.x(v), upper.y(response.cd_m2(v)))).collect();
+            svg.line(&points, Stroke { width: 2.4, ..series(*channel).line() });
         }
         for one in calibration.readings.all() {
-            canvas.marker((upper.x(one.level), upper.y(one.luminance_cd_m2)), 0.7 * MARKER, look(one.channel))?;
+            svg.marker((upper.x(one.level), upper.y(one.luminance_cd_m2)), 0.7 * MARKER, series(one.channel));
         }
-        residuals(calibration).try_for_each(|(channel, level, codes)| {
-            canvas.marker((lower.x(level), lower.y(codes)), 0.7 * MARKER, look(channel))
-        })
-    })?;
-    Some(Figure { name: "calibration", title, caption, wide: false, svg })
+        for (channel, level, codes) in residuals(calibration) {
+            svg.marker((lower.x(level), lower.y(codes)), 0.7 * MARKER, series(channel));
+        }
+    })
 }
 
 /// Channel, level and distance from the curve in 8-bit codes of every reading.
@@ -72,51 +64,29 @@ fn residuals(calibration: &Calibration) -> impl Iterator<Item = (Channel, f64, f
     })
 }
 
-/// Okabe & Ito's colours nearest to the channels, and a marker and a dash for each.
-fn look(channel: Channel) -> Look {
-    let (colour, marker, dash) = match channel {
-        Channel::Red => (RGBColor(213, 94, 0), Marker::Square, Some((18.0, 8.0))),
-        Channel::Green => (RGBColor(0, 158, 115), Marker::Triangle, Some((8.0, 6.0))),
-        Channel::Blue => (RGBColor(0, 114, 178), Marker::Diamond, Some((30.0, 7.0))),
-        Channel::Gray => (RGBColor(0, 0, 0), Marker::Circle, None),
+/// The palette's colors nearest to the channels, and a marker and a dash for each.
+fn series(channel: Channel) -> Series {
+    let (color, marker, dash) = match channel {
+        Channel::Red => (VERMILION, Marker::Square, Some((18.0, 8.0))),
+        Channel::Green => (GREEN, Marker::Triangle, Some((8.0, 6.0))),
+        Channel::Blue => (BLUE, Marker::Diamond, Some((30.0, 7.0))),
+        Channel::Gray => (BLACK, Marker::Circle, None),
     };
-    Look { colour, marker, open: false, dash }
-}
-
-fn names(canvas: &Canvas<'_>, left: f64, y: f64, channels: &[FittedChannel]) -> Drawn {
-    let room = (WIDTH - EDGE - left) / channels.len() as f64;
-    for (index, channel) in channels.iter().enumerate() {
-        let at = (left + index as f64 * room, y);
-        canvas.legend_entry(at, look(channel.channel), true, channel.channel.name(), TEXT)?;
-    }
-    Ok(())
+    Series { color, marker, open: false, dash }
 }
 
 /// The axis of encoded values, with lines across the panel.
-fn across(canvas: &Canvas<'_>, panel: &Panel, named: bool) -> Drawn {
-    canvas.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS)?;
-    for quarter in 0..=4 {
-        let level = f64::from(quarter) / 4.0;
+fn encoded_axis(svg: &mut Svg, panel: &Panel, named: bool) {
+    svg.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS);
+    for level in [0.0, 0.25, 0.5, 0.75, 1.0] {
         let x = panel.x(level);
-        canvas.line(&[(x, panel.top), (x, panel.bottom)], GRID)?;
+        svg.line(&[(x, panel.top), (x, panel.bottom)], GRID);
         if named {
-            let name = format!("{level}");
-            canvas.text(&name, (x, panel.bottom + 0.8 * TEXT), Setting::new(TEXT, HPos::Center))?;
+            svg.text(&level.to_string(), (x, panel.bottom + 0.8 * TEXT), Font::new(TEXT, Anchor::Middle));
         }
     }
     if named {
-        let middle = (panel.x(0.5), panel.bottom + 2.1 * TEXT);
-        canvas.text("Encoded value", middle, Setting::new(TEXT, HPos::Center))?;
+        svg.text("Encoded value", (panel.x(0.5), panel.bottom + 2.1 * TEXT), Font::new(TEXT, Anchor::Middle));
     }
-    let zero = panel.y(0.0);
-    canvas.line(&[(panel.left, zero), (panel.right, zero)], Stroke { width: 1.4, ..AXIS })
-}
-
-fn curve(canvas: &Canvas<'_>, panel: &Panel, channel: &FittedChannel) -> Drawn {
-    let point = |step: usize| {
-        let v = step as f64 / STEPS as f64;
-        (panel.x(v), panel.y(channel.response.cd_m2(v)))
-    };
-    let points: Vec<(f64, f64)> = (0..=STEPS).map(point).collect();
-    canvas.line(&points, Stroke { width: 2.4, ..look(channel.channel).stroke() })
+    svg.line(&[(panel.left, panel.y(0.0)), (panel.right, panel.y(0.0))], Stroke { width: 1.4, ..AXIS });
 }

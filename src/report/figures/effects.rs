@@ -1,17 +1,18 @@
 //! What the model says: every coefficient with its interval, by term.
 
-use plotters::style::{WHITE, text_anchor::HPos};
-
 use super::{
-    Figure,
-    axes::{EDGE, Panel, base, below, ends, number_ticks, plain, ticks},
-    labels as text,
-    palette::{AXIS, GRID, Look, MARKER, TEXT},
-    svg::{Canvas, Drawn, Setting, Stroke, WIDTH, drawing},
+    axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis, plain, ticks},
+    figure::Figure,
+    labels,
+    palette::{AXIS, GRID, Series, Stroke, WHITE},
+    svg::{Anchor, Font, Point, Svg, WIDTH},
 };
-use crate::analysis::{
-    Coefficient, Link, Model, Note, Results,
-    terms::{Term, Variable},
+use crate::{
+    analysis::{
+        Coefficient, Link, Model, Note, Results,
+        terms::{Term, Variable},
+    },
+    light::normal::Z_95,
 };
 
 /// Most coefficients in a chart.
@@ -20,48 +21,75 @@ const MOST: usize = 60;
 const PITCH: f64 = 1.4 * TEXT;
 /// Longest name of a row.
 const LONGEST: f64 = 290.0;
-/// The 97.5 % quantile of the normal distribution.
-const Z: f64 = 1.959_963_984_540_054;
+/// How far the names of levels are indented.
+const INDENT: f64 = 18.0;
 
 /// `effects`, where there is a model of several people with coefficients.
-pub(super) fn figures(results: &Results) -> Vec<Figure> {
-    figure(results).into_iter().collect()
-}
-
-fn figure(results: &Results) -> Option<Figure> {
+pub(super) fn figure(results: &Results) -> Option<Figure> {
     let model = &results.model.as_ref().ok()?.model;
     if !results.is_inferential() || model.coefficients.is_empty() {
         return None;
     }
+    let rows = rows(results, model);
+    let (low, high) = range(model);
+    // Headings may reach into the panel, where their line is empty.
+    let names = rows.iter().filter(|row| row.coefficient.is_some()).map(|row| INDENT + labels::width(&row.name, TEXT));
+    let left = EDGE + names.fold(120.0, f64::max).min(LONGEST) + 14.0;
+    let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
+    let panel = Panel { left, right: WIDTH - EDGE - 8.0, top: EDGE, bottom, low: 0.0, high: 1.0 };
+    let share = |value: f64| (value - low) / (high - low);
+    let unit = match model.link {
+        Link::Logit => "logit units",
+        Link::Probit => "probit units",
+    };
     let title = format!("Effects in the {} model", model.link);
-    let caption = caption(results, model);
-    let svg = svg(results, model, &title, &caption)?;
-    Some(Figure { name: "effects", title, caption, wide: false, svg })
+    Some(Figure::draw("effects", title, caption(results, model), bottom + below(TEXT), |svg| {
+        let ticks = ticks(low, high, (panel.width() / 80.0) as usize);
+        let at: Vec<(f64, String)> = ticks.into_iter().map(|tick| (share(tick), plain(tick))).collect();
+        for (share, _) in &at {
+            svg.line(&[(panel.x(*share), panel.top), (panel.x(*share), bottom)], GRID);
+        }
+        let zero = panel.x(share(0.0));
+        svg.line(&[(zero, panel.top), (zero, bottom)], Stroke { dash: Some((9.0, 6.0)), ..AXIS });
+        number_axis(svg, &panel, &at, &format!("Shift of the ratings ({unit})"));
+        for (index, row) in rows.iter().enumerate() {
+            let y = panel.top + PITCH * (index as f64 + 0.5);
+            let Some(coefficient) = row.coefficient else {
+                let name = labels::fit(&row.name, WIDTH - 2.0 * EDGE, 1.05 * TEXT);
+                let end = EDGE + labels::width(&name, 1.05 * TEXT);
+                svg.rectangle((EDGE, y - 0.5 * PITCH), (end, y + 0.45 * PITCH), WHITE);
+                svg.text(&name, (EDGE, y), Font::new(TEXT, Anchor::Start).bold());
+                continue;
+            };
+            let name = labels::fit(&row.name, LONGEST - INDENT, TEXT);
+            svg.text(&name, (left - 14.0, y), Font::new(TEXT, Anchor::End));
+            effect(svg, &panel, coefficient, share, y);
+        }
+    }))
 }
 
 fn caption(results: &Results, model: &Model) -> String {
-    let endless = model.coefficients.iter().filter(|coefficient| !coefficient.estimate.is_finite()).count();
-    let all = model.coefficients.len();
     let mut text = format!(
-        "Coefficients of the cumulative {} model ({}), with 95 % intervals (1.96 standard errors): to the right, \
+        "Coefficients of the cumulative {} model ({}), with 95\u{a0}% intervals (1.96 standard errors): to the right, \
          ratings are higher than at the level in brackets; {}.",
         model.link,
         model.method,
-        text::sample(results)
+        labels::sample(results)
     );
-    if endless > 0 {
+    if model.coefficients.iter().any(|coefficient| !coefficient.estimate.is_finite()) {
         text += " An arrow alone: no finite estimate.";
     }
+    let all = model.coefficients.len();
     if all > MOST {
         text += &format!(" The first {MOST} of {all} coefficients.");
     }
     text
 }
 
-/// A line of the chart.
-enum Row<'a> {
-    Term(String),
-    Effect(String, &'a Coefficient),
+/// A line of the chart: a coefficient, or the heading of a term's.
+struct Row<'a> {
+    name: String,
+    coefficient: Option<&'a Coefficient>,
 }
 
 fn rows<'a>(results: &Results, model: &'a Model) -> Vec<Row<'a>> {
@@ -69,13 +97,14 @@ fn rows<'a>(results: &Results, model: &'a Model) -> Vec<Row<'a>> {
     let mut last = None;
     for coefficient in model.coefficients.iter().take(MOST) {
         let term = results.spec.terms.iter().find(|term| term.to_string() == coefficient.term);
-        let number = term.is_none_or(|term| matches!(term.variables[..], [Variable::Number(_)]));
-        if !number && last != Some(&coefficient.term) {
-            rows.extend(term.map(|term| Row::Term(heading(results, model, term))));
+        let is_number = term.is_none_or(|term| matches!(term.variables[..], [Variable::Number(_)]));
+        if !is_number && last != Some(&coefficient.term) {
+            rows.extend(term.map(|term| Row { name: heading(results, model, term), coefficient: None }));
         }
         last = Some(&coefficient.term);
         let name = term.and_then(|term| levels(results, term, &coefficient.name));
-        rows.push(Row::Effect(name.unwrap_or_else(|| text::clean(&coefficient.name)), coefficient));
+        let name = name.unwrap_or_else(|| labels::clean(&coefficient.name));
+        rows.push(Row { name, coefficient: Some(coefficient) });
     }
     rows
 }
@@ -87,7 +116,7 @@ fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
     for (index, variable) in term.variables.iter().enumerate() {
         rest = if index > 0 { rest.strip_prefix(':')? } else { rest }.strip_prefix(variable.name())?;
         let Variable::Factor(factor) = variable else {
-            parts.push(text::heading(variable.name()));
+            parts.push(labels::heading(variable.name()).to_owned());
             continue;
         };
         let (_, factor) = results.measured.counts.factor(factor)?;
@@ -97,7 +126,7 @@ fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
         };
         let level = factor.levels.iter().filter(|level| after(level).is_some()).max_by_key(|level| level.len())?;
         rest = after(&level)?;
-        parts.push(text::level(level));
+        parts.push(labels::level(level));
     }
     rest.is_empty().then(|| parts.join(" × "))
 }
@@ -105,22 +134,20 @@ fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
 /// A term, with the level of a factor that the others are compared with.
 fn heading(results: &Results, model: &Model, term: &Term) -> String {
     let [Variable::Factor(name)] = &term.variables[..] else {
-        return term.variables.iter().map(|variable| text::heading(variable.name())).collect::<Vec<_>>().join(" × ");
+        return term.variables.iter().map(|variable| labels::heading(variable.name())).collect::<Vec<_>>().join(" × ");
     };
     let rebased = model.notes.iter().find_map(|note| match note {
         Note::Rebased { factor, baseline, .. } if factor == name => Some(baseline),
         _ => None,
     });
     let baseline = results.measured.counts.factor(name).and_then(|(_, factor)| rebased.or(factor.levels.first()));
-    baseline.map_or_else(
-        || text::heading(name),
-        |level| format!("{} (against {})", text::heading(name), text::level(level)),
-    )
+    let against = baseline.map_or_else(String::new, |level| format!(" (against {})", labels::level(level)));
+    format!("{}{against}", labels::heading(name))
 }
 
 /// Ends of an interval; of one without a standard error, the estimate.
 fn interval(coefficient: &Coefficient) -> (f64, f64) {
-    let half = coefficient.se.filter(|se| se.is_finite()).map_or(0.0, |se| Z * se);
+    let half = coefficient.se.filter(|se| se.is_finite()).map_or(0.0, |se| Z_95 * se);
     (coefficient.estimate - half, coefficient.estimate + half)
 }
 
@@ -137,88 +164,34 @@ fn range(model: &Model) -> (f64, f64) {
     (low - pad, high + pad)
 }
 
-fn svg(results: &Results, model: &Model, title: &str, caption: &str) -> Option<String> {
-    let rows = rows(results, model);
-    let (low, high) = range(model);
-    let indent = 18.0;
-    let widest = rows.iter().map(|row| match row {
-        Row::Effect(name, _) => indent + text::width(name, TEXT),
-        // Headings may reach into the panel, where their line is empty.
-        Row::Term(_) => 0.0,
-    });
-    let label = widest.fold(120.0, f64::max).min(LONGEST);
-    let panel = Panel {
-        left: EDGE + label + 14.0,
-        right: WIDTH - EDGE - 8.0,
-        top: EDGE,
-        bottom: EDGE + PITCH * rows.len() as f64 + 8.0,
-        low: 0.0,
-        high: 1.0,
-    };
-    let share = |value: f64| (value - low) / (high - low);
-    let unit = match model.link {
-        Link::Logit => "logit units",
-        Link::Probit => "probit units",
-    };
-    drawing(panel.bottom + below(TEXT), title, caption, |canvas| {
-        let most = (panel.width() / 80.0) as usize;
-        let at: Vec<(f64, String)> = ticks(low, high, most).into_iter().map(|t| (share(t), plain(t))).collect();
-        for (share, _) in &at {
-            canvas.line(&[(panel.x(*share), panel.top), (panel.x(*share), panel.bottom)], GRID)?;
-        }
-        let zero = panel.x(share(0.0));
-        canvas.line(&[(zero, panel.top), (zero, panel.bottom)], Stroke { dash: Some((9.0, 6.0)), ..AXIS })?;
-        number_ticks(canvas, &panel, &at, "")?;
-        base(canvas, &panel, TEXT, &format!("Shift of the ratings ({unit})"))?;
-        for (index, row) in rows.iter().enumerate() {
-            let y = panel.top + PITCH * (index as f64 + 0.5);
-            match row {
-                Row::Term(name) => {
-                    let name = text::fit(name, WIDTH - 2.0 * EDGE, TEXT);
-                    let ground = EDGE + text::width(&name, 1.05 * TEXT);
-                    canvas.rectangle((EDGE, y - 0.5 * PITCH), (ground, y + 0.45 * PITCH), WHITE)?;
-                    canvas.text(&name, (EDGE, y), Setting::new(TEXT, HPos::Left).bold())?;
-                }
-                Row::Effect(name, coefficient) => {
-                    let name = text::fit(name, LONGEST - indent, TEXT);
-                    canvas.text(&name, (panel.left - 14.0, y), Setting::new(TEXT, HPos::Right))?;
-                    effect(canvas, &panel, coefficient, share, y)?;
-                }
-            }
-        }
-        Ok(())
-    })
-}
-
 /// An estimate with its interval; an arrow where they go on beyond the panel.
-fn effect(canvas: &Canvas<'_>, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64) -> Drawn {
-    let look = Look::only();
-    let estimate = coefficient.estimate;
+fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64) {
+    let (series, estimate) = (Series::only(), coefficient.estimate);
     if estimate.is_nan() {
-        return Ok(());
+        return;
     }
     if estimate.is_infinite() {
-        let (edge, inward) = if estimate > 0.0 { (panel.right, -1.0) } else { (panel.left, 1.0) };
-        canvas.line(&[(edge + inward * 90.0, y), (edge + inward * 16.0, y)], look.bar())?;
-        return arrow(canvas, (edge, y), -inward, look);
+        let (edge, direction) = if estimate > 0.0 { (panel.right, 1.0) } else { (panel.left, -1.0) };
+        svg.line(&[(edge - direction * 90.0, y), (edge - direction * 16.0, y)], series.bar());
+        return arrow(svg, (edge, y), direction, series);
     }
     let (low, high) = interval(coefficient);
     let [from, to] = [low, high].map(|end| panel.x(share(end).clamp(0.0, 1.0)));
     if to > from {
-        canvas.line(&[(from, y), (to, y)], Stroke { width: 3.0, ..look.bar() })?;
+        svg.line(&[(from, y), (to, y)], Stroke { width: 3.0, ..series.bar() });
         for (end, x, direction) in [(share(low), from, -1.0), (share(high), to, 1.0)] {
             if (0.0..=1.0).contains(&end) {
-                canvas.line(&[(x, y - 7.0), (x, y + 7.0)], look.bar())?;
+                svg.line(&[(x, y - 7.0), (x, y + 7.0)], series.bar());
             } else {
-                arrow(canvas, (x, y), direction, look)?;
+                arrow(svg, (x, y), direction, series);
             }
         }
     }
-    canvas.marker((panel.x(share(estimate)), y), MARKER + 1.0, look)
+    svg.marker((panel.x(share(estimate)), y), MARKER + 1.0, series);
 }
 
 /// A tip at a place, to the right (1) or left (−1).
-fn arrow(canvas: &Canvas<'_>, (x, y): (f64, f64), direction: f64, look: Look) -> Drawn {
+fn arrow(svg: &mut Svg, (x, y): Point, direction: f64, series: Series) {
     let back = x - direction * 18.0;
-    canvas.polygon(&[(x, y), (back, y - 9.0), (back, y + 9.0)], look.colour)
+    svg.polygon(&[(x, y), (back, y - 9.0), (back, y + 9.0)], series.color);
 }

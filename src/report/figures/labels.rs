@@ -1,6 +1,9 @@
 //! Names as they are set in a chart.
 
-use crate::analysis::Results;
+use crate::{
+    analysis::{Results, number_of},
+    report::document::numbers::{count, percent, whole},
+};
 
 /// The text without characters that XML does not allow, or that end a line.
 pub(super) fn clean(text: &str) -> String {
@@ -9,11 +12,7 @@ pub(super) fn clean(text: &str) -> String {
 
 /// Width of a text in a sans serif of ordinary width. Fonts differ, so it is an estimate, rather too large.
 pub(super) fn width(text: &str, size: f64) -> f64 {
-    size * text.chars().map(em).sum::<f64>()
-}
-
-fn em(c: char) -> f64 {
-    match c {
+    let em = |c: char| match c {
         'i' | 'j' | 'l' | 'I' | '\'' | '|' => 0.29,
         ' ' | '.' | ',' | ':' | ';' | '!' | '(' | ')' | '[' | ']' | 'f' | 't' | 'r' | '-' | '/' => 0.39,
         'm' | 'w' | 'M' | 'W' | '@' | '%' | '…' | '∞' => 0.95,
@@ -21,7 +20,8 @@ fn em(c: char) -> f64 {
         // Scripts whose characters are as wide as they are high.
         '\u{1100}'..='\u{11ff}' | '\u{2e80}'..='\u{d7ff}' | '\u{f900}'..='\u{faff}' | '\u{1f000}'.. => 1.0,
         _ => 0.59,
-    }
+    };
+    size * text.chars().map(em).sum::<f64>()
 }
 
 /// The text, or as much of its two ends as there is room for: levels often differ at the end.
@@ -44,64 +44,49 @@ pub(super) fn level(name: &str) -> String {
     if name.eq_ignore_ascii_case("inf") {
         "∞".to_owned()
     } else {
-        name.replace('-', if is_number(name) { "−" } else { "-" })
+        name.replace('-', if number_of(name).is_some() { "−" } else { "-" })
     }
 }
 
-fn is_number(name: &str) -> bool {
-    crate::analysis::number_of(name).is_some()
+/// A factor as the title of an axis with its unit, as the heading of a legend, and within a sentence.
+fn names(factor: &str) -> [&str; 3] {
+    match factor {
+        "width" => ["Ramp width (proportion of the window)", "Width", "ramp width"],
+        "depth" => ["Continuity depth n", "Depth n", "continuity depth"],
+        "orientation_deg" => ["Orientation (degrees)", "Angle (°)", "orientation"],
+        other => [other; 3],
+    }
 }
 
 /// A factor as the title of an axis, with its unit.
-pub(super) fn axis(factor: &str) -> String {
-    match factor {
-        "width" => "Ramp width (proportion of the window)".to_owned(),
-        "depth" => "Continuity depth n".to_owned(),
-        "orientation_deg" => "Orientation (degrees)".to_owned(),
-        other => other.to_owned(),
-    }
+pub(super) fn axis(factor: &str) -> &str {
+    names(factor)[0]
 }
 
 /// A factor as the heading of a legend.
-pub(super) fn heading(factor: &str) -> String {
-    match factor {
-        "width" => "Width".to_owned(),
-        "depth" => "Depth n".to_owned(),
-        "orientation_deg" => "Angle (°)".to_owned(),
-        other => other.to_owned(),
-    }
+pub(super) fn heading(factor: &str) -> &str {
+    names(factor)[1]
 }
 
 /// A factor within a sentence.
 pub(super) fn word(factor: &str) -> String {
-    match factor {
-        "width" => "ramp width".to_owned(),
-        "depth" => "continuity depth".to_owned(),
-        "orientation_deg" => "orientation".to_owned(),
-        other => clean(other),
-    }
+    clean(names(factor)[2])
 }
 
 /// What the ratings are about: bands, where the factors are those of our stimuli.
 pub(super) fn rating(results: &Results) -> &'static str {
-    let ours = ["width", "depth", "orientation_deg"];
-    let counts = &results.measured.counts;
-    if counts.factors.iter().any(|factor| ours.contains(&factor.name.as_str())) {
+    let is_ours = |name: &str| ["width", "depth", "orientation_deg"].contains(&name);
+    if results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {
         "Mean visibility rating"
     } else {
         "Mean rating"
     }
 }
 
-/// How much was measured: `8 subjects, 1920 ratings`.
+/// How much was measured: `8 participants, 1,920 ratings`.
 pub(super) fn sample(results: &Results) -> String {
-    let counts = &results.measured.counts;
-    format!("{}, {}", number(counts.subjects.len() as u64, "subject"), number(counts.total(), "rating"))
-}
-
-/// A number of things: `1 rating`, `2 ratings`.
-pub(super) fn number(n: u64, thing: &str) -> String {
-    format!("{n} {thing}{}", if n == 1 { "" } else { "s" })
+    let total = results.measured.counts.total();
+    format!("{}, {}", count(results.people() as u64, "participant"), count(total, "rating"))
 }
 
 /// What the bars on means are, and how much was measured.
@@ -109,11 +94,19 @@ pub(super) fn bars(results: &Results) -> String {
     let sample = sample(results);
     if results.is_inferential() {
         let bootstrap = &results.options.bootstrap;
-        let level = 100.0 * bootstrap.level;
-        format!("bars are {level} % bootstrap intervals over subjects ({} samples); {sample}", bootstrap.replicates)
+        format!(
+            "bars are {} bootstrap intervals over participants ({} samples); {sample}",
+            percent(bootstrap.level),
+            whole(bootstrap.replicates as u64)
+        )
     } else {
-        format!("one person, so there are no intervals; {sample}")
+        format!("one participant, so there are no intervals; {sample}")
     }
+}
+
+/// Where only some levels are drawn: ` (12 of 30 are drawn)`.
+pub(super) fn some_of(shown: usize, all: usize) -> String {
+    if shown < all { format!(" ({shown} of {all} are drawn)") } else { String::new() }
 }
 
 #[cfg(test)]
@@ -126,7 +119,6 @@ mod tests {
         let short = fit(name, 160.0, 17.0);
         assert!(short.starts_with("grad") && short.ends_with("12") && short.contains('…'), "{short}");
         assert!(width(&short, 17.0) <= 160.0);
-        assert_eq!(fit("0.4", 160.0, 17.0), "0.4");
         assert_eq!(fit("abc", 1.0, 17.0), "…");
         assert_eq!(fit("a\u{0}b\n", 160.0, 17.0), "a b ");
     }

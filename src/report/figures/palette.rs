@@ -1,44 +1,42 @@
-//! What tells series and categories apart, in colour, without red and green, and in grey.
+//! The colors of every chart, on paper and in the window, and what else tells series apart: markers and dashes, for
+//! readers who do not see colors.
 
-use plotters::style::RGBColor;
+use std::fmt;
 
-use super::svg::Stroke;
+/// A color, encoded in sRGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rgb(pub u8, pub u8, pub u8);
 
-/// Size of text in a chart for a column.
-pub(super) const TEXT: f64 = 29.0;
-/// Size of text in a chart for the width of a page.
-pub(super) const SMALL: f64 = 20.0;
-/// Radius of a marker.
-pub(super) const MARKER: f64 = 8.0;
+impl fmt::Display for Rgb {
+    /// As SVG has it, `#0072b2`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
+    }
+}
+
+pub const BLACK: Rgb = Rgb(0, 0, 0);
+pub const WHITE: Rgb = Rgb(255, 255, 255);
+pub const GRAY: Rgb = Rgb(120, 120, 120);
+// The palette of Okabe & Ito (2008, jfly.uni-koeln.de/color), which color-blind readers can tell apart.
+pub const ORANGE: Rgb = Rgb(230, 159, 0);
+pub const SKY: Rgb = Rgb(86, 180, 233);
+pub const GREEN: Rgb = Rgb(0, 158, 115);
+pub const YELLOW: Rgb = Rgb(240, 228, 66);
+pub const BLUE: Rgb = Rgb(0, 114, 178);
+pub const VERMILION: Rgb = Rgb(213, 94, 0);
+pub const PURPLE: Rgb = Rgb(204, 121, 167);
+
+/// Colors of series on white, the darkest first. Yellow is missing: it hardly shows on white.
+pub const ON_WHITE: [Rgb; 7] = [BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
+/// Colors of series on a dark page.
+pub const ON_DARK: [Rgb; 7] = [ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE];
+
 /// Most series that one chart can tell apart.
-pub(super) const MOST_SERIES: usize = 12;
-
-/// Axes.
-pub(super) const AXIS: Stroke = Stroke::new(RGBColor(60, 60, 60), 2.0);
-/// Lines across a panel at its ticks.
-pub(super) const GRID: Stroke = Stroke::new(RGBColor(222, 222, 222), 1.4);
-/// The stand-alone colour, darkest but black: what a chart with a single series is drawn in.
-pub(super) const INK: RGBColor = RGBColor(0, 114, 178);
-
-/// Okabe & Ito's colours without yellow, which is hardly seen on white, the darkest first.
-const COLOURS: [RGBColor; 7] = [
-    RGBColor(0, 0, 0),
-    INK,
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-];
-
-const MARKERS: [Marker; 6] =
-    [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Inverted, Marker::Cross];
-
-const DASHES: [Option<(f64, f64)>; 4] = [None, Some((18.0, 8.0)), Some((8.0, 6.0)), Some((30.0, 7.0))];
+pub const MOST_SERIES: usize = 12;
 
 /// Shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Marker {
+pub enum Marker {
     Circle,
     Square,
     Triangle,
@@ -47,52 +45,82 @@ pub(super) enum Marker {
     Cross,
 }
 
-/// What a series looks like.
-#[derive(Clone, Copy)]
-pub(super) struct Look {
-    pub colour: RGBColor,
+const MARKERS: [Marker; 6] =
+    [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Inverted, Marker::Cross];
+
+/// Length of a dash, and of the gap after it; none for a solid line.
+pub type Dash = Option<(f64, f64)>;
+
+const DASHES: [Dash; 4] = [None, Some((18.0, 8.0)), Some((8.0, 6.0)), Some((30.0, 7.0))];
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Stroke {
+    pub color: Rgb,
+    pub width: f64,
+    pub opacity: f64,
+    pub dash: Dash,
+}
+
+impl Stroke {
+    pub const fn new(color: Rgb, width: f64) -> Self {
+        Self { color, width, opacity: 1.0, dash: None }
+    }
+}
+
+/// Axes.
+pub const AXIS: Stroke = Stroke::new(Rgb(60, 60, 60), 2.0);
+/// Lines across a panel at its ticks.
+pub const GRID: Stroke = Stroke::new(Rgb(222, 222, 222), 1.4);
+
+/// What tells a series from the others.
+#[derive(Clone, Copy, Debug)]
+pub struct Series {
+    pub color: Rgb,
     pub marker: Marker,
     /// An outline instead of a filled shape.
     pub open: bool,
-    pub dash: Option<(f64, f64)>,
+    pub dash: Dash,
 }
 
-impl Look {
-    /// The look of a series; no two of [`MOST_SERIES`] are alike, even in grey.
-    pub fn of(series: usize) -> Self {
+impl Series {
+    /// The series at this place; no two of [`MOST_SERIES`] are alike, even in gray.
+    pub fn of(index: usize) -> Self {
         Self {
-            colour: COLOURS[series % COLOURS.len()],
-            marker: MARKERS[series % MARKERS.len()],
-            open: (series / MARKERS.len()) % 2 == 1,
-            dash: DASHES[series % DASHES.len()],
+            color: ON_WHITE[index % ON_WHITE.len()],
+            marker: MARKERS[index % MARKERS.len()],
+            open: (index / MARKERS.len()) % 2 == 1,
+            dash: DASHES[index % DASHES.len()],
         }
     }
 
-    /// The look of the only series.
+    /// The only series of a chart.
     pub fn only() -> Self {
-        Self { colour: INK, ..Self::of(0) }
+        Self { color: BLUE, ..Self::of(0) }
     }
 
     /// Its line.
-    pub fn stroke(self) -> Stroke {
-        Stroke { dash: self.dash, ..Stroke::new(self.colour, 3.2) }
+    pub fn line(self) -> Stroke {
+        Stroke { dash: self.dash, ..Stroke::new(self.color, 3.2) }
     }
 
     /// Its intervals.
     pub fn bar(self) -> Stroke {
-        Stroke::new(self.colour, 2.2)
+        Stroke::new(self.color, 2.2)
     }
 }
 
-/// The colour of an ordered category, from light to dark in even steps of lightness.
-pub(super) fn category(index: usize, of: usize) -> RGBColor {
-    // A single hue: light in both its forms, colour and grey, means low.
-    const STOPS: [(f64, f64, f64); 4] =
-        [(208.0, 224.0, 240.0), (133.0, 178.0, 213.0), (42.0, 112.0, 176.0), (8.0, 34.0, 82.0)];
+/// The color of an ordered category, from light to dark in even steps of lightness.
+pub fn category(index: usize, of: usize) -> Rgb {
+    // A single hue: light means low, in color and in gray.
+    const STOPS: [[f64; 3]; 4] =
+        [[208.0, 224.0, 240.0], [133.0, 178.0, 213.0], [42.0, 112.0, 176.0], [8.0, 34.0, 82.0]];
     let share = if of < 2 { 1.0 } else { index as f64 / (of - 1) as f64 };
     let place = share * (STOPS.len() - 1) as f64;
     let below = (place.floor() as usize).min(STOPS.len() - 2);
-    let (from, to, t) = (STOPS[below], STOPS[below + 1], place - below as f64);
-    let mix = |a: f64, b: f64| (a + t * (b - a)).round() as u8;
-    RGBColor(mix(from.0, to.0), mix(from.1, to.1), mix(from.2, to.2))
+    let mix = |channel: usize| {
+        let (from, to) = (STOPS[below][channel], STOPS[below + 1][channel]);
+        (from + (place - below as f64) * (to - from)).round() as u8
+    };
+    Rgb(mix(0), mix(1), mix(2))
 }

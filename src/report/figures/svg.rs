@@ -1,179 +1,179 @@
-//! A sheet to draw on: plotters' elements and SVG back end, in units of a tenth of its own whole numbers.
+//! A sheet of SVG: lines, shapes and text in units of its view box, y downward.
 
-use std::io;
-
-use plotters::{
-    coord::Shift,
-    drawing::DrawingAreaErrorKind,
-    element::DashedPathElement,
-    prelude::*,
-    style::text_anchor::{HPos, Pos, VPos},
-};
+use std::fmt::Write as _;
 
 use super::{
-    labels as text,
-    palette::{Look, Marker},
+    labels,
+    palette::{BLACK, Marker, Rgb, Series, Stroke, WHITE},
 };
 
-/// Back-end units, which are whole numbers, in one of ours.
-const FINE: f64 = 10.0;
-/// The back end divides sizes of fonts by this.
-const FONT_FACTOR: f64 = 1.24;
-/// Noto Sans is what the PNG is set in; without it, what every machine has.
-const FAMILY: &str = "Noto Sans, Open Sans, Helvetica, Arial, sans-serif";
 /// Width of every chart.
 pub(super) const WIDTH: f64 = 800.0;
+/// Noto Sans is what the PNG is set in; without it, what every machine has.
+const FAMILY: &str = "Noto Sans, Open Sans, Helvetica, Arial, sans-serif";
 
-/// Whether something could be drawn.
-pub(super) type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
+/// A point.
+pub(super) type Point = (f64, f64);
 
-/// The sheet. Lengths are in units of the view box, y downwards.
-pub(super) struct Canvas<'a>(DrawingArea<SVGBackend<'a>, Shift>);
-
-/// How a line is drawn.
+/// The side of a text that is at its place.
 #[derive(Clone, Copy)]
-pub(super) struct Stroke {
-    pub colour: RGBColor,
-    pub width: f64,
-    /// 1 is opaque.
-    pub alpha: f64,
-    /// Length of a dash, and of the gap after it.
-    pub dash: Option<(f64, f64)>,
-}
-
-impl Stroke {
-    pub const fn new(colour: RGBColor, width: f64) -> Self {
-        Self { colour, width, alpha: 1.0, dash: None }
-    }
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
 }
 
 /// How a text is set.
 #[derive(Clone, Copy)]
-pub(super) struct Setting {
-    pub size: f64,
-    pub bold: bool,
-    /// Read from below.
-    pub upright: bool,
-    /// The side of the text that is at its place, along the line.
-    pub side: HPos,
-    /// The same, across the line.
-    pub height: VPos,
+pub(super) struct Font {
+    size: f64,
+    anchor: Anchor,
+    bold: bool,
+    upright: bool,
+    below: bool,
 }
 
-impl Setting {
-    pub const fn new(size: f64, side: HPos) -> Self {
-        Self { size, bold: false, upright: false, side, height: VPos::Center }
+impl Font {
+    pub const fn new(size: f64, anchor: Anchor) -> Self {
+        Self { size, anchor, bold: false, upright: false, below: false }
     }
 
     pub const fn bold(self) -> Self {
         Self { bold: true, ..self }
     }
 
+    /// Read from bottom to top.
     pub const fn upright(self) -> Self {
         Self { upright: true, ..self }
     }
-}
 
-/// A chart as SVG, with its title and description for those who cannot see it. None where drawing fails.
-pub(super) fn drawing(
-    height: f64,
-    title: &str,
-    description: &str,
-    paint: impl FnOnce(&Canvas<'_>) -> Drawn,
-) -> Option<String> {
-    // Whole pixels, so that the last row is as white as the others.
-    let height = height.ceil();
-    let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, (fine(WIDTH) as u32, fine(height) as u32)).into_drawing_area();
-        let canvas = Canvas(area);
-        canvas.rectangle((0.0, 0.0), (WIDTH, height), WHITE).ok()?;
-        paint(&canvas).ok()?;
-        canvas.0.present().ok()?;
+    /// With its top at the place, where others have their middle.
+    pub const fn below(self) -> Self {
+        Self { below: true, ..self }
     }
-    let (_, body) = svg.split_once(">\n")?;
-    // Only lines are translucent: as a property of the line it needs no layer of its own, of which hundreds are slow.
-    let body = body.replace(" opacity=\"1\"", "").replace(" opacity=\"", " stroke-opacity=\"");
-    Some(format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {} {}\" \
-         role=\"img\">\n<title>{}</title>\n<desc>{}</desc>\n{body}",
-        fine(WIDTH),
-        fine(height),
-        escaped(title),
-        escaped(description),
-    ))
 }
 
-fn fine(length: f64) -> i32 {
-    (length * FINE).round() as i32
-}
+/// What has been drawn.
+pub(super) struct Svg(String);
 
-fn place((x, y): (f64, f64)) -> (i32, i32) {
-    (fine(x), fine(y))
+/// A length to a hundredth, as short as can be.
+fn n(length: f64) -> f64 {
+    // A sum of nothing is −0.
+    (length * 100.0).round() / 100.0 + 0.0
 }
 
 fn escaped(text: &str) -> String {
-    text::clean(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    labels::clean(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-impl Canvas<'_> {
+fn listed(points: &[Point]) -> String {
+    let pairs: Vec<String> = points.iter().map(|&(x, y)| format!("{},{}", n(x), n(y))).collect();
+    pairs.join(" ")
+}
+
+fn attributes(stroke: Stroke) -> String {
+    let mut text = format!("stroke=\"{}\" stroke-width=\"{}\"", stroke.color, n(stroke.width));
+    if stroke.opacity < 1.0 {
+        text += &format!(" stroke-opacity=\"{}\"", n(stroke.opacity));
+    }
+    if let Some((dash, gap)) = stroke.dash {
+        text += &format!(" stroke-dasharray=\"{dash} {gap}\"");
+    }
+    text
+}
+
+impl Svg {
+    /// A whole drawing, with its title and description for readers who cannot see it.
+    pub fn draw(height: f64, title: &str, description: &str, paint: impl FnOnce(&mut Self)) -> String {
+        // Whole pixels, so that the last row is as white as the others.
+        let height = height.ceil();
+        let (title, description) = (escaped(title), escaped(description));
+        let mut svg = Self(format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" \
+             viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" font-family=\"{FAMILY}\">\n\
+             <title>{title}</title>\n<desc>{description}</desc>\n"
+        ));
+        svg.rectangle((0.0, 0.0), (WIDTH, height), WHITE);
+        paint(&mut svg);
+        svg.0 + "</svg>\n"
+    }
+
+    fn element(&mut self, element: std::fmt::Arguments<'_>) {
+        // Writing to memory does not fail.
+        let _ = writeln!(self.0, "{element}");
+    }
+
     /// A line through points.
-    pub fn line(&self, points: &[(f64, f64)], stroke: Stroke) -> Drawn {
-        let points: Vec<(i32, i32)> = points.iter().copied().map(place).collect();
-        let style = ShapeStyle {
-            color: stroke.colour.mix(stroke.alpha),
-            filled: false,
-            stroke_width: fine(stroke.width) as u32,
-        };
-        match stroke.dash {
-            Some((dash, gap)) => self.0.draw(&DashedPathElement::new(points, fine(dash), fine(gap), style)),
-            None => self.0.draw(&PathElement::new(points, style)),
-        }
+    pub fn line(&mut self, points: &[Point], stroke: Stroke) {
+        self.element(format_args!("<polyline points=\"{}\" fill=\"none\" {}/>", listed(points), attributes(stroke)));
     }
 
     /// A filled rectangle between two corners.
-    pub fn rectangle(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Drawn {
-        self.0.draw(&Rectangle::new([place(from), place(to)], colour.filled()))
+    pub fn rectangle(&mut self, (left, top): Point, (right, bottom): Point, color: Rgb) {
+        let (width, height) = (n(right - left), n(bottom - top));
+        self.element(format_args!(
+            "<rect x=\"{}\" y=\"{}\" width=\"{width}\" height=\"{height}\" fill=\"{color}\"/>",
+            n(left),
+            n(top)
+        ));
     }
 
     /// A filled polygon.
-    pub fn polygon(&self, corners: &[(f64, f64)], colour: RGBColor) -> Drawn {
-        self.0.draw(&Polygon::new(corners.iter().copied().map(place).collect::<Vec<_>>(), colour.filled()))
+    pub fn polygon(&mut self, corners: &[Point], color: Rgb) {
+        self.element(format_args!("<polygon points=\"{}\" fill=\"{color}\"/>", listed(corners)));
     }
 
-    /// A line of text at a place.
-    pub fn text(&self, content: &str, at: (f64, f64), setting: Setting) -> Drawn {
-        let weight = if setting.bold { FontStyle::Bold } else { FontStyle::Normal };
-        let turn = if setting.upright { FontTransform::Rotate270 } else { FontTransform::None };
-        let style = TextStyle::from((FAMILY, setting.size * FINE * FONT_FACTOR, weight).into_font())
-            .color(&BLACK)
-            .transform(turn)
-            .pos(Pos::new(setting.side, setting.height));
-        self.0.draw(&Text::new(text::clean(content), place(at), style))
+    /// A filled circle.
+    pub fn circle(&mut self, (x, y): Point, radius: f64, color: Rgb) {
+        self.element(format_args!("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{color}\"/>", n(x), n(y), n(radius)));
+    }
+
+    /// A line of text.
+    pub fn text(&mut self, content: &str, (x, y): Point, font: Font) {
+        let Font { size, anchor, bold, upright, below } = font;
+        let anchor = match anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let weight = if bold { " font-weight=\"bold\"" } else { "" };
+        let (x, y) = (n(x), n(y));
+        let turn = if upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+        // From the baseline to half the height of a capital, or to its top.
+        let baseline = n(y + size * if below { 0.76 } else { 0.35 });
+        self.element(format_args!(
+            "<text x=\"{x}\" y=\"{baseline}\" font-size=\"{size}\" text-anchor=\"{anchor}\"{weight}{turn} \
+             fill=\"{BLACK}\">{}</text>",
+            escaped(content)
+        ));
     }
 
     /// An upright interval with caps.
-    pub fn interval(&self, x: f64, from: f64, to: f64, cap: f64, stroke: Stroke) -> Drawn {
-        self.line(&[(x, from), (x, to)], stroke)?;
+    pub fn interval(&mut self, x: f64, from: f64, to: f64, cap: f64, stroke: Stroke) {
+        self.line(&[(x, from), (x, to)], stroke);
         for y in [from, to] {
-            self.line(&[(x - cap, y), (x + cap, y)], stroke)?;
+            self.line(&[(x - cap, y), (x + cap, y)], stroke);
         }
-        Ok(())
     }
 
     /// The marker of a series.
-    pub fn marker(&self, (x, y): (f64, f64), radius: f64, look: Look) -> Drawn {
-        let line = Stroke::new(look.colour, 2.6);
-        let r = radius;
-        let corners: Vec<(f64, f64)> = match look.marker {
+    pub fn marker(&mut self, (x, y): Point, radius: f64, series: Series) {
+        let (r, fill) = (radius, if series.open { WHITE } else { series.color });
+        let outline =
+            if series.open { format!(" {}", attributes(Stroke::new(series.color, 2.6))) } else { String::new() };
+        let corners = match series.marker {
             Marker::Circle => {
-                let fill = if look.open { WHITE } else { look.colour };
-                self.0.draw(&Circle::new(place((x, y)), fine(r), fill.filled()))?;
-                if !look.open {
-                    return Ok(());
-                }
-                let outline = ShapeStyle { color: look.colour.mix(1.0), filled: false, stroke_width: fine(2.6) as u32 };
-                return self.0.draw(&Circle::new(place((x, y)), fine(r - 1.0), outline));
+                return self.element(format_args!(
+                    "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{fill}\"{outline}/>",
+                    n(x),
+                    n(y),
+                    n(if series.open { r - 1.0 } else { r })
+                ));
+            }
+            Marker::Cross => {
+                let (s, bold) = (0.85 * r, Stroke::new(series.color, if series.open { 2.6 } else { 4.5 }));
+                self.line(&[(x - s, y - s), (x + s, y + s)], bold);
+                return self.line(&[(x - s, y + s), (x + s, y - s)], bold);
             }
             Marker::Square => {
                 let s = 0.88 * r;
@@ -182,29 +182,17 @@ impl Canvas<'_> {
             Marker::Triangle => vec![(0.0, -1.2 * r), (1.1 * r, 0.75 * r), (-1.1 * r, 0.75 * r)],
             Marker::Inverted => vec![(0.0, 1.2 * r), (1.1 * r, -0.75 * r), (-1.1 * r, -0.75 * r)],
             Marker::Diamond => vec![(0.0, -1.3 * r), (1.05 * r, 0.0), (0.0, 1.3 * r), (-1.05 * r, 0.0)],
-            Marker::Cross => {
-                let s = 0.85 * r;
-                let bold = Stroke { width: if look.open { 2.6 } else { 4.5 }, ..line };
-                self.line(&[(x - s, y - s), (x + s, y + s)], bold)?;
-                return self.line(&[(x - s, y + s), (x + s, y - s)], bold);
-            }
         };
-        let mut corners: Vec<(f64, f64)> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
-        self.polygon(&corners, if look.open { WHITE } else { look.colour })?;
-        if look.open {
-            // Once more around the first corner, so that it is mitred like the others.
-            corners.extend_from_within(..2);
-            self.line(&corners, line)?;
-        }
-        Ok(())
+        let corners: Vec<Point> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
+        self.element(format_args!("<polygon points=\"{}\" fill=\"{fill}\"{outline}/>", listed(&corners)));
     }
 
-    /// A sample of a series at the left end of `at`, 46 wide, with its name.
-    pub fn legend_entry(&self, (x, y): (f64, f64), look: Look, lined: bool, name: &str, size: f64) -> Drawn {
+    /// A sample of a series, 46 wide from the left end `at`, with its name.
+    pub fn legend_entry(&mut self, (x, y): Point, series: Series, lined: bool, name: &str, size: f64) {
         if lined {
-            self.line(&[(x, y), (x + 46.0, y)], look.stroke())?;
+            self.line(&[(x, y), (x + 46.0, y)], series.line());
         }
-        self.marker((x + 23.0, y), 0.28 * size, look)?;
-        self.text(name, (x + 56.0, y), Setting::new(size, HPos::Left))
+        self.marker((x + 23.0, y), 0.28 * size, series);
+        self.text(name, (x + 56.0, y), Font::new(size, Anchor::Start));
     }
 }

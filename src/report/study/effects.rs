@@ -7,11 +7,10 @@ use crate::analysis::{
     results::FactorResults,
     terms::{Term, Variable},
 };
+use crate::light::normal::Z_95;
 
 /// Kendall's τ of means and levels from which a course is called a tendency.
 const TENDENCY: f64 = 0.7;
-/// Half the width of a 95 % interval in standard errors.
-pub(crate) const Z_95: f64 = 1.959_963_984_540_054;
 
 /// The course of the means along ordered levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use crate::{
         Monitor, theme,
         timing::{Patch, Place, Plan, Run, SceneKind, TimingReport, WARNING, table},
     },
-    report::figures::intervals,
+    report::figures,
     store,
 };
 
@@ -121,7 +121,7 @@ fn verdict(ui: &mut egui::Ui, report: &TimingReport) {
 /// The intervals, and beside them their plot.
 fn export(report: &TimingReport, path: &std::path::Path) -> Result<String, String> {
     let plot = path.with_extension("svg");
-    let svg = intervals::svg(report.intervals_us(), report.refresh);
+    let svg = figures::intervals(report.intervals_us(), report.refresh);
     store::write_file(path, report.csv().as_bytes()).map_err(|error| error.to_string())?;
     store::write_file(&plot, svg.as_bytes()).map_err(|error| error.to_string())?;
     Ok(format!("Written: {} and {}", path.display(), plot.display()))
