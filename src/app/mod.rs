@@ -5,15 +5,14 @@
 //! | [`ui`] | the vocabulary of all pages |
 //! | [`window`] | the event loop, keys and their times, a window that is lost |
 //! | [`analysis`] | files in, the results out |
-//! | [`explore`], [`demo`] | every stimulus; shaders beside each other |
+//! | [`explore`] | every stimulus; shaders side by side |
 //! | [`session`] | preflight, instructions, trials, the end |
 //! | [`display`] | tools that measure the screen |
 //! | [`start`] | Home and its form |
 
 mod analysis;
-pub mod demo;
 mod display;
-mod explore;
+pub mod explore;
 mod session;
 mod start;
 mod ui;
@@ -75,7 +74,7 @@ enum Page {
     Home(Box<Home>),
     Session(Box<Runner>),
     Gallery(Box<explore::gallery::Gallery>),
-    Shading(Box<demo::Demo>),
+    Shading(Box<explore::shading::ShadingPage>),
     Display(Box<display::Display>),
     Analysis(Box<analysis::Analysis>),
     Timing(Box<timing::TimingPage>),
@@ -133,7 +132,7 @@ impl App {
                 step.map(|data_set| Page::Analysis(Box::new(analysis::Analysis::of(ui.ctx(), data_set))))
             }
             Page::Gallery(gallery) => gallery.show(ui).widen(),
-            Page::Shading(demo) => demo.show(ui, frame.wgpu_render_state()).widen(),
+            Page::Shading(shading) => shading.show(ui, frame.wgpu_render_state()).widen(),
             Page::Display(display) => {
                 let step = display.show(ui, &monitor);
                 self.form.screen = display.form().clone();

@@ -3,10 +3,10 @@
 #![cfg(feature = "window")]
 
 mod analysis_pane;
-mod demo;
 mod display;
 mod home;
 mod matching_pane;
 mod photometer_pane;
 mod predicted_pane;
+mod shading;
 mod timing_pane;

@@ -11,7 +11,7 @@ use egui_kittest::{
 use machband::{
     app::{
         App, Launch,
-        demo::{Comparison, Side},
+        explore::shading::{Comparison, Side},
     },
     light::{LinearImage, Transfer},
     shading::{Reference, Shade, Shader, Surface},

@@ -1,4 +1,5 @@
-//! Pages for exploring: the gallery of stimuli, and what the vision model predicts of what is shown.
+//! Pages for exploring: the gallery of stimuli, shaders side by side, and what the vision model predicts of either.
 
 pub mod gallery;
 pub mod predicted;
+pub mod shading;

@@ -8,7 +8,7 @@ use eframe::{
 };
 
 use crate::{
-    app::{demo::Demo, pixels, theme},
+    app::{explore::shading::ShadingPage, pixels, theme},
     light::{Bits, Quantizer, Transfer},
     stimulus::{MachBand, Stimulus},
 };
@@ -18,7 +18,7 @@ const STIMULUS_PX: u32 = 512;
 /// Frames of field, and then of stimulus, of a trial.
 const FIELD_FRAMES: u32 = 30;
 const STIMULUS_FRAMES: u32 = 60;
-/// Degrees by which the demo turns with each frame.
+/// Degrees by which the mesh turns with each frame.
 const TURN_DEG: f64 = 1.0;
 /// From the patch to the edge of the window, physical pixels.
 const MARGIN_PX: f32 = 16.0;
@@ -30,7 +30,7 @@ pub enum SceneKind {
     Patch,
     /// The screen of a trial as in a session: the uniform field, and a stimulus that is another in each trial.
     Trial,
-    /// The demo with its mesh turning.
+    /// The shading page with its mesh turning.
     Demo,
 }
 
@@ -88,7 +88,7 @@ impl Default for Patch {
 pub enum Scene {
     Patch(Patch),
     Trial(Box<Trial>),
-    Demo(Box<Demo>),
+    Demo(Box<ShadingPage>),
 }
 
 impl Scene {
@@ -105,9 +105,9 @@ impl Scene {
         match self {
             Self::Patch(patch) => patch.show(ui, frame),
             Self::Trial(trial) => trial.show(ui, frame),
-            Self::Demo(demo) => {
-                demo.turn(TURN_DEG);
-                demo.show(ui, state);
+            Self::Demo(page) => {
+                page.turn(TURN_DEG);
+                page.show(ui, state);
             }
         }
     }

@@ -7,7 +7,7 @@ use egui_kittest::{Harness, kittest::Queryable as _};
 use machband::{
     app::{
         App, Launch,
-        demo::{Comparison, MeshChoice, Side},
+        explore::shading::{Comparison, MeshChoice, Side},
     },
     light::{Bits, CodeImage, Depth, Quantizer, Samples, Transfer},
     shading::{

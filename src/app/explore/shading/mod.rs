@@ -1,4 +1,4 @@
-//! The demo: one surface, one light, two shaders beside each other.
+//! Shading: one surface, one light, two shaders beside each other.
 
 mod bands;
 mod canvas;
@@ -18,12 +18,14 @@ use eframe::{
     egui_wgpu::RenderState,
 };
 
-use super::{
-    Go,
-    dialog::{Ask, Dialog},
-    theme,
+use crate::{
+    app::{
+        Go,
+        dialog::{Ask, Dialog},
+        theme,
+    },
+    light::CodeImage,
 };
-use crate::light::CodeImage;
 use bands::Bands;
 use look::{Hand, Look, Show};
 use metric::Metric;
@@ -42,7 +44,7 @@ const NARROW_VIEW: f32 = 560.0;
 const TWO_TABLES: f32 = 600.0;
 
 /// The page.
-pub struct Demo {
+pub struct ShadingPage {
     compared: Comparison,
     look: Look,
     preset: &'static str,
@@ -70,7 +72,7 @@ struct FileField {
     fault: Option<String>,
 }
 
-impl Default for Demo {
+impl Default for ShadingPage {
     fn default() -> Self {
         Self {
             compared: Comparison::default(),
@@ -92,15 +94,15 @@ impl Default for Demo {
     }
 }
 
-impl Demo {
+impl ShadingPage {
     /// Turns the mesh about the upright axis, as a hand that drags it does.
-    pub(super) fn turn(&mut self, degrees: f64) {
+    pub(in crate::app) fn turn(&mut self, degrees: f64) {
         self.compared.turn(degrees, 0.0);
         self.turning = true;
     }
 
     /// Draws the page.
-    pub(super) fn show(&mut self, ui: &mut egui::Ui, state: Option<&RenderState>) -> Go {
+    pub(in crate::app) fn show(&mut self, ui: &mut egui::Ui, state: Option<&RenderState>) -> Go {
         let painters = self.painters.take().unwrap_or_else(|| Painters::new(state));
         self.painters = Some(painters);
         let mut back = false;
