@@ -16,6 +16,7 @@ mod orientation;
 pub mod parameter;
 pub mod recipe;
 mod shaded_mesh;
+mod shot;
 mod sight;
 mod staircase;
 mod vasarely;
@@ -33,6 +34,7 @@ pub use kanizsa::Kanizsa;
 pub use mach_band::{MachBand, Ramp, RampSpace};
 pub use parameter::{Parameter, ParameterError, ParameterValue};
 pub use shaded_mesh::{ShadedMesh, Triple};
+pub use shot::{Renderer, Shot, describe_scene};
 pub use sight::{Sight, View};
 pub use vasarely::Vasarely;
 

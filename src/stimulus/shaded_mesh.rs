@@ -8,11 +8,12 @@ use super::{
     color::StimulusColor,
     kind::{Range, kind, low_above_high, text_field},
     parameter::ParameterError,
+    shot::{Renderer, Shot},
 };
 use crate::{
-    light::{Depth, LinearImage},
+    light::{Depth, LinearImage, Transfer},
     shading::{
-        Correction, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface,
+        Correction, Frame, Gradients, Mesh, Scene, Shade, Shader, Surface,
         shapes::{self, Shape, ShapeError},
     },
 };
@@ -108,7 +109,7 @@ impl ShadedMesh {
         }
         let corrected = [("vertex", self.vertex), ("reweight", self.reweight)];
         if let Some((name, correction)) = corrected.into_iter().find(|(_, correction)| *correction != Correction::Off)
-            && matches!(self.shader, Shader::Flat | Shader::Phong)
+            && !self.shader.interpolates_light()
         {
             let problem = format!("corrects interpolated light, which {} has not", self.shader);
             return Some(parameter(name)?.error(correction, problem));
@@ -163,42 +164,32 @@ impl ShadedMesh {
         Some(self.scene().frame(&Surface::new(self.mesh().ok()?), size, size))
     }
 
+    /// How that is drawn.
+    pub(super) fn shot<'f>(&self, frame: &'f Frame) -> Shot<'f> {
+        Renderer::new(self.shade()).shoot(frame, &Transfer::Linear.into())
+    }
+
     /// The light of a window of `size` × `size` pixels.
     pub fn linear(&self, size: u32) -> LinearImage {
-        match self.frame(size) {
-            Some(frame) => Reference::new(&frame, &self.shade()).image(),
-            None => LinearImage::new(size, size),
-        }
+        self.frame(size).map_or_else(|| LinearImage::new(size, size), |frame| self.shot(&frame).image())
     }
 
-    /// The light at `x` window sides from the middle, along the row through the middle; see [`ShadedMesh::profile`].
+    /// The light at `x` window sides from the center, along the row through it; see [`ShadedMesh::profile`].
     pub fn light_at(&self, x: f64) -> [f32; 3] {
-        const FINE_PX: u32 = 4096;
-        let Some(frame) = self.frame(FINE_PX) else { return [0.0; 3] };
-        light_on_the_middle_row(&frame, &Reference::new(&frame, &self.shade()), x)
+        const FINE_PX: f64 = 4096.0;
+        let at = (x + 0.5) * FINE_PX;
+        self.row(FINE_PX as u32, [at - 0.5, at + 0.5], 1)[0]
     }
 
-    /// The light at the pixel centres of the row through the middle of a window of `size` pixels.
+    /// The light at the pixel centers of the row through the center of a window of `size` pixels.
     pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
-        let Some(frame) = self.frame(size) else { return vec![[0.0; 3]; size as usize] };
-        let reference = Reference::new(&frame, &self.shade());
-        (0..size).map(|i| light_on_the_middle_row(&frame, &reference, super::Stimulus::place(i, size))).collect()
+        self.row(size, [0.0, f64::from(size)], size as usize)
     }
-}
 
-fn light_on_the_middle_row(frame: &Frame, reference: &Reference, x: f64) -> [f32; 3] {
-    let side = f64::from(frame.width);
-    let p = DVec2::new((x + 0.5) * side, side / 2.0);
-    let mut nearest: Option<(f64, usize, [f64; 3])> = None;
-    for triangle in 0..frame.triangles.len() {
-        let weights = frame.weights(triangle, p);
-        if weights.iter().all(|w| *w >= 0.0) {
-            let depth: f64 = frame.corners(triangle).iter().zip(weights).map(|(v, w)| v.depth * w).sum();
-            if nearest.is_none_or(|(least, ..)| depth < least) {
-                nearest = Some((depth, triangle, weights));
-            }
-        }
+    /// The light at the middles of `count` equal pieces of the row through the center of a window of `size` pixels.
+    fn row(&self, size: u32, ends: [f64; 2], count: usize) -> Vec<[f32; 3]> {
+        let Some(frame) = self.frame(size) else { return vec![[0.0; 3]; count] };
+        let lights = self.shot(&frame).along(ends.map(|x| DVec2::new(x, f64::from(size) / 2.0)), count);
+        lights.iter().map(|light| light.unwrap_or(frame.background).as_vec3().to_array()).collect()
     }
-    let light = nearest.map_or(frame.background, |(_, triangle, weights)| reference.light(triangle, weights));
-    light.to_array().map(|l| l as f32)
 }

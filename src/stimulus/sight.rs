@@ -3,7 +3,7 @@
 use super::Stimulus;
 use crate::{
     light::LinearImage,
-    shading::{Frame, Reference, coverage},
+    shading::{Frame, coverage},
     vision::{Border, Eye, Line, LineView, Picture, PictureView, Visibility, VisionError, luminance, luminances},
 };
 
@@ -80,11 +80,11 @@ impl Sight {
             return Ok(View::Line(line.see(&light, Border::Continues)?));
         }
         let surface = match stimulus {
-            Stimulus::ShadedMesh(shaded) => shaded.frame(size).map(|frame| (frame, shaded.shade())),
+            Stimulus::ShadedMesh(shaded) => shaded.frame(size).map(|frame| (frame, shaded)),
             _ => None,
         };
         let view = match surface {
-            Some((frame, shade)) => self.see_surface(&frame, &Reference::new(&frame, &shade).image())?,
+            Some((frame, shaded)) => self.see_surface(&frame, &shaded.shot(&frame).emitted())?,
             None => self.see_image(&stimulus.linear(size))?,
         };
         Ok(View::Picture(Box::new(view)))

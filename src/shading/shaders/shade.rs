@@ -61,6 +61,14 @@ pub struct Shade {
     pub gradients: Gradients,
 }
 
+impl Shader {
+    /// Whether it interpolates light between the vertices: what corrections correct.
+    #[must_use]
+    pub const fn interpolates_light(self) -> bool {
+        !matches!(self, Shader::Flat | Shader::Phong)
+    }
+}
+
 impl Shade {
     /// `shader` with n = 1 for *cut*, where it is best, and 3 otherwise; b = ⅓ for *cut*, 0.2 otherwise; no correction.
     #[must_use]
@@ -80,5 +88,14 @@ impl Shade {
     #[must_use]
     pub fn strip(&self) -> f64 {
         if self.shader == Shader::Cut { self.boundary } else { self.boundary.min(1.0 / 3.0) }
+    }
+
+    /// Whether n and b change anything.
+    #[must_use]
+    pub fn has_strip(&self) -> bool {
+        use Shader::{Flat, Gouraud, Patch, Phong, Quadratic};
+        let corrected = self.vertex != Correction::Off || self.reweight == Correction::Printed;
+        !matches!(self.shader, Flat | Gouraud | Phong | Quadratic | Patch)
+            || corrected && self.shader.interpolates_light()
     }
 }

@@ -1,0 +1,171 @@
+//! A mesh, seen and lit, as one renderer draws it for one display: its light, its codes, its creases and its description.
+
+use std::borrow::Cow;
+
+use glam::{DVec2, DVec3};
+use serde_json::{Value, json};
+
+use crate::{
+    light::{LinearImage, Transfer, Transfers},
+    shading::{Creases, Frame, Reference, Scene, Shade, Shader, coverage::Inside},
+};
+
+/// A shader, and whether it accounts for gamma.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Renderer {
+    /// The shader with its options.
+    pub shade: Shade,
+    /// Encode the light at the vertices and interpolate the encoded values, as a renderer that ignores gamma does.
+    pub naive: bool,
+}
+
+/// What a renderer makes of a frame for a display.
+pub struct Shot<'f> {
+    /// The frame, its lights encoded where gamma is ignored.
+    pub frame: Cow<'f, Frame>,
+    /// The shader with its options.
+    pub shade: Shade,
+    /// The display's transfer functions where the values that the shader computes are encoded.
+    encoding: Option<Transfers>,
+    /// Turns the values that the shader computes into codes.
+    pub transfers: Transfers,
+}
+
+impl Renderer {
+    /// `shade` in linear light.
+    #[must_use]
+    pub const fn new(shade: Shade) -> Renderer {
+        Renderer { shade, naive: false }
+    }
+
+    /// Gouraud's shader in linear light, which every other is compared with.
+    #[must_use]
+    pub const fn gouraud() -> Renderer {
+        Renderer::new(Shade::new(Shader::Gouraud))
+    }
+
+    /// Whether it draws what [`Renderer::gouraud`] draws: the options of other shaders may differ.
+    #[must_use]
+    pub fn is_gouraud(&self) -> bool {
+        let Shade { depth, boundary, gradients, .. } = self.shade;
+        *self == Renderer::new(Shade { depth, boundary, gradients, ..Renderer::gouraud().shade })
+    }
+
+    /// Whether it interpolates encoded values. Phong lights every pixel, and encodes that.
+    #[must_use]
+    pub fn is_naive(&self) -> bool {
+        self.naive && self.shade.shader != Shader::Phong
+    }
+
+    /// The shot of `frame` for a display with `transfers`.
+    #[must_use]
+    pub fn shoot<'f>(&self, frame: &'f Frame, transfers: &Transfers) -> Shot<'f> {
+        let shade = self.shade;
+        if self.is_naive() {
+            let frame = Cow::Owned(frame.clone().encoded(transfers));
+            Shot { frame, shade, encoding: Some(transfers.clone()), transfers: Transfer::Linear.into() }
+        } else {
+            Shot { frame: Cow::Borrowed(frame), shade, encoding: None, transfers: transfers.clone() }
+        }
+    }
+
+    /// Every option, for anyone who wants to draw the same.
+    #[must_use]
+    pub fn describe(&self) -> Value {
+        let Shade { shader, depth, boundary, vertex, reweight, gradients } = self.shade;
+        json!({
+            "shader": shader.name(),
+            "depth": depth,
+            "boundary": boundary,
+            "vertex": vertex.name(),
+            "reweight": reweight.name(),
+            "gradients": gradients.name(),
+        })
+    }
+}
+
+/// Every number of a scene, for anyone who wants to set the same.
+#[must_use]
+pub fn describe_scene(scene: &Scene) -> Value {
+    json!({
+        "rotate_deg": scene.rotate_deg,
+        "light": scene.light.to_array(),
+        "color": scene.color.to_array(),
+        "ambient": scene.ambient,
+        "diffuse": scene.diffuse,
+        "specular": scene.specular,
+        "highlight": scene.highlight.name(),
+        "shininess": scene.shininess,
+        "background": scene.background,
+        "fill": scene.fill,
+        "distance": if scene.distance.is_finite() { json!(scene.distance) } else { json!("inf") },
+    })
+}
+
+impl Shot<'_> {
+    /// What the shader computes: linear light, or encoded values where gamma is ignored. [`Shot::transfers`] turns
+    /// either into codes.
+    #[must_use]
+    pub fn image(&self) -> LinearImage {
+        Reference::new(&self.frame, &self.shade).image()
+    }
+
+    /// The light that the display sends, no less than black and no more than white.
+    #[must_use]
+    pub fn emitted(&self) -> LinearImage {
+        let mut image = self.image();
+        for pixel in image.data.chunks_exact_mut(3) {
+            let light = self.decoded(DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into()));
+            // What is not a number is black, as it is on the screen.
+            let shown = |light: f64| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 };
+            pixel.copy_from_slice(&light.to_array().map(shown));
+        }
+        image
+    }
+
+    /// The creases in the light that the display sends.
+    #[must_use]
+    pub fn creases(&self) -> Creases {
+        match self.encoding {
+            Some(_) => Creases::of_encoded(&self.frame, &self.shade, |value| self.decoded(value)),
+            None => Creases::of(&self.frame, &self.shade),
+        }
+    }
+
+    /// The light that the display sends at the middles of `count` equal pieces of the line from `from` to `to`, pixels
+    /// from the top left; `None` where there is no surface.
+    #[must_use]
+    pub fn along(&self, [from, to]: [DVec2; 2], count: usize) -> Vec<Option<DVec3>> {
+        let line = to - from;
+        let mut nearest: Vec<Option<(f64, usize, [f64; 3])>> = vec![None; count];
+        for triangle in 0..self.frame.triangles.len() {
+            let corners = self.frame.corners(triangle);
+            let across = corners.map(|v| (v.screen - from).perp_dot(line));
+            if across.iter().all(|a| *a > 0.0) || across.iter().all(|a| *a < 0.0) {
+                continue;
+            }
+            let Some(inside) = Inside::new(corners.map(|v| v.screen)) else { continue };
+            // Only the places that the triangle can cover.
+            let along = corners.map(|v| (v.screen - from).dot(line) / line.length_squared() * count as f64);
+            let (low, high) = along.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), a| (l.min(*a), h.max(*a)));
+            for (i, found) in nearest.iter_mut().enumerate().take((high as usize).saturating_add(1)).skip(low as usize)
+            {
+                let Some(w) = inside.weights(from.lerp(to, (i as f64 + 0.5) / count as f64)) else { continue };
+                let depth = w[0] * corners[0].depth + w[1] * corners[1].depth + w[2] * corners[2].depth;
+                if found.is_none_or(|(other, ..)| depth < other) {
+                    *found = Some((depth, triangle, w));
+                }
+            }
+        }
+        let shader = Reference::new(&self.frame, &self.shade);
+        nearest.into_iter().map(|found| found.map(|(_, t, w)| self.decoded(shader.light(t, w)))).collect()
+    }
+
+    /// The light that the display sends for a value that the shader computes.
+    fn decoded(&self, value: DVec3) -> DVec3 {
+        match &self.encoding {
+            Some(transfers) => DVec3::from_array(transfers.linear_from_encoded(value.to_array())),
+            None => value,
+        }
+    }
+}
