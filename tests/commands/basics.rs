@@ -4,74 +4,20 @@ use std::{
     collections::HashSet,
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
+    process::Stdio,
     time::{Duration, Instant},
 };
 
 use machband::{
-    experiment::{Protocol, TrialRecord, columns, session_seed},
+    experiment::{Protocol, session_seed},
     light::{Bits, Quantizer, Transfer},
-    store::{definition, results},
+    store::definition,
 };
 
-fn program(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_machband"));
-    command
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .stdin(Stdio::null());
-    command
-}
-
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    program(folder, arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
-
-/// The errors of a run that must fail with `status`; data must not come with them.
-fn refused(folder: &Path, arguments: &[&str], status: i32) -> String {
-    let output = run(folder, arguments);
-    let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {said}");
-    assert!(said.starts_with("error: "), "{arguments:?}: {said}");
-    assert_eq!(text(&output.stdout), "", "{arguments:?}");
-    said
-}
-
-fn succeeds(folder: &Path, arguments: &[&str]) -> String {
-    let output = run(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
-    assert_eq!(text(&output.stderr), "", "{arguments:?}: nothing but data when piped");
-    text(&output.stdout)
-}
-
-/// Every file below a folder and what is in it.
-fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(everything(&path))
-        } else {
-            found.push((path.clone(), fs::read(path).unwrap()))
-        }
-    }
-    found.sort();
-    found
-}
+use crate::common::{command, everything, fails, machband, rows, session_csv, succeeds, text};
 
 fn csv(folder: &Path, protocol: &Protocol, number: usize) -> PathBuf {
-    folder.join(format!("{0}/data/subject-S{number:03}_session-1_task-{0}_data.csv", protocol.name))
-}
-
-fn rows(path: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
-    results::parse(path.to_str().unwrap(), &fs::read(path).unwrap(), &columns(protocol))
-        .unwrap_or_else(|e| panic!("{e}"))
+    session_csv(folder, &protocol.name, &format!("S{number:03}"))
 }
 
 /// What must be the same however often a simulation was interrupted.
@@ -133,19 +79,19 @@ mod simulate {
     #[test]
     fn nothing_is_written_over_and_a_complete_run_stays() {
         let folder = tempfile::tempdir().unwrap();
-        let command = ["simulate", "quick", "--participants", "3", "--results", "r"];
-        succeeds(folder.path(), &command);
+        let simulate = ["simulate", "quick", "--participants", "3", "--results", "r"];
+        succeeds(folder.path(), &simulate);
         let before = everything(folder.path());
-        let said = refused(folder.path(), &command, 1);
+        let said = fails(folder.path(), &simulate, 1);
         assert!(said.contains("_data.csv") && said.contains("--resume"), "{said}");
         assert!(everything(folder.path()) == before);
-        succeeds(folder.path(), &[&command[..], &["--resume"]].concat());
+        succeeds(folder.path(), &[&simulate[..], &["--resume"]].concat());
         assert!(everything(folder.path()) == before, "a resumed run that was complete changed something");
-        let said = refused(folder.path(), &[&command[..], &["--resume", "--seed", "2"]].concat(), 1);
+        let said = fails(folder.path(), &[&simulate[..], &["--resume", "--seed", "2"]].concat(), 1);
         assert!(said.contains("has seed 1; expected that or none, not 2"), "{said}");
         fs::write(folder.path().join("quick.toml"), definition::BUILT_IN[0].text.replace("0.02", "0.03")).unwrap();
         let said =
-            refused(folder.path(), &["simulate", "quick.toml", "--participants", "3", "--results", "r", "--resume"], 1);
+            fails(folder.path(), &["simulate", "quick.toml", "--participants", "3", "--results", "r", "--resume"], 1);
         assert!(said.contains("another definition"), "{said}");
         fs::remove_file(folder.path().join("quick.toml")).unwrap();
         assert!(everything(folder.path()) == before);
@@ -155,12 +101,12 @@ mod simulate {
     fn two_runs_into_one_folder_do_not_meet() {
         let folder = tempfile::tempdir().unwrap();
         let protocol = definition::open("quick").unwrap();
-        let command = ["simulate", "quick", "--participants", "40", "--results", "r"];
+        let simulate = ["simulate", "quick", "--participants", "40", "--results", "r"];
         for round in 0..3 {
-            let resume = [&command[..], &["--resume"]].concat();
-            let runs = [if round == 0 { &command[..] } else { &resume[..] }, &resume[..]];
+            let resume = [&simulate[..], &["--resume"]].concat();
+            let runs = [if round == 0 { &simulate[..] } else { &resume[..] }, &resume[..]];
             let children = runs
-                .map(|run| program(folder.path(), run).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
+                .map(|run| command(folder.path(), run).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
             for child in children {
                 let output = child.wait_with_output().unwrap();
                 let said = text(&output.stderr);
@@ -170,7 +116,7 @@ mod simulate {
                 assert!(matches!(output.status.code(), Some(0 | 1)) && known, "{said}");
             }
         }
-        succeeds(folder.path(), &[&command[..], &["--resume"]].concat());
+        succeeds(folder.path(), &[&simulate[..], &["--resume"]].concat());
         for number in 1..=40 {
             assert_eq!(rows(&csv(&folder.path().join("r"), &protocol, number), &protocol).len(), 28, "S{number:03}");
         }
@@ -198,7 +144,7 @@ mod simulate {
         let spawn = |results: &str| {
             let arguments = run(results);
             let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-            program(folder.path(), &arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+            command(folder.path(), &arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
         };
         let started = Instant::now();
         assert!(spawn("whole").wait().unwrap().success());
@@ -239,7 +185,7 @@ mod simulate {
                     panic!(
                         "{results} cannot be resumed: {}",
                         text(
-                            &program(folder.path(), &run(&results).iter().map(String::as_str).collect::<Vec<_>>())
+                            &command(folder.path(), &run(&results).iter().map(String::as_str).collect::<Vec<_>>())
                                 .output()
                                 .unwrap()
                                 .stderr
@@ -302,7 +248,7 @@ mod usage {
             (&["stimulus", "--out", "x.png", "--kind", "moire"], "moire"),
         ];
         for (arguments, part) in cases {
-            let said = refused(folder.path(), arguments, 2);
+            let said = fails(folder.path(), arguments, 2);
             assert!(said.contains(part), "{arguments:?}: {said}");
         }
         assert_eq!(everything(folder.path()), []);
@@ -333,7 +279,7 @@ mod usage {
             (&["run", "bad.toml"], "error: bad.toml:4:18: width 1.5"),
         ];
         for (arguments, start) in cases {
-            let said = refused(folder.path(), arguments, 1);
+            let said = fails(folder.path(), arguments, 1);
             assert!(said.contains(start), "{arguments:?}: {said}");
             assert!(said.matches("os error").count() <= 1, "{arguments:?} says its cause twice: {said}");
         }
@@ -360,7 +306,7 @@ mod usage {
         write("twice.csv", &(lines.join("\n") + "\n"));
         fs::copy(path.with_extension("json"), folder.path().join("twice.json")).unwrap();
         let good = path.to_str().unwrap();
-        let output = run(
+        let output = machband(
             folder.path(),
             &["check", "bad.toml", "good.toml", "quick", "screen.toml", "rows.csv", "twice.csv", good, "none.csv", "r"],
         );
@@ -389,11 +335,11 @@ mod usage {
         // Without the unreadable cell, the row that stands twice is found; its trial is missing then.
         lines[5] = lines[5].replacen(",yellow,9", ",yellow,", 1);
         write("twice.csv", &(lines.join("\n") + "\n"));
-        let said = refused(folder.path(), &["check", "twice.csv"], 1);
+        let said = fails(folder.path(), &["check", "twice.csv"], 1);
         assert!(said.contains("twice.csv:4:1: row_id S001_1_practice_0002_1 stands in line 3"), "{said}");
         // A large file of nothing is not repeated in its message.
         fs::File::create(folder.path().join("large.csv")).unwrap().set_len(100 << 20).unwrap();
-        let said = refused(folder.path(), &["check", "large.csv"], 1);
+        let said = fails(folder.path(), &["check", "large.csv"], 1);
         assert!(said.len() < 1000, "{} bytes", said.len());
     }
 
@@ -425,16 +371,16 @@ mod usage {
     #[test]
     fn a_closed_pipe_or_a_full_disk_is_no_panic() {
         let folder = tempfile::tempdir().unwrap();
-        for command in [&["check", "quick", "orientation"][..], &["simulate", "quick", "--resume"]] {
+        for arguments in [&["check", "quick", "orientation"][..], &["simulate", "quick", "--resume"]] {
             let (reader, writer) = std::io::pipe().unwrap();
             drop(reader);
-            let output = program(folder.path(), command).stdout(writer).output().unwrap();
+            let output = command(folder.path(), arguments).stdout(writer).output().unwrap();
             assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(0), ""));
             let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else {
                 eprintln!("SKIPPED: a full disk behind standard output; there is no /dev/full here");
                 continue;
             };
-            let output = program(folder.path(), command).stdout(full).output().unwrap();
+            let output = command(folder.path(), arguments).stdout(full).output().unwrap();
             assert_eq!(output.status.code(), Some(1));
             assert!(
                 text(&output.stderr).starts_with("error: standard output: cannot write"),
@@ -578,7 +524,7 @@ mod profiles {
             let folder = tempfile::tempdir().unwrap();
             fs::write(folder.path().join("p.toml"), profile(&format!("[measured]\non = \"{day}\"\n"))).unwrap();
             for arguments in COMMANDS {
-                let output = run(folder.path(), arguments);
+                let output = machband(folder.path(), arguments);
                 let warned = text(&output.stderr);
                 assert_eq!(output.status.code(), Some(0), "{arguments:?}: {warned}");
                 assert_eq!(warned.lines().count(), 1, "{arguments:?}: {warned}");

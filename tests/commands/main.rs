@@ -1,5 +1,8 @@
 //! The command line, run as a user runs it.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod analyze;
 mod basics;
 mod calibrate_command;

@@ -1,18 +1,23 @@
-//! The window's pages, driven without a display: clicks, keys and time come from the test.
+//! Home and sessions, driven without a display.
 
 use std::path::Path;
 
-use eframe::egui::{self, Key};
-use egui_kittest::{Harness, kittest::Queryable as _};
+use eframe::egui::Key;
+use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{App, Launch, Request},
-    display::DisplayProfile,
-    experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
+    experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord},
     light::{Bits, Quantizer, Transfer},
-    store::{definition, frames, results, sidecar::Sidecar},
+    store::{definition, frames, sidecar::Sidecar},
+};
+
+use crate::{
+    common,
+    window::{self, Window, click, press, request, type_into, wait_for, walk_to_first_trial},
 };
 
 const STEP_S: f32 = 1.0 / 60.0;
+const SIZE: [f32; 2] = [1000.0, 800.0];
 
 fn protocol(recovery_s: f64, window_deg: f64) -> Protocol {
     let text = format!(
@@ -22,66 +27,23 @@ fn protocol(recovery_s: f64, window_deg: f64) -> Protocol {
     definition::parse("panes", &text).unwrap()
 }
 
-fn request(results: &Path, protocol: Protocol) -> Request {
-    Request {
-        protocol,
-        identity: Identity::new("P001", "1").unwrap(),
-        seed: Some(5),
-        results: results.to_owned(),
-        display: DisplayProfile::default(),
-        distance_cm: 50.0,
-        screen_width_cm: Some(30.0),
-        resume: false,
-        windowed: true,
-    }
-}
-
-fn harness(launch: Launch) -> Harness<'static, App> {
-    Harness::builder()
-        .with_size([1000.0, 800.0])
-        .with_pixels_per_point(1.0)
-        .with_step_dt(STEP_S)
-        .build_eframe(|cc| App::new(cc, launch))
-}
-
-/// Steps until a label stands on the page.
-fn wait_for(harness: &mut Harness<'static, App>, label: &str) {
-    for _ in 0..2000 {
-        if harness.query_by_label_contains(label).is_some() {
-            return;
-        }
-        harness.step();
-    }
-    panic!("{label:?} did not come");
-}
-
-fn press(harness: &mut Harness<'static, App>, key: Key) {
-    harness.key_press(key);
-    harness.step();
-}
-
-/// From the preflight to the first recovery field.
-fn walk_to_first_trial(harness: &mut Harness<'static, App>) {
-    wait_for(harness, "These findings are kept");
-    press(harness, Key::Space);
-    wait_for(harness, "Welcome");
-    press(harness, Key::Space);
-    wait_for(harness, "The four answers");
-    press(harness, Key::Space);
-    wait_for(harness, "First some practice");
-    press(harness, Key::Space);
+fn harness(request: Request) -> Window {
+    window::builder(SIZE, STEP_S).build_eframe(|cc| App::new(cc, Launch { request: Some(request) }))
 }
 
 fn rows(results: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
-    let csv = results.join("panes/data/subject-P001_session-1_task-panes_data.csv");
-    results::parse("rows", &std::fs::read(csv).unwrap(), &columns(protocol)).unwrap()
+    common::rows(&common::session_csv(results, "panes", "P001"), protocol)
+}
+
+fn sidecar(results: &Path) -> Sidecar {
+    Sidecar::read(&common::session_csv(results, "panes", "P001").with_extension("json")).unwrap().unwrap()
 }
 
 #[test]
 fn a_whole_session_by_keyboard_with_breaks_pause_and_a_rating_taken_back() {
     let folder = tempfile::tempdir().unwrap();
     let protocol = protocol(0.5, 10.0);
-    let mut harness = harness(Launch { request: Some(request(folder.path(), protocol.clone())) });
+    let mut harness = harness(request(folder.path(), protocol.clone()));
     walk_to_first_trial(&mut harness);
 
     // Too early: nothing to rate yet.
@@ -130,8 +92,7 @@ fn a_whole_session_by_keyboard_with_breaks_pause_and_a_rating_taken_back() {
         assert!((0.5..0.5 + 1.5 / 60.0).contains(&row.recovery_s.0), "{row:?}");
         assert!(row.frames.unwrap() > 0);
     }
-    let sidecar =
-        Sidecar::read(&folder.path().join("panes/data/subject-P001_session-1_task-panes_data.json")).unwrap().unwrap();
+    let sidecar = sidecar(folder.path());
     assert!(sidecar.complete);
     assert_eq!(sidecar.sittings.len(), 1);
     assert!(sidecar.sittings[0].preflight.iter().any(|note| note.check == "stimulus_fits" && note.ok));
@@ -159,7 +120,7 @@ fn a_whole_session_by_keyboard_with_breaks_pause_and_a_rating_taken_back() {
 fn the_scale_can_be_clicked() {
     let folder = tempfile::tempdir().unwrap();
     let protocol = protocol(0.2, 10.0);
-    let mut harness = harness(Launch { request: Some(request(folder.path(), protocol.clone())) });
+    let mut harness = harness(request(folder.path(), protocol.clone()));
     walk_to_first_trial(&mut harness);
     harness.run_steps(20);
     harness.get_by_label_contains("Broad band").click();
@@ -172,8 +133,7 @@ fn the_scale_can_be_clicked() {
 fn a_session_that_was_left_goes_on_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let protocol = protocol(0.2, 10.0);
-    let start =
-        |resume| harness(Launch { request: Some(Request { resume, ..request(folder.path(), protocol.clone()) }) });
+    let start = |resume| harness(Request { resume, ..request(folder.path(), protocol.clone()) });
     let mut first = start(false);
     walk_to_first_trial(&mut first);
     first.run_steps(20);
@@ -210,7 +170,7 @@ fn a_session_that_was_left_goes_on_as_it_was() {
 #[test]
 fn a_stimulus_that_does_not_fit_says_so_and_makes_no_file() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = harness(Launch { request: Some(request(folder.path(), protocol(0.2, 40.0))) });
+    let mut harness = harness(request(folder.path(), protocol(0.2, 40.0)));
     wait_for(&mut harness, "sit closer");
     press(&mut harness, Key::Space);
     harness.run_steps(10);
@@ -223,7 +183,7 @@ fn a_folder_that_vanishes_takes_no_answer_with_it() {
     let folder = tempfile::tempdir().unwrap();
     let (first, second) = (folder.path().join("first"), folder.path().join("second"));
     let protocol = protocol(0.2, 10.0);
-    let mut harness = harness(Launch { request: Some(request(&first, protocol.clone())) });
+    let mut harness = harness(request(&first, protocol.clone()));
     walk_to_first_trial(&mut harness);
     harness.run_steps(20);
     press(&mut harness, Key::Num1);
@@ -242,14 +202,9 @@ fn a_folder_that_vanishes_takes_no_answer_with_it() {
     harness.get_by_label("Try again").click();
     harness.run_steps(3);
     wait_for(&mut harness, "The last answer could not be saved");
-    let field = harness.get_by_label("Or save the whole session in another folder:");
-    field.focus();
-    harness.step();
-    harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
-    harness.step();
-    harness.get_by_label("Or save the whole session in another folder:").type_text(&second.display().to_string());
-    harness.step();
-    harness.get_by_label("Save there and go on").click();
+    let other = "Or save the whole session in another folder:";
+    type_into(&mut harness, other, &second.display().to_string());
+    click(&mut harness, "Save there and go on");
     harness.run_steps(25);
     press(&mut harness, Key::Num3);
     harness.run_steps(3);
@@ -259,8 +214,7 @@ fn a_folder_that_vanishes_takes_no_answer_with_it() {
 
 #[test]
 fn home_says_what_is_wrong_beside_the_field() {
-    let mut harness = harness(Launch::default());
-    harness.run_steps(3);
+    let mut harness = window::home(SIZE, STEP_S);
     for label in [
         "Experiment",
         "Participant",
@@ -273,17 +227,6 @@ fn home_says_what_is_wrong_beside_the_field() {
         assert!(harness.query_all_by_label(label).count() > 0, "{label}");
     }
     harness.get_by_label_contains("about 4 min");
-    let type_into = |harness: &mut Harness<'static, App>, label: &str, text: &str| {
-        let field = |harness: &Harness<'static, App>| {
-            harness.query_all_by_label(label).find(|node| node.value().is_some()).map(|node| node.focus())
-        };
-        field(harness).unwrap();
-        harness.step();
-        harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
-        harness.step();
-        harness.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().type_text(text);
-        harness.run_steps(2);
-    };
     type_into(&mut harness, "Participant", "../../x");
     harness.get_by_label_contains("expected letters A–Z");
     harness.get_by_label_contains("Something above needs attention");
@@ -301,66 +244,33 @@ fn home_says_what_is_wrong_beside_the_field() {
 /// What reaches the screen is what `machband stimulus` writes, byte for byte, whatever the scale.
 #[test]
 fn the_stimulus_is_drawn_byte_for_byte() {
-    let instance = eframe::wgpu::Instance::new(eframe::wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let adapters = pollster(instance.enumerate_adapters(eframe::wgpu::Backends::all()));
-    if adapters.is_empty() {
-        assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
-        eprintln!("SKIPPED: no graphics adapter");
+    if !window::has_graphics() {
         return;
     }
     for scale in [1.0, 1.25, 1.5, 2.0] {
         let folder = tempfile::tempdir().unwrap();
         let protocol = protocol(0.2, 10.0);
         let launch = Launch { request: Some(request(folder.path(), protocol.clone())) };
-        let mut harness = Harness::builder()
-            .with_size([900.0, 700.0])
-            .with_pixels_per_point(scale)
-            .with_step_dt(STEP_S)
-            .wgpu()
-            .build_eframe(|cc| App::new(cc, launch));
+        let builder = window::builder([900.0, 700.0], STEP_S).with_pixels_per_point(scale).wgpu();
+        let mut harness = builder.build_eframe(|cc| App::new(cc, launch));
         walk_to_first_trial(&mut harness);
         harness.run_steps(20);
         let shot = harness.render().unwrap();
+        press(&mut harness, Key::Num1);
         let schedule = Schedule::new(&protocol, &Identity::new("P001", "1").unwrap(), 5).unwrap();
         let stimulus = &schedule.conditions[schedule.trials[0].condition].stimulus;
-        press(&mut harness, Key::Num1);
-        let sidecar = Sidecar::read(&folder.path().join("panes/data/subject-P001_session-1_task-panes_data.json"))
-            .unwrap()
-            .unwrap();
-        let side = sidecar.sittings[0].viewing.as_ref().unwrap()["stimulus_px"].as_u64().unwrap() as u32;
-        let codes = stimulus.codes(side, &Quantizer::new(&Transfer::Srgb, Bits::Eight));
-        let corner = |whole: u32| (whole - side) / 2;
-        let (left, top) = (corner(shot.width()), corner(shot.height()));
-        let wrong = (0..side * side)
-            .filter(|i| {
-                let (x, y) = (i % side, i / side);
-                let shown = shot.get_pixel(left + x, top + y).0;
-                let [r, g, b] = codes.pixel(x, y).map(|code| code as u8);
-                shown != [r, g, b, 255]
-            })
-            .count();
-        assert_eq!(wrong, 0, "of {} pixels at scale {scale}", side * side);
-    }
-}
-
-/// Waits for a future that does not wait for anything itself.
-fn pollster<T>(future: impl Future<Output = T>) -> T {
-    let mut future = std::pin::pin!(future);
-    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
-    loop {
-        if let std::task::Poll::Ready(value) = future.as_mut().poll(&mut context) {
-            return value;
-        }
+        let side = sidecar(folder.path()).sittings[0].viewing.as_ref().unwrap()["stimulus_px"].as_u64().unwrap();
+        let codes = stimulus.codes(side as u32, &Quantizer::new(&Transfer::Srgb, Bits::Eight));
+        let wrong = window::wrong_pixels([shot.width(), shot.height()], |x, y| shot.get_pixel(x, y).0, &codes);
+        assert_eq!(wrong, 0, "of {side} × {side} pixels at scale {scale}");
     }
 }
 
 #[test]
 fn the_gallery_shows_every_kind_and_explains_what_cannot_be() {
     let folder = tempfile::tempdir().unwrap();
-    let mut harness = harness(Launch::default());
-    harness.run_steps(3);
-    harness.get_by_label("Gallery of stimuli…").click();
-    harness.run_steps(3);
+    let mut harness = window::home(SIZE, STEP_S);
+    click(&mut harness, "Gallery of stimuli…");
     for entry in machband::stimulus::catalog::all() {
         harness.get_by_label_contains(&entry.about[..20]);
         for parameter in entry.default_stimulus().parameters() {
@@ -372,40 +282,21 @@ fn the_gallery_shows_every_kind_and_explains_what_cannot_be() {
         let Some(next) = next else { break };
         harness.get_by_value(entry.title).click();
         harness.run_steps(3);
-        harness.get_by_label(next.title).click();
-        harness.run_steps(3);
+        click(&mut harness, next.title);
     }
     // The last kind, a shaded cylinder: a word that is no shading, then one that is.
-    let shading = |harness: &mut Harness<'static, App>, text: &str| {
-        let find = |harness: &Harness<'static, App>| {
-            harness.query_all_by_label("shading").find(|node| node.value().is_some()).map(|node| node.focus())
-        };
-        find(harness).unwrap();
-        harness.step();
-        harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
-        harness.step();
-        harness.query_all_by_label("shading").find(|node| node.value().is_some()).unwrap().type_text(text);
-        harness.run_steps(2);
-    };
-    shading(&mut harness, "raytraced");
+    type_into(&mut harness, "shading", "raytraced");
     harness.get_by_label_contains("expected flat, gouraud or phong");
-    shading(&mut harness, "phong");
+    type_into(&mut harness, "shading", "phong");
     assert!(harness.query_by_label_contains("expected flat").is_none());
 
     // Exported: the file proves itself.
     let path = folder.path().join("cylinder.png");
-    harness.get_by_label("Export to").focus();
-    harness.step();
-    harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
-    harness.step();
-    harness.get_by_label("Export to").type_text(&path.display().to_string());
-    harness.run_steps(2);
-    harness.get_by_label("Export PNG").click();
-    harness.run_steps(3);
+    type_into(&mut harness, "Export to", &path.display().to_string());
+    click(&mut harness, "Export PNG");
     let said = machband::store::image::prove(&path).unwrap();
     assert!(said.contains("shaded-cylinder"), "{said}");
-    harness.get_by_label("Copy as command").click();
-    harness.run_steps(2);
+    click(&mut harness, "Copy as command");
     harness.get_by_label_contains("--shading=phong");
     press(&mut harness, Key::Escape);
     wait_for(&mut harness, "How visible are Mach bands?");

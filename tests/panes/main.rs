@@ -2,6 +2,10 @@
 
 #![cfg(feature = "window")]
 
+#[path = "../common/mod.rs"]
+mod common;
+mod window;
+
 mod analysis_pane;
 mod display;
 mod home;

@@ -1,5 +1,8 @@
 //! Light, screen, eye and stimulus: the numbers below every picture.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod calibrate;
 mod catalog;
 mod color;

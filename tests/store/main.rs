@@ -1,5 +1,8 @@
 //! Definitions, sessions and every file that they leave.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod definitions;
 mod dictionary;
 mod export;

@@ -1,0 +1,81 @@
+//! What several test programs share: the real program, and the files it leaves.
+
+// Each program uses a part of it.
+#![allow(dead_code)]
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output, Stdio},
+};
+
+use machband::{
+    experiment::{Protocol, TrialRecord, columns},
+    store::results,
+};
+
+pub const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
+
+/// `machband` with these arguments, in a folder and without a display.
+pub fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(MACHBAND);
+    let command_line = command.args(arguments).current_dir(folder).stdin(Stdio::null());
+    command_line.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+    command
+}
+
+/// Runs `machband` with these arguments.
+pub fn machband(folder: &Path, arguments: &[&str]) -> Output {
+    command(folder, arguments).output().unwrap()
+}
+
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// The data of a run that must succeed; piped, nothing else comes with it.
+pub fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+    let output = machband(folder, arguments);
+    let errors = text(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {errors}");
+    assert_eq!(errors, "", "{arguments:?}: nothing but data when piped");
+    text(&output.stdout)
+}
+
+/// The errors of a run that must fail with `status`; no data comes with them.
+pub fn fails(folder: &Path, arguments: &[&str], status: i32) -> String {
+    let output = machband(folder, arguments);
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {errors}");
+    assert!(errors.starts_with("error: "), "{arguments:?}: {errors}");
+    assert_eq!(text(&output.stdout), "", "{arguments:?}");
+    errors
+}
+
+/// Every file below a folder and its content, in a fixed order; of a link, where it leads.
+pub fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_symlink() {
+            found.push((path.clone(), fs::read_link(&path).unwrap().into_os_string().into_encoded_bytes()));
+        } else if path.is_dir() {
+            found.extend(everything(&path));
+        } else {
+            found.push((path.clone(), fs::read(path).unwrap()));
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Where a participant's first session of an experiment is.
+pub fn session_csv(results: &Path, experiment: &str, participant: &str) -> PathBuf {
+    results.join(format!("{experiment}/data/subject-{participant}_session-1_task-{experiment}_data.csv"))
+}
+
+/// The rows of a session's file.
+pub fn rows(csv: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
+    let read = results::parse(csv.to_str().unwrap(), &fs::read(csv).unwrap(), &columns(protocol));
+    read.unwrap_or_else(|error| panic!("{error}"))
+}

@@ -1,0 +1,151 @@
+//! A window without a display: clicks, keys and time come from the test.
+
+// Each page's tests use a part of it.
+#![allow(dead_code)]
+
+use std::{path::Path, time::Duration};
+
+use eframe::egui::{Key, Modifiers};
+use egui_kittest::{
+    Harness, HarnessBuilder,
+    kittest::{NodeT as _, Queryable as _},
+};
+use machband::{
+    app::{App, Launch, Request},
+    display::DisplayProfile,
+    experiment::{Identity, Protocol},
+    light::CodeImage,
+};
+
+pub use eframe::egui::accesskit::Role;
+
+pub type Window = Harness<'static, App>;
+
+/// A window of this size, each of whose frames takes `step_s`.
+pub fn builder(size: [f32; 2], step_s: f32) -> HarnessBuilder<App> {
+    Harness::builder().with_size(size).with_pixels_per_point(1.0).with_step_dt(step_s)
+}
+
+/// Home.
+pub fn home(size: [f32; 2], step_s: f32) -> Window {
+    let mut window = builder(size, step_s).build_eframe(|cc| App::new(cc, Launch::default()));
+    window.set_render_cursor(false);
+    window.run_steps(3);
+    window
+}
+
+/// Whether there is a graphics adapter; where one is required, there must be.
+pub fn has_graphics() -> bool {
+    let instance = eframe::wgpu::Instance::new(eframe::wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let found = !pollster::block_on(instance.enumerate_adapters(eframe::wgpu::Backends::all())).is_empty();
+    assert!(found || std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
+    if !found {
+        eprintln!("SKIPPED: no graphics adapter");
+    }
+    found
+}
+
+pub fn press(window: &mut Window, key: Key) {
+    window.key_press(key);
+    window.step();
+}
+
+/// Clicks a control, after scrolling to it where it is out of view.
+pub fn click(window: &mut Window, label: &str) {
+    // A control, not a word that reads the same.
+    let find = |window: &Window| {
+        let mut found = window.query_all_by_label(label).filter(|node| node.accesskit_node().role() != Role::Label);
+        let node = found.next().unwrap_or_else(|| panic!("no {label:?} to click; there is {:?}", texts(window)));
+        if window.ctx.content_rect().contains_rect(node.rect()) {
+            node.click();
+            return true;
+        }
+        node.scroll_to_me();
+        false
+    };
+    if !find(window) {
+        window.run_steps(30);
+        window.query_all_by_label(label).find(|node| node.accesskit_node().role() != Role::Label).unwrap().click();
+    }
+    window.run_steps(3);
+}
+
+/// Replaces the text of a field, which keeps the keyboard.
+pub fn type_into(window: &mut Window, label: &str, text: &str) {
+    window.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().focus();
+    window.step();
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.step();
+    window.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().type_text(text);
+    window.run_steps(2);
+}
+
+/// What stands in a field.
+pub fn value(window: &Window, label: &str) -> String {
+    window.query_all_by_label(label).find_map(|node| node.value()).unwrap_or_default()
+}
+
+/// Picks an entry of a list.
+pub fn choose(window: &mut Window, label: &str, entry: &str) {
+    click(window, label);
+    // The list is drawn last, above the page.
+    window.query_all_by_label(entry).last().unwrap_or_else(|| panic!("{label} has no {entry:?}")).scroll_to_me();
+    window.run_steps(30);
+    window.query_all_by_label(entry).last().unwrap().click();
+    window.run_steps(3);
+    window.remove_cursor();
+    // Until the list has faded.
+    window.run_steps(20);
+}
+
+/// Steps until a text stands on the page; what is computed meanwhile has threads of its own.
+pub fn wait_for(window: &mut Window, text: &str) {
+    for step in 0..3000 {
+        if window.query_all_by_label_contains(text).next().is_some() {
+            return;
+        }
+        window.step();
+        if step > 300 {
+            std::thread::sleep(Duration::from_millis(3));
+        }
+    }
+    panic!("{text:?} did not come; there is {:?}", texts(window));
+}
+
+/// Every text on the page.
+pub fn texts(window: &Window) -> Vec<String> {
+    window.query_all_by_label_contains("").filter_map(|node| node.accesskit_node().label()).collect()
+}
+
+/// A session of P001 with the seed 5.
+pub fn request(results: &Path, protocol: Protocol) -> Request {
+    Request {
+        protocol,
+        identity: Identity::new("P001", "1").unwrap(),
+        seed: Some(5),
+        results: results.to_owned(),
+        display: DisplayProfile::default(),
+        distance_cm: 50.0,
+        screen_width_cm: Some(30.0),
+        resume: false,
+        windowed: true,
+    }
+}
+
+/// From the preflight to the first recovery field.
+pub fn walk_to_first_trial(window: &mut Window) {
+    for page in ["These findings are kept", "Welcome", "The four answers", "First some practice"] {
+        wait_for(window, page);
+        press(window, Key::Space);
+    }
+}
+
+/// How many pixels in the middle of a picture of the window, whose sides are `size`, are not those of an image.
+pub fn wrong_pixels(size: [u32; 2], pixel: impl Fn(u32, u32) -> [u8; 4], image: &CodeImage) -> usize {
+    let [left, top] = [size[0] - image.width, size[1] - image.height].map(|rest| rest / 2);
+    let is_wrong = |(x, y): &(u32, u32)| {
+        let [r, g, b] = image.pixel(*x, *y).map(|code| code as u8);
+        pixel(left + x, top + y) != [r, g, b, 255]
+    };
+    (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y))).filter(is_wrong).count()
+}
