@@ -10,7 +10,9 @@ use machband::{
     experiment::{Column, Identity, Schedule, columns},
     light::Transfer,
     store::{
-        FileFaults, definition, image, obj, observer, picture, profile, ratings,
+        FileFaults, definition,
+        image::{self, light},
+        mesh, observer, profile, ratings,
         ratings::{Reading, Row, Sink},
         readings, results,
     },
@@ -98,7 +100,7 @@ pub fn readings(content: &[u8]) {
 
 /// A mesh.
 pub fn obj(content: &[u8]) {
-    let Some(mesh) = told(obj::parse("fuzz.obj", content, 30.0)) else { return };
+    let Some(mesh) = told(mesh::parse("fuzz.obj", content, 30.0)) else { return };
     let corners = mesh.vertices.len();
     assert!(!mesh.triangles.is_empty());
     assert!(mesh.triangles.iter().flatten().all(|corner| (*corner as usize) < corners));
@@ -107,7 +109,7 @@ pub fn obj(content: &[u8]) {
 /// An image, as `check` proves it and as `predict` looks at it.
 pub fn png(content: &[u8]) {
     told(image::prove_content("fuzz.png", content));
-    if let Some(image) = told(picture::parse("fuzz.png", content, &Transfer::Srgb.into())) {
+    if let Some(image) = told(light::parse("fuzz.png", content, &Transfer::Srgb.into())) {
         assert_eq!(image.data.len(), 3 * image.width as usize * image.height as usize);
     }
 }

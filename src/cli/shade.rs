@@ -359,7 +359,7 @@ impl Arguments {
                 UsageError(format!("--mesh: {:?} is not known; expected {names} or an OBJ file", self.mesh)).into()
             );
         }
-        Ok(store::obj::read(path, self.crease)?)
+        Ok(store::mesh::read(path, self.crease)?)
     }
 
     /// Everything that decides the picture.

@@ -48,7 +48,8 @@ fn any_key(rng: &mut ChaCha8Rng) -> u8 {
 /// where q = 1/n (for n = ∞ 1/`infinite_as`, as its middle slope of 2.5 is near n = 5's), w is the width, w₀ the width
 /// of the strongest band, θ the orientation, c = (high−low)/(high+low), z the participant's deviate and
 /// log₂⁺ = max(log₂, 0). A step (w = 0) and a uniform field (c = 0) have no band: rating 0.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct OrderedLogit {
     /// θ₁ < θ₂ < θ₃: where one rating gives way to the next.
     pub thresholds: [f64; 3],

@@ -2,7 +2,7 @@
 
 use std::{collections::HashSet, time::Duration};
 
-use serde::{Serialize, Serializer, ser::SerializeMap as _};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _, ser::SerializeMap as _};
 
 use super::{
     condition::{Condition, Factor, cross, serialize_factors},
@@ -61,7 +61,8 @@ pub struct Protocol {
 }
 
 /// Number and order of the trials.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Design {
     /// Main trials of each condition, at least 1.
     pub repetitions: u32,
@@ -127,8 +128,15 @@ impl Serialize for Order {
     }
 }
 
+impl<'de> Deserialize<'de> for Order {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
+}
+
 /// The uniform field between stimuli. Bangay §3.1
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Recovery {
     /// Seconds, 0…600.
     pub duration_s: f64,
@@ -145,7 +153,8 @@ impl Recovery {
 
 /// A stimulus of fixed duration. After it stands the uniform field, until the stimulus is rated; a rating that comes
 /// earlier ends it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Presentation {
     /// Seconds, 0.001…600.
     pub duration_s: f64,
@@ -188,7 +197,8 @@ pub struct Category {
 }
 
 /// The planned viewing geometry.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ViewingPlan {
     /// Eye to screen in cm.
     pub distance_cm: f64,

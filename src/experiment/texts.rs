@@ -1,12 +1,13 @@
 //! What a participant reads. Every text can be replaced by the definition, so that a session can run in the
 //! participants' language.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 macro_rules! texts {
     ($($(#[$meta:meta])* $name:ident = $default:expr;)*) => {
         /// The participant's texts; `{…}` places are filled in by the program.
-        #[derive(Clone, Debug, PartialEq, Serialize)]
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
         pub struct Texts {
             $($(#[$meta])* pub $name: String,)*
         }
@@ -14,13 +15,6 @@ macro_rules! texts {
         impl Default for Texts {
             fn default() -> Self {
                 Self { $($name: $default.to_owned(),)* }
-            }
-        }
-
-        impl Texts {
-            /// Every text by its key in `[instructions]`, to be read and replaced.
-            pub fn entries_mut(&mut self) -> Vec<(&'static str, &mut String)> {
-                vec![$((stringify!($name), &mut self.$name),)*]
             }
         }
     };

@@ -4,7 +4,7 @@ use std::{collections::HashMap, path::Path};
 
 use super::{
     FileFault, FileFaults, definition, frames, image, matches, observer, profile, readings, results, sidecar::Sidecar,
-    text, toml_reader,
+    text, toml::Document,
 };
 use crate::{
     display::DisplayProfile,
@@ -66,16 +66,16 @@ pub fn look(name_or_path: &str) -> Result<Found, FileFaults> {
 
 /// The kinds of TOML file differ in a key that each must have.
 fn check_toml(file: &str, text: &str) -> Result<Found, FileFaults> {
-    let table = toml_reader::parse(file, text)?;
-    if table.contains_key("transfer") || table.contains_key("channels") {
+    let document = Document::parse(file, text)?;
+    if document.has("transfer") || document.has("channels") {
         let profile = profile::parse(file, text)?;
         return Ok(Found { sentence: format!("display profile {}", profile.sentence()), profile: Some(profile) });
     }
-    if table.contains_key("spread") {
+    if document.has("spread") {
         observer::parse_vision(file, text)?;
         return Ok("parameters of the observer who sees".to_owned().into());
     }
-    if table.contains_key("thresholds") {
+    if document.has("thresholds") {
         observer::parse(file, text)?;
         return Ok("parameters of the ordered-logit observer".to_owned().into());
     }

@@ -1,14 +1,21 @@
 //! Experiment definitions: TOML files, and those built into the program.
 
-use std::path::Path;
+use std::{collections::HashSet, path::Path};
 
-use super::toml_reader::{Reader, Section, locate, nearest};
-use super::{FileFaults, hash::sha256, text, toml_reader};
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use super::{
+    FileFaults,
+    hash::sha256,
+    text,
+    toml::{self, nearest, unknown_key},
+};
 use crate::{
     experiment::{
-        Category, Design, Factor, Order, Presentation, Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
+        Category, Design, Factor, Fault, Presentation, Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
     },
-    stimulus::{KINDS, MachBand, Stimulus},
+    stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
 };
 
 /// A definition that comes with the program: name and TOML text.
@@ -58,49 +65,29 @@ pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
 /// # Errors
 /// Every fault with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
-    let table = toml_reader::parse(file, text)?;
-    let reader = Reader::new(file, text);
-    let root = reader.root(&table);
-    root.schema();
-    let name = root.required_text("name");
-    let title = root.text("title");
-    let stimulus = stimulus(&root);
-    let protocol = Protocol {
-        schema: 1,
-        title: title.or_else(|| name.clone()).unwrap_or_default(),
-        // A missing or ill-typed name is a fault already; this keeps a second one from being made of it.
-        name: name.unwrap_or_else(|| "unnamed".to_owned()),
-        factors: factors(&root, &stimulus),
-        stimulus,
-        design: design(&root),
-        recovery: recovery(&root),
-        presentation: presentation(&root),
-        response: response(&root),
-        viewing: viewing(&root),
-        instructions: instructions(&root),
-    };
-    root.finish();
-    // A value that could not be read is a fault already; what follows from it is none of its own.
-    let unread = reader.places();
-    for fault in protocol.faults() {
-        let at = locate(&table, &fault.path);
-        if !unread.contains(&at) {
-            reader.fault(at, fault.message);
-        }
-    }
-    reader.finish()?;
-    Ok(protocol)
+    let (form, mut document) = toml::read::<Form>(file, text)?;
+    let (protocol, faults) = form.protocol();
+    faults.into_iter().for_each(|fault| document.fault(&fault.path, fault.message));
+    document.finish(protocol)
 }
 
-/// Reads back the definition that a sidecar keeps.
+/// Reads the definition that a sidecar keeps.
 ///
 /// # Errors
-/// Every fault; positions are those of the definition written out as TOML.
-pub fn from_json(file: &str, definition: &serde_json::Value) -> Result<Protocol, FileFaults> {
-    let text = toml::to_string(definition).map_err(|error| {
-        FileFaults::whole(file, format!("the definition cannot be read: {error}; expected a table"))
+/// Every fault.
+pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileFaults> {
+    let fail = |message: String| FileFaults::whole(file, message);
+    let mut definition = definition.clone();
+    let schema = definition.as_object_mut().and_then(|keys| keys.shift_remove("schema"));
+    let form = Form::deserialize(definition).map_err(|error| {
+        fail(format!("the definition cannot be read: {error}; expected a table as in a definition's file"))
     })?;
-    parse(file, &text)
+    if schema != Some(1.into()) {
+        return Err(fail("the definition is not of schema 1; expected schema 1".to_owned()));
+    }
+    let (protocol, faults) = form.protocol();
+    let faults: Vec<_> = faults.into_iter().flat_map(|fault| fail(fault.message).0).collect();
+    if faults.is_empty() { Ok(protocol) } else { Err(FileFaults(faults)) }
 }
 
 /// SHA-256 of what a definition means, in lower-case hexadecimal: comments and layout do not change it.
@@ -109,140 +96,182 @@ pub fn hash(protocol: &Protocol) -> String {
     sha256(&canonical)
 }
 
-fn stimulus(root: &Section<'_, '_>) -> Stimulus {
-    let section = root.section("stimulus");
-    let fallback = || Stimulus::MachBand(MachBand::default());
-    let mut stimulus = match section.required_text("kind") {
-        None => fallback(),
-        Some(kind) => Stimulus::default_of(&kind).unwrap_or_else(|| {
-            section.fault_at("kind", format!("kind {kind:?} is not known; {}", nearest(&kind, KINDS)));
-            fallback()
-        }),
+/// A definition as it stands in its file.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Form {
+    name: Option<String>,
+    title: Option<String>,
+    /// `kind`, and parameters of that kind.
+    stimulus: Map<String, Value>,
+    /// Lists of levels, in the order in which factors cross and columns stand.
+    factors: Map<String, Value>,
+    design: Design,
+    recovery: Recovery,
+    presentation: Option<Presentation>,
+    response: ResponseForm,
+    viewing: ViewingPlan,
+    instructions: Texts,
+}
+
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct ResponseForm {
+    question: String,
+    labels: Vec<String>,
+    keys: Option<Vec<String>>,
+}
+
+impl Default for ResponseForm {
+    fn default() -> Self {
+        let ResponseScale { question, categories } = ResponseScale::default();
+        Self { question, labels: categories.into_iter().map(|category| category.label).collect(), keys: None }
+    }
+}
+
+impl Form {
+    /// The definition, and everything that is wrong with it.
+    fn protocol(self) -> (Protocol, Vec<Fault>) {
+        let mut faults = Faults::default();
+        let name = self.name.unwrap_or_else(|| {
+            faults.add("name", "name is missing; expected name = …");
+            "unnamed".to_owned()
+        });
+        let stimulus = stimulus(&self.stimulus, &mut faults);
+        let protocol = Protocol {
+            schema: 1,
+            title: self.title.unwrap_or_else(|| name.clone()),
+            name,
+            factors: factors(self.factors, &stimulus, &mut faults),
+            stimulus,
+            design: self.design,
+            recovery: self.recovery,
+            presentation: self.presentation,
+            response: scale(self.response, &mut faults),
+            viewing: self.viewing,
+            instructions: self.instructions,
+        };
+        // What is wrong with a value that could not be read follows from that.
+        let unread: HashSet<String> = faults.0.iter().map(|fault| fault.path.clone()).collect();
+        faults.0.extend(protocol.faults().into_iter().filter(|fault| !unread.contains(&fault.path)));
+        (protocol, faults.0)
+    }
+}
+
+#[derive(Default)]
+struct Faults(Vec<Fault>);
+
+impl Faults {
+    fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
+        self.0.push(Fault { path: path.into(), message: message.into() });
+    }
+
+    fn unexpected(&mut self, path: &str, name: &str, value: &Value, expected: &str) {
+        let found = match value {
+            Value::Array(_) => "a list".to_owned(),
+            Value::Object(_) => "a table".to_owned(),
+            other => other.to_string(),
+        };
+        self.add(path, format!("{name} is {found}; expected {expected}"));
+    }
+}
+
+fn stimulus(given: &Map<String, Value>, faults: &mut Faults) -> Stimulus {
+    let fallback = Stimulus::MachBand(MachBand::default());
+    let kind = match given.get("kind") {
+        Some(Value::String(kind)) => kind,
+        Some(other) => {
+            faults.unexpected("stimulus.kind", "stimulus.kind", other, "a text in quotes");
+            return fallback;
+        }
+        None => {
+            faults.add("stimulus.kind", "stimulus.kind is missing; expected kind = …");
+            return fallback;
+        }
     };
-    for parameter in stimulus.parameters() {
-        if let Some((value, _)) = section.parameter(parameter.name)
-            && let Err(error) = stimulus.set(parameter.name, &value)
-        {
-            section.fault_at(parameter.name, error.to_string());
+    let Some(mut stimulus) = Stimulus::default_of(kind) else {
+        faults.add("stimulus.kind", format!("kind {kind:?} is not known; {}", nearest(kind, KINDS)));
+        return fallback;
+    };
+    for (name, value) in given.iter().filter(|(name, _)| *name != "kind") {
+        let path = format!("stimulus.{name}");
+        match parameter(value) {
+            _ if !is_known(&stimulus, "stimulus", name, faults) => {}
+            Some(value) => {
+                if let Err(error) = stimulus.set(name, &value) {
+                    faults.add(path, error.to_string());
+                }
+            }
+            None => faults.unexpected(&path, &path, value, "a number or a text"),
         }
     }
-    section.finish();
     stimulus
 }
 
-fn factors(root: &Section<'_, '_>, stimulus: &Stimulus) -> Vec<Factor> {
-    let section = root.section("factors");
+fn factors(given: Map<String, Value>, stimulus: &Stimulus, faults: &mut Faults) -> Vec<Factor> {
     let mut factors = Vec::new();
-    // In the order of the file: it is the order in which factors cross and columns stand.
-    for key in section.keys() {
-        let Some(parameter) = stimulus.parameters().iter().find(|p| p.name == key) else { continue };
-        if let Some(mut levels) = section.parameters(parameter.name) {
-            // As the stimulus writes them, so that `1` and `1.0`, or `grey` and `gray`, are one level.
-            for level in &mut levels {
-                let mut probe = stimulus.clone();
-                if probe.set(&key, level).is_ok() {
-                    *level = probe.get(&key).unwrap_or_else(|| level.clone());
-                }
+    for (name, levels) in given {
+        let path = format!("factors.{name}");
+        match levels {
+            _ if !is_known(stimulus, "factors", &name, faults) => {}
+            Value::Array(levels) => {
+                let level = |(i, level)| {
+                    // As the stimulus writes it, so that `1` and `1.0`, or `grey` and `gray`, are one level.
+                    let written = |level: ParameterValue| {
+                        let mut probe = stimulus.clone();
+                        probe.set(&name, &level).ok().and_then(|()| probe.get(&name)).unwrap_or(level)
+                    };
+                    parameter(level).map(written).unwrap_or_else(|| {
+                        faults.unexpected(&format!("{path}.{i}"), &path, level, "a number or a text");
+                        "".into()
+                    })
+                };
+                let levels = levels.iter().enumerate().map(level).collect();
+                factors.push(Factor { name, levels });
             }
-            factors.push(Factor { name: key, levels });
+            other => faults.unexpected(&path, &path, &other, "a list of numbers or texts in brackets"),
         }
     }
-    for parameter in stimulus.parameters() {
-        // Asked for again only to be known when the rest is called unknown.
-        section.knows(parameter.name);
-    }
-    section.finish();
     factors
 }
 
-fn design(root: &Section<'_, '_>) -> Design {
-    let section = root.section("design");
-    let default = Design::default();
-    let order = section.text("order").map_or(Ok(default.order), |text| text.parse::<Order>());
-    let design = Design {
-        repetitions: section.whole("repetitions").unwrap_or(default.repetitions),
-        practice: section.whole("practice").unwrap_or(default.practice),
-        break_every: section.whole("break_every").unwrap_or(default.break_every),
-        order: order.unwrap_or_else(|message| {
-            section.fault_at("order", message);
-            Order::Random
-        }),
-        max_run: section.whole("max_run"),
-    };
-    section.finish();
-    design
-}
-
-fn recovery(root: &Section<'_, '_>) -> Recovery {
-    let section = root.section("recovery");
-    let default = Recovery::default();
-    let recovery = Recovery {
-        duration_s: section.number("duration_s", default.duration_s),
-        level: section.number("level", default.level),
-    };
-    section.finish();
-    recovery
-}
-
-/// `None` where the definition has no such table; a table without its key is a fault, since it would mean nothing.
-fn presentation(root: &Section<'_, '_>) -> Option<Presentation> {
-    let given = root.has("presentation");
-    let section = root.section("presentation");
-    if given && !section.has("duration_s") {
-        section.missing("duration_s");
+fn is_known(stimulus: &Stimulus, table: &str, name: &str, faults: &mut Faults) -> bool {
+    let mut known: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
+    let is_known = known.contains(&name);
+    if !is_known {
+        if table == "stimulus" {
+            known.insert(0, "kind");
+        }
+        faults.add(format!("{table}.{name}"), unknown_key(table, name, &known));
     }
-    let presentation = Presentation { duration_s: section.number("duration_s", 1.0) };
-    section.finish();
-    given.then_some(presentation)
+    is_known
 }
 
-fn viewing(root: &Section<'_, '_>) -> ViewingPlan {
-    let section = root.section("viewing");
-    let default = ViewingPlan::default();
-    let viewing = ViewingPlan {
-        distance_cm: section.number("distance_cm", default.distance_cm),
-        window_deg: section.number("window_deg", default.window_deg),
-    };
-    section.finish();
-    viewing
+fn parameter(value: &Value) -> Option<ParameterValue> {
+    match value {
+        Value::Number(number) => number.as_f64().map(ParameterValue::Number),
+        Value::String(text) => Some(ParameterValue::Text(text.clone())),
+        _ => None,
+    }
 }
 
-fn response(root: &Section<'_, '_>) -> ResponseScale {
-    let section = root.section("response");
-    let default = ResponseScale::default();
-    let question = section.text("question").unwrap_or(default.question);
-    let labels = section.texts("labels");
-    let keys = section.texts("keys");
-    let count = labels.as_ref().map_or(default.categories.len(), Vec::len);
-    let labels = labels.unwrap_or_else(|| default.categories.iter().map(|c| c.label.clone()).collect());
-    let keys = keys.unwrap_or_else(|| (0..count).map(|i| i.to_string()).collect());
+fn scale(form: ResponseForm, faults: &mut Faults) -> ResponseScale {
+    let count = form.labels.len();
+    let keys = form.keys.unwrap_or_else(|| (0..count).map(|i| i.to_string()).collect());
     if keys.len() != count {
-        section
-            .fault_at("keys", format!("response.keys has {} keys; expected {count}, one for each label", keys.len()));
+        let message = format!("response.keys has {} keys; expected {count}, one for each label", keys.len());
+        faults.add("response.keys", message);
     }
     let mut categories = Vec::with_capacity(count);
-    for (i, label) in labels.into_iter().enumerate() {
+    for (i, label) in form.labels.into_iter().enumerate() {
         let key = keys.get(i).map_or("", String::as_str);
         let mut characters = key.chars();
         let (first, rest) = (characters.next(), characters.next());
         if i < keys.len() && (first.is_none() || rest.is_some()) {
-            section
-                .fault_at("keys", format!("response key {key:?} is not one character; expected a digit or a letter"));
+            let message = format!("response key {key:?} is not one character; expected a digit or a letter");
+            faults.add(format!("response.keys.{i}"), message);
         }
         categories.push(Category { label, key: first.unwrap_or(char::from_digit(i as u32 % 10, 10).unwrap_or('0')) });
     }
-    section.finish();
-    ResponseScale { question, categories }
-}
-
-fn instructions(root: &Section<'_, '_>) -> Texts {
-    let section = root.section("instructions");
-    let mut texts = Texts::default();
-    for (key, text) in texts.entries_mut() {
-        if let Some(given) = section.text(key) {
-            *text = given;
-        }
-    }
-    section.finish();
-    texts
+    ResponseScale { question: form.question, categories }
 }

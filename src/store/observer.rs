@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
-use super::{FileFaults, text, toml_reader};
+use super::{
+    FileFaults, StoreError, text,
+    toml::{self, Document},
+    write_file,
+};
 use crate::{
     experiment::{OrderedLogit, VisionRater},
-    store::{StoreError, write_file},
     vision::Criterion,
 };
 
@@ -25,48 +28,25 @@ pub fn open(path: &Path) -> Result<OrderedLogit, FileFaults> {
 /// # Errors
 /// Every fault with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileFaults> {
-    let table = toml_reader::parse(file, text)?;
-    let reader = toml_reader::Reader::new(file, text);
-    let root = reader.root(&table);
-    root.schema();
-    let default = OrderedLogit::default();
-    let thresholds = root.numbers("thresholds").map_or(Ok(default.thresholds), <[f64; 3]>::try_from);
-    let thresholds = match thresholds {
-        Ok(t) if t.iter().all(|x| x.is_finite()) && t[0] < t[1] && t[1] < t[2] => t,
-        _ => {
-            root.fault_at(
-                "thresholds",
-                "thresholds must be three numbers that rise; expected for example [0.0, 1.5, 3.5]",
-            );
-            default.thresholds
-        }
-    };
-    let number = |key: &'static str, default: f64, least: f64, most: f64| {
-        let value = root.number(key, default);
-        if !(least..=most).contains(&value) {
-            root.fault_at(key, format!("{key} {value} is outside {least}…{most}; expected a number within"));
-        }
-        value
-    };
-    let weight = |key, default| number(key, default, -1000.0, 1000.0);
-    let observer = OrderedLogit {
-        thresholds,
-        subject_sd: number("subject_sd", default.subject_sd, 0.0, 100.0),
-        depth: weight("depth", default.depth),
-        infinite_as: number("infinite_as", default.infinite_as, 1.0, 1000.0),
-        strongest_width: number("strongest_width", default.strongest_width, 1e-6, 1.0),
-        fall: weight("fall", default.fall),
-        narrow: weight("narrow", default.narrow),
-        oblique: weight("oblique", default.oblique),
-        contrast: weight("contrast", default.contrast),
-        lapse: number("lapse", default.lapse, 0.0, 1.0),
-    };
-    root.finish();
-    reader.finish()?;
-    Ok(observer)
+    let (observer, mut document) = toml::read::<OrderedLogit>(file, text)?;
+    check_thresholds(&mut document, observer.thresholds, f64::NEG_INFINITY, "[0.0, 1.5, 3.5]");
+    for (key, value, least, most) in [
+        ("subject_sd", observer.subject_sd, 0.0, 100.0),
+        ("depth", observer.depth, -1000.0, 1000.0),
+        ("infinite_as", observer.infinite_as, 1.0, 1000.0),
+        ("strongest_width", observer.strongest_width, 1e-6, 1.0),
+        ("fall", observer.fall, -1000.0, 1000.0),
+        ("narrow", observer.narrow, -1000.0, 1000.0),
+        ("oblique", observer.oblique, -1000.0, 1000.0),
+        ("contrast", observer.contrast, -1000.0, 1000.0),
+        ("lapse", observer.lapse, 0.0, 1.0),
+    ] {
+        document.check_range(key, value, least, most);
+    }
+    document.finish(observer)
 }
 
-/// Reads an observer who sees.
+/// Reads an observer based on the vision model.
 ///
 /// # Errors
 /// Every fault with its line and column.
@@ -74,45 +54,21 @@ pub fn open_vision(path: &Path) -> Result<VisionRater, FileFaults> {
     parse_vision(&path.display().to_string(), &text::read(path)?)
 }
 
-/// Reads an observer who sees from its text; what is absent keeps its default.
+/// Reads an observer based on the vision model from its text; what is absent keeps its default.
 ///
 /// # Errors
 /// Every fault with its line and column.
 pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileFaults> {
-    let table = toml_reader::parse(file, text)?;
-    let reader = toml_reader::Reader::new(file, text);
-    let root = reader.root(&table);
-    root.schema();
-    let default = VisionRater::default();
-    let thresholds = root.numbers("thresholds").map_or(Ok(default.criterion.thresholds), <[f64; 3]>::try_from);
-    let thresholds = match thresholds {
-        Ok(t) if t.iter().all(|x| x.is_finite()) && 0.0 < t[0] && t[0] < t[1] && t[1] < t[2] => t,
-        _ => {
-            root.fault_at(
-                "thresholds",
-                "thresholds must be three numbers above 0 that rise; expected for example [3.0, 8.0, 28.0]",
-            );
-            default.criterion.thresholds
-        }
-    };
-    let number = |key: &'static str, default: f64, least: f64, most: f64| {
-        let value = root.number(key, default);
-        if !(least..=most).contains(&value) {
-            root.fault_at(key, format!("{key} {value} is outside {least}…{most}; expected a number within"));
-        }
-        value
-    };
-    let rater = VisionRater {
-        criterion: Criterion { thresholds, spread: number("spread", default.criterion.spread, 1e-6, 1000.0) },
-        subject_sd: number("subject_sd", default.subject_sd, 0.0, 100.0),
-        lapse: number("lapse", default.lapse, 0.0, 1.0),
-    };
-    root.finish();
-    reader.finish()?;
-    Ok(rater)
+    let (rater, mut document) = toml::read::<VisionForm>(file, text)?;
+    check_thresholds(&mut document, rater.thresholds, 0.0, "[3.0, 8.0, 28.0]");
+    document.check_range("spread", rater.spread, 1e-6, 1000.0);
+    document.check_range("subject_sd", rater.subject_sd, 0.0, 100.0);
+    document.check_range("lapse", rater.lapse, 0.0, 1.0);
+    let VisionForm { thresholds, spread, subject_sd, lapse } = rater;
+    document.finish(VisionRater { criterion: Criterion { thresholds, spread }, subject_sd, lapse })
 }
 
-/// Writes a criterion as an observer who sees.
+/// Writes a criterion as an observer based on the vision model.
 ///
 /// # Errors
 /// The system's refusal.
@@ -120,4 +76,31 @@ pub fn write_criterion(path: &Path, criterion: &Criterion) -> Result<(), StoreEr
     let [a, b, c] = criterion.thresholds;
     let text = format!("schema = 1\nthresholds = [{a:.6}, {b:.6}, {c:.6}]\nspread = {:.6}\n", criterion.spread);
     write_file(path, text.as_bytes())
+}
+
+/// The criterion's keys stand beside the rater's own.
+#[derive(serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct VisionForm {
+    thresholds: [f64; 3],
+    spread: f64,
+    subject_sd: f64,
+    lapse: f64,
+}
+
+impl Default for VisionForm {
+    fn default() -> Self {
+        let VisionRater { criterion: Criterion { thresholds, spread }, subject_sd, lapse } = VisionRater::default();
+        Self { thresholds, spread, subject_sd, lapse }
+    }
+}
+
+fn check_thresholds(document: &mut Document<'_>, [a, b, c]: [f64; 3], above: f64, example: &str) {
+    if !(above < a && a < b && b < c && c < f64::INFINITY) {
+        let sign = if above < 0.0 { "" } else { " above 0" };
+        document.fault(
+            "thresholds",
+            format!("thresholds must be three increasing numbers{sign}; expected for example {example}"),
+        );
+    }
 }

@@ -5,7 +5,7 @@ use std::{fmt::Write as _, path::Path};
 use glam::DVec3;
 use machband::{
     shading::{EdgeKind, Edges, Mesh, mesh::newell, shapes},
-    store::obj,
+    store::mesh as obj,
 };
 use proptest::prelude::*;
 

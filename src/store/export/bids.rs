@@ -10,8 +10,8 @@ use crate::{
     experiment::{Column, Protocol, TrialRecord, columns},
     store::{
         StoreError,
-        dataset::{write_file, write_json},
         description::DESCRIPTION,
+        file::{write_file, write_json},
         recorded::Recorded,
         sidecar::Sitting,
     },

@@ -6,14 +6,8 @@ use super::{Experiment, Exported, dataset, make_folder, note_once};
 use crate::{
     experiment::columns,
     store::{
-        StoreError,
-        dataset::{SIDECAR_SUFFIX, write_file},
-        description,
-        fault::io,
-        frames,
-        ratings::DATA_FILE,
-        recorded::Recorded,
-        results,
+        StoreError, dataset::SIDECAR_SUFFIX, description, fault::io, file::write_file, frames, ratings::DATA_FILE,
+        recorded::Recorded, results,
     },
 };
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::{Experiment, make_folder};
 use crate::{
     experiment::{Phase, TrialRecord, columns},
-    store::{StoreError, dataset::write_file, fault::io, recorded::Recorded},
+    store::{StoreError, fault::io, file::write_file, recorded::Recorded},
 };
 
 /// Counters of a loop, each from 0.

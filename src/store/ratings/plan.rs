@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     experiment::{Protocol, RATING_MAX},
-    store::{sidecar::Sidecar, toml_reader::nearest},
+    store::{sidecar::Sidecar, toml::nearest},
 };
 
 /// Columns of a record that say what was shown.

@@ -254,7 +254,7 @@ impl MeshChoice {
         match self {
             MeshChoice::Named(shape, vertices) => shapes::mesh(*shape, *vertices).map_err(|error| error.to_string()),
             MeshChoice::File(path) => {
-                store::obj::read(std::path::Path::new(path), CREASE_DEG).map_err(|faults| faults.to_string())
+                store::mesh::read(std::path::Path::new(path), CREASE_DEG).map_err(|faults| faults.to_string())
             }
         }
     }

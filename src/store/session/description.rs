@@ -5,13 +5,15 @@ use std::{fs, path::Path};
 
 use serde_json::{Value, json};
 
-use super::{
-    StoreError,
-    fault::io,
-    file::{is_there, write_json, write_whole},
-    frames,
+use crate::{
+    experiment::{Column, Protocol, columns},
+    store::{
+        StoreError,
+        fault::io,
+        file::{is_there, write_json, write_whole},
+        frames,
+    },
 };
-use crate::experiment::{Column, Protocol, columns};
 
 /// Name of the file that describes a data set.
 pub const DESCRIPTION: &str = "dataset_description.json";
@@ -24,7 +26,7 @@ const IGNORE: [&str; 2] = [".psychds-ignore", ".psychdsignore"];
 ///
 /// # Errors
 /// The system's refusal.
-pub(super) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<String>, StoreError> {
+pub(in crate::store) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<String>, StoreError> {
     let absent = |name: &str| -> Result<_, StoreError> {
         let path = dataset.join(name);
         Ok(if is_there(&path)? { None } else { Some(path) })
@@ -58,7 +60,7 @@ pub(super) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
 }
 
 /// A data set's description: its name, what it is, and every column.
-pub(super) fn description(name: &str, title: &str, columns: &[Column]) -> Value {
+pub(in crate::store) fn description(name: &str, title: &str, columns: &[Column]) -> Value {
     let variables: Vec<_> = columns.iter().map(variable).collect();
     json!({
         "@context": "https://schema.org/",

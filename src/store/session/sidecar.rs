@@ -5,10 +5,11 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::{
-    FileFault, FileFaults, StoreError, definition, fault::io, file::write_json, hash::sha256, pictures::Pictures,
+use super::pictures::Pictures;
+use crate::{
+    experiment::{GENERATOR, Protocol, columns},
+    store::{FileFault, FileFaults, StoreError, definition, fault::io, file::write_json, hash::sha256},
 };
-use crate::experiment::{GENERATOR, Protocol, columns};
 
 /// How an onset is defined, for the reader of the data.
 const ONSET: &str = "Start of the frame that presents the stimulus, by the program's monotonic clock. The graphics system gives no presentation time: the light follows by the compositor's and the screen's latency. How a rating is stamped, and how late that may be, is said in `input` of each sitting.";

@@ -6,12 +6,14 @@ use std::{
     time::Duration,
 };
 
-pub use super::file::{write_file, write_json};
-use super::{StoreError, description, fault::io, file::remove_temporary, frames, ratings::DATA_FILE};
-use crate::experiment::{Identity, Protocol};
+use super::description;
+use crate::{
+    experiment::{Identity, Protocol},
+    store::{StoreError, fault::io, file::remove_temporary, frames, ratings::DATA_FILE},
+};
 
 /// Ends the name of a sidecar.
-pub(super) const SIDECAR_SUFFIX: &str = "_data.json";
+pub(in crate::store) const SIDECAR_SUFFIX: &str = "_data.json";
 
 /// Where the files of one session are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,7 +61,7 @@ impl SessionPaths {
     ///
     /// # Errors
     /// The first link.
-    pub(super) fn refuse_links(&self) -> Result<(), StoreError> {
+    pub(in crate::store) fn refuse_links(&self) -> Result<(), StoreError> {
         let data = self.dataset.join("data");
         for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames] {
             if let Ok(target) = fs::read_link(path) {

@@ -3,15 +3,18 @@
 use std::{path::Path, time::Duration};
 
 use super::{
-    StoreError,
     dataset::SessionPaths,
-    definition,
-    file::{is_there, remove_temporary},
-    frames::{FrameFile, FrameRow},
-    results::ResultFile,
     sidecar::{Seal, Sidecar, Sitting},
 };
-use crate::experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns};
+use crate::{
+    experiment::{Identity, Protocol, Resumed, RowContext, Schedule, TrialRecord, columns},
+    store::{
+        StoreError, definition,
+        file::{is_there, remove_temporary},
+        frames::{FrameFile, FrameRow},
+        results::ResultFile,
+    },
+};
 
 /// Where a session's rows go.
 #[derive(Debug)]

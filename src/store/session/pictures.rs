@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::hash::sha256;
 use crate::{
     experiment::{Condition, Protocol},
     light::{Bits, CodeImage, Dither, Samples, Transfer, Transfers},
     stimulus::recipe::Recipe,
+    store::hash::sha256,
 };
 
 /// Side of the pictures of a session that had no screen, pixels.

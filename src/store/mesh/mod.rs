@@ -20,8 +20,10 @@ use std::{collections::HashMap, fs::File, io::Read as _, path::Path};
 
 use glam::DVec3;
 
-use super::FileFaults;
-use crate::shading::{Mesh, MeshError, Polygons};
+use crate::{
+    shading::{Mesh, MeshError, Polygons},
+    store::FileFaults,
+};
 
 /// Largest file, in bytes: about two million triangles.
 const LARGEST_FILE: u64 = 1 << 28;

@@ -7,7 +7,7 @@ use std::{
     path::Path,
 };
 
-use super::{FileFaults, StoreError, fault::io, file::write_whole, picture};
+use super::light;
 use crate::{
     light::{
         CodeImage, Quantizer, Samples, Transfer, Transfers,
@@ -15,6 +15,7 @@ use crate::{
         palette::{IndexedImage, Reduction, reduce},
     },
     stimulus::recipe::{Recipe, SIZE_MAX},
+    store::{FileFaults, StoreError, fault::io, file::write_whole},
 };
 
 /// Keyword of the text chunk that holds the recipe as JSON.
@@ -239,7 +240,7 @@ pub struct ReadBack {
 }
 
 /// The recipe's text in an image file, without looking at the pixels; `None` where there is none.
-pub(super) fn recipe_text(path: &Path) -> Option<String> {
+pub(in crate::store) fn recipe_text(path: &Path) -> Option<String> {
     let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
     let chunks = &reader.info().uncompressed_latin1_text;
     chunks.iter().find(|chunk| chunk.keyword == KEYWORD).map(|chunk| chunk.text.clone())
@@ -250,7 +251,7 @@ pub(super) fn recipe_text(path: &Path) -> Option<String> {
 /// # Errors
 /// Not readable, not a PNG of this program, or too large.
 pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
-    parse(&path.display().to_string(), &picture::content(path)?)
+    parse(&path.display().to_string(), &light::content(path)?)
 }
 
 /// Reads the content of an image with its recipe; `name` names it in messages.
@@ -298,7 +299,7 @@ pub fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileFaults> {
     if width == 0 || width.max(height) > side_max {
         return Err(fail(format!("has {width} × {height} pixels; expected at most {side_max} a side")));
     }
-    let mut raw = picture::room(reader.output_buffer_size(), content.len()).map_err(fail)?;
+    let mut raw = light::room(reader.output_buffer_size(), content.len()).map_err(fail)?;
     reader.next_frame(&mut raw).map_err(broken)?;
     if color == png::ColorType::Indexed {
         let colors = palette.as_chunks::<3>().0;
@@ -332,7 +333,7 @@ pub fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileFaults> {
 /// # Errors
 /// As [`read`]; or how many codes differ, and the first of them.
 pub fn prove(path: &Path) -> Result<String, FileFaults> {
-    prove_content(&path.display().to_string(), &picture::content(path)?)
+    prove_content(&path.display().to_string(), &light::content(path)?)
 }
 
 /// As [`prove`], of the content of an image; `name` names it in messages.

@@ -6,8 +6,10 @@ use std::{
     path::Path,
 };
 
-use super::FileFaults;
-use crate::light::{LinearImage, Transfers};
+use crate::{
+    light::{LinearImage, Transfers},
+    store::FileFaults,
+};
 
 /// Largest side, pixels.
 const SIDE_MAX: u32 = 8192;
