@@ -178,7 +178,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         append(&mut metrics, sizes(&surface, &frame));
         append(&mut metrics, creases_beside(&creases, &gouraud));
         append(&mut metrics, bands_beside(&sight, bands, bands_gouraud));
-        store::dataset::write_json(path, &metrics)?;
+        store::write_json(path, &metrics)?;
         let shader = renderer.shade.shader;
         let beside = |over: Option<f64>| match over {
             Some(over) => format!("{over:.4} of Gouraud's"),
