@@ -1,14 +1,12 @@
-//! What one stimulus costs: 1024 × 1024 pixels, 8-bit RGB (3 MiB), sRGB, against plainly filling
-//! the same memory.
+//! What one stimulus costs: 1024 × 1024 pixels, 8-bit RGB (3 MiB), sRGB, against plainly filling as much memory.
 //!
-//! Peers, as reported and not measured here: stimupy 1.2.0 takes 62–100 ms for a step or Cornsweet
-//! image of this size (it has no Mach-band ramp). Results and how to repeat them:
-//! `benches/README.md`.
+//! Peers, as reported and not measured here: stimupy 1.2.0 takes 62–100 ms for a step or Cornsweet image of this size (it
+//! has no Mach-band ramp). Results and how to repeat them: `benches/README.md`.
 
 use divan::counter::BytesCount;
 use divan::{Bencher, black_box};
 use machband::light::{Bits, Depth, Quantizer, Transfer};
-use machband::stimulus::{MachBand, StimulusColor};
+use machband::stimulus::{MachBand, ParameterValue, Stimulus, StimulusColor};
 
 const SIZE: u32 = 1024;
 const BYTES: usize = SIZE as usize * SIZE as usize * 3;
@@ -26,58 +24,60 @@ fn band(orientation_deg: f64) -> MachBand {
     MachBand { width: 0.4, depth: Depth::Finite(3), orientation_deg, ..MachBand::default() }
 }
 
-fn bench_into(bencher: Bencher<'_, '_>, band: &MachBand) {
-    let (quantizer, mut codes) = (quantizer(), vec![1; BYTES]);
-    bencher.counter(BytesCount::new(BYTES)).bench_local(|| {
-        black_box(band).codes_into(SIZE, &quantizer, black_box(&mut codes));
-    });
+fn bench_codes(bencher: Bencher<'_, '_>, stimulus: impl Into<Stimulus>) {
+    let (stimulus, quantizer) = (stimulus.into(), quantizer());
+    bencher.counter(BytesCount::new(BYTES)).bench(|| black_box(&stimulus).codes(SIZE, &quantizer));
 }
 
-/// Into memory that is already there.
-#[divan::bench_group(sample_count = 400, sample_size = 1)]
-mod existing_memory {
+/// Memory asked of the system and given back every time, as a stimulus has it.
+#[divan::bench_group(sample_count = 200, sample_size = 1)]
+mod codes {
     use super::*;
 
     /// The measure of all others.
     #[divan::bench]
     fn fill(bencher: Bencher<'_, '_>) {
+        bencher.counter(BytesCount::new(BYTES)).bench(|| vec![black_box(137u8); BYTES]);
+    }
+
+    /// The same in memory that is already there.
+    #[divan::bench]
+    fn fill_again(bencher: Bencher<'_, '_>) {
         let mut codes = vec![1u8; BYTES];
         bencher.counter(BytesCount::new(BYTES)).bench_local(|| black_box(&mut codes).fill(black_box(137)));
     }
 
     #[divan::bench(args = [0.0, 33.0, 45.0, 89.0, 89.9, 90.0])]
     fn orientation(bencher: Bencher<'_, '_>, orientation_deg: f64) {
-        bench_into(bencher, &band(orientation_deg));
+        bench_codes(bencher, band(orientation_deg));
     }
 
     #[divan::bench(args = ["1", "32", "inf"])]
     fn depth_at_33(bencher: Bencher<'_, '_>, depth: &str) {
         let depth = depth.parse().expect("a depth");
-        bench_into(bencher, &MachBand { depth, ..band(33.0) });
+        bench_codes(bencher, MachBand { depth, ..band(33.0) });
     }
 
     /// Three channels of different weight, full range: as many steps as there can be.
     #[divan::bench]
     fn most_steps_at_33(bencher: Bencher<'_, '_>) {
         let color = StimulusColor::new([1.0, 0.9, 0.8]).expect("weights within 0…1");
-        bench_into(bencher, &MachBand { low: 0.0, high: 1.0, color, ..band(33.0) });
-    }
-}
-
-/// Memory asked of the system and given back every time.
-#[divan::bench_group(sample_count = 200, sample_size = 1)]
-mod fresh_memory {
-    use super::*;
-
-    #[divan::bench]
-    fn fill(bencher: Bencher<'_, '_>) {
-        bencher.counter(BytesCount::new(BYTES)).bench(|| vec![black_box(137u8); BYTES]);
+        bench_codes(bencher, MachBand { low: 0.0, high: 1.0, color, ..band(33.0) });
     }
 
-    #[divan::bench]
-    fn codes_at_33(bencher: Bencher<'_, '_>) {
-        let (band, quantizer) = (band(33.0), quantizer());
-        bencher.counter(BytesCount::new(BYTES)).bench(|| black_box(&band).codes(SIZE, &quantizer));
+    /// From color to color.
+    #[divan::bench(args = ["rgb", "hsv", "lab"])]
+    fn two_colors_at_33(bencher: Bencher<'_, '_>, space: &str) {
+        let color_high = Some("hsv:200,0.8,1".parse().expect("a color"));
+        let space = space.parse().expect("a space");
+        bench_codes(bencher, MachBand { color_high, space, ..band(33.0) });
+    }
+
+    #[divan::bench(args = ["chevreul", "cornsweet", "shaded-cylinder"])]
+    fn other_kinds_at_33(bencher: Bencher<'_, '_>, kind: &str) {
+        let mut stimulus = Stimulus::default_of(kind).expect("a kind");
+        stimulus.set("orientation_deg", &ParameterValue::Number(33.0)).expect("an orientation");
+        bench_codes(bencher, stimulus);
     }
 }
 
@@ -88,13 +88,13 @@ mod reference {
 
     #[divan::bench]
     fn linear_at_33(bencher: Bencher<'_, '_>) {
-        let band = band(33.0);
+        let band = Stimulus::from(band(33.0));
         bencher.bench(|| black_box(&band).linear(SIZE));
     }
 
     #[divan::bench]
     fn linear_and_quantize_at_33(bencher: Bencher<'_, '_>) {
-        let (band, quantizer) = (band(33.0), quantizer());
+        let (band, quantizer) = (Stimulus::from(band(33.0)), quantizer());
         bencher.counter(BytesCount::new(BYTES)).bench(|| quantizer.quantize(&black_box(&band).linear(SIZE)));
     }
 

@@ -17,7 +17,7 @@ fn main() {
 /// A ramp across a picture of 512 × 512 pixels, 10° wide.
 #[divan::bench(sample_count = 20)]
 fn picture_of_a_ramp(bencher: Bencher) {
-    let light = luminances(&MachBand { orientation_deg: 30.0, ..MachBand::default() }.linear(512));
+    let light = luminances(&Stimulus::from(MachBand { orientation_deg: 30.0, ..MachBand::default() }).linear(512));
     see(bencher, &light, None);
 }
 

@@ -3,7 +3,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::de::{Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Continuity depth n of Bangay eq. 1: n − 1 derivatives of the interpolation vanish at both ends of
@@ -32,12 +31,6 @@ impl Depth {
             Ok(n @ 1..=Depth::MAX_FINITE) => Ok(Depth::Finite(n)),
             _ => Err(DepthError::OutOfRange(n.to_string())),
         }
-    }
-
-    /// Whether this is a depth that [`Depth::finite`] would have made, or ∞.
-    #[must_use]
-    pub const fn is_valid(self) -> bool {
-        matches!(self, Depth::Infinite | Depth::Finite(1..=Depth::MAX_FINITE))
     }
 }
 
@@ -87,40 +80,19 @@ impl Serialize for Depth {
 
 impl<'de> Deserialize<'de> for Depth {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct DepthVisitor;
-
-        impl Visitor<'_> for DepthVisitor {
-            type Value = Depth;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a whole number from 1 to 32, or inf")
-            }
-
-            fn visit_u64<E: serde::de::Error>(self, n: u64) -> Result<Depth, E> {
-                let n = u32::try_from(n).map_err(|_| E::custom(DepthError::OutOfRange(n.to_string())))?;
-                Depth::finite(n).map_err(E::custom)
-            }
-
-            fn visit_i64<E: serde::de::Error>(self, n: i64) -> Result<Depth, E> {
-                match u64::try_from(n) {
-                    Ok(n) => self.visit_u64(n),
-                    Err(_) => Err(E::custom(DepthError::OutOfRange(n.to_string()))),
-                }
-            }
-
-            fn visit_f64<E: serde::de::Error>(self, n: f64) -> Result<Depth, E> {
-                // TOML has a float called inf; it can only mean one depth.
-                if n == f64::INFINITY {
-                    return Ok(Depth::Infinite);
-                }
-                Err(E::invalid_type(Unexpected::Float(n), &self))
-            }
-
-            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Depth, E> {
-                text.parse().map_err(E::custom)
-            }
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "expected a whole number from 1 to 32, or inf")]
+        enum Written {
+            Number(f64),
+            Text(String),
         }
 
-        deserializer.deserialize_any(DepthVisitor)
+        match Written::deserialize(deserializer)? {
+            // TOML has a float called inf; it can only mean one depth.
+            Written::Number(n) if n == f64::INFINITY => Ok(Depth::Infinite),
+            Written::Number(n) => n.to_string().parse(),
+            Written::Text(text) => text.parse(),
+        }
+        .map_err(serde::de::Error::custom)
     }
 }

@@ -21,6 +21,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use super::blue_noise;
 use super::image::LinearImage;
 use super::matrix::{DitherMatrix, DitherMatrixError};
+use super::names::serde_as_text;
 
 /// How pixels between two codes are decided. Written `none`, `ordered`, `ordered:MATRIX` with the name
 /// of a [`DitherMatrix`], `blue-noise` or `random`; the seed of the last has no place in the text.
@@ -121,6 +122,8 @@ impl FromStr for Dither {
         }
     }
 }
+
+serde_as_text!(Dither);
 
 /// The threshold of `rank` among `size`²: the middle of its share of (0, 1).
 pub(super) fn from_rank(rank: u16, size: u32) -> f64 {

@@ -1,45 +1,37 @@
 //! Matrices of ordered dither and of halftone: small tiles that say in which order their dots are lit.
 
-use std::fmt;
-use std::str::FromStr;
+use super::names::named;
 
 /// Shoaff §2.1.2, D⁽²⁾.
 const SHOAFF_2: [[u16; 2]; 2] = [[0, 2], [3, 1]];
 /// Shoaff §2.1.2, D⁽³⁾: it grows outward from its centre.
 const SHOAFF_3: [[u16; 3]; 3] = [[6, 8, 4], [1, 0, 3], [5, 2, 7]];
 
-/// An n × n tile that holds every rank 0…n²−1 once: the dot of rank k is the (k + 1)-th to be lit.
-///
-/// Bayer's (*An optimum method for two-level rendition of continuous-tone pictures*, ICC 1973) scatter
-/// the dots as far as they can, for screens. Shoaff's, written `clustered`, are those of a growing
-/// dot, for print; D⁽²⁾ is too small to cluster, and is Bayer's 2 × 2 turned over.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum DitherMatrix {
-    /// Bayer 2 × 2: 5 levels between two codes.
-    Bayer2,
-    /// Bayer 4 × 4: 17 levels.
-    Bayer4,
-    /// Bayer 8 × 8: 65 levels.
-    #[default]
-    Bayer8,
-    /// Bayer 16 × 16: 257 levels.
-    Bayer16,
-    /// Shoaff's D⁽²⁾: 5 levels.
-    Clustered2,
-    /// Shoaff's D⁽³⁾: 10 levels.
-    Clustered3,
+named! {
+    /// An n × n tile that holds every rank 0…n²−1 once: the dot of rank k is the (k + 1)-th to be lit.
+    ///
+    /// Bayer's (*An optimum method for two-level rendition of continuous-tone pictures*, ICC 1973) scatter
+    /// the dots as far as they can, for screens. Shoaff's, written `clustered`, are those of a growing
+    /// dot, for print; D⁽²⁾ is too small to cluster, and is Bayer's 2 × 2 turned over.
+    #[derive(Default)]
+    DitherMatrix, DitherMatrixError {
+        /// Bayer 2 × 2: 5 levels between two codes.
+        Bayer2 = "bayer2",
+        /// Bayer 4 × 4: 17 levels.
+        Bayer4 = "bayer4",
+        /// Bayer 8 × 8: 65 levels.
+        #[default]
+        Bayer8 = "bayer8",
+        /// Bayer 16 × 16: 257 levels.
+        Bayer16 = "bayer16",
+        /// Shoaff's D⁽²⁾: 5 levels.
+        Clustered2 = "clustered2",
+        /// Shoaff's D⁽³⁾: 10 levels.
+        Clustered3 = "clustered3",
+    }
 }
 
-/// A text that names no matrix.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("dither matrix {0:?} is not known; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3")]
-pub struct DitherMatrixError(String);
-
 impl DitherMatrix {
-    /// Every matrix.
-    pub const ALL: [DitherMatrix; 6] =
-        [Self::Bayer2, Self::Bayer4, Self::Bayer8, Self::Bayer16, Self::Clustered2, Self::Clustered3];
-
     /// Dots n a side.
     #[must_use]
     pub const fn size(self) -> u32 {
@@ -71,19 +63,6 @@ impl DitherMatrix {
         let n = self.size();
         (0..n * n).map(|i| self.rank(i % n, i / n)).collect()
     }
-
-    /// This matrix's name.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Bayer2 => "bayer2",
-            Self::Bayer4 => "bayer4",
-            Self::Bayer8 => "bayer8",
-            Self::Bayer16 => "bayer16",
-            Self::Clustered2 => "clustered2",
-            Self::Clustered3 => "clustered3",
-        }
-    }
 }
 
 /// Bayer's recursion, M₂ₙ = \[4Mₙ, 4Mₙ + 2; 4Mₙ + 3, 4Mₙ + 1\] from M₁ = \[0\], bit by bit: the lowest
@@ -95,19 +74,4 @@ fn bayer_rank(size: u32, x: u32, y: u32) -> u16 {
         // \[0, 2; 3, 1\] by row y and column x; both are single bits.
         rank << 2 | ((x ^ y) << 1 | y) as u16
     })
-}
-
-impl fmt::Display for DitherMatrix {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for DitherMatrix {
-    type Err = DitherMatrixError;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let text = text.trim();
-        Self::ALL.into_iter().find(|matrix| matrix.name() == text).ok_or_else(|| DitherMatrixError(text.to_owned()))
-    }
 }

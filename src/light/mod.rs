@@ -18,6 +18,7 @@ pub mod halftone;
 pub mod image;
 pub mod interpolation;
 pub mod matrix;
+pub(crate) mod names;
 pub mod normal;
 pub mod palette;
 pub mod quantize;

@@ -15,55 +15,27 @@ use quantette::wu::{BinnerF32x3, WuF32x3};
 use quantette::{PaletteCounts, PaletteSize};
 
 use super::image::{CodeImage, Samples};
+use super::names::named;
 use super::quantize::{Bits, Quantizer};
 use super::transfers::Transfers;
 
 /// Most colors that an 8-bit index tells apart.
 pub const MOST_COLORS: usize = 256;
 
-/// How the colors of a palette are chosen. Written `popularity`, `median-cut` or `k-means`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Reducer {
-    /// The most frequent colors, as they are. Shoaff §2.2.10, solution 2; Heckbert 1982, without his reduction to 5 bits
-    /// beforehand.
-    Popularity,
-    /// The box around all colors is split at the median of its longest side, and again the fullest box that can be, until
-    /// there are enough; each box gives its mean. Shoaff §2.2.10, solution 3; Heckbert 1982, *Color image quantization for
-    /// frame buffer display*, Computer Graphics 16(3):297, doi:10.1145/965145.801294.
-    MedianCut,
-    /// K-means in linear light (Celebi 2011, doi:10.1016/j.imavis.2010.10.002), begun from boxes of least variance (Wu 1992,
-    /// doi:10.1145/146443.146475, by the crate quantette), from median cut and from the most frequent colors; the best of
-    /// the three. Its rms error is never above the others'.
-    KMeans,
-}
-
-impl Reducer {
-    /// All of them.
-    pub const ALL: [Reducer; 3] = [Reducer::Popularity, Reducer::MedianCut, Reducer::KMeans];
-}
-
-/// A text that names no [`Reducer`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} is no way to reduce colors; expected popularity, median-cut or k-means")]
-pub struct ReducerError(String);
-
-impl fmt::Display for Reducer {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Reducer::Popularity => "popularity",
-            Reducer::MedianCut => "median-cut",
-            Reducer::KMeans => "k-means",
-        })
-    }
-}
-
-impl FromStr for Reducer {
-    type Err = ReducerError;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let text = text.trim();
-        let known = Reducer::ALL.into_iter().find(|reducer| reducer.to_string() == text);
-        known.ok_or_else(|| ReducerError(text.to_owned()))
+named! {
+    /// How the colors of a palette are chosen.
+    Reducer, ReducerError {
+        /// The most frequent colors, as they are. Shoaff §2.2.10, solution 2; Heckbert 1982, without his reduction to 5
+        /// bits beforehand.
+        Popularity = "popularity",
+        /// The box around all colors is split at the median of its longest side, and again the fullest box that can be,
+        /// until there are enough; each box gives its mean. Shoaff §2.2.10, solution 3; Heckbert 1982, *Color image
+        /// quantization for frame buffer display*, Computer Graphics 16(3):297, doi:10.1145/965145.801294.
+        MedianCut = "median-cut",
+        /// K-means in linear light (Celebi 2011, doi:10.1016/j.imavis.2010.10.002), begun from boxes of least variance (Wu
+        /// 1992, doi:10.1145/146443.146475, by the crate quantette), from median cut and from the most frequent colors; the
+        /// best of the three. Its rms error is never above the others'.
+        KMeans = "k-means",
     }
 }
 

@@ -2,22 +2,22 @@
 //! in encoded space; dither, which decides between the two codes that enclose a value, in linear
 //! light.
 
-use std::fmt;
-use std::str::FromStr;
 use std::sync::{Arc, OnceLock};
 
 use super::dither::{Dither, Levels, Thresholds};
 use super::gamma::Transfer;
 use super::image::{CodeImage, LinearImage, Samples};
+use super::names::named;
 use super::transfers::Transfers;
 
-/// Bits of a code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Bits {
-    /// Codes 0…255.
-    Eight,
-    /// Codes 0…65535.
-    Sixteen,
+named! {
+    /// Bits of a code.
+    Bits, BitsError {
+        /// Codes 0…255.
+        Eight = "8",
+        /// Codes 0…65535.
+        Sixteen = "16",
+    }
 }
 
 impl Bits {
@@ -27,32 +27,6 @@ impl Bits {
         match self {
             Bits::Eight => u8::MAX as u16,
             Bits::Sixteen => u16::MAX,
-        }
-    }
-}
-
-/// A text that is not a number of bits.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0:?} bits cannot be made; expected 8 or 16")]
-pub struct BitsError(String);
-
-impl fmt::Display for Bits {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Bits::Eight => "8",
-            Bits::Sixteen => "16",
-        })
-    }
-}
-
-impl FromStr for Bits {
-    type Err = BitsError;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text.trim() {
-            "8" => Ok(Bits::Eight),
-            "16" => Ok(Bits::Sixteen),
-            _ => Err(BitsError(text.to_owned())),
         }
     }
 }

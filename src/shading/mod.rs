@@ -19,7 +19,6 @@ pub mod frame;
 pub mod lighting;
 pub mod measure;
 pub mod mesh;
-mod names;
 pub mod shaders;
 
 #[cfg(feature = "gpu")]

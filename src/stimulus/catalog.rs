@@ -1,6 +1,10 @@
 //! Every named stimulus, once. Commands take their `--kind` from here, the gallery its list, the tests their cases.
 
-use super::{KINDS, ParameterValue, Stimulus};
+use super::{
+    kinds::{KINDS, Stimulus},
+    mach_band::MachBand,
+    parameter::ParameterValue,
+};
 
 /// A stimulus as the catalog lists it.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +23,7 @@ impl Entry {
     /// The entry with its defaults.
     #[must_use]
     pub fn default_stimulus(&self) -> Stimulus {
-        Stimulus::default_of(self.kind).unwrap_or(Stimulus::MachBand(super::MachBand::default()))
+        Stimulus::default_of(self.kind).unwrap_or(MachBand::default().into())
     }
 
     /// The defaults, and then every variant.

@@ -1,13 +1,11 @@
 //! The Chevreul staircase: uniform steps that look scalloped.
 
 use super::{
-    color::StimulusColor,
+    color::{self, StimulusColor},
     kind::{Range, kind, low_above_high},
+    line::Profile,
     parameter::ParameterError,
-    window::{Profile, across, light},
 };
-use crate::light::LinearImage;
-
 kind! {
     /// A staircase of `steps` uniform bands of equal width, Chevreul 1839; Bangay fig. 1 a, b.
     ///
@@ -18,7 +16,7 @@ kind! {
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction in which the bands brighten, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darkest band", "the relative luminance of the darkest band", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brightest band", "the relative luminance of the brightest band, at least low's", ["0.75"];
-        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a color such as gray, R,G,B, hsv:H,S,V or xyY:x,y,Y", ["gray", "yellow"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
 
@@ -27,28 +25,34 @@ impl Chevreul {
         low_above_high(Self::PARAMETERS, self.low, self.high)
     }
 
-    /// The light `x` window sides from the centre along the orientation.
-    pub fn light_at(&self, x: f64) -> [f32; 3] {
-        light(self.color.rgb(), self.value(x))
-    }
-
-    /// The light of a window of `size` × `size` pixels.
-    pub fn linear(&self, size: u32) -> LinearImage {
-        across(size, self.orientation_deg, self.color.rgb(), self)
-    }
-
     fn band(&self, x: f64) -> f64 {
         ((x + 0.5) * f64::from(self.steps)).floor().clamp(0.0, f64::from(self.steps - 1))
     }
 }
 
 impl Profile for Chevreul {
-    fn value(&self, x: f64) -> f64 {
+    fn orientation_deg(&self) -> f64 {
+        self.orientation_deg
+    }
+
+    fn weights(&self) -> [f64; 3] {
+        self.color.rgb()
+    }
+
+    fn luminance(&self, x: f64) -> f64 {
         self.low + (self.high - self.low) * self.band(x) / f64::from(self.steps - 1)
     }
 
     fn jumps(&self) -> Vec<(f64, f64)> {
         let height = (self.high - self.low) / f64::from(self.steps - 1);
         (1..self.steps).map(|k| (f64::from(k) / f64::from(self.steps) - 0.5, height)).collect()
+    }
+
+    fn turns(&self) -> Vec<f64> {
+        self.jumps().into_iter().map(|(at, _)| at).collect()
+    }
+
+    fn is_level(&self, _: f64) -> bool {
+        true
     }
 }

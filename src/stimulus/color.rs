@@ -3,10 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
 use crate::light::color::{Chromaticity, OutOfGamut, Primaries, XyY, in_gamut, xyy_from_xyz, xyz_from_xyy};
 use crate::light::color_models::{Hsv, hsv_from_rgb, rgb_from_hsv, wrapped_deg};
+use crate::light::names::serde_as_text;
 
 /// Weights of red, green and blue, linear in light, each 0…1 and not all 0. A pixel of relative
 /// luminance L lights L times these.
@@ -36,6 +35,9 @@ const NAMED: [(&str, [f64; 3]); 9] = [
     ("cyan", [0.0, 1.0, 1.0]),
     ("magenta", [1.0, 0.0, 1.0]),
 ];
+
+/// What the parameter `color` means, of every kind.
+pub(super) const MEANING: &str = "How much of the luminance goes to red, green and blue, linear in light";
 
 /// What a color's text may be, for messages.
 pub(super) const EXPECTED: &str = "yellow, gray, red, green, blue, cyan, magenta, three numbers R,G,B from 0 to 1, not \
@@ -199,15 +201,4 @@ impl FromStr for StimulusColor {
     }
 }
 
-impl Serialize for StimulusColor {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de> Deserialize<'de> for StimulusColor {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = std::borrow::Cow::<'de, str>::deserialize(deserializer)?;
-        text.parse().map_err(serde::de::Error::custom)
-    }
-}
+serde_as_text!(StimulusColor);

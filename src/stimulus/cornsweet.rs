@@ -1,13 +1,11 @@
 //! The Craik–O'Brien–Cornsweet edge: equal areas that an edge between them makes look unequal.
 
 use super::{
-    color::StimulusColor,
+    color::{self, StimulusColor},
     kind::{Range, kind, low_above_high},
+    line::Profile,
     parameter::ParameterError,
-    window::{Profile, across, light},
 };
-use crate::light::LinearImage;
-
 kind! {
     /// Two areas of the same luminance with an edge between them, from which the luminance returns to the areas' own;
     /// Craik 1940, O'Brien 1958, Cornsweet 1970; Bangay fig. 1 g, h.
@@ -20,7 +18,7 @@ kind! {
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction from the dark to the bright side of the edge, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Relative luminance on the dark side of the edge", "the relative luminance on the dark side", ["0.4"];
         high: f64 = 0.6, Range::Within(0.0, 1.0), "1", "Relative luminance on the bright side of the edge", "the relative luminance on the bright side, at least low's", ["0.6"];
-        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a color such as gray, R,G,B, hsv:H,S,V or xyY:x,y,Y", ["gray", "yellow"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
 
@@ -28,20 +26,18 @@ impl Cornsweet {
     fn contradictions(&self) -> Option<ParameterError> {
         low_above_high(Self::PARAMETERS, self.low, self.high)
     }
-
-    /// The light `x` window sides from the edge along the orientation.
-    pub fn light_at(&self, x: f64) -> [f32; 3] {
-        light(self.color.rgb(), self.value(x))
-    }
-
-    /// The light of a window of `size` × `size` pixels.
-    pub fn linear(&self, size: u32) -> LinearImage {
-        across(size, self.orientation_deg, self.color.rgb(), self)
-    }
 }
 
 impl Profile for Cornsweet {
-    fn value(&self, x: f64) -> f64 {
+    fn orientation_deg(&self) -> f64 {
+        self.orientation_deg
+    }
+
+    fn weights(&self) -> [f64; 3] {
+        self.color.rgb()
+    }
+
+    fn luminance(&self, x: f64) -> f64 {
         let mean = (self.low + self.high) / 2.0;
         let left = 1.0 - x.abs() / self.width;
         if self.width == 0.0 || left <= 0.0 {
@@ -54,5 +50,13 @@ impl Profile for Cornsweet {
     fn jumps(&self) -> Vec<(f64, f64)> {
         // Without width there is no edge left.
         if self.width == 0.0 { Vec::new() } else { vec![(0.0, self.high - self.low)] }
+    }
+
+    fn turns(&self) -> Vec<f64> {
+        vec![-self.width, 0.0, self.width]
+    }
+
+    fn is_level(&self, x: f64) -> bool {
+        x.abs() >= self.width
     }
 }

@@ -1,45 +1,23 @@
 //! A faceted cylinder under the three classical shaders: where Chevreul's scallops and Mach's bands come from in
 //! computer graphics.
 
-use std::{fmt, str::FromStr};
-
-use serde::{Deserialize, Serialize};
-
 use super::{
-    color::StimulusColor,
+    color::{self, StimulusColor},
     kind::{Range, kind, low_above_high, text_field},
+    line::Profile,
     parameter::ParameterError,
-    window::{Profile, across, light},
 };
-use crate::light::LinearImage;
+use crate::light::names::named;
 
-/// How the facets are shaded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Shading {
-    /// One luminance a facet, that of its own normal: a Chevreul staircase.
-    Flat,
-    /// Luminance interpolated between the edges: Mach bands at every edge.
-    Gouraud,
-    /// Normals interpolated between the edges, and lit.
-    Phong,
-}
-
-impl fmt::Display for Shading {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Flat => "flat",
-            Self::Gouraud => "gouraud",
-            Self::Phong => "phong",
-        })
-    }
-}
-
-impl FromStr for Shading {
-    type Err = ();
-
-    fn from_str(text: &str) -> Result<Self, ()> {
-        [Self::Flat, Self::Gouraud, Self::Phong].into_iter().find(|shading| shading.to_string() == text).ok_or(())
+named! {
+    /// How the facets are shaded.
+    Shading, ShadingError {
+        /// One luminance a facet, that of its own normal: a Chevreul staircase.
+        Flat = "flat",
+        /// Luminance interpolated between the edges: Mach bands at every edge.
+        Gouraud = "gouraud",
+        /// Normals interpolated between the edges, and lit.
+        Phong = "phong",
     }
 }
 text_field!(Shading);
@@ -57,7 +35,7 @@ kind! {
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction across the facets, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the rims", "the relative luminance of the rims", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the middle", "the relative luminance of the middle, at least low's", ["0.75"];
-        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a color such as gray, R,G,B, hsv:H,S,V or xyY:x,y,Y", ["gray", "yellow"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
 
@@ -67,16 +45,6 @@ const HALF_ARC: f64 = std::f64::consts::FRAC_PI_3;
 impl Cylinder {
     fn contradictions(&self) -> Option<ParameterError> {
         low_above_high(Self::PARAMETERS, self.low, self.high)
-    }
-
-    /// The light `x` window sides from the middle along the orientation.
-    pub fn light_at(&self, x: f64) -> [f32; 3] {
-        light(self.color.rgb(), self.value(x))
-    }
-
-    /// The light of a window of `size` × `size` pixels.
-    pub fn linear(&self, size: u32) -> LinearImage {
-        across(size, self.orientation_deg, self.color.rgb(), self)
     }
 
     /// Angle of edge `i` of 0…facets.
@@ -110,7 +78,15 @@ impl Cylinder {
 }
 
 impl Profile for Cylinder {
-    fn value(&self, x: f64) -> f64 {
+    fn orientation_deg(&self) -> f64 {
+        self.orientation_deg
+    }
+
+    fn weights(&self) -> [f64; 3] {
+        self.color.rgb()
+    }
+
+    fn luminance(&self, x: f64) -> f64 {
         let x = x.clamp(-0.5, 0.5);
         let facet = self.facet(x);
         let (left, right) = (self.place(facet), self.place(facet + 1));
@@ -132,5 +108,13 @@ impl Profile for Cylinder {
             Shading::Flat => (1..self.facets).map(|i| (self.place(i), self.flat(i) - self.flat(i - 1))).collect(),
             Shading::Gouraud | Shading::Phong => Vec::new(),
         }
+    }
+
+    fn turns(&self) -> Vec<f64> {
+        [0.0].into_iter().chain((0..=self.facets).map(|i| self.place(i))).collect()
+    }
+
+    fn is_level(&self, x: f64) -> bool {
+        self.shading == Shading::Flat || x.abs() > 0.5
     }
 }

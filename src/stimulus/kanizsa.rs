@@ -1,12 +1,12 @@
 //! The Kanizsa triangle: edges where nothing is drawn.
 
 use super::{
-    color::StimulusColor,
+    area::Area,
+    color::{self, StimulusColor},
     coverage::{Point, Polygon, area_in_disc, pixel, within},
     kind::{Range, kind, low_above_high},
-    orientation::cos_sin,
+    orientation::{cos_sin, light, place},
     parameter::ParameterError,
-    window::light,
 };
 use crate::light::LinearImage;
 
@@ -22,7 +22,7 @@ kind! {
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the triangle, counter-clockwise", "an angle in degrees, such as 45", ["0", "30"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the discs", "the relative luminance of the discs", ["0.1"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the ground", "the relative luminance of the ground, at least low's", ["0.75"];
-        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a color such as gray, R,G,B, hsv:H,S,V or xyY:x,y,Y", ["gray", "yellow"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
 
@@ -39,32 +39,6 @@ impl Kanizsa {
         low_above_high(Self::PARAMETERS, self.low, self.high).into_iter().chain(overlap).collect()
     }
 
-    /// The light `x` window sides from the middle, to the right in a window at orientation 0.
-    pub fn light_at(&self, x: f64) -> [f32; 3] {
-        let corners = self.corners(1.0);
-        let in_triangle = (0..3).all(|i| {
-            let (a, b) = (corners[i], corners[(i + 1) % 3]);
-            (b[0] - a[0]) * -a[1] - (b[1] - a[1]) * (x - a[0]) >= 0.0
-        });
-        let in_disc = corners.iter().any(|corner| (x - corner[0]).hypot(corner[1]) < self.radius);
-        light(self.color.rgb(), if in_disc && !in_triangle { self.low } else { self.high })
-    }
-
-    /// The light of a window of `size` × `size` pixels.
-    pub fn linear(&self, size: u32) -> LinearImage {
-        let side = f64::from(size);
-        let corners = self.corners(side);
-        let weights = self.color.rgb();
-        let radius = self.radius * side;
-        LinearImage::from_fn(size, size, |ix, iy| {
-            let centre = [f64::from(ix) + 0.5 - side / 2.0, side / 2.0 - f64::from(iy) - 0.5];
-            let disc =
-                corners.iter().find(|corner| (centre[0] - corner[0]).hypot(centre[1] - corner[1]) < radius + 1.0);
-            let share = disc.map_or(0.0, |disc| notched(centre, *disc, &corners, radius));
-            light(weights, self.high - (self.high - self.low) * share)
-        })
-    }
-
     /// The triangle's corners around the middle, counter-clockwise, y up, in a window of this side.
     fn corners(&self, window: f64) -> [Point; 3] {
         let reach = self.side * window / 3f64.sqrt();
@@ -73,12 +47,43 @@ impl Kanizsa {
             [reach * cos, reach * sin]
         })
     }
+
+    /// The light at `x` window sides from the middle, along the orientation.
+    fn light_at(&self, x: f64) -> [f32; 3] {
+        let corners = self.corners(1.0);
+        let in_triangle = (0..3).all(|i| {
+            let (a, b) = (corners[i], corners[(i + 1) % 3]);
+            (b[0] - a[0]) * -a[1] - (b[1] - a[1]) * (x - a[0]) >= 0.0
+        });
+        let in_disc = corners.iter().any(|corner| (x - corner[0]).hypot(corner[1]) < self.radius);
+        light(self.color.rgb(), if in_disc && !in_triangle { self.low } else { self.high })
+    }
 }
 
-/// The share of the pixel around `centre` that lies in the disc and not in the triangle.
-fn notched(centre: Point, disc: Point, triangle: &[Point; 3], radius: f64) -> f64 {
+impl Area for Kanizsa {
+    fn linear(&self, size: u32) -> LinearImage {
+        let side = f64::from(size);
+        let corners = self.corners(side);
+        let weights = self.color.rgb();
+        let radius = self.radius * side;
+        LinearImage::from_fn(size, size, |ix, iy| {
+            let center = [f64::from(ix) + 0.5 - side / 2.0, side / 2.0 - f64::from(iy) - 0.5];
+            let disc =
+                corners.iter().find(|corner| (center[0] - corner[0]).hypot(center[1] - corner[1]) < radius + 1.0);
+            let share = disc.map_or(0.0, |disc| notched(center, *disc, &corners, radius));
+            light(weights, self.high - (self.high - self.low) * share)
+        })
+    }
+
+    fn profile(&self, size: u32) -> Vec<[f32; 3]> {
+        (0..size).map(|i| self.light_at(place(i, size))).collect()
+    }
+}
+
+/// The share of the pixel around `center` that lies in the disc and not in the triangle.
+fn notched(center: Point, disc: Point, triangle: &[Point; 3], radius: f64) -> f64 {
     let from_disc = |p: Point| [p[0] - disc[0], p[1] - disc[1]];
-    let cell = pixel(from_disc(centre));
+    let cell = pixel(from_disc(center));
     let triangle: Polygon = triangle.iter().map(|corner| from_disc(*corner)).collect();
     let share = area_in_disc(&cell, radius) - area_in_disc(&within(&cell, &triangle), radius);
     share.clamp(0.0, 1.0)

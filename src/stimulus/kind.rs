@@ -5,12 +5,15 @@ use super::{
     color::{ColorError, StimulusColor},
     parameter::{Parameter, ParameterError, ParameterValue},
 };
+use crate::light::Depth;
 
 /// The values that a parameter can have.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Range {
     /// Finite numbers from the first to the second.
     Within(f64, f64),
+    /// Numbers above 0, and at most this.
+    UpTo(f64),
     /// Any finite number.
     Finite,
     /// Whatever the type reads.
@@ -31,6 +34,9 @@ fn number(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result
         _ if !number.is_finite() => Err(parameter.error(number, "is not a finite number")),
         Range::Within(least, most) if !(least..=most).contains(number) => {
             Err(parameter.error(number, format!("is outside {least}…{most}")))
+        }
+        Range::UpTo(most) if !(*number > 0.0 && *number <= most) => {
+            Err(parameter.error(number, format!("is not above 0 and at most {most}")))
         }
         _ => Ok(*number),
     }
@@ -59,23 +65,42 @@ impl Field for u32 {
     }
 }
 
+impl Field for Depth {
+    fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        match value {
+            ParameterValue::Text(text) => {
+                text.parse().map_err(|_| parameter.error(format!("{text:?}"), "is not a depth"))
+            }
+            ParameterValue::Number(n) if n.fract() != 0.0 => Err(parameter.error(n, "is not a whole number")),
+            // `as` keeps what is outside u32's range outside the depths.
+            ParameterValue::Number(n) => Depth::finite(*n as u32).map_err(|_| parameter.error(n, "is outside 1…32")),
+        }
+    }
+    fn write(&self) -> ParameterValue {
+        match self {
+            Depth::Finite(n) => f64::from(*n).into(),
+            Depth::Infinite => self.to_string().as_str().into(),
+        }
+    }
+}
+
 /// Fields that are written as a word.
 macro_rules! text_field {
-    ($kind:ty) => {
+    ($($kind:ty),*) => {$(
         impl $crate::stimulus::kind::Field for $kind {
             fn read(
-                parameter: &$crate::stimulus::Parameter,
+                parameter: &$crate::stimulus::parameter::Parameter,
                 _: $crate::stimulus::kind::Range,
-                value: &$crate::stimulus::ParameterValue,
-            ) -> Result<Self, $crate::stimulus::ParameterError> {
+                value: &$crate::stimulus::parameter::ParameterValue,
+            ) -> Result<Self, $crate::stimulus::parameter::ParameterError> {
                 let text = value.to_string();
                 text.parse().map_err(|_| parameter.error(format!("{text:?}"), "is not known"))
             }
-            fn write(&self) -> $crate::stimulus::ParameterValue {
+            fn write(&self) -> $crate::stimulus::parameter::ParameterValue {
                 self.to_string().as_str().into()
             }
         }
-    };
+    )*};
 }
 pub(super) use text_field;
 
@@ -89,20 +114,32 @@ impl Field for StimulusColor {
     }
 }
 
+/// The text of a color that is another parameter's.
+const SAME: &str = "same";
+
+impl Field for Option<StimulusColor> {
+    fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        if value.to_string().trim() == SAME { Ok(None) } else { Field::read(parameter, range, value).map(Some) }
+    }
+    fn write(&self) -> ParameterValue {
+        self.as_ref().map_or(SAME.into(), Field::write)
+    }
+}
+
 /// Declares a kind of stimulus: a struct whose fields are its parameters, with defaults, ranges, units, meanings and
 /// levels worth comparing; `set`, `get` and `validate` follow from the declaration.
 macro_rules! kind {
     (
         $(#[$meta:meta])*
         $name:ident = $kind:literal {
-            $($field:ident: $type:ty = $default:expr, $range:expr, $unit:literal, $meaning:literal, $expected:literal, [$($level:literal),*];)*
+            $($(#[$field_meta:meta])* $field:ident: $type:ty = $default:expr, $range:expr, $unit:literal, $meaning:expr, $expected:expr, [$($level:literal),*];)*
         }
     ) => {
         $(#[$meta])*
         #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         #[serde(deny_unknown_fields, default)]
         pub struct $name {
-            $(#[doc = concat!($meaning, ".")] pub $field: $type,)*
+            $(#[doc = concat!("The parameter `", stringify!($field), "`; see [`Self::PARAMETERS`].")] $(#[$field_meta])* pub $field: $type,)*
         }
 
         impl Default for $name {
@@ -116,7 +153,7 @@ macro_rules! kind {
             pub const KIND: &'static str = $kind;
 
             /// Every parameter, in the order of the fields.
-            pub const PARAMETERS: &'static [$crate::stimulus::Parameter] = &[$($crate::stimulus::Parameter {
+            pub const PARAMETERS: &'static [$crate::stimulus::parameter::Parameter] = &[$($crate::stimulus::parameter::Parameter {
                 name: stringify!($field),
                 unit: $unit,
                 description: $meaning,
@@ -134,10 +171,10 @@ macro_rules! kind {
             pub fn set(
                 &mut self,
                 name: &str,
-                value: &$crate::stimulus::ParameterValue,
-            ) -> Result<(), $crate::stimulus::ParameterError> {
+                value: &$crate::stimulus::parameter::ParameterValue,
+            ) -> Result<(), $crate::stimulus::parameter::ParameterError> {
                 let Some(at) = Self::PARAMETERS.iter().position(|parameter| parameter.name == name) else {
-                    return Err($crate::stimulus::ParameterError::unknown(name, value, Self::KIND, Self::PARAMETERS));
+                    return Err($crate::stimulus::parameter::ParameterError::unknown(name, value, Self::KIND, Self::PARAMETERS));
                 };
                 let (parameter, range) = (&Self::PARAMETERS[at], Self::RANGES[at]);
                 $(if name == stringify!($field) {
@@ -148,7 +185,7 @@ macro_rules! kind {
 
             /// The value of the parameter `name`; `None` if there is no such parameter.
             #[must_use]
-            pub fn get(&self, name: &str) -> Option<$crate::stimulus::ParameterValue> {
+            pub fn get(&self, name: &str) -> Option<$crate::stimulus::parameter::ParameterValue> {
                 $(if name == stringify!($field) {
                     return Some($crate::stimulus::kind::Field::write(&self.$field));
                 })*
@@ -159,15 +196,13 @@ macro_rules! kind {
             ///
             /// # Errors
             /// Every fault found, in the order of the fields.
-            pub fn validate(&self) -> Result<(), Vec<$crate::stimulus::ParameterError>> {
+            pub fn validate(&self) -> Result<(), Vec<$crate::stimulus::parameter::ParameterError>> {
                 let mut probe = self.clone();
                 let mut faults: Vec<_> = Self::PARAMETERS
                     .iter()
                     .filter_map(|parameter| probe.set(parameter.name, &self.get(parameter.name)?).err())
                     .collect();
-                if faults.is_empty() {
-                    faults.extend(self.contradictions());
-                }
+                faults.extend(self.contradictions());
                 if faults.is_empty() { Ok(()) } else { Err(faults) }
             }
         }

@@ -1,4 +1,4 @@
-//! Where a pixel lies across the ramp, exactly as symmetric as the picture should be.
+//! Where a pixel lies across a stimulus, exactly as symmetric as the picture should be.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -38,7 +38,7 @@ fn first_quarter(steps: i64) -> (f64, f64) {
     }
 }
 
-/// The pixel centres of a square window, and the direction across its ramp.
+/// The pixel centers of a square window, and the direction across its ramp.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     /// Pixels a side, at least 1.
@@ -53,10 +53,15 @@ impl Grid {
         Self { size, cos, sin }
     }
 
-    /// x of Bangay §3.1, in window sides: (p − centre)·(cos θ, sin θ), p the centre of the pixel in
+    /// Whether edges of this orientation run along the pixels.
+    pub fn is_along_pixels(&self) -> bool {
+        self.cos == 0.0 || self.sin == 0.0
+    }
+
+    /// x of Bangay §3.1, in window sides: (p − center)·(cos θ, sin θ), p the center of the pixel in
     /// column `ix` and row `iy`.
     ///
-    /// The pixel opposite through the centre has exactly −x.
+    /// The pixel opposite through the center has exactly −x.
     #[inline]
     pub fn across(&self, ix: u32, iy: u32) -> f64 {
         let n = i64::from(self.size);
@@ -66,4 +71,15 @@ impl Grid {
         let up = (n - 1 - 2 * i64::from(iy)) as f64 / scale;
         right * self.cos + up * self.sin
     }
+}
+
+/// Where pixel `i` of a row of `size` has its center, in window sides from the window's center.
+#[must_use]
+pub fn place(i: u32, size: u32) -> f64 {
+    (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size))
+}
+
+/// Light of a pixel of relative luminance `luminance`.
+pub(super) fn light(weights: [f64; 3], luminance: f64) -> [f32; 3] {
+    weights.map(|weight| (weight * luminance) as f32)
 }

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
-use super::Stimulus;
+use super::kinds::Stimulus;
 use crate::light::{
     Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferError, TransferTable, Transfers,
 };
@@ -23,10 +23,8 @@ pub struct Recipe {
     #[serde(rename = "transfer", serialize_with = "write_transfers", deserialize_with = "read_transfers")]
     pub transfers: Transfers,
     /// Bits a channel.
-    #[serde(serialize_with = "write_text", deserialize_with = "read_text")]
     pub bits: Bits,
     /// How values between two codes are decided.
-    #[serde(serialize_with = "write_text", deserialize_with = "read_text")]
     pub dither: Dither,
     /// Seed of a random dither; without meaning for the others.
     pub seed: u64,
@@ -140,16 +138,4 @@ fn read_transfers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Transfer
         }
     }
     .map_err(D::Error::custom)
-}
-
-fn write_text<T: std::fmt::Display, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(value)
-}
-
-fn read_text<'de, T, D>(deserializer: D) -> Result<T, D::Error>
-where
-    T: std::str::FromStr<Err: std::fmt::Display>,
-    D: Deserializer<'de>,
-{
-    String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
 }

@@ -5,13 +5,14 @@ use std::{fmt, str::FromStr};
 use glam::{DVec2, DVec3};
 
 use super::{
-    color::StimulusColor,
+    area::Area,
+    color::{self, StimulusColor},
     kind::{Range, kind, low_above_high, text_field},
     parameter::ParameterError,
     shot::{Renderer, Shot},
 };
 use crate::{
-    light::{Depth, LinearImage, Transfer},
+    light::{Depth, LinearImage, Transfer, names::serde_as_text},
     shading::{
         Correction, Frame, Gradients, Mesh, Scene, Shade, Shader, Surface,
         shapes::{self, Shape, ShapeError},
@@ -44,30 +45,9 @@ impl FromStr for Triple {
     }
 }
 
-text_field!(Triple);
-text_field!(Shape);
-text_field!(Shader);
-text_field!(Depth);
-text_field!(Correction);
-text_field!(Gradients);
+text_field!(Triple, Shape, Shader, Correction, Gradients);
 
-/// Fields that files write as their text.
-macro_rules! serde_as_text {
-    ($($type:ty),*) => {$(
-        impl serde::Serialize for $type {
-            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                serializer.collect_str(self)
-            }
-        }
-
-        impl<'de> serde::Deserialize<'de> for $type {
-            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
-            }
-        }
-    )*};
-}
-serde_as_text!(Triple, Shape, Shader, Correction, Gradients);
+serde_as_text!(Triple);
 
 kind! {
     /// A mesh, turned and lit, under one of the shaders; Bangay §4 and figs. 8–12, and his future work: how visible
@@ -91,7 +71,7 @@ kind! {
         background: f64 = 0.05, Range::Within(0.0, 1.0), "1", "Relative luminance around the surface", "a relative luminance", ["0.05"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp does not reach", "the relative luminance where the lamp does not reach", ["0.1"];
         high: f64 = 0.7, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp falls straight on the surface", "a relative luminance, at least low's", ["0.7"];
-        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a color such as gray, R,G,B, hsv:H,S,V or xyY:x,y,Y", ["gray", "yellow"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
 
@@ -168,28 +148,17 @@ impl ShadedMesh {
     pub(super) fn shot<'f>(&self, frame: &'f Frame) -> Shot<'f> {
         Renderer::new(self.shade()).shoot(frame, &Transfer::Linear.into())
     }
+}
 
-    /// The light of a window of `size` × `size` pixels.
-    pub fn linear(&self, size: u32) -> LinearImage {
+impl Area for ShadedMesh {
+    fn linear(&self, size: u32) -> LinearImage {
         self.frame(size).map_or_else(|| LinearImage::new(size, size), |frame| self.shot(&frame).image())
     }
 
-    /// The light at `x` window sides from the center, along the row through it; see [`ShadedMesh::profile`].
-    pub fn light_at(&self, x: f64) -> [f32; 3] {
-        const FINE_PX: f64 = 4096.0;
-        let at = (x + 0.5) * FINE_PX;
-        self.row(FINE_PX as u32, [at - 0.5, at + 0.5], 1)[0]
-    }
-
-    /// The light at the pixel centers of the row through the center of a window of `size` pixels.
-    pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
-        self.row(size, [0.0, f64::from(size)], size as usize)
-    }
-
-    /// The light at the middles of `count` equal pieces of the row through the center of a window of `size` pixels.
-    fn row(&self, size: u32, ends: [f64; 2], count: usize) -> Vec<[f32; 3]> {
-        let Some(frame) = self.frame(size) else { return vec![[0.0; 3]; count] };
-        let lights = self.shot(&frame).along(ends.map(|x| DVec2::new(x, f64::from(size) / 2.0)), count);
+    fn profile(&self, size: u32) -> Vec<[f32; 3]> {
+        let Some(frame) = self.frame(size) else { return vec![[0.0; 3]; size as usize] };
+        let ends = [0.0, f64::from(size)].map(|x| DVec2::new(x, f64::from(size) / 2.0));
+        let lights = self.shot(&frame).along(ends, size as usize);
         lights.iter().map(|light| light.unwrap_or(frame.background).as_vec3().to_array()).collect()
     }
 }

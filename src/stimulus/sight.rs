@@ -1,6 +1,6 @@
 //! What the model of vision makes of stimuli and pictures in a window on a screen.
 
-use super::Stimulus;
+use super::kinds::Stimulus;
 use crate::{
     light::LinearImage,
     shading::{Frame, coverage},
@@ -27,14 +27,6 @@ impl View {
             Self::Line(view) => view.visibility,
             Self::Picture(view) => view.visibility,
         }
-    }
-}
-
-impl Stimulus {
-    /// Whether it varies along its orientation alone.
-    #[must_use]
-    pub fn is_line(&self) -> bool {
-        matches!(self, Self::MachBand(_) | Self::Chevreul(_) | Self::Cornsweet(_) | Self::Cylinder(_))
     }
 }
 

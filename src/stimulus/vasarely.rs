@@ -1,12 +1,12 @@
 //! Vasarely's nested squares: graded steps whose corners glow.
 
 use super::{
-    color::StimulusColor,
+    area::Area,
+    color::{self, StimulusColor},
     coverage::{Point, area, pixel, within},
     kind::{Range, kind, low_above_high},
-    orientation::Grid,
+    orientation::{Grid, light, place},
     parameter::ParameterError,
-    window::{is_sharp, light},
 };
 use crate::light::LinearImage;
 
@@ -21,34 +21,13 @@ kind! {
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the squares, counter-clockwise", "an angle in degrees, such as 45", ["0", "45"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the outermost square", "the relative luminance of the outermost square", ["0.1"];
         high: f64 = 0.9, Range::Within(0.0, 1.0), "1", "Relative luminance of the innermost square", "the relative luminance of the innermost square, at least low's", ["0.9"];
-        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", "How much of the luminance goes to red, green and blue, linear in light", "a color such as gray, R,G,B, hsv:H,S,V or xyY:x,y,Y", ["gray", "yellow"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
 
 impl Vasarely {
     fn contradictions(&self) -> Option<ParameterError> {
         low_above_high(Self::PARAMETERS, self.low, self.high)
-    }
-
-    /// The light `x` window sides from the middle along the orientation.
-    pub fn light_at(&self, x: f64) -> [f32; 3] {
-        light(self.color.rgb(), self.luminance(self.inside(x.abs())))
-    }
-
-    /// The light of a window of `size` × `size` pixels.
-    pub fn linear(&self, size: u32) -> LinearImage {
-        let grid = Grid::new(size, self.orientation_deg);
-        let weights = self.color.rgb();
-        let turned = Grid::new(size, self.orientation_deg + 90.0);
-        let sharp = is_sharp(&grid);
-        LinearImage::from_fn(size, size, |ix, iy| {
-            let place = [grid.across(ix, iy), turned.across(ix, iy)];
-            let distance = place[0].abs().max(place[1].abs());
-            let reach = if sharp { 0.0 } else { std::f64::consts::FRAC_1_SQRT_2 / f64::from(size) };
-            let (least, most) = (self.inside(distance + reach), self.inside((distance - reach).max(0.0)));
-            let squares = if least == most { least } else { self.covered(&grid, place, least, most) };
-            light(weights, self.luminance(squares))
-        })
     }
 
     /// In how many squares beyond the outermost a point at this distance lies.
@@ -74,5 +53,30 @@ impl Vasarely {
 
     fn luminance(&self, squares: f64) -> f64 {
         self.low + (self.high - self.low) * squares / f64::from(self.squares - 1)
+    }
+
+    /// The light at `x` window sides from the middle, along the orientation.
+    fn light_at(&self, x: f64) -> [f32; 3] {
+        light(self.color.rgb(), self.luminance(self.inside(x.abs())))
+    }
+}
+impl Area for Vasarely {
+    fn linear(&self, size: u32) -> LinearImage {
+        let grid = Grid::new(size, self.orientation_deg);
+        let weights = self.color.rgb();
+        let turned = Grid::new(size, self.orientation_deg + 90.0);
+        let sharp = grid.is_along_pixels();
+        LinearImage::from_fn(size, size, |ix, iy| {
+            let place = [grid.across(ix, iy), turned.across(ix, iy)];
+            let distance = place[0].abs().max(place[1].abs());
+            let reach = if sharp { 0.0 } else { std::f64::consts::FRAC_1_SQRT_2 / f64::from(size) };
+            let (least, most) = (self.inside(distance + reach), self.inside((distance - reach).max(0.0)));
+            let squares = if least == most { least } else { self.covered(&grid, place, least, most) };
+            light(weights, self.luminance(squares))
+        })
+    }
+
+    fn profile(&self, size: u32) -> Vec<[f32; 3]> {
+        (0..size).map(|i| self.light_at(place(i, size))).collect()
     }
 }

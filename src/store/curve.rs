@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{StoreError, fault::io};
 use crate::{
     light::{Dither, LinearImage, Quantizer},
-    stimulus::{Stimulus, recipe::Recipe},
+    stimulus::{place, recipe::Recipe},
 };
 
 /// One place of a profile.
@@ -36,7 +36,7 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
         .map(|i| {
             let pixel = codes.pixel(i, 0);
             Sample {
-                x: Stimulus::place(i, size),
+                x: place(i, size),
                 linear: f64::from(row.pixel(i, 0)[strongest]),
                 codes: pixel,
                 emitted: quantizer.channel(strongest).linear(pixel[strongest]),

@@ -3,6 +3,7 @@
 //!
 //! `cargo test --test dither -- --nocapture` prints the figures.
 
+use super::draw::Draw as _;
 use std::sync::LazyLock;
 
 use machband::light::blue_noise::{self, MASK_SIZE};
@@ -16,7 +17,7 @@ use proptest::prelude::*;
 /// Every kind, the random one with several seeds.
 fn dithers() -> Vec<Dither> {
     let random = [1, 2, 99].map(|seed| Dither::Random { seed });
-    let ordered = DitherMatrix::ALL.map(Dither::Ordered);
+    let ordered = DitherMatrix::ALL.iter().copied().map(Dither::Ordered);
     [Dither::BlueNoise].into_iter().chain(random).chain(ordered).collect()
 }
 
@@ -75,7 +76,7 @@ fn names_are_read_back() {
         assert_eq!(dither.to_string(), text);
         assert_eq!(format!(" {text} ").parse(), Ok(dither));
     }
-    for matrix in DitherMatrix::ALL {
+    for &matrix in DitherMatrix::ALL {
         assert_eq!(matrix.to_string().parse(), Ok(matrix));
         assert_eq!(Dither::Ordered(matrix).to_string().parse(), Ok(Dither::Ordered(matrix)));
     }
@@ -100,9 +101,9 @@ fn other_texts_say_what_is_expected() {
     let message = "ordered:bayer3".parse::<Dither>().unwrap_err().to_string();
     assert_eq!(
         message,
-        "dither matrix \"bayer3\" is not known; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3"
+        "\"bayer3\" is not known; expected one of bayer2, bayer4, bayer8, bayer16, clustered2, clustered3"
     );
-    assert!("ordered:".parse::<Dither>().unwrap_err().to_string().contains("expected bayer2"));
+    assert!("ordered:".parse::<Dither>().unwrap_err().to_string().contains("expected one of bayer2"));
 }
 
 // Matrices.
@@ -139,7 +140,7 @@ fn matrices_are_the_published_ones() {
 
 #[test]
 fn matrices_hold_every_rank_once() {
-    for matrix in DitherMatrix::ALL {
+    for &matrix in DitherMatrix::ALL {
         let mut ranks = matrix.ranks();
         ranks.sort_unstable();
         let dots = matrix.size() * matrix.size();
@@ -653,7 +654,7 @@ fn bands_fall_apart() {
 
 #[test]
 fn cells_have_the_levels_of_the_formula() {
-    for matrix in DitherMatrix::ALL {
+    for &matrix in DitherMatrix::ALL {
         for bits in 1..=8 {
             let halftone = Halftone::new(matrix, bits, &Transfer::Srgb).unwrap();
             let n = matrix.size();
@@ -765,7 +766,7 @@ fn same_size_images_follow_shoaffs_rule() {
     }
     // With 8 bits it is dither.
     let image = colors(70, 50);
-    for matrix in DitherMatrix::ALL {
+    for &matrix in DitherMatrix::ALL {
         let dots = Halftone::new(matrix, 8, &Transfer::Srgb).unwrap().same_size(&image);
         let dithered = SRGB_8.quantize_with(&image, &Dither::Ordered(matrix));
         assert_eq!(Some(&dots.codes[..]), dithered.bytes());

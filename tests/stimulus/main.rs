@@ -7,6 +7,7 @@ mod calibrate;
 mod catalog;
 mod color;
 mod dither;
+mod draw;
 mod images;
 mod light;
 mod matching;

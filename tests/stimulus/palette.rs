@@ -1,9 +1,10 @@
 //! Palettes: what each reducer leaves, and that it is the same every time.
 
+use super::draw::Draw as _;
 use machband::light::palette::{IndexedImage, PaletteError, Reducer, reduce};
 use machband::light::{Bits, CodeImage, Depth, Quantizer, Samples, Transfer};
 use machband::stimulus::MachBand;
-use machband::stimulus::mach_band::RampSpace;
+use machband::stimulus::RampSpace;
 use proptest::prelude::*;
 
 fn image(width: u32, pixels: &[[u8; 3]]) -> CodeImage {
@@ -53,13 +54,17 @@ fn what_cannot_be_is_refused() {
     }
     let deep = CodeImage { width: 1, height: 1, samples: Samples::Sixteen(vec![0, 1, 2]) };
     assert_eq!(reduce(&deep, &Transfer::Srgb, 2, Reducer::KMeans), Err(PaletteError::SixteenBits));
-    for reducer in Reducer::ALL {
+    for &reducer in Reducer::ALL {
         assert_eq!(reducer.to_string().parse(), Ok(reducer));
         let empty = reduce(&image(1, &[]), &Transfer::Srgb, 4, reducer).unwrap();
         assert_eq!((empty.palette.len(), empty.indices.len(), empty.error.rms), (0, 0, 0.0));
     }
     assert!(
-        "octree".parse::<Reducer>().unwrap_err().to_string().contains("expected popularity, median-cut or k-means")
+        "octree"
+            .parse::<Reducer>()
+            .unwrap_err()
+            .to_string()
+            .contains("expected one of popularity, median-cut, k-means")
     );
 }
 
@@ -67,7 +72,7 @@ fn what_cannot_be_is_refused() {
 fn few_colors_are_kept() {
     let pixels = [[9, 9, 9], [0, 0, 255], [9, 9, 9], [255, 1, 0], [0, 0, 255], [9, 9, 9]];
     let image = image(3, &pixels);
-    for reducer in Reducer::ALL {
+    for &reducer in Reducer::ALL {
         for colors in [3, 4, 256] {
             let reduced = reduce(&image, &Transfer::Srgb, colors, reducer).unwrap();
             assert_eq!(reduced.palette, [[0, 0, 255], [9, 9, 9], [255, 1, 0]]);
@@ -105,7 +110,7 @@ fn a_ramp_in_fewer_colors() {
     let transfer = Transfer::Srgb;
     for colors in [1, 2, 8, 16, 64, 256] {
         let mut rms = Vec::new();
-        for reducer in Reducer::ALL {
+        for &reducer in Reducer::ALL {
             let reduced = reduce(&image, &transfer, colors, reducer).unwrap();
             assert_eq!(reduced, reduce(&image, &transfer, colors, reducer).unwrap());
             assert!(reduced.palette.len() <= colors && reduced.palette.is_sorted_by(|a, b| a < b));

@@ -1,6 +1,7 @@
 //! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and the fast path against
 //! the reference.
 
+use super::draw::Draw as _;
 use machband::light::{Bits, Depth, LinearImage, Quantizer, Samples, Transfer, TransferTable, Transfers};
 use machband::stimulus::{MachBand, ParameterValue, Stimulus, StimulusColor};
 use proptest::prelude::*;
@@ -352,9 +353,12 @@ fn the_ramp_is_linear_in_light_and_samples_pixel_centres() {
     let image = band.linear(4);
     let row: Vec<f32> = (0..4).map(|x| image.pixel(x, 0)[0]).collect();
     assert_eq!(row, [0.3125, 0.4375, 0.5625, 0.6875]);
-    assert_eq!((band.luminance_at(-0.5), band.luminance_at(0.0), band.luminance_at(0.5)), (0.25, 0.5, 0.75));
+    assert_eq!(
+        (band.ramp().luminance_at(-0.5), band.ramp().luminance_at(0.0), band.ramp().luminance_at(0.5)),
+        (0.25, 0.5, 0.75)
+    );
     let step = MachBand { width: 0.0, ..MachBand::default() };
-    assert_eq!([-1e-12, 0.0, 1e-12].map(|x| step.luminance_at(x)), [0.25, 0.5, 0.75]);
+    assert_eq!([-1e-12, 0.0, 1e-12].map(|x| step.ramp().luminance_at(x)), [0.25, 0.5, 0.75]);
     let catch = MachBand { low: 0.5, high: 0.5, ..MachBand::default() };
     assert_eq!(catch.validate(), Ok(()));
     assert!(catch.linear(9).data.chunks(3).all(|pixel| pixel == [0.5, 0.5, 0.0]));
@@ -387,7 +391,7 @@ fn every_fault_is_reported_in_one_sentence() {
         [
             "width 1.5 is outside 0…1; expected the proportion of the window that the ramp fills",
             "depth 0 is outside 1…32; expected a whole number from 1 to 32, or inf",
-            "tanh_k 0 is no steepness that a ramp can have; expected a steepness above 0 and at most 100, such as 5",
+            "tanh_k 0 is not above 0 and at most 100; expected a steepness above 0 and at most 100, such as 5",
             "orientation_deg NaN is not a finite number; expected an angle in degrees, such as 45",
             "high 0.2 is below low, which is 0.8; expected the relative luminance of the brighter plateau, at least low's",
         ]

@@ -1,8 +1,9 @@
 //! The model of vision against what is known of Mach bands, each fact with its source; and against itself.
 
+use super::draw::Draw as _;
 use machband::{
     light::Depth,
-    stimulus::{MachBand, Stimulus},
+    stimulus::{MachBand, Stimulus, place},
     vision::{Border, Eye, Line, LineView, Picture, Polarity, VisionError, luminance, luminances},
 };
 
@@ -18,7 +19,7 @@ fn band(width: f64, depth: Depth, window: f64) -> MachBand {
 
 fn light(band: &MachBand, window: f64, px_per_deg: f64) -> Vec<f64> {
     let size = (window * px_per_deg).round() as u32;
-    (0..size).map(|i| band.luminance_at(Stimulus::place(i, size))).collect()
+    (0..size).map(|i| band.ramp().luminance_at(place(i, size))).collect()
 }
 
 fn see_light(light: &[f64], px_per_deg: f64, border: Border) -> LineView {

@@ -3,10 +3,12 @@
 use glam::DVec3;
 
 use super::{frame::Frame, view::View};
-use crate::shading::{
-    lighting::{Facets, Lamp, LampPlace, Lighting, Microfacets, Specular},
-    mesh::Surface,
-    names::named,
+use crate::{
+    light::names::named,
+    shading::{
+        lighting::{Facets, Lamp, LampPlace, Lighting, Microfacets, Specular},
+        mesh::Surface,
+    },
 };
 
 /// Index of refraction of the small mirrors: a quarter of the light is reflected straight on.

@@ -1,8 +1,8 @@
 //! Which shader, with which options.
 
 use crate::{
-    light::Depth,
-    shading::{frame::Gradients, names::named},
+    light::{Depth, names::named},
+    shading::frame::Gradients,
 };
 
 named! {

@@ -9,7 +9,7 @@ use crate::{
     app::{Go, pixels, theme},
     display::DisplayProfile,
     light::{Bits, Dither, Quantizer},
-    stimulus::{Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
+    stimulus::{Parameter, ParameterValue, Stimulus, catalog, place, recipe::Recipe},
     store,
     vision::Polarity,
 };
@@ -410,7 +410,7 @@ impl Curves {
     fn new(recipe: &Recipe, quantizer: &Quantizer) -> Self {
         let strongest = recipe.stimulus.strongest_channel();
         let light = recipe.stimulus.profile(SAMPLES);
-        let at = |i: u32| [Stimulus::place(i, SAMPLES), f64::from(light[i as usize][strongest])];
+        let at = |i: u32| [place(i, SAMPLES), f64::from(light[i as usize][strongest])];
         let asked: Vec<[f64; 2]> = (0..SAMPLES).map(at).collect();
         let emitted =
             store::curve::samples(recipe, quantizer).iter().map(|sample| [sample.x, sample.emitted]).collect();

@@ -18,9 +18,9 @@ use super::{
     clough_tocher::{self, ControlPoints, Gradient, value},
     curvature, ring,
 };
-use crate::shading::{
-    frame::{Across, Frame},
-    names::named,
+use crate::{
+    light::names::named,
+    shading::frame::{Across, Frame},
 };
 
 named! {

@@ -6,7 +6,7 @@ use super::{
     round::{self, sphere},
     solids::{cube, pyramid},
 };
-use crate::shading::{mesh::Mesh, names::named};
+use crate::{light::names::named, shading::mesh::Mesh};
 
 named! {
     /// A mesh by its name.

@@ -1,6 +1,6 @@
-//! Enums whose values have names in commands and files.
+//! Values that commands and files write as a word.
 
-/// Makes an enum whose values have a name in commands and files.
+/// Declares an enum whose values have a name in commands and files, and the error for any other name.
 macro_rules! named {
     ($(#[$meta:meta])* $enum:ident, $error:ident { $($(#[$doc:meta])* $variant:ident = $name:literal,)* }) => {
         $(#[$meta])*
@@ -39,10 +39,30 @@ macro_rules! named {
             type Err = $error;
 
             fn from_str(text: &str) -> Result<Self, Self::Err> {
+                let text = text.trim();
                 $enum::ALL.iter().copied().find(|value| value.name() == text).ok_or_else(|| $error(text.to_owned()))
             }
         }
+
+        $crate::light::names::serde_as_text!($enum);
     };
 }
-
 pub(crate) use named;
+
+/// Files hold these types as their text.
+macro_rules! serde_as_text {
+    ($($type:ty),*) => {$(
+        impl serde::Serialize for $type {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $type {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+            }
+        }
+    )*};
+}
+pub(crate) use serde_as_text;

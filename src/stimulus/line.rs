@@ -1,0 +1,268 @@
+//! Windows that vary in one direction only: from a profile to the light of every pixel, and to its code.
+//!
+//! An edge that runs along the pixels is exactly sharp; an oblique one is anti-aliased by the share of each pixel's
+//! area that lies on either side, in linear light.
+
+use super::orientation::Grid;
+use crate::light::{LinearImage, Quantizer};
+
+/// A luminance that varies along one direction only. Positions are window sides from the center line, positive towards
+/// the orientation.
+pub(super) trait Profile {
+    /// Direction in which the positions grow, degrees counter-clockwise from the right.
+    fn orientation_deg(&self) -> f64;
+
+    /// Weights of red, green and blue.
+    fn weights(&self) -> [f64; 3];
+
+    /// Relative luminance at `x`; at a jump, the value beyond it.
+    fn luminance(&self, x: f64) -> f64;
+
+    /// Where the luminance jumps, and by how much.
+    fn jumps(&self) -> Vec<(f64, f64)> {
+        Vec::new()
+    }
+
+    /// Every position between two of which no channel turns from rising to falling or the other way round, and nothing
+    /// jumps; in any order.
+    fn turns(&self) -> Vec<f64>;
+
+    /// Whether the light around `x`, as far as the next turns, is one light to the last bit.
+    fn is_level(&self, x: f64) -> bool;
+
+    /// The light at `x`, with `more` luminance added.
+    fn light(&self, x: f64, more: f64) -> [f64; 3] {
+        let luminance = self.luminance(x) + more;
+        self.weights().map(|weight| weight * luminance)
+    }
+
+    /// The least and the most light between two positions without a turn between them.
+    fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
+        let [a, b] = [from, to].map(|x| self.light(x, 0.0));
+        [[0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i]))]
+    }
+}
+
+/// The pixels of a window that varies along its orientation, each on its own: the definition.
+struct Pixels<'a> {
+    profile: &'a dyn Profile,
+    grid: Grid,
+    /// Of edges that do not run along the pixels.
+    jumps: Vec<(f64, f64)>,
+}
+
+impl<'a> Pixels<'a> {
+    fn new(profile: &'a dyn Profile, size: u32) -> Self {
+        let grid = Grid::new(size, profile.orientation_deg());
+        let jumps = if grid.is_along_pixels() { Vec::new() } else { profile.jumps() };
+        Self { profile, grid, jumps }
+    }
+
+    fn light(&self, ix: u32, iy: u32) -> [f32; 3] {
+        let x = self.grid.across(ix, iy);
+        let (reach, side) = (half_extent(&self.grid), f64::from(self.grid.size));
+        let smoothed: f64 = self
+            .jumps
+            .iter()
+            .map(|(at, height)| ((x - at) * side, height))
+            .filter(|(distance, _)| distance.abs() < reach)
+            .map(|(distance, height)| {
+                let sharp = if distance >= 0.0 { 1.0 } else { 0.0 };
+                height * (share_beyond(&self.grid, distance) - sharp)
+            })
+            .sum();
+        self.profile.light(x, smoothed).map(|light| light as f32)
+    }
+}
+
+/// The light of a window of `size` × `size` pixels.
+pub(super) fn linear(profile: &dyn Profile, size: u32) -> LinearImage {
+    let pixels = Pixels::new(profile, size);
+    LinearImage::from_fn(size, size, |ix, iy| pixels.light(ix, iy))
+}
+
+/// The 8-bit codes of a window of `size` × `size` pixels: exactly those of [`linear`], quantized.
+///
+/// All pixels of equal distance from the center line are alike, so the profile is cut into runs of positions that have
+/// one code for certain. A row is filled from run to run; the few pixels between two runs are computed.
+pub(super) fn codes(profile: &dyn Profile, size: u32, quantizer: &Quantizer) -> Vec<u8> {
+    let mut codes = vec![0; 3 * size as usize * size as usize];
+    if size == 0 {
+        return codes;
+    }
+    let pixels = Pixels::new(profile, size);
+    // An 8-bit code fits.
+    let pixel = |ix, iy| quantizer.codes(pixels.light(ix, iy)).map(|code| code as u8);
+    let mut rows = (0..size).zip(codes.chunks_exact_mut(3 * size as usize));
+    if pixels.grid.sin == 0.0 {
+        let Some((_, first)) = rows.next() else { return codes };
+        (0..size).zip(first.as_chunks_mut().0).for_each(|(ix, to)| *to = pixel(ix, 0));
+        rows.for_each(|(_, row)| row.copy_from_slice(first));
+    } else if pixels.grid.cos == 0.0 {
+        rows.for_each(|(iy, row)| row.as_chunks_mut().0.fill(pixel(0, iy)));
+    } else {
+        let runs = Runs::new(&pixels, quantizer);
+        rows.for_each(|(iy, row)| runs.draw(iy, row.as_chunks_mut().0, |ix| pixel(ix, iy)));
+    }
+    codes
+}
+
+/// How far the arithmetic of a position may be off, in window sides. Far more than it is.
+const DOUBT_X: f64 = 1e-12;
+/// The same of a pixel's place in a row, in pixels.
+const DOUBT_PX: f64 = 1e-6;
+/// How far the arithmetic of a light may be off. Far more than it is.
+const DOUBT_LIGHT: f64 = 1e-12;
+/// Runs are looked for in steps no shorter than this part of a pixel.
+const SHORTEST_PX: f64 = 1.0 / 32.0;
+
+/// Positions along a row that have one code.
+struct Run {
+    from: f64,
+    to: f64,
+    codes: [u8; 3],
+}
+
+/// The runs along a row, from left to right, in pixels from where the center line crosses it.
+struct Runs {
+    runs: Vec<Run>,
+    middle: f64,
+    /// Pixels by which a row is shifted against the one below it.
+    tan: f64,
+}
+
+impl Runs {
+    fn new(pixels: &Pixels<'_>, quantizer: &Quantizer) -> Self {
+        let grid = &pixels.grid;
+        let side = f64::from(grid.size);
+        let mut search =
+            Search { profile: pixels.profile, quantizer, shortest: SHORTEST_PX / side, level: false, runs: Vec::new() };
+        // Around an oblique jump pixels are mixed.
+        let mixed = |turn: f64| pixels.jumps.iter().any(|(at, _)| *at == turn);
+        let near = |turn: f64| if mixed(turn) { DOUBT_X + half_extent(grid) / side } else { DOUBT_X };
+        // No pixel is farther from the center line than 1.
+        let mut turns: Vec<(f64, f64)> = pixels.profile.turns().into_iter().map(|turn| (turn, near(turn))).collect();
+        turns.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for i in 0..=turns.len() {
+            let from = turns[..i].iter().map(|(turn, near)| turn + near).fold(-1.0, f64::max);
+            let to = turns[i..].iter().map(|(turn, near)| turn - near).fold(1.0, f64::min);
+            search.level = pixels.profile.is_level(0.5 * (from + to));
+            search.between(from, to);
+        }
+        let scale = side / grid.cos;
+        let doubt = DOUBT_X * scale.abs() + DOUBT_PX;
+        let along = |run: Run| {
+            let (a, b) = (run.from * scale, run.to * scale);
+            Run { from: a.min(b) + doubt, to: a.max(b) - doubt, codes: run.codes }
+        };
+        let mut runs: Vec<Run> = search.runs.into_iter().map(along).collect();
+        if grid.cos < 0.0 {
+            runs.reverse();
+        }
+        Self { runs, middle: 0.5 * f64::from(grid.size - 1), tan: grid.sin / grid.cos }
+    }
+
+    /// Draws row `iy`, with the help of `pixel` where a run does not know.
+    fn draw(&self, iy: u32, row: &mut [[u8; 3]], pixel: impl Fn(u32) -> [u8; 3]) {
+        let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
+        let asked = |row: &mut [[u8; 3]], from: usize, to: usize| {
+            (from..to).zip(&mut row[from..to]).for_each(|(ix, to)| *to = pixel(ix as u32));
+        };
+        let mut done = 0;
+        for run in &self.runs[self.runs.partition_point(|run| run.to + shift < 0.0)..] {
+            // A cast takes what is below 0 to 0.
+            let first = ((run.from + shift).ceil() as usize).max(done);
+            let end = ((run.to + shift).floor() as usize + 1).min(row.len());
+            if first >= row.len() {
+                break;
+            }
+            if first < end {
+                asked(row, done, first);
+                row[first..end].fill(run.codes);
+                done = end;
+            }
+        }
+        asked(row, done, row.len());
+    }
+}
+
+/// Looks for runs, from one position on to higher ones.
+struct Search<'a> {
+    profile: &'a dyn Profile,
+    quantizer: &'a Quantizer,
+    shortest: f64,
+    level: bool,
+    runs: Vec<Run>,
+}
+
+impl Search<'_> {
+    fn between(&mut self, from: f64, to: f64) {
+        if from >= to {
+            return;
+        }
+        let [least, most] = self.profile.bounds(from, to);
+        let doubt = if self.level { 0.0 } else { DOUBT_LIGHT };
+        // An 8-bit code fits.
+        let codes = |light: [f64; 3], off: f64| {
+            self.quantizer.codes(light.map(|light| (light + off) as f32)).map(|code| code as u8)
+        };
+        let lowest = codes(least, -doubt);
+        if lowest == codes(most, doubt) {
+            match self.runs.last_mut() {
+                Some(last) if last.to == from && last.codes == lowest => last.to = to,
+                _ => self.runs.push(Run { from, to, codes: lowest }),
+            }
+        } else if to - from > self.shortest {
+            let middle = 0.5 * (from + to);
+            self.between(from, middle);
+            self.between(middle, to);
+        }
+    }
+}
+
+/// Half the extent of a pixel along the orientation, pixels.
+fn half_extent(grid: &Grid) -> f64 {
+    (grid.cos.abs() + grid.sin.abs()) / 2.0
+}
+
+/// The share of a pixel's area that lies beyond an edge which its center is `distance` pixels past (negative: before).
+///
+/// The distance of a random point of the pixel is the sum of two uniform variables of widths |cos θ| and |sin θ|; this
+/// is its distribution function, a quadratic, a line and a quadratic.
+fn share_beyond(grid: &Grid, distance: f64) -> f64 {
+    let (a, b) = (grid.cos.abs(), grid.sin.abs());
+    let (outer, inner) = ((a + b) / 2.0, (a - b).abs() / 2.0);
+    let d = distance.abs();
+    let beyond = if d >= outer {
+        1.0
+    } else if d <= inner {
+        0.5 + d / a.max(b)
+    } else {
+        1.0 - (outer - d).powi(2) / (2.0 * a * b)
+    };
+    if distance >= 0.0 { beyond } else { 1.0 - beyond }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against counting the points of a fine grid within the pixel.
+    #[test]
+    fn the_share_is_that_of_the_area() {
+        for degrees in [0.5, 13.0, 45.0, 77.7, 123.0, 200.0, 359.0] {
+            let grid = Grid::new(16, degrees);
+            for distance in [-0.8, -0.6, -0.3, -0.05, 0.0, 0.11, 0.42, 0.66, 0.75] {
+                let fine = 400;
+                let inside = (0..fine * fine)
+                    .filter(|i| {
+                        let at = |i: i32| (f64::from(i) + 0.5) / f64::from(fine) - 0.5;
+                        distance + at(i % fine) * grid.cos + at(i / fine) * grid.sin >= 0.0
+                    })
+                    .count();
+                let counted = inside as f64 / f64::from(fine * fine);
+                assert!((share_beyond(&grid, distance) - counted).abs() < 3e-3, "{degrees}° {distance}");
+            }
+        }
+    }
+}

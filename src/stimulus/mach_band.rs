@@ -1,0 +1,139 @@
+//! The Mach-band stimulus of Bangay §3.1: two plateaus of luminance and the ramp between them, turned about the center.
+
+use super::{
+    color::{self, StimulusColor},
+    kind::{Range, kind, low_above_high},
+    line::Profile,
+    parameter::ParameterError,
+    ramp_space::{Between, RampSpace},
+};
+use crate::light::{Depth, Interpolation, interpolation::TANH_K};
+
+kind! {
+    /// A square window of side 1 with a ramp across its middle. Light, not codes: L = low + (high − low)·I_n(u),
+    /// u = x/width + ½, x the distance from the center line, positive on the brighter side.
+    ///
+    /// The plateaus light low·`color` and high·`color_high`; the ramp is the straight line between them in `space`,
+    /// I_n(u) of the way along. Equal plateaus in one color are a uniform field: a catch trial.
+    ///
+    /// The last two parameters are left out of a file at their defaults, so that it is the same file as before there
+    /// were two colors.
+    MachBand = "mach-band" {
+        width: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Proportion of the window that the ramp fills; 0 is a step", "the proportion of the window that the ramp fills", ["0", "0.05", "0.1", "0.2", "0.4", "0.8"];
+        depth: Depth = Depth::Finite(1), Range::Any, "1", "Continuity depth n of the ramp: n − 1 derivatives vanish at its ends; inf is a scaled tanh", "a whole number from 1 to 32, or inf", ["1", "2", "3", "4", "inf"];
+        tanh_k: f64 = TANH_K, Range::UpTo(100.0), "1", "Steepness k of the ramp of infinite depth; 5 as printed, 10 without a visible step at its ends", "a steepness above 0 and at most 100, such as 5", ["5", "10"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Orientation, counter-clockwise: 0 brightens to the right, 90 upwards", "an angle in degrees, such as 45", ["0", "45", "90", "135"];
+        low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darker plateau", "the relative luminance of the darker plateau", ["0.25"];
+        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brighter plateau", "the relative luminance of the brighter plateau, at least low's", ["0.75"];
+        color: StimulusColor = StimulusColor::YELLOW, Range::Any, "", color::MEANING, color::EXPECTED, ["yellow", "gray"];
+        #[serde(skip_serializing_if = "Option::is_none")]
+        color_high: Option<StimulusColor> = None, Range::Any, "", "The color of the brighter plateau; same is the darker one's", "same, or a color as for color, such as red, 1,0.5,0 or hsv:30,1,1", ["same", "gray"];
+        #[serde(skip_serializing_if = "RampSpace::is_default")]
+        space: RampSpace = RampSpace::Rgb, Range::Any, "", "The space in which the ramp goes straight from plateau to plateau; rgb is linear light", "rgb, hsv or lab", ["rgb", "hsv", "lab"];
+    }
+}
+
+impl MachBand {
+    fn contradictions(&self) -> Option<ParameterError> {
+        low_above_high(Self::PARAMETERS, self.low, self.high)
+    }
+
+    /// The profile across the ramp, ready to be evaluated many times.
+    #[must_use]
+    pub fn ramp(&self) -> Ramp {
+        let color_high = self.color_high.unwrap_or(self.color);
+        // A catch trial is uniform to the last bit, in whichever space.
+        let is_one_color = self.color == color_high && (self.space != RampSpace::Lab || self.low == self.high);
+        let between = || Between::new(self.color, self.low, color_high, self.high, self.space);
+        Ramp {
+            interpolation: Interpolation::with_k(self.depth, self.tanh_k),
+            width: self.width,
+            orientation_deg: self.orientation_deg,
+            low: self.low,
+            high: self.high,
+            weights: self.color.rgb(),
+            between: (!is_one_color).then(between),
+        }
+    }
+}
+
+/// The light across a ramp.
+#[derive(Clone, Copy, Debug)]
+pub struct Ramp {
+    interpolation: Interpolation,
+    width: f64,
+    orientation_deg: f64,
+    low: f64,
+    high: f64,
+    weights: [f64; 3],
+    /// Where not only the luminance changes.
+    between: Option<Between>,
+}
+
+impl Ramp {
+    /// low + (high − low)·I_n at `x` window sides from the center line, positive on the brighter side; whatever the
+    /// colors and the space.
+    ///
+    /// A ramp of width 0 is the limit of narrow ones: low before the line, high after it, and half-way on it.
+    #[must_use]
+    pub fn luminance_at(&self, x: f64) -> f64 {
+        let part = self.part_at(x);
+        if part >= 1.0 {
+            // low + (high − low) can miss high by a rounding.
+            self.high
+        } else {
+            (self.low + (self.high - self.low) * part).min(self.high)
+        }
+    }
+
+    /// Red, green and blue at `x`, 0…1.
+    #[must_use]
+    pub fn light_at(&self, x: f64) -> [f64; 3] {
+        match &self.between {
+            Some(between) => between.light_at_part(self.part_at(x)),
+            None => {
+                let luminance = self.luminance_at(x);
+                self.weights.map(|weight| weight * luminance)
+            }
+        }
+    }
+
+    /// I_n at `x`: how much of the way from plateau to plateau, 0…1.
+    fn part_at(&self, x: f64) -> f64 {
+        // x/0 is ±∞ off the line, which the interpolation takes to 0 and 1; only 0/0 needs a word.
+        self.interpolation.value(if x == 0.0 { 0.5 } else { x / self.width + 0.5 })
+    }
+}
+
+impl Profile for Ramp {
+    fn orientation_deg(&self) -> f64 {
+        self.orientation_deg
+    }
+
+    fn weights(&self) -> [f64; 3] {
+        self.weights
+    }
+
+    fn luminance(&self, x: f64) -> f64 {
+        self.luminance_at(x)
+    }
+
+    fn turns(&self) -> Vec<f64> {
+        vec![-0.5 * self.width, 0.5 * self.width]
+    }
+
+    fn is_level(&self, x: f64) -> bool {
+        x.abs() > 0.5 * self.width
+    }
+
+    fn light(&self, x: f64, _: f64) -> [f64; 3] {
+        self.light_at(x)
+    }
+
+    fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
+        match &self.between {
+            Some(between) => between.bounds(self.part_at(from), self.part_at(to)),
+            None => [from, to].map(|x| self.light_at(x)),
+        }
+    }
+}
