@@ -5,14 +5,15 @@ use std::{path::PathBuf, time::Duration};
 use super::{UsageError, ratings::RatingOptions};
 use crate::{
     analysis::{
-        Link, ModelError, Options, Random, Results, analyse, bootstrap::Bootstrap, numbers_of, quadrature, terms::Terms,
+        Link, ModelError, Options, Random, analyse, bootstrap::Bootstrap, numbers_of, quadrature, terms::Terms,
     },
     report::{
-        Extent, Repetition, Written,
-        prediction::{Predicted, Unpredicted},
+        Provenance, Written,
+        prediction::{PredictionError, StudyPrediction},
+        skins,
+        study::{Parts, document},
         write_all,
     },
-    store::ratings::Source,
 };
 
 /// Analyse ratings: description, ordinal model, tests, figures and a report.
@@ -95,14 +96,23 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Err(UsageError(error.to_string()).into());
     }
     progress.set_message(if arguments.tables_only { "writing" } else { "predicting, drawing and writing" });
-    let extent = if arguments.tables_only { Extent::Tables } else { Extent::Everything };
-    let Written { files, vision } = write_all(&study, &results, &Repetition::of_process(), &arguments.out, extent)?;
+    let provenance = Provenance::of_process();
+    let Written { files, prediction } =
+        write_all(&study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     progress.finish_and_clear();
-    for line in sentences(&study.source, &results) {
+    super::say(&super::ratings::sentence(&study.source, &results.measured.counts))?;
+    let document = document(&study.source, &results, Parts::default());
+    for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
         super::say(&line)?;
     }
-    if let Some((predicted, took)) = &vision {
-        super::say(&foreseen(predicted, *took))?;
+    if let Ok(report) = &results.model {
+        let terms = results.spec.terms.to_string();
+        let terms = if terms.is_empty() { "without terms" } else { &terms };
+        let model = &report.model;
+        super::say(&format!("model {terms} ({} {}): log-likelihood {:.3}", model.link, model.method, model.loglik))?;
+    }
+    if let Some((predicted, took)) = &prediction {
+        super::say(&prediction_line(predicted, *took))?;
     }
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
     let place = report.unwrap_or(&arguments.out);
@@ -121,37 +131,15 @@ fn is_usage(error: &ModelError) -> bool {
     )
 }
 
-fn sentences(source: &Source, results: &Results) -> Vec<String> {
-    let mut lines = vec![super::ratings::sentence(source, &results.measured.counts)];
-    lines.push(match &results.model {
-        Ok(report) => {
-            let model = &report.model;
-            let terms = results.spec.terms.to_string();
-            format!(
-                "model {} ({} {}): log-likelihood {:.3}",
-                if terms.is_empty() { "without terms" } else { &terms },
-                model.link,
-                model.method,
-                model.loglik
-            )
-        }
-        Err(error) => format!("no model: {error}"),
-    });
-    if let Ok(report) = &results.model {
-        lines.extend(report.model.notes.iter().map(|note| format!("note: {note}")));
-    }
-    lines
-}
-
 /// What the model of vision says of the ratings, in a line.
-fn foreseen(predicted: &Result<Predicted, Unpredicted>, took: Duration) -> String {
+fn prediction_line(predicted: &Result<StudyPrediction, PredictionError>, took: Duration) -> String {
     match predicted {
-        Ok(Predicted { held, .. }) => format!(
+        Ok(StudyPrediction { comparison, .. }) => format!(
             "model of vision: rank correlation {} with the mean ratings of {} conditions ({:.1} s)",
-            held.rank_correlation.map_or_else(|| "—".to_owned(), |rho| format!("{rho:.3}")),
-            held.conditions,
+            comparison.rank_correlation.map_or_else(|| "—".to_owned(), |rho| format!("{rho:.3}")),
+            comparison.conditions,
             took.as_secs_f64()
         ),
-        Err(why) => format!("no prediction by the model of vision: {why}"),
+        Err(error) => format!("no prediction by the model of vision: {error}"),
     }
 }

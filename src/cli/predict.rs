@@ -12,7 +12,7 @@ use crate::{
     light::{LinearImage, Quantizer},
     report::{
         Study,
-        prediction::{self, Held, window_deg},
+        prediction::{self, Comparison, window_deg},
     },
     stimulus::Sight,
     store::{self, definition, observer, ratings::Reading, spreadsheet::inert},
@@ -22,7 +22,7 @@ use crate::{
 /// Predict how visible Mach bands are: of one stimulus, of every condition of a definition, or of any image.
 ///
 /// Visibility is contrast times sensitivity, over all channels: 0 for no band, 1 for what is just seen. It needs no
-/// observer; --fit holds it against ratings and says where one rating gives way to the next.
+/// observer; --fit compares it with ratings and says where one rating gives way to the next.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples: machband predict --width 0.1 --depth 3\n          machband predict bangay2003 --out predicted.csv\n          machband predict --image render.png --window 20 --map bands.png\n          machband predict bangay2003 --fit results --criterion lab.toml"
@@ -50,7 +50,7 @@ pub(super) struct Arguments {
     /// Luminance of white, cd/m² [default: the display profile's, or 100].
     #[arg(long, value_name = "CD")]
     white: Option<f64>,
-    /// Hold the prediction against these ratings: result files or folders.
+    /// Compare the prediction with these ratings: result files or folders.
     #[arg(long, value_name = "FILE|DIR", num_args = 1.., requires = "experiment")]
     fit: Vec<PathBuf>,
     /// Where one rating gives way to the next: written with --fit, else read.
@@ -139,32 +139,32 @@ fn all(arguments: &Arguments, protocol: &Protocol, study: Option<&Study>, sight:
     let Some(study) = study else {
         return write(arguments, &header, &rows, &criterion(arguments)?, 0.0);
     };
-    let held = prediction::hold_conditions(&study.measured.counts, protocol, &conditions, &seen)
+    let comparison = prediction::compare_conditions(&study.measured.counts, protocol, &conditions, &seen)
         .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.fit[0].display()))?;
     if let Some(path) = &arguments.criterion {
-        observer::write_criterion(path, &held.criterion)?;
+        observer::write_criterion(path, &comparison.criterion)?;
     }
     if arguments.out.is_some() {
-        write(arguments, &header, &rows, &held.criterion, prediction::LEAST)?;
+        write(arguments, &header, &rows, &comparison.criterion, prediction::LEAST)?;
     }
-    tell(&held)?;
+    tell(&comparison)?;
     super::ratings::faults(&study.source)
 }
 
-fn tell(held: &Held) -> anyhow::Result<()> {
+fn tell(comparison: &Comparison) -> anyhow::Result<()> {
     let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| format!("{value:.3}"));
-    say(&format!("{} ratings of {} conditions", held.ratings, held.conditions))?;
-    let [a, b, c] = held.criterion.thresholds;
+    say(&format!("{} ratings of {} conditions", comparison.ratings, comparison.conditions))?;
+    let [a, b, c] = comparison.criterion.thresholds;
     say(&format!(
         "criterion: half of the ratings are above 0, 1, 2 at a visibility of {a:.3}, {b:.3}, {c:.3}; spread {:.3}",
-        held.criterion.spread
+        comparison.criterion.spread
     ))?;
-    say(&format!("rank correlation of visibility and mean rating: {}", number(held.rank_correlation)))?;
-    let ceiling = held.ceiling.map_or_else(
+    say(&format!("rank correlation of visibility and mean rating: {}", number(comparison.rank_correlation)))?;
+    let ceiling = comparison.ceiling.map_or_else(
         || "noise ceiling unknown: a single subject".to_owned(),
         |[low, high]| format!("noise ceiling, subjects with each other: {low:.3} to {high:.3}"),
     );
-    say(&format!("with single subjects, on average: {}; {ceiling}", number(held.with_subjects)))
+    say(&format!("with single subjects, on average: {}; {ceiling}", number(comparison.with_subjects)))
 }
 
 /// The criterion named, or the default.

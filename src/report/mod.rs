@@ -1,9 +1,10 @@
 //! Floor 5: from files to what a reader of a study sees.
 //!
-//! [`Study`] is what was read, [`analyse`](crate::analysis::analyse) makes results of it; [`tables`], [`figures`] and
-//! [`html`] show them, and [`write_all`] writes everything into a folder.
+//! [`Study`] is what was read, [`analyse`](crate::analysis::analyse) makes results of it. [`study`] says which blocks of
+//! a [`document`](mod@document) they become, with their sentences and [`figures`]; [`skins`] show these. [`tables`] are
+//! the results as CSV and JSON, and [`write_all`] writes everything into a folder.
 
-pub(crate) mod document;
+pub mod document;
 pub mod figures;
 mod output;
 pub mod prediction;
@@ -11,6 +12,5 @@ pub mod skins;
 pub mod study;
 pub mod tables;
 
-pub use output::{Extent, Written, write_all};
-pub use skins::html;
-pub use study::{Repetition, Study};
+pub use output::{Written, write_all};
+pub use study::{Provenance, Study};

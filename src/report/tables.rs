@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::analysis::{
-    ModelReport, Results, TermTest,
+    Results,
     bootstrap::Interval,
     counts::Counts,
     rank_tests::PMethod,
@@ -91,7 +91,7 @@ pub fn by_factor(results: &Results, factor: &FactorResults) -> Table {
     Table::new(header.chain(["response_time_median_s".to_owned()]), rows)
 }
 
-/// Every subject.
+/// Every participant.
 pub fn subjects(results: &Results) -> Table {
     let header = std::iter::once("subject_id".to_owned()).chain(summary_header(&results.measured.counts));
     let rows = (results.subjects.iter())
@@ -107,8 +107,8 @@ fn median(times: Option<Quartiles>) -> String {
     maybe(times.map(|times| times.median))
 }
 
-/// Friedman's and Wilcoxon's tests and the likelihood ratios; no rows from one subject, about whom there is nothing to
-/// test.
+/// Friedman's and Wilcoxon's tests and the likelihood ratios; no rows from one participant, about whom there is nothing
+/// to test.
 pub fn tests(results: &Results) -> Table {
     let header =
         ["test", "term", "level", "other", "n", "statistic", "df", "p", "p_holm", "effect", "effect_is", "note"];
@@ -121,39 +121,36 @@ pub fn tests(results: &Results) -> Table {
                 ("proportional-odds", &report.proportional_odds),
                 ("scale", &results.scale),
             ];
-            for (name, tests) in groups {
-                rows.extend(tests.iter().map(|test| likelihood_row(name, report, test)));
+            let n = report.model.nobs.to_string();
+            for (name, test) in groups.into_iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test)))
+            {
+                let note =
+                    if test.lr.is_none() { "one of the two models has no maximum, or too many parameters" } else { "" };
+                let (lr, df, p) = (maybe(test.lr), test.df.to_string(), maybe(test.p));
+                rows.push(owned([name, &test.term, "", "", &n, &lr, &df, &p, "", "", "", note]));
             }
         }
     }
     Table::new(header, rows)
 }
 
+fn owned(cells: [&str; 12]) -> Vec<String> {
+    cells.map(str::to_owned).to_vec()
+}
+
 fn rank_rows(factor: &FactorResults, rows: &mut Vec<Vec<String>>) {
-    let text = str::to_owned;
-    let left_out = match factor.incomplete.len() {
-        0 => String::new(),
-        n => format!("{n} subjects without ratings at every level are left out"),
-    };
+    let (name, n) = (&factor.name, factor.incomplete.len());
+    let left_out =
+        if n == 0 { String::new() } else { format!("{n} participants without ratings at every level are left out") };
     if let Some(test) = &factor.friedman {
-        rows.push(vec![
-            text("friedman"),
-            factor.name.clone(),
-            String::new(),
-            String::new(),
-            test.subjects.to_string(),
-            number(test.chi_squared),
-            test.df.to_string(),
-            number(test.p),
-            String::new(),
-            number(test.w),
-            text("Kendall's W"),
-            left_out.clone(),
-        ]);
+        let (n, df) = (test.subjects.to_string(), test.df.to_string());
+        let [statistic, p, w] = [test.chi_squared, test.p, test.w].map(number);
+        rows.push(owned(["friedman", name, "", "", &n, &statistic, &df, &p, "", &w, "Kendall's W", &left_out]));
     }
     let Some(pairs) = &factor.pairs else { return };
-    let hopeless = if pairs.cannot_reach(0.05) {
-        format!("with so few subjects and {} pairs no p_holm below {:.3} is possible", pairs.pairs.len(), pairs.least_p)
+    let limit = if pairs.cannot_reach(0.05) {
+        let n = pairs.pairs.len();
+        format!("with so few participants and {n} pairs no p_holm below {:.3} is possible", pairs.least_p)
     } else {
         String::new()
     };
@@ -162,45 +159,17 @@ fn rank_rows(factor: &FactorResults, rows: &mut Vec<Vec<String>>) {
             PMethod::Exact => "exact",
             PMethod::Normal => "normal approximation",
         };
-        let notes = [method, &hopeless, &left_out];
+        let notes = [method, &limit, &left_out];
         let note = notes.iter().filter(|note| !note.is_empty()).copied().collect::<Vec<_>>().join("; ");
-        rows.push(vec![
-            text("wilcoxon"),
-            factor.name.clone(),
-            pair.level.clone(),
-            pair.other.clone(),
-            pair.test.n.to_string(),
-            number(pair.test.v),
-            String::new(),
-            number(pair.test.p),
-            number(pair.p_holm),
-            number(pair.difference),
-            text("mean difference"),
-            note,
-        ]);
+        let n = pair.test.n.to_string();
+        let [v, p, holm, difference] = [pair.test.v, pair.test.p, pair.p_holm, pair.difference].map(number);
+        let (level, other) = (&pair.level, &pair.other);
+        let cells = ["wilcoxon", name, level, other, &n, &v, "", &p, &holm, &difference, "mean difference", &note];
+        rows.push(owned(cells));
     }
 }
 
-fn likelihood_row(name: &str, report: &ModelReport, test: &TermTest) -> Vec<String> {
-    let note = if test.lr.is_none() { "one of the two models has no maximum, or too many parameters" } else { "" };
-    let empty = String::new;
-    vec![
-        name.to_owned(),
-        test.term.clone(),
-        empty(),
-        empty(),
-        report.model.nobs.to_string(),
-        maybe(test.lr),
-        test.df.to_string(),
-        maybe(test.p),
-        empty(),
-        empty(),
-        empty(),
-        note.to_owned(),
-    ]
-}
-
-/// Agreement between subjects (Krippendorff's α) and of each with themselves (weighted κ).
+/// Agreement between participants (Krippendorff's α) and of each with themselves (weighted κ).
 pub fn agreement(results: &Results) -> Table {
     let mut rows = Vec::new();
     let mut row = |measure: &str, subject: &str, n: u64, estimate: Option<f64>, interval: Option<Interval>| {
@@ -220,8 +189,8 @@ pub fn agreement(results: &Results) -> Table {
     Table::new(["measure", "subject_id", "n", "estimate", "ci_low", "ci_high"], rows)
 }
 
-/// The sufficient statistic: subject, factors, rating and how often. `analyze` reads it again, as it read the files:
-/// the columns of subject and response keep their names.
+/// The sufficient statistic: participant, factors, rating and how often. `analyze` reads it again, as it read the files:
+/// the columns of participant and response keep their names.
 pub fn counts(counts: &Counts, shape: &Shape) -> Table {
     let factors = counts.factors.iter().map(|factor| factor.name.clone());
     let header =
@@ -238,7 +207,7 @@ pub fn counts(counts: &Counts, shape: &Shape) -> Table {
     Table::new(header, rows)
 }
 
-/// What the model expects of each condition, of a subject in the middle.
+/// What the model expects of each condition, of a participant in the middle.
 pub fn predictions(results: &Results) -> Option<Table> {
     let report = results.model.as_ref().ok()?;
     let factors = results.measured.counts.factors.iter().map(|factor| factor.name.clone());
@@ -257,7 +226,10 @@ pub fn predictions(results: &Results) -> Option<Table> {
 /// The model, or why there is none.
 pub fn model(results: &Results) -> Value {
     let spec = &results.spec;
-    let asked = json!({ "terms": spec.terms.to_string(), "scale": spec.scale.to_string(), "random": spec.random, "quadrature": spec.quadrature });
+    let asked = json!({
+        "terms": spec.terms.to_string(), "scale": spec.scale.to_string(),
+        "random": spec.random, "quadrature": spec.quadrature,
+    });
     match &results.model {
         Err(error) => json!({
             "error": error.to_string(), "asked": asked, "link": spec.link, "method": null,

@@ -12,9 +12,10 @@ use machband::{
     },
     experiment::Protocol,
     report::{
-        Repetition, Study, figures, html,
-        prediction::Predicted,
-        study::{self, Summary},
+        Provenance, figures,
+        prediction::StudyPrediction,
+        skins,
+        study::{self, Parts, Summary, document},
     },
     store::{
         FileFault, definition,
@@ -95,12 +96,12 @@ fn results(people: usize, depths: &[&str], reversed: bool) -> Results {
 }
 
 fn page(source: &Source, results: &Results) -> String {
-    let study = Study { source: source.clone(), measured: results.measured.clone() };
-    let how = Repetition::new("machband analyze data --out analysis", "2026-01-02T03:04:05Z".parse().unwrap());
-    let predicted = Predicted::of(source, &results.measured.counts);
+    let provenance = Provenance::new("machband analyze data --out analysis", "2026-01-02T03:04:05Z".parse().unwrap());
+    let predicted = StudyPrediction::of(source, &results.measured.counts);
     let mut drawn = figures::all(results);
     drawn.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
-    html::report(&study, results, &drawn, &predicted, &how)
+    let parts = Parts { figures: &drawn, prediction: Some(&predicted), provenance: Some(&provenance) };
+    skins::html(&document(source, results, parts), &provenance)
 }
 
 fn summary(results: &Results) -> Summary {
@@ -180,7 +181,10 @@ fn words_follow_the_direction_of_the_data() {
         let same = finding(summary, "shader");
         assert!(same.contains("cannot tell the levels apart"));
         let cautions = summary.cautions.join(" ");
-        assert!(cautions.contains("no clear difference by shader does not show that there is none"), "{cautions}");
+        assert!(
+            cautions.contains("found no clear difference by shader. That does not show that there is none"),
+            "{cautions}"
+        );
         // The largest of many differences that chance can make is no estimate.
         assert!(!same.contains("The odds"), "{same}");
         assert!(!same.contains("rises") && !same.contains("falls"), "{same}");
@@ -325,7 +329,7 @@ fn holms_limit_is_told_where_it_binds_and_only_there() {
         let cautions: Vec<String> =
             summary.cautions.into_iter().filter(|caution| caution.contains("Holm’s correction can give")).collect();
         for caution in &cautions {
-            // In the summary, and beside the table.
+            // Once, in the summary.
             assert_eq!(text.matches(&caution.replace('\u{a0}', " ")).count(), 2, "{caution}");
         }
         cautions
@@ -362,7 +366,7 @@ fn what_is_wrong_with_the_data_is_told() {
     source.sessions = vec![session(&protocol, "S001", person.clone()), session(&protocol, "S002", person.clone())];
     let text = words(&page(&source, &results));
     assert!(!text.contains("imulated") && text.contains("All 2 sessions are finished"));
-    assert!(text.contains("All sittings were run alike") && text.contains("No fault was found"));
+    assert!(text.contains("all sittings were run alike") && text.contains("No fault was found"));
 
     let note = PreflightNote { check: "refresh".to_owned(), ok: false, sentence: "Frames are not steady.".to_owned() };
     let fine = PreflightNote { check: "scale".to_owned(), ok: true, sentence: "The scale is 1.".to_owned() };
@@ -393,7 +397,7 @@ fn what_is_wrong_with_the_data_is_told() {
     }];
     let text = words(&page(&source, &results));
     for told in [
-        "Part of these data is simulated: a program gave ratings of 1 of 2 participants (S002)",
+        "Part of these data is simulated: a program gave the ratings of 1 of 2 participants (S002)",
         "1 of 2 sessions is unfinished",
         "unfinished, 30 missing",
         "In 7 of 150 trials",
@@ -457,7 +461,7 @@ fn what_a_model_leaves_open_is_told() {
         summary(&results)
     };
     let independent = sentences(&Options { random: Some(Random::None), ..options() });
-    assert!(independent.cautions.iter().any(|caution| caution.contains("takes all ratings as independent")));
+    assert!(independent.cautions.iter().any(|caution| caution.contains("treats all ratings as independent")));
     // Then the test is the one that does not.
     assert!(finding(&independent, "with depth").contains("Friedman’s test: χ²"));
     let mixed = sentences(&options());
@@ -511,7 +515,7 @@ fn names_are_text_and_never_markup() {
 
 /// Why nothing is predicted, in one sentence; and what is predicted where it can be.
 #[test]
-fn what_the_model_of_vision_says_or_why_it_says_nothing() {
+fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
     let results = results(3, &DEPTHS, false);
     let mut protocol = definition::open("bangay2003").unwrap();
     let told = |protocol: Option<&Protocol>, results: &Results| {
@@ -529,7 +533,7 @@ fn what_the_model_of_vision_says_or_why_it_says_nothing() {
         assert_eq!(figures, 0, "{reason}");
     };
     why(None, &results, "no definition");
-    why(Some(&protocol), &results, "do not tell orientation_deg");
+    why(Some(&protocol), &results, "do not record orientation_deg");
     protocol.factors.retain(|factor| factor.name != "orientation_deg");
     let (text, figures) = told(Some(&protocol), &results);
     assert_eq!(figures, 4, "{text}");

@@ -1,11 +1,13 @@
-//! Which column of somebody else's CSV file says what.
+//! What the columns of somebody else's CSV file mean.
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, ComboBox, ScrollArea};
+use eframe::egui::{self, ScrollArea};
 
-use super::look;
-use crate::{app::theme, store::ratings::Reading};
+use crate::{
+    app::ui::{Field, fault, hint, primary, section, text::name as label},
+    store::ratings::Reading,
+};
 
 /// Names that a column of participants often has; the first that fits is suggested.
 const SUBJECTS: [&str; 6] = ["subject", "participant", "subj", "observer", "person", "id"];
@@ -56,22 +58,22 @@ impl Columns {
 
     /// Draws the form; how to read, when that is asked for.
     pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Reading> {
-        look::heading(ui, "Which column says what?");
+        section(ui, "What do the columns mean?");
         let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
-        look::quiet(ui, format!("{name} is none of machband's own files: name its columns."));
+        hint(ui, format!("{name} was not written by machband. Name its columns."));
         choice(ui, "Participant", &mut self.subject, &self.header, None);
         choice(ui, "Rating", &mut self.response, &self.header, None);
-        choice(ui, "Number of trials", &mut self.count, &self.header, Some("one a row"));
+        choice(ui, "Number of trials", &mut self.count, &self.header, Some("one in each row"));
         ui.label("Factors");
-        look::quiet(ui, "Check the columns that say under which condition a rating was given.");
+        hint(ui, "Check the columns that say under which condition a rating was given.");
         let taken = [self.subject, self.response, self.count];
         ScrollArea::vertical().id_salt("factors").max_height(200.0).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
                 for (index, (name, checked)) in self.header.iter().zip(&mut self.factors).enumerate() {
-                    // What a column is already used for it is not a factor for.
+                    // A column with another meaning is no factor.
                     if !taken.contains(&Some(index)) {
                         let response = ui.checkbox(checked, name);
-                        look::named(ui, &response, &format!("Factor {name}"));
+                        label(ui, &response, &format!("Factor {name}"));
                     }
                 }
             });
@@ -80,11 +82,11 @@ impl Columns {
         let same = self.subject.is_some() && [self.response, self.count].contains(&self.subject)
             || self.response.is_some() && self.response == self.count;
         if same {
-            theme::fault(ui, "One column is chosen twice; expected a column of its own for each.");
+            fault(ui, "One column is chosen twice; expected a different column for each.");
         }
         let ready = self.subject.is_some() && self.response.is_some() && !same;
         let hint = if ready { "" } else { "Choose at least the participant and the rating." };
-        theme::primary(ui, "Read these columns", ready, hint).then(|| self.reading())
+        primary(ui, "Read these columns", ready, hint).then(|| self.reading())
     }
 
     fn reading(&self) -> Reading {
@@ -105,29 +107,12 @@ impl Columns {
 }
 
 fn choice(ui: &mut egui::Ui, label: &str, chosen: &mut Option<usize>, header: &[String], none: Option<&str>) {
-    ui.horizontal(|ui| {
-        let label = ui
-            .allocate_ui_with_layout(egui::vec2(150.0, 32.0), egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                ui.set_min_width(150.0);
-                ui.label(label)
-            })
-            .inner;
-        let text = chosen.map_or(none.unwrap_or("choose…"), |index| header[index].as_str());
-        ComboBox::from_id_salt(("column", label.id))
-            .selected_text(text)
-            .width((ui.available_width() - 20.0).clamp(80.0, 300.0))
-            .truncate()
-            .show_ui(ui, |ui| {
-                if let Some(none) = none {
-                    ui.selectable_value(chosen, None, none);
-                }
-                for (index, name) in header.iter().enumerate() {
-                    ui.selectable_value(chosen, Some(index), name);
-                }
-            })
-            .response
-            .labelled_by(label.id);
-    });
+    let mut all: Vec<Option<usize>> = Vec::new();
+    all.extend(none.map(|_| None));
+    all.extend((0..header.len()).map(Some));
+    let text =
+        |index: &Option<usize>| index.map_or(none.unwrap_or("choose…"), |index| header[index].as_str()).to_owned();
+    Field::new(label).column(150.0).width(300.0).choice(ui, chosen, &all, text);
 }
 
 /// The file itself, or the first CSV file of a folder.

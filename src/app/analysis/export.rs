@@ -1,4 +1,4 @@
-//! The analysis as files: what `machband analyze` writes.
+//! The analysis as files: what `machband analyze` writes, and the command that does the same.
 
 use std::{
     path::{Path, PathBuf},
@@ -8,29 +8,28 @@ use std::{
 use eframe::egui;
 use jiff::Timestamp;
 
-use super::look;
 use crate::{
-    analysis::Results,
-    app::{
-        dialog::{Ask, Dialog},
-        theme,
+    analysis::{Link, Options, Random, Results},
+    app::ui::{
+        Ask, Dialog, hint, outcome, quiet,
         work::{Progress, Work},
     },
-    report::{Extent, Repetition, Study, write_all},
+    report::{Provenance, Study, study::shell_command, write_all},
+    store::ratings::Reading,
 };
 
-/// The field, and what was said of the last export.
+/// The field, and what came of the last export.
 pub struct Export {
     folder: String,
     dialog: Dialog,
     work: Option<(PathBuf, Work<Result<usize, String>>)>,
-    said: Option<Result<String, String>>,
+    outcome: Option<Result<String, String>>,
     /// A folder with files in it, which may be written into if asked again.
-    standing: Option<PathBuf>,
+    occupied: Option<PathBuf>,
 }
 
 /// What is to be written.
-pub struct Shown<'a> {
+pub struct Exported<'a> {
     /// What was read.
     pub study: &'a Arc<Study>,
     /// What was made of it.
@@ -45,15 +44,13 @@ impl Export {
     /// For the results of these files.
     pub fn new(paths: &[PathBuf]) -> Self {
         let name = paths.first().and_then(|path| path.file_stem()).map(|name| name.to_string_lossy().into_owned());
+        let name = name.filter(|name| !name.is_empty()).unwrap_or_else(|| "machband".to_owned());
         Self {
-            folder: format!(
-                "{}-analysis",
-                name.filter(|name| !name.is_empty()).unwrap_or_else(|| "machband".to_owned())
-            ),
+            folder: format!("{name}-analysis"),
             dialog: Dialog::default(),
             work: None,
-            said: None,
-            standing: None,
+            outcome: None,
+            occupied: None,
         }
     }
 
@@ -63,81 +60,63 @@ impl Export {
     }
 
     /// Draws it; there is nothing to write while nothing is shown.
-    pub fn show(&mut self, ui: &mut egui::Ui, shown: Option<Shown<'_>>) {
-        self.take(ui.ctx());
+    pub fn show(&mut self, ui: &mut egui::Ui, exported: Option<Exported<'_>>) {
+        self.take_outcome(ui.ctx());
         let label = ui.label("Export to the folder");
         let width = ui.available_width();
         let field = ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(width)).labelled_by(label.id);
-        if field.changed() {
-            self.said = None;
-            self.standing = None;
-        }
-        let folder = PathBuf::from(self.folder.trim());
-        let again = self.standing.as_ref() == Some(&folder);
+        let mut changed = field.changed();
         ui.horizontal_wrapped(|ui| {
+            let folder = PathBuf::from(self.folder());
+            let again = self.occupied.as_ref() == Some(&folder);
+            let ready = exported.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
             let text = if again { "Write into it" } else { "Export" };
-            let ready = shown.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
             if ui.add_enabled(ready, egui::Button::new(text)).clicked()
-                && let Some(shown) = &shown
+                && let Some(exported) = &exported
             {
-                self.start(ui.ctx(), folder, again, shown);
+                self.start(ui.ctx(), folder, again, exported);
             }
-            let browse = ui.button("Browse…");
-            look::named(ui, &browse, "Choose the folder to export to…");
-            if browse.clicked() {
-                self.dialog.open(ui.ctx(), Ask::Folder);
-            }
+            changed |= self.dialog.browse(ui, Ask::Folder, "Choose the folder to export to…", &mut self.folder);
             if self.work.is_some() {
                 ui.spinner();
-                ui.label(theme::quiet("Writing…"));
+                ui.label(quiet("Writing…"));
             }
         });
-        if let Some(Shown { filter, .. }) = shown.filter(|shown| !shown.filter.is_empty()) {
-            look::quiet(ui, format!("Exported is what is shown: {filter}."));
+        if changed {
+            (self.outcome, self.occupied) = (None, None);
         }
-        if self.dialog.is_missing() {
-            theme::fault(ui, "No file dialog opened on this system: type the folder's path.");
+        if let Some(Exported { filter, .. }) = exported.filter(|exported| !exported.filter.is_empty()) {
+            hint(ui, format!("The export has what is shown: {filter}."));
         }
-        match &self.said {
-            Some(Ok(text)) => look::quiet(ui, text),
-            Some(Err(text)) => theme::fault(ui, text),
-            None => {}
-        }
+        self.dialog.missing_fault(ui);
+        outcome(ui, self.outcome.as_ref());
     }
 
-    fn take(&mut self, ctx: &egui::Context) {
-        if let Some(path) = self.dialog.take() {
-            self.folder = path.display().to_string();
-            self.said = None;
-            self.standing = None;
-        }
+    fn take_outcome(&mut self, ctx: &egui::Context) {
         let Some((folder, work)) = &self.work else { return };
-        let said = match work.poll() {
+        self.outcome = Some(match work.poll() {
             Progress::Going => return,
-            Progress::Done(Ok(files)) => Ok(format!("{files} files written to {}", folder.display())),
-            Progress::Done(Err(fault)) => Err(fault),
+            Progress::Done(files) => files.map(|files| format!("{files} files written to {}", folder.display())),
             Progress::Lost => Err("The export ended unexpectedly; expected files in the folder".to_owned()),
-        };
-        self.said = Some(said);
+        });
         self.work = None;
         ctx.request_repaint();
     }
 
-    fn start(&mut self, ctx: &egui::Context, folder: PathBuf, again: bool, shown: &Shown<'_>) {
-        let occupied = folder.read_dir().is_ok_and(|mut entries| entries.next().is_some());
-        if occupied && !again {
+    fn start(&mut self, ctx: &egui::Context, folder: PathBuf, again: bool, exported: &Exported<'_>) {
+        let has_files = folder.read_dir().is_ok_and(|mut entries| entries.next().is_some());
+        if has_files && !again {
             let text = format!("{} has files in it, which may be replaced; expected a new folder", folder.display());
-            self.said = Some(Err(text));
-            self.standing = Some(folder);
+            self.outcome = Some(Err(text));
+            self.occupied = Some(folder);
             return;
         }
-        self.standing = None;
-        self.said = None;
-        let (study, results, to) = (shown.study.clone(), shown.results.clone(), folder.clone());
-        let mut command = shown.command.clone();
-        if !shown.filter.is_empty() {
+        (self.outcome, self.occupied) = (None, None);
+        let (study, results, to) = (exported.study.clone(), exported.results.clone(), folder.clone());
+        let mut command = exported.command.clone();
+        if !exported.filter.is_empty() {
             // A comment of the shell: no command filters.
-            command += &format!(" # filtered in the window: {}", shown.filter);
+            command += &format!(" # filtered in the window: {}", exported.filter);
         }
         self.work = Some((folder, Work::start(ctx, move || write(&study, &results, &command, &to))));
     }
@@ -147,7 +126,49 @@ impl Export {
 fn write(study: &Study, results: &Results, command: &str, folder: &Path) -> Result<usize, String> {
     // The report is about the ratings that the results are of.
     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
-    let made = Repetition::new(command, Timestamp::now());
-    let written = write_all(&shown, results, &made, folder, Extent::Everything).map_err(|error| error.to_string())?;
+    let made = Provenance::new(command, Timestamp::now());
+    let written = write_all(&shown, results, &made, folder, false).map_err(|error| error.to_string())?;
     Ok(written.files.len())
+}
+
+/// `machband analyze` of these files with these options; only what differs from the default is named.
+pub fn command(paths: &[PathBuf], how: &Reading, options: &Options, out: &str) -> String {
+    let mut words = vec!["analyze".to_owned()];
+    words.extend(paths.iter().map(|path| path.display().to_string()));
+    let mut option = |name: &str, value: Option<String>| {
+        words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
+    };
+    option("--subject", how.subject.clone());
+    option("--response", how.response.clone());
+    option("--count", how.count.clone());
+    option("--factors", how.factors.as_ref().map(|factors| factors.join(",")));
+    option("--terms", options.terms.as_ref().map(ToString::to_string));
+    option("--link", (options.link != Link::default()).then(|| options.link.to_string()));
+    option("--random", (options.random == Some(Random::None)).then(|| "none".to_owned()));
+    option("--quadrature", (options.quadrature != 1).then(|| options.quadrature.to_string()));
+    option("--out", Some(out.to_owned()));
+    words.extend(how.complete_only.then(|| "--complete-only".to_owned()));
+    words.extend(options.scale.then(|| "--scale".to_owned()));
+    shell_command(words)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::terms::Terms;
+
+    #[test]
+    fn only_what_differs_from_the_default_is_named() {
+        let paths = [PathBuf::from("results/tiny"), PathBuf::from("is here.csv")];
+        let plain = command(&paths[..1], &Reading::default(), &Options::default(), "out");
+        assert_eq!(plain, "machband analyze results/tiny --out out");
+        let how = Reading { response: Some("score".to_owned()), complete_only: true, ..Reading::default() };
+        let terms = Terms::parse("width*num:inv_n").ok();
+        let options = Options { terms, link: Link::Probit, scale: true, ..Options::default() };
+        assert_eq!(
+            command(&paths, &how, &options, "out"),
+            "machband analyze results/tiny 'is here.csv' --response score --terms width,num:inv_n,width:num:inv_n \
+             --link probit --out out --complete-only --scale"
+        );
+    }
 }

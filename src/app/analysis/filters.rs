@@ -2,10 +2,9 @@
 
 use eframe::egui::{self, CollapsingHeader, ScrollArea};
 
-use super::look;
 use crate::{
     analysis::{counts::Counts, measured::Measured},
-    app::theme,
+    app::ui::text::name,
 };
 
 /// What is checked.
@@ -47,33 +46,28 @@ impl Filters {
 
     /// What is left of a study.
     pub fn apply(&self, measured: &Measured) -> Measured {
-        let level = |(levels, level): (&Levels, &Option<u32>)| match level {
+        let is_checked = |(levels, level): (&Levels, &Option<u32>)| match level {
             Some(level) => levels.checked[*level as usize],
             None => levels.missing != Some(false),
         };
         measured.filtered(
             |subject| self.people[subject as usize],
-            |condition| self.factors.iter().zip(condition).all(level),
+            |condition| self.factors.iter().zip(condition).all(is_checked),
         )
     }
 
-    /// What is left out, in words; empty where nothing is.
-    pub fn words(&self, counts: &Counts) -> String {
+    /// What is left, in words; empty where nothing is left out.
+    pub fn sentence(&self, counts: &Counts) -> String {
         let mut parts = Vec::new();
         if self.people.contains(&false) {
             parts.push(format!("{} of {} participants", self.people(), self.people.len()));
         }
         for (levels, factor) in self.factors.iter().zip(&counts.factors).filter(|(levels, _)| levels.is_narrowed()) {
-            let mut kept: Vec<&str> = (factor.levels.iter().zip(&levels.checked))
-                .filter(|(_, checked)| **checked)
-                .map(|(name, _)| name.as_str())
-                .collect();
+            let checked = factor.levels.iter().zip(&levels.checked).filter(|(_, checked)| **checked);
+            let mut kept: Vec<&str> = checked.map(|(name, _)| name.as_str()).collect();
             kept.extend((levels.missing == Some(true)).then_some("missing"));
-            parts.push(format!(
-                "{} {}",
-                factor.name,
-                if kept.is_empty() { "none".to_owned() } else { kept.join(", ") }
-            ));
+            let kept = if kept.is_empty() { "none".to_owned() } else { kept.join(", ") };
+            parts.push(format!("{} {kept}", factor.name));
         }
         parts.join("; ")
     }
@@ -82,40 +76,35 @@ impl Filters {
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts) {
         let title = format!("Participants: {} of {}", self.people(), self.people.len());
         list(ui, "participants", &title, |ui| {
-            if all_or_none(ui, "participants").inspect(|all| self.people.fill(*all)).is_some() {
+            if let Some(all) = all_or_none(ui, "participants") {
+                self.people.fill(all);
                 ui.ctx().request_repaint();
             }
-            // A long list in a box of its own, of which only what is seen is drawn.
+            // A long list in a box of its own, of which only the visible part is drawn.
             let height = ui.spacing().interact_size.y;
-            ScrollArea::vertical().id_salt("people").max_height(190.0).show_rows(
-                ui,
-                height,
-                self.people.len(),
-                |ui, rows| {
-                    ui.set_width(ui.available_width());
-                    for row in rows {
-                        let name = &counts.subjects[row];
-                        let response = ui.checkbox(&mut self.people[row], name);
-                        look::named(ui, &response, &format!("Participant {name}"));
-                    }
-                },
-            );
+            let area = ScrollArea::vertical().id_salt("people").max_height(190.0);
+            area.show_rows(ui, height, self.people.len(), |ui, rows| {
+                ui.set_width(ui.available_width());
+                for row in rows {
+                    check(ui, &mut self.people[row], "Participant", &counts.subjects[row]);
+                }
+            });
         });
         for (levels, factor) in self.factors.iter_mut().zip(&counts.factors) {
-            let title = format!("{}: {} of {} levels", factor.name, levels.number(), levels.most());
-            list(ui, &factor.name, &title, |ui| {
+            let missing = levels.missing.iter();
+            let checked = levels.checked.iter().chain(missing.clone()).filter(|checked| **checked).count();
+            let all = levels.checked.len() + missing.count();
+            list(ui, &factor.name, &format!("{}: {checked} of {all} levels", factor.name), |ui| {
                 if let Some(all) = all_or_none(ui, &factor.name) {
                     levels.checked.fill(all);
                     levels.missing = levels.missing.map(|_| all);
                 }
                 ui.horizontal_wrapped(|ui| {
-                    for (checked, name) in levels.checked.iter_mut().zip(&factor.levels) {
-                        let response = ui.checkbox(checked, name);
-                        look::named(ui, &response, &format!("{} {name}", factor.name));
+                    for (checked, level) in levels.checked.iter_mut().zip(&factor.levels) {
+                        check(ui, checked, &factor.name, level);
                     }
                     if let Some(missing) = &mut levels.missing {
-                        let response = ui.checkbox(missing, "missing");
-                        look::named(ui, &response, &format!("{} missing", factor.name));
+                        check(ui, missing, &factor.name, "missing");
                     }
                 });
             });
@@ -127,14 +116,6 @@ impl Levels {
     fn is_narrowed(&self) -> bool {
         self.checked.contains(&false) || self.missing == Some(false)
     }
-
-    fn number(&self) -> usize {
-        self.checked.iter().filter(|checked| **checked).count() + usize::from(self.missing == Some(true))
-    }
-
-    fn most(&self) -> usize {
-        self.checked.len() + usize::from(self.missing.is_some())
-    }
 }
 
 /// A list that folds away. Its title may change, its place does not.
@@ -142,23 +123,21 @@ fn list(ui: &mut egui::Ui, id: &str, title: &str, add: impl FnOnce(&mut egui::Ui
     CollapsingHeader::new(title).id_salt(("filter", id)).show(ui, add);
 }
 
+fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
+    let response = ui.checkbox(checked, text);
+    name(ui, &response, &format!("{of} {text}"));
+}
+
 /// The two buttons over a list.
 fn all_or_none(ui: &mut egui::Ui, what: &str) -> Option<bool> {
     ui.horizontal(|ui| {
-        let all = ui.small_button("All");
-        look::named(ui, &all, &format!("All {what}"));
-        let none = ui.small_button("None");
-        look::named(ui, &none, &format!("None of {what}"));
-        match (all.clicked(), none.clicked()) {
-            (true, _) => Some(true),
-            (_, true) => Some(false),
-            _ => None,
-        }
+        let buttons = [("All", format!("All {what}"), true), ("None", format!("None of {what}"), false)];
+        let clicked = |(text, label, all): (&str, String, bool)| {
+            let button = ui.small_button(text);
+            name(ui, &button, &label);
+            button.clicked().then_some(all)
+        };
+        buttons.map(clicked).into_iter().flatten().next()
     })
     .inner
-}
-
-/// A word where nothing is left.
-pub fn nothing_left(ui: &mut egui::Ui) {
-    theme::fault(ui, "Nothing is left to analyse: check at least one participant, and a level of every factor.");
 }

@@ -3,6 +3,8 @@
 use eframe::egui::{self, Color32, FontId, TextStyle, Vec2, style::HandleShape};
 use egui_plot::MarkerShape;
 
+use crate::report::figures::palette::{ON_DARK, Rgb};
+
 /// What is wrong.
 pub const FAULT: Color32 = Color32::from_rgb(0xff, 0xa0, 0x80);
 /// What is worth knowing.
@@ -16,17 +18,17 @@ pub const PAGE: Color32 = Color32::from_gray(0x22);
 /// Widest line of running text, points.
 pub const COLUMN: f32 = 680.0;
 
-/// Colors of the series of a plot: Okabe and Ito's, told apart by color-blind readers and on a dark page (2008,
-/// jfly.uni-koeln.de/color).
-pub const SERIES: [Color32; 7] = [
-    Color32::from_rgb(0xe6, 0x9f, 0x00),
-    Color32::from_rgb(0x56, 0xb4, 0xe9),
-    Color32::from_rgb(0x00, 0x9e, 0x73),
-    Color32::from_rgb(0xf0, 0xe4, 0x42),
-    Color32::from_rgb(0x00, 0x72, 0xb2),
-    Color32::from_rgb(0xd5, 0x5e, 0x00),
-    Color32::from_rgb(0xcc, 0x79, 0xa7),
-];
+/// Colors of the series of a plot: those of the figures, on a dark page.
+pub const SERIES: [Color32; 7] = {
+    let mut colors = [Color32::BLACK; 7];
+    let mut index = 0;
+    while index < colors.len() {
+        let Rgb(r, g, b) = ON_DARK[index];
+        colors[index] = Color32::from_rgb(r, g, b);
+        index += 1;
+    }
+    colors
+};
 /// A marker of its own for each series, so that color is not needed.
 pub const MARKERS: [MarkerShape; 7] = [
     MarkerShape::Circle,

@@ -3,10 +3,10 @@
 use crate::analysis::bootstrap::Interval;
 
 /// A space at which no line breaks.
-pub(crate) const NBSP: &str = "\u{a0}";
+pub const NBSP: &str = "\u{a0}";
 
 /// A whole number with its thousands apart: `1,920`.
-pub(crate) fn whole(number: u64) -> String {
+pub fn whole(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
     for (index, digit) in digits.chars().enumerate() {
@@ -19,7 +19,7 @@ pub(crate) fn whole(number: u64) -> String {
 }
 
 /// A number with so many decimals, a true minus sign, and a dash for what is none.
-pub(crate) fn fixed(number: f64, decimals: usize) -> String {
+pub fn fixed(number: f64, decimals: usize) -> String {
     if number.is_nan() {
         return "–".to_owned();
     }
@@ -32,22 +32,27 @@ pub(crate) fn fixed(number: f64, decimals: usize) -> String {
 }
 
 /// [`fixed`], and a dash for none.
-pub(crate) fn maybe(number: Option<f64>, decimals: usize) -> String {
+pub fn maybe(number: Option<f64>, decimals: usize) -> String {
     fixed(number.unwrap_or(f64::NAN), decimals)
 }
 
 /// A mean rating.
-pub(crate) fn mean(number: f64) -> String {
+pub fn mean(number: f64) -> String {
     fixed(number, 2)
 }
 
 /// A proportion or a coefficient that never exceeds 1: `.62`, `−.08`, `1.00`.
-pub(crate) fn unit(number: f64) -> String {
+pub fn unit(number: f64) -> String {
     fixed(number, 2).replacen("0.", ".", 1)
 }
 
+/// [`unit`], and a dash for none.
+pub fn maybe_unit(number: Option<f64>) -> String {
+    unit(number.unwrap_or(f64::NAN))
+}
+
 /// A probability: three decimals below .1 and two above, and never rounded across .05.
-pub(crate) fn probability(p: f64) -> String {
+pub fn probability(p: f64) -> String {
     if p.is_nan() {
         return "–".to_owned();
     }
@@ -64,14 +69,14 @@ pub(crate) fn probability(p: f64) -> String {
 }
 
 /// In a sentence: `p = .043`, `p < .001`, never broken over two lines.
-pub(crate) fn p_is(p: f64) -> String {
+pub fn p_is(p: f64) -> String {
     let text = probability(p);
     let text = if text.starts_with(['<', '>']) { format!("p {text}") } else { format!("p = {text}") };
     text.replace(' ', NBSP)
 }
 
 /// A ratio: about three significant digits.
-pub(crate) fn ratio(number: f64) -> String {
+pub fn ratio(number: f64) -> String {
     match number {
         n if !n.is_finite() => fixed(n, 0),
         n if n >= 1e6 => "> 1,000,000".to_owned(),
@@ -86,24 +91,32 @@ pub(crate) fn ratio(number: f64) -> String {
 }
 
 /// An interval as `0.81 to 1.20`; a dash for none.
-pub(crate) fn range(interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
+pub fn range(interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
     interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", format(i.low), format(i.high)))
 }
 
+/// An interval behind its estimate, ` (95 % interval .81 to .92)`; nothing for none.
+pub fn with_level(level: f64, interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
+    match interval {
+        Some(_) => format!(" ({} interval {})", percent(level), range(interval, format)),
+        None => String::new(),
+    }
+}
+
 /// A proportion as a percentage: `95 %`.
-pub(crate) fn percent(proportion: f64) -> String {
+pub fn percent(proportion: f64) -> String {
     let percent = 100.0 * proportion;
     let decimals = usize::from((percent - percent.round()).abs() > 1e-9);
     format!("{}{NBSP}%", fixed(percent, decimals))
 }
 
 /// `1 session`, `2 sessions`.
-pub(crate) fn count(number: u64, one: &str) -> String {
+pub fn count(number: u64, one: &str) -> String {
     if number == 1 { format!("1 {one}") } else { format!("{} {one}s", whole(number)) }
 }
 
 /// `a, b and c`.
-pub(crate) fn list<S: AsRef<str>>(items: &[S]) -> String {
+pub fn list<S: AsRef<str>>(items: &[S]) -> String {
     match items {
         [] => String::new(),
         [one] => one.as_ref().to_owned(),
@@ -115,7 +128,7 @@ pub(crate) fn list<S: AsRef<str>>(items: &[S]) -> String {
 }
 
 /// A list that ends after so many items and says how many more there are.
-pub(crate) fn short_list<S: AsRef<str>>(items: &[S], most: usize) -> String {
+pub fn short_list<S: AsRef<str>>(items: &[S], most: usize) -> String {
     if items.len() <= most {
         return list(items);
     }

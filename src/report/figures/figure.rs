@@ -6,7 +6,7 @@ use super::{
 };
 
 /// A chart.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// Stem of its file's name, such as `figure4a`.
     pub name: &'static str,
@@ -16,6 +16,8 @@ pub struct Figure {
     pub caption: String,
     /// Whether it is made for the full width of a page, and not for a column.
     pub wide: bool,
+    /// Its height where it is 800 wide.
+    pub height: f64,
     /// The chart, 800 units wide. Text is text; it needs no file besides.
     pub svg: String,
 }
@@ -29,7 +31,7 @@ impl Figure {
         paint: impl FnOnce(&mut Svg),
     ) -> Self {
         let svg = Svg::draw(height, &title, &caption, paint);
-        Self { name, title, caption, wide: false, svg }
+        Self { name, title, caption, wide: false, height, svg }
     }
 
     /// The chart as an image of 1600 pixels across; equal bytes on every machine.

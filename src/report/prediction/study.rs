@@ -1,6 +1,6 @@
 //! A study's ratings as the model of vision predicts them.
 
-use super::{Held, HeldError, LEAST, hold};
+use super::comparison::{Comparison, LEAST, PredictionError, check_categories, compare, mean};
 use crate::{
     analysis::{
         counts::{Counts, Factor},
@@ -9,78 +9,50 @@ use crate::{
     experiment::{Condition, Protocol, visibilities},
     stimulus::{ParameterValue, Sight},
     store::{ratings::Source, sidecar::Sitting},
-    vision::{Visibility, VisionError},
+    vision::Visibility,
 };
 
-/// Most conditions at which a report looks: each takes about a millisecond.
+/// Most conditions that a report predicts: each takes about a millisecond.
 const MOST_LINES: usize = 5000;
 /// Most of them where each needs a picture: these take a few tenths of a second.
 const MOST_PICTURES: usize = 100;
 
 /// What the model of vision says of a study's conditions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Predicted {
+pub struct StudyPrediction {
     /// How the conditions were looked at.
     pub sight: Sight,
-    /// How the prediction stands to the ratings.
-    pub held: Held,
+    /// How the prediction compares with the ratings.
+    pub comparison: Comparison,
     /// The rating expected in each of the counts' conditions, in the numbers of the categories; `None` where a
     /// condition is none of the definition's.
     pub ratings: Vec<Option<f64>>,
 }
 
-/// Why nothing is predicted of a study.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Unpredicted {
-    /// The stimuli are not known.
-    #[error("the files bring no definition of an experiment, so that nobody knows what was shown")]
-    NoDefinition,
-    /// It would take too long for a report.
-    #[error(
-        "{conditions} conditions are more than the {most} at which a report looks; `machband predict {name} --fit` looks at all"
-    )]
-    TooMany {
-        /// Those of the definition.
-        conditions: usize,
-        /// Those that a report allows.
-        most: usize,
-        /// The definition.
-        name: String,
-    },
-    /// A stimulus that cannot be seen.
-    #[error("the model cannot see the stimuli: {0}")]
-    Unseen(#[from] VisionError),
-    /// The definition sets a parameter to a value that it cannot have.
-    #[error("the definition’s conditions cannot be made: {0}")]
-    Conditions(String),
-    /// Ratings and prediction do not go together.
-    #[error(transparent)]
-    Held(#[from] HeldError),
-}
-
-impl Predicted {
-    /// Looks at every condition of the definition beside the ratings, in the window of their sessions, and holds what
-    /// is seen against them.
+impl StudyPrediction {
+    /// Predicts every condition of the definition beside the ratings, in the window of their sessions, and compares that
+    /// with the ratings.
     ///
     /// # Errors
-    /// [`Unpredicted`]: why that cannot be done.
-    pub fn of(source: &Source, counts: &Counts) -> Result<Self, Unpredicted> {
-        let protocol = source.protocol.as_ref().ok_or(Unpredicted::NoDefinition)?;
-        super::check_categories(counts)?;
-        let conditions = protocol.conditions().map_err(|error| Unpredicted::Conditions(error.to_string()))?;
+    /// Why that cannot be done.
+    pub fn of(source: &Source, counts: &Counts) -> Result<Self, PredictionError> {
+        let protocol = source.protocol.as_ref().ok_or(PredictionError::NoDefinition)?;
+        check_categories(counts)?;
+        let conditions = protocol.conditions().map_err(|error| PredictionError::Conditions(error.to_string()))?;
         let most = if protocol.stimulus.is_line() { MOST_LINES } else { MOST_PICTURES };
         if conditions.len() > most {
             let name = protocol.name.clone();
-            return Err(Unpredicted::TooMany { conditions: conditions.len(), most, name });
+            return Err(PredictionError::TooMany { conditions: conditions.len(), most, name });
         }
         let places = places(counts, protocol, &conditions)?;
         let sight = Sight::new(window_deg(source, protocol));
         let seen = visibilities(&conditions, &sight, None)?;
         let seen: Vec<Option<f64>> = at(&places, &seen);
-        let held = hold(counts, &seen)?;
+        let comparison = compare(counts, &seen)?;
         let values = category_values(counts);
         let expected = |visibility: f64| {
-            held.criterion
+            comparison
+                .criterion
                 .probabilities(visibility.max(LEAST))
                 .iter()
                 .zip(&values)
@@ -88,35 +60,36 @@ impl Predicted {
                 .sum()
         };
         let ratings = seen.iter().map(|visibility| visibility.map(expected)).collect();
-        Ok(Self { sight, held, ratings })
+        Ok(Self { sight, comparison, ratings })
     }
 }
 
-/// Holds what is seen of a definition's conditions against ratings of it.
+/// Compares what is predicted of a definition's conditions with ratings of it.
 ///
 /// # Errors
-/// [`HeldError`], see [`hold`]; also where the ratings do not tell a factor of the definition.
-pub fn hold_conditions(
+/// Where they have nothing in common, no criterion can be fitted, or the ratings do not record a factor of the
+/// definition.
+pub fn compare_conditions(
     counts: &Counts,
     protocol: &Protocol,
     conditions: &[Condition],
     seen: &[Visibility],
-) -> Result<Held, HeldError> {
-    hold(counts, &at(&places(counts, protocol, conditions)?, seen))
+) -> Result<Comparison, PredictionError> {
+    compare(counts, &at(&places(counts, protocol, conditions)?, seen))
 }
 
-/// The width of the window in the sessions, degrees: the mean of what their sidecars tell, else what the definition
-/// plans.
+/// The width of the window in the sessions, degrees: the mean of what their sidecars record, else what the
+/// definition plans.
 #[must_use]
 pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
-    let told = |sitting: &Sitting| sitting.viewing.as_ref()?.get("stimulus_deg")?.as_f64();
+    let width = |sitting: &Sitting| sitting.viewing.as_ref()?.get("stimulus_deg")?.as_f64();
     let sidecars = source.sessions.iter().filter_map(|session| session.sidecar.as_ref());
     let known: Vec<f64> = sidecars
         .flat_map(|sidecar| &sidecar.sittings)
-        .filter_map(told)
+        .filter_map(width)
         .filter(|deg| deg.is_finite() && *deg > 0.0)
         .collect();
-    super::mean(&known).unwrap_or(protocol.viewing.window_deg)
+    mean(&known).unwrap_or(protocol.viewing.window_deg)
 }
 
 /// Visibilities by the counts' conditions.
@@ -125,12 +98,16 @@ fn at(places: &[Option<usize>], seen: &[Visibility]) -> Vec<Option<f64>> {
 }
 
 /// For each of the counts' conditions the place of the definition's condition that was shown; `None` where it is none
-/// of them. Columns that are no parameters of the stimulus tell nothing of what was shown.
-fn places(counts: &Counts, protocol: &Protocol, conditions: &[Condition]) -> Result<Vec<Option<usize>>, HeldError> {
+/// of them. Columns that are no parameters of the stimulus say nothing of what was shown.
+fn places(
+    counts: &Counts,
+    protocol: &Protocol,
+    conditions: &[Condition],
+) -> Result<Vec<Option<usize>>, PredictionError> {
     let missing =
         |factor: &&crate::experiment::Factor| factor.levels.len() > 1 && counts.factor(&factor.name).is_none();
     if let Some(factor) = protocol.factors.iter().find(missing) {
-        return Err(HeldError::Factor(factor.name.clone()));
+        return Err(PredictionError::Factor(factor.name.clone()));
     }
     let columns: Vec<Column> = counts.factors.iter().map(|factor| Column::new(factor, protocol, conditions)).collect();
     let place = |levels: &Vec<Option<u32>>| {

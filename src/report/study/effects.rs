@@ -1,20 +1,22 @@
 //! What the results say of one factor: the course of its means, the test that counts, the size of the effect.
 
 use super::names;
-use crate::analysis::{
-    Model, ModelReport, Part, Results, TermTest,
-    bootstrap::Interval,
-    results::FactorResults,
-    terms::{Term, Variable},
+use crate::{
+    analysis::{
+        Model, ModelReport, Part, Results, TermTest,
+        bootstrap::Interval,
+        results::FactorResults,
+        terms::{Term, Variable},
+    },
+    light::normal::Z_95,
 };
-use crate::light::normal::Z_95;
 
 /// Kendall's τ of means and levels from which a course is called a tendency.
 const TENDENCY: f64 = 0.7;
 
 /// The course of the means along ordered levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Course {
+pub(super) enum Course {
     /// Up at every step.
     Rises,
     /// Down at every step.
@@ -27,9 +29,9 @@ pub(crate) enum Course {
     None,
 }
 
-/// The test whose probability a sentence may lean on.
+/// The test whose probability a sentence may rely on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Evidence {
+pub(super) struct Evidence {
     /// In words.
     pub name: &'static str,
     /// χ².
@@ -42,7 +44,7 @@ pub(crate) struct Evidence {
 
 /// A difference on the scale of the link: of two levels, or of one unit of a number.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Contrast {
+pub(super) struct Contrast {
     /// The level with the higher ratings, or the number's name.
     pub higher: String,
     /// The other level; none for a number.
@@ -56,7 +58,7 @@ pub(crate) struct Contrast {
 }
 
 /// The course of a factor's means.
-pub(crate) fn course(results: &Results, factor: &FactorResults) -> Course {
+pub(super) fn course(results: &Results, factor: &FactorResults) -> Course {
     let means: Vec<f64> = factor.levels.iter().map(|level| level.summary.mean).collect();
     if means.len() < 2 || !names::is_ordered(&results.measured.counts, &factor.name) {
         return Course::None;
@@ -86,7 +88,7 @@ fn kendall(values: &[f64]) -> f64 {
 }
 
 /// Indices of the levels with the highest and the lowest mean.
-pub(crate) fn extremes(factor: &FactorResults) -> Option<(usize, usize)> {
+pub(super) fn extremes(factor: &FactorResults) -> Option<(usize, usize)> {
     let mean = |index: &usize| factor.levels[*index].summary.mean;
     let indices = || 0..factor.levels.len();
     // Of equal means the first level stands for both.
@@ -96,13 +98,13 @@ pub(crate) fn extremes(factor: &FactorResults) -> Option<(usize, usize)> {
 }
 
 /// Whether the model knows which ratings belong together: its probabilities hold for people, not for ratings alone.
-pub(crate) fn is_clustered(results: &Results) -> bool {
+pub(super) fn is_clustered(results: &Results) -> bool {
     results.model.as_ref().is_ok_and(|report| report.model.random.is_some())
 }
 
 /// The likelihood-ratio test of the factor's main effect, if the model knows which ratings belong together; otherwise
-/// Friedman's. None from one subject.
-pub(crate) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
+/// Friedman's. None from one participant.
+pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
     if !results.is_inferential() {
         return None;
     }
@@ -131,7 +133,7 @@ fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
 }
 
 /// The size of a factor's effect: the ends of a course, else the extremes; none where an interaction makes it several.
-pub(crate) fn contrast(results: &Results, factor: &FactorResults) -> Option<Contrast> {
+pub(super) fn contrast(results: &Results, factor: &FactorResults) -> Option<Contrast> {
     let report = results.model.as_ref().ok()?;
     let term = main_effect(results, &factor.name)?;
     if results.spec.terms.is_marginal(term) {
@@ -150,8 +152,7 @@ pub(crate) fn contrast(results: &Results, factor: &FactorResults) -> Option<Cont
 
 fn slope(model: &Model, term: &Term, name: &str) -> Option<Contrast> {
     let coefficient = model.coefficients.iter().find(|c| c.term == term.to_string())?;
-    let interval = coefficient.se.map(|se| around(coefficient.estimate, se));
-    let estimate = coefficient.estimate;
+    let (estimate, interval) = (coefficient.estimate, interval_95(coefficient.estimate, coefficient.se));
     Some(Contrast { higher: name.to_owned(), lower: None, estimate, interval, chosen: false })
 }
 
@@ -183,14 +184,15 @@ fn difference(report: &ModelReport, factor: &FactorResults, first: usize, second
     };
     let se = (covariance(a, a) + covariance(b, b) - 2.0 * covariance(a, b)).sqrt();
     let (first, second, estimate) = if estimate < 0.0 { (second, first, -estimate) } else { (first, second, estimate) };
-    let name = |index: usize| super::names::level(&factor.name, level(index));
-    let interval = (se.is_finite() && estimate.is_finite()).then(|| around(estimate, se));
-    Some(Contrast { higher: name(first), lower: Some(name(second)), estimate, interval, chosen: false })
+    let name = |index: usize| names::level(&factor.name, level(index));
+    let (higher, lower) = (name(first), Some(name(second)));
+    Some(Contrast { higher, lower, estimate, interval: interval_95(estimate, Some(se)), chosen: false })
 }
 
-/// The 95 % interval of an estimate.
-pub(crate) fn around(estimate: f64, se: f64) -> Interval {
-    Interval { low: estimate - Z_95 * se, high: estimate + Z_95 * se }
+/// The 95 % interval of an estimate; none without a standard error.
+pub(super) fn interval_95(estimate: f64, se: Option<f64>) -> Option<Interval> {
+    let reach = Z_95 * se.filter(|se| se.is_finite() && estimate.is_finite())?;
+    Some(Interval { low: estimate - reach, high: estimate + reach })
 }
 
 #[cfg(test)]

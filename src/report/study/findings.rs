@@ -2,53 +2,57 @@
 
 use super::{
     effects::{self, Contrast, Course, Evidence},
+    limits::ALPHA,
     names,
-    summary::ALPHA,
 };
-use crate::analysis::{Link, Part, Results, results::FactorResults};
-use crate::report::document::numbers::{fixed, list, mean, p_is, range, ratio, short_list};
+use crate::{
+    analysis::{Link, Part, Results, results::FactorResults},
+    report::document::numbers::{fixed, list, mean, p_is, range, ratio, short_list},
+};
 
 /// What a factor does.
-pub(crate) fn finding(results: &Results, factor: &FactorResults) -> String {
+pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let course = effects::course(results, factor);
     let Some(evidence) = effects::evidence(results, factor) else {
-        let none = if results.is_inferential() { " No test of it could be made." } else { "" };
+        let none = if results.is_inferential() { " It could not be tested." } else { "" };
         return format!("{}.{none}", means(factor, course, !results.is_inferential()));
     };
-    // Of many levels that no test tells apart, the two most different ones would look different by themselves.
-    let contrast = effects::contrast(results, factor).filter(|contrast| evidence.p < ALPHA || !contrast.chosen);
-    let mut text = if evidence.p < ALPHA {
+    let found = evidence.p < ALPHA;
+    let mut text = if found {
         format!("{}; {}.", means(factor, course, false), rarity(factor, &evidence))
     } else {
-        let how = format!("{}, {}", evidence.name, p_is(evidence.p));
         format!(
-            "By {}, {}, and this study cannot tell the levels apart ({how}).",
+            "By {}, {}, and this study cannot tell the levels apart ({}, {}).",
             names::factor(&factor.name),
-            span(factor)
+            span(factor),
+            evidence.name,
+            p_is(evidence.p)
         )
     };
-    text.extend(contrast.map(|contrast| size(results, &contrast, evidence.p < ALPHA)));
+    // Of many levels that no test tells apart, the two most different ones would look different by themselves.
+    let contrast = effects::contrast(results, factor).filter(|contrast| found || !contrast.chosen);
+    text.extend(contrast.map(|contrast| size(results, &contrast, found)));
     text.extend(second_opinion(results, factor, &evidence));
     text
 }
 
 /// The means in words, without the full stop; of one participant they are those of these ratings and no more.
 fn means(factor: &FactorResults, course: Course, only_these: bool) -> String {
-    let the_mean = if only_these { "In these ratings the mean" } else { "The mean rating" };
     let name = names::factor(&factor.name);
+    let (the_mean, of_these) = if only_these {
+        ("In these ratings the mean", "the mean of these ratings")
+    } else {
+        ("The mean rating", "the mean rating")
+    };
     let at = |index: usize| {
         let level = &factor.levels[index];
-        let level_name = level.names.first().map_or("", String::as_str);
-        (mean(level.summary.mean), names::level(&factor.name, level_name))
+        format!("{} at {}", mean(level.summary.mean), names::level_of(factor, level))
     };
-    let ((first, first_level), (last, last_level)) = (at(0), at(factor.levels.len() - 1));
-    let ends = format!("from {first} at {first_level} to {last} at {last_level}");
-    let two = factor.levels.len() == 2;
+    let ends = format!("from {} to {}", at(0), at(factor.levels.len() - 1));
+    let steps = if factor.levels.len() == 2 { "" } else { " at every step" };
     match course {
-        Course::Rises if two => format!("{the_mean} rises with {name}, {ends}"),
-        Course::Falls if two => format!("{the_mean} falls with {name}, {ends}"),
-        Course::Rises => format!("{the_mean} rises with {name} at every step, {ends}"),
-        Course::Falls => format!("{the_mean} falls with {name} at every step, {ends}"),
+        Course::Rises => format!("{the_mean} rises with {name}{steps}, {ends}"),
+        Course::Falls => format!("{the_mean} falls with {name}{steps}, {ends}"),
         Course::TendsUp => {
             format!("{the_mean} tends to rise with {name}, {ends}, though not at every step{}", turn(factor))
         }
@@ -58,12 +62,10 @@ fn means(factor: &FactorResults, course: Course, only_these: bool) -> String {
         Course::None => {
             let (low, high) = least_and_most(factor);
             if low == high {
-                return format!("{the_mean} is {low}: the same at all levels of {name}");
+                format!("{the_mean} is {low}: the same at all levels of {name}")
+            } else {
+                format!("By {name}, {of_these} is highest, {high}, and lowest, {low}")
             }
-            format!(
-                "By {name}, {} is highest, {high}, and lowest, {low}",
-                if only_these { "the mean of these ratings" } else { "the mean rating" }
-            )
         }
     }
 }
@@ -79,15 +81,13 @@ fn span(factor: &FactorResults) -> String {
 
 /// Where a tendency has its highest and lowest mean, if that is not at its ends.
 fn turn(factor: &FactorResults) -> String {
-    let last = factor.levels.len() - 1;
+    let Some((most, least)) = effects::extremes(factor) else { return String::new() };
     let (low, high) = least_and_most(factor);
-    let inside = |index: usize| index != 0 && index != last;
-    match effects::extremes(factor) {
-        Some((most, least)) if inside(most) && inside(least) => format!(" (highest {high}, lowest {low})"),
-        Some((most, _)) if inside(most) => format!(" (highest {high})"),
-        Some((_, least)) if inside(least) => format!(" (lowest {low})"),
-        _ => String::new(),
-    }
+    let inside = 1..factor.levels.len() - 1;
+    let parts = [(most, format!("highest {high}")), (least, format!("lowest {low}"))];
+    let parts: Vec<String> =
+        parts.into_iter().filter(|(index, _)| inside.contains(index)).map(|(_, text)| text).collect();
+    if parts.is_empty() { String::new() } else { format!(" ({})", parts.join(", ")) }
 }
 
 /// `0.61 at 45°` for the level with the lowest mean, and with the highest; levels whose means are the same together.
@@ -95,7 +95,7 @@ fn least_and_most(factor: &FactorResults) -> (String, String) {
     let describe = |index: usize| {
         let value = factor.levels[index].summary.mean;
         let same: Vec<String> = (factor.levels.iter().filter(|level| (level.summary.mean - value).abs() < 1e-9))
-            .map(|level| names::level(&factor.name, level.names.first().map_or("", String::as_str)))
+            .map(|level| names::level_of(factor, level))
             .collect();
         format!("{} at {}", mean(value), short_list(&same, 4))
     };
@@ -110,7 +110,7 @@ fn rarity(factor: &FactorResults, evidence: &Evidence) -> String {
         _ => "not often",
     };
     format!(
-        "differences as large would {how} come up if {} made none ({}: χ²({}) = {}, {})",
+        "if {} made no difference, differences as large would {how} come up ({}: χ²({}) = {}, {})",
         names::factor(&factor.name),
         evidence.name,
         evidence.df,
@@ -128,30 +128,23 @@ fn size(results: &Results, contrast: &Contrast, found: bool) -> String {
     }
     let odds = results.spec.link == Link::Logit;
     let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
+    let ends = range(contrast.interval, value);
     let interval = match contrast.interval {
-        Some(_) if found => format!(" (95\u{a0}% interval {})", range(contrast.interval, value)),
-        Some(_) => {
-            format!(", and anything from {} fits these data (95\u{a0}% interval)", range(contrast.interval, value))
-        }
+        Some(_) if found => format!(" (95\u{a0}% interval {ends})"),
+        Some(_) => format!(", and anything from {ends} fits these data (95\u{a0}% interval)"),
         None => String::new(),
     };
     let estimate = value(contrast.estimate);
-    let text = match (&contrast.lower, odds) {
+    let size = match (&contrast.lower, odds) {
         (Some(lower), true) => {
-            format!(
-                " The odds of a higher rating at {higher} are estimated as {estimate} times those at {lower}{interval}."
-            )
+            format!("The odds of a higher rating at {higher} are estimated as {estimate} times those at {lower}")
         }
         (Some(lower), false) => {
-            format!(
-                " On the latent scale {higher} is estimated as {estimate} standard deviations above {lower}{interval}."
-            )
+            format!("On the latent scale {higher} is estimated as {estimate} standard deviations above {lower}")
         }
-        (None, true) => {
-            format!(" One unit more of {higher} multiplies the odds of a higher rating by {estimate}{interval}.")
-        }
+        (None, true) => format!("One unit more of {higher} multiplies the odds of a higher rating by {estimate}"),
         (None, false) => {
-            format!(" One unit more of {higher} shifts the latent rating by {estimate} standard deviations{interval}.")
+            format!("One unit more of {higher} shifts the latent rating by {estimate} standard deviations")
         }
     };
     let chosen = if contrast.chosen {
@@ -159,7 +152,7 @@ fn size(results: &Results, contrast: &Contrast, found: bool) -> String {
     } else {
         ""
     };
-    text + chosen
+    format!(" {size}{interval}.{chosen}")
 }
 
 /// Where the test that takes each participant as one observation comes to another conclusion.
@@ -176,22 +169,20 @@ fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence
 }
 
 /// Effects that depend on each other.
-pub(crate) fn interactions(results: &Results) -> Vec<String> {
+pub(super) fn interactions(results: &Results) -> Vec<String> {
     let Ok(report) = &results.model else { return Vec::new() };
     if !results.is_inferential() || !effects::is_clustered(results) {
         return Vec::new();
     }
-    let tested = report.terms.iter().filter(|test| test.part == Part::Location);
-    (results.spec.terms.iter().filter(|term| term.variables.len() > 1))
-        .filter_map(|term| {
-            let test = tested.clone().find(|test| test.term == term.to_string())?;
-            let together = list(&term.variables.iter().map(|v| names::factor(v.name())).collect::<Vec<_>>());
-            let p = p_is(test.p?);
-            Some(if test.p? < ALPHA {
-                format!("The effects of {together} depend on each other (likelihood-ratio test, {p}).")
-            } else {
-                format!("This study cannot tell whether the effects of {together} depend on each other ({p}).")
-            })
+    let sentence = |term: &crate::analysis::terms::Term| {
+        let name = term.to_string();
+        let p = report.terms.iter().find(|test| test.part == Part::Location && test.term == name)?.p?;
+        let together = list(&term.variables.iter().map(|v| names::factor(v.name())).collect::<Vec<_>>());
+        Some(if p < ALPHA {
+            format!("The effects of {together} depend on each other (likelihood-ratio test, {}).", p_is(p))
+        } else {
+            format!("This study cannot tell whether the effects of {together} depend on each other ({}).", p_is(p))
         })
-        .collect()
+    };
+    results.spec.terms.iter().filter(|term| term.variables.len() > 1).filter_map(sentence).collect()
 }

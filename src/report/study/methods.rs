@@ -1,99 +1,79 @@
-//! Methods and results as a paper states them, with the numbers in place, and the literature they lean on.
+//! Methods and results as a paper states them, with the numbers in place, and the literature they rely on.
 
-use super::{
-    effects, names,
-    references::{self as r, Reference},
-};
-use crate::report::document::numbers::{count, fixed, list, p_is, percent, range, unit, whole};
+use super::{effects, names, references::Cited, sittings, vision::degrees};
 use crate::{
     analysis::{Link, Results, rank_tests::PMethod},
-    experiment::Protocol,
-    report::prediction::Predicted,
+    experiment::{Protocol, ResponseScale},
+    report::{
+        document::{
+            Section,
+            numbers::{count, fixed, list, p_is, percent, range, unit, whole},
+        },
+        prediction::StudyPrediction,
+    },
     store::ratings::Source,
 };
 
-/// Paragraphs, and what they cite.
-#[derive(Default)]
-pub(crate) struct Methods {
-    /// The text.
-    pub paragraphs: Vec<String>,
-    /// The literature, in the order it is first cited.
-    pub cited: Vec<Reference>,
-}
-
-impl Methods {
-    fn cite(&mut self, reference: Reference) -> String {
-        if !self.cited.contains(&reference) {
-            self.cited.push(reference);
-        }
-        reference.short.replace(" (", ", ").replace(')', "")
-    }
-}
-
-/// The text.
-pub(crate) fn methods(source: &Source, results: &Results, predicted: Option<&Predicted>, version: &str) -> Methods {
-    let mut methods = Methods::default();
+/// The section, and what it cites.
+pub(super) fn section(source: &Source, results: &Results, predicted: Option<&StudyPrediction>) -> (Section, Cited) {
+    let mut section = Section::new("methods", "Methods, ready to paste");
+    let mut cited = Cited::default();
     let paragraphs = [
-        procedure(&mut methods, source, results),
-        model(&mut methods, results),
-        tests(&mut methods, results),
-        agreement(&mut methods, results),
-        bootstrap(&mut methods, results),
-        predicted.map(|predicted| vision(&mut methods, predicted)),
-        Some(format!("The analysis was made with machband {version}.")),
+        Some(procedure(&mut cited, source, results)),
+        model(&mut cited, results),
+        tests(&mut cited, results),
+        agreement(&mut cited, results),
+        bootstrap(&mut cited, results),
+        predicted.map(|predicted| vision(&mut cited, predicted)),
+        Some(format!("The analysis was made with machband {}.", env!("CARGO_PKG_VERSION"))),
     ];
-    methods.paragraphs = paragraphs.into_iter().flatten().collect();
-    // The health of the data measures κ by this mark wherever there is a κ.
+    paragraphs.into_iter().flatten().for_each(|paragraph| section.text(paragraph));
+    // The section on agreement measures κ by this limit.
     if results.kappa.is_some() {
-        methods.cite(r::LANDIS);
+        cited.cite("Landis & Koch, 1977");
     }
-    methods
+    (section, cited)
 }
 
-fn procedure(methods: &mut Methods, source: &Source, results: &Results) -> Option<String> {
+fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
     let counts = &results.measured.counts;
     let varied: Vec<String> = (names::varied(results))
         .map(|factor| {
-            let level = |group: &crate::analysis::summary::Group| {
-                names::level(&factor.name, group.names.first().map_or("", String::as_str))
-            };
-            let levels: Vec<String> = factor.levels.iter().map(level).collect();
+            let levels: Vec<String> = factor.levels.iter().map(|level| names::level_of(factor, level)).collect();
             format!("{} ({})", names::factor(&factor.name), levels.join(", "))
         })
         .collect();
-    let simulated = super::sittings::simulated(source).len();
-    let who = match simulated {
-        0 => count(results.people() as u64, "participant"),
+    let people = count(results.people() as u64, "participant");
+    let who = match sittings::simulated(source).len() {
+        0 => people,
         n if n >= results.people() => count(n as u64, "simulated observer"),
-        n => format!("{}, {n} of them simulated,", count(results.people() as u64, "participant")),
+        n => format!("{people}, {n} of them simulated,"),
     };
-    let mut text = format!(
-        "{who} gave {} of {}",
+    let by = if varied.is_empty() { String::new() } else { format!(", which varied in {}", list(&varied)) };
+    let shown = source.protocol.as_ref().map(|protocol| shown(cited, protocol)).unwrap_or_default();
+    format!(
+        "{who} gave {} of {}{by}.{shown}",
         count(counts.total(), "rating"),
         count(counts.conditions.len() as u64, "condition")
-    );
-    if !varied.is_empty() {
-        text.push_str(&format!(", which varied in {}", list(&varied)));
-    }
-    text.push('.');
-    if let Some(protocol) = &source.protocol {
-        text.push_str(&shown(methods, protocol));
-    }
-    Some(text)
+    )
 }
 
-fn shown(methods: &mut Methods, protocol: &Protocol) -> String {
+fn shown(cited: &mut Cited, protocol: &Protocol) -> String {
     let answers = names::categories_of(protocol).join(", ");
-    let own = protocol.response == crate::experiment::ResponseScale::default();
-    let scale = if own { format!(" (scale of {})", methods.cite(r::BANGAY)) } else { String::new() };
+    let scale = if protocol.response == ResponseScale::default() {
+        format!(" (scale of {})", cited.cite("Bangay"))
+    } else {
+        String::new()
+    };
     let times = match protocol.design.repetitions {
         1 => "once".to_owned(),
         2 => "twice".to_owned(),
         n => format!("{n} times"),
     };
     format!(
-        " Each session was to show every condition {times}, after {}. A uniform field of relative luminance {} was shown for {} s \
-         before each stimulus. The answers were {answers}{scale}. The viewing distance was to be {} cm and the stimulus {}° wide.",
+        " Each session was planned to show every condition {times}, after {}. A uniform field of relative luminance {} was \
+         shown for {} s before each stimulus. The answers were {answers}{scale}. The planned viewing distance was {} cm, and \
+         the stimulus was to be {}° wide.",
         count(protocol.design.practice.into(), "practice trial"),
         protocol.recovery.level,
         protocol.recovery.duration_s,
@@ -102,7 +82,7 @@ fn shown(methods: &mut Methods, protocol: &Protocol) -> String {
     )
 }
 
-fn model(methods: &mut Methods, results: &Results) -> Option<String> {
+fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     let report = results.model.as_ref().ok()?;
     let model = &report.model;
     let terms: Vec<String> =
@@ -112,104 +92,98 @@ fn model(methods: &mut Methods, results: &Results) -> Option<String> {
         Link::Logit => "logit",
         Link::Probit => "probit",
     };
-    let ordinal = [methods.cite(r::LIDDELL), methods.cite(r::BURKNER)].join("; ");
-    let family = [methods.cite(r::MCCULLAGH), methods.cite(r::CHRISTENSEN)].join("; ");
-    let mut text = format!(
-        "Since ratings are ordered categories ({ordinal}), they were modelled with a cumulative-link {}model ({family}) with {link} link and {terms}",
-        if model.random.is_some() { "mixed " } else { "" }
-    );
-    if model.random.is_some() {
-        let how = if results.spec.quadrature > 1 {
-            format!(
-                "adaptive Gauss–Hermite quadrature with {} nodes ({})",
-                results.spec.quadrature,
-                methods.cite(r::LIU)
-            )
+    let nodes = results.spec.quadrature;
+    let ordinal = cited.cite("Liddell & Kruschke, 2018; Bürkner & Vuorre, 2019");
+    let family = cited.cite("McCullagh, 1980; Christensen, 2022");
+    let (mixed, how) = if model.random.is_none() {
+        ("", ", fitted by maximum likelihood".to_owned())
+    } else {
+        let how = if nodes > 1 {
+            format!("adaptive Gauss–Hermite quadrature with {nodes} nodes ({})", cited.cite("Liu & Pierce, 1994"))
         } else {
             "Laplace’s approximation".to_owned()
         };
-        text.push_str(&format!(" and a random intercept for participants, fitted by maximum likelihood with {how}"));
-    } else {
-        text.push_str(", fitted by maximum likelihood");
-    }
-    text.push_str(&format!(
-        " to {} (log-likelihood {}, AIC {}).",
+        ("mixed ", format!(" and a random intercept for participants, fitted by maximum likelihood with {how}"))
+    };
+    let mut text = format!(
+        "Since ratings are ordered categories ({ordinal}), they were modeled with a cumulative-link {mixed}model ({family}) \
+         with {link} link and {terms}{how} to {} (log-likelihood {}, AIC {}).",
         count(model.nobs, "rating"),
         fixed(model.loglik, 2),
         fixed(model.aic(), 2)
-    ));
+    );
     if results.is_inferential() && !report.terms.is_empty() {
-        text.push_str(" Terms were tested by likelihood ratios: ");
         let tests: Vec<String> = (report.terms.iter())
-            .map(|test| match (test.lr, test.p) {
-                (Some(lr), Some(p)) => {
-                    format!("{}, χ²({}) = {}, {}", names::factor(&test.term), test.df, fixed(lr, 2), p_is(p))
-                }
-                _ => format!("{}, no test", names::factor(&test.term)),
+            .map(|test| match (names::factor(&test.term), test.lr, test.p) {
+                (term, Some(lr), Some(p)) => format!("{term}, χ²({}) = {}, {}", test.df, fixed(lr, 2), p_is(p)),
+                (term, ..) => format!("{term}, no test"),
             })
             .collect();
-        text.push_str(&tests.join("; "));
-        text.push('.');
+        text += &format!(" Terms were tested by likelihood ratios: {}.", tests.join("; "));
     }
     Some(text)
 }
 
-fn tests(methods: &mut Methods, results: &Results) -> Option<String> {
+fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     let tested: Vec<String> = (results.factors.iter())
         .filter_map(|factor| {
-            let f = factor.friedman?;
-            let name = names::factor(&factor.name);
+            let (f, name) = (factor.friedman?, names::factor(&factor.name));
             Some(format!("{name}, χ²({}) = {}, {}, W = {}", f.df, fixed(f.chi_squared, 2), p_is(f.p), unit(f.w)))
         })
         .collect();
     if tested.is_empty() {
         return None;
     }
-    let friedman = [methods.cite(r::FRIEDMAN), methods.cite(r::KENDALL)].join("; ");
     let mut text = format!(
-        "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test and Kendall’s coefficient of concordance ({friedman}): {}.",
+        "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test and Kendall’s \
+         coefficient of concordance ({}): {}.",
+        cited.cite("Friedman, 1937; Kendall & Babington Smith, 1939"),
         tested.join("; ")
     );
-    let pairs: Vec<_> = results.factors.iter().filter_map(|factor| factor.pairs.as_ref()).collect();
-    if pairs.iter().any(|pairs| !pairs.pairs.is_empty()) {
-        let exact = pairs.iter().flat_map(|pairs| &pairs.pairs).any(|pair| pair.test.method == PMethod::Exact);
-        let how = if exact { format!(", exact by {}", methods.cite(r::STREITBERG)) } else { String::new() };
-        let wilcoxon = methods.cite(r::WILCOXON);
-        let holm = methods.cite(r::HOLM);
-        text.push_str(&format!(
-            " Pairs of levels were compared with Wilcoxon’s signed-rank test ({wilcoxon}{how}), corrected within each factor by Holm’s method ({holm})."
-        ));
+    let pairs = || results.factors.iter().filter_map(|factor| factor.pairs.as_ref()).flat_map(|pairs| &pairs.pairs);
+    if pairs().next().is_some() {
+        let exact = pairs().any(|pair| pair.test.method == PMethod::Exact);
+        let how =
+            if exact { format!(", exact by {}", cited.cite("Streitberg & Röhmel, 1986")) } else { String::new() };
+        text += &format!(
+            " Pairs of levels were compared with Wilcoxon’s signed-rank test ({}{how}), corrected within each factor by \
+             Holm’s method ({}).",
+            cited.cite("Wilcoxon, 1945"),
+            cited.cite("Holm, 1979")
+        );
     }
     Some(text)
 }
 
-fn agreement(methods: &mut Methods, results: &Results) -> Option<String> {
+fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
     let level = percent(results.options.bootstrap.level);
-    let with = |interval: Option<crate::analysis::bootstrap::Interval>| {
-        interval.map(|i| format!(", {level} interval {}", range(Some(i), unit))).unwrap_or_default()
+    let with = |interval: Option<_>| match interval {
+        Some(_) => format!(", {level} interval {}", range(interval, unit)),
+        None => String::new(),
     };
-    let mut parts = Vec::new();
-    if let Some(alpha) = results.alpha {
-        let sources = [methods.cite(r::HAYES), methods.cite(r::KRIPPENDORFF)].join("; ");
-        parts.push(format!(
-            "Agreement between participants was measured with Krippendorff’s ordinal α ({sources}), a participant’s repeated ratings not being compared with each other: α = {}{}.",
+    let alpha = results.alpha.map(|alpha| {
+        format!(
+            "Agreement between participants was measured with Krippendorff’s ordinal α ({}); a participant’s repeated \
+             ratings were not compared with each other: α = {}{}.",
+            cited.cite("Hayes & Krippendorff, 2007; Krippendorff, 2019"),
             unit(alpha.alpha),
             with(alpha.interval)
-        ));
-    }
-    if let Some((kappa, interval)) = results.kappa {
-        parts.push(format!(
+        )
+    });
+    let kappa = results.kappa.map(|(kappa, interval)| {
+        format!(
             "Agreement of first and second ratings was measured with Cohen’s κ with quadratic weights ({}): κ = {}{}{}.",
-            methods.cite(r::COHEN),
+            cited.cite("Cohen, 1968"),
             unit(kappa),
             if results.is_inferential() { " on average" } else { "" },
             with(interval)
-        ));
-    }
+        )
+    });
+    let parts: Vec<String> = alpha.into_iter().chain(kappa).collect();
     (!parts.is_empty()).then(|| parts.join(" "))
 }
 
-fn bootstrap(methods: &mut Methods, results: &Results) -> Option<String> {
+fn bootstrap(cited: &mut Cited, results: &Results) -> Option<String> {
     let bootstrap = &results.options.bootstrap;
     let wald = if effects::is_clustered(results) {
         " Intervals of the model’s coefficients are Wald intervals."
@@ -218,35 +192,36 @@ fn bootstrap(methods: &mut Methods, results: &Results) -> Option<String> {
     };
     results.is_inferential().then(|| {
         format!(
-            "Intervals of means and of agreement are {} percentile intervals of {} bootstrap samples of participants ({}; ChaCha8, seed {}).{wald}",
+            "Intervals of means and of agreement are {} percentile intervals of {} bootstrap samples of participants ({}; \
+             ChaCha8, seed {}).{wald}",
             percent(bootstrap.level),
             whole(bootstrap.replicates as u64),
-            methods.cite(r::EFRON),
+            cited.cite("Efron & Tibshirani, 1993"),
             bootstrap.seed
         )
     })
 }
 
-fn vision(methods: &mut Methods, predicted: &Predicted) -> String {
-    let held = &predicted.held;
+fn vision(cited: &mut Cited, predicted: &StudyPrediction) -> String {
+    let comparison = &predicted.comparison;
     let mut text = format!(
-        "The visibility of the bands of every condition was predicted, for a window of {} and a white of {} cd/m², by a model of local energy \
-         ({}) in log-Gabor channels of light weighted by contrast sensitivity ({}).",
-        super::vision::degrees(predicted),
+        "The visibility of the bands of every condition was predicted, for a window of {} and a white of {} cd/m², by a \
+         model of local energy ({}) in log-Gabor channels of light weighted by contrast sensitivity ({}).",
+        degrees(predicted),
         fixed(predicted.sight.white_cd_m2, 0),
-        methods.cite(r::MORRONE),
-        methods.cite(r::BARTEN)
+        cited.cite("Morrone & Burr, 1988"),
+        cited.cite("Barten, 2003")
     );
-    if let Some(rho) = held.rank_correlation {
-        text.push_str(&format!(" Its rank correlation with the mean ratings was {}", unit(rho)));
-        if let (Some(each), Some([low, high])) = (held.with_subjects, held.ceiling) {
-            text.push_str(&format!(
+    if let Some(rho) = comparison.rank_correlation {
+        text += &format!(" Its rank correlation with the mean ratings was {}", unit(rho));
+        if let (Some(each), Some([low, high])) = (comparison.with_subjects, comparison.ceiling) {
+            text += &format!(
                 ", and with single participants {} on average, with a noise ceiling ({}) of {} to {}",
                 unit(each),
-                methods.cite(r::NILI),
+                cited.cite("Nili et al., 2014"),
                 unit(low),
                 unit(high)
-            ));
+            );
         }
         text.push('.');
     }

@@ -1,27 +1,32 @@
-//! A study as a reader sees it: what it says, in sentences and tables.
+//! A study as a document: which sections it has, and what they say of its results, from a summary in plain words down to
+//! what is needed to repeat the analysis.
 //!
-//! No sentence is fixed that could be false of some results: each is computed.
+//! No sentence is fixed that could be false of some results: each is computed. Of one participant nothing is said that
+//! would hold for another: no test, no interval, no probability.
 
-pub(crate) mod agreement;
-pub(crate) mod cautions;
-pub(crate) mod description;
-pub(crate) mod design;
-pub(crate) mod effects;
-pub(crate) mod findings;
-pub(crate) mod health;
-pub(crate) mod methods;
-pub(crate) mod model;
-pub(crate) mod names;
-pub(crate) mod oddities;
-pub(crate) mod ranks;
+mod agreement;
+mod cautions;
+mod description;
+mod design;
+mod effects;
+mod findings;
+mod health;
+mod limits;
+mod methods;
+mod model;
+mod names;
+mod oddities;
+mod provenance;
+mod ranks;
 mod read;
-pub(crate) mod references;
-pub(crate) mod repeat;
-pub(crate) mod sittings;
-pub(crate) mod summary;
-pub(crate) mod times;
-pub(crate) mod vision;
+mod references;
+mod sections;
+mod sittings;
+mod summary;
+mod times;
+mod vision;
 
+pub use provenance::{Provenance, shell_command};
 pub use read::Study;
-pub use repeat::Repetition;
+pub use sections::{Parts, document};
 pub use summary::{Summary, summary};

@@ -1,7 +1,13 @@
-//! Factors, levels and categories as sentences and tables name them.
+//! Participants, factors, levels and categories as sentences and tables name them.
 
 use crate::{
-    analysis::{Results, counts::Counts, number_of},
+    analysis::{
+        Results,
+        counts::Counts,
+        number_of,
+        results::{FactorResults, SubjectResults},
+        summary::Group,
+    },
     experiment::Protocol,
 };
 
@@ -9,12 +15,12 @@ use crate::{
 const DEGREES: &str = "_deg";
 
 /// The factor's name; `orientation` for `orientation_deg`, whose levels bear the unit.
-pub(crate) fn factor(name: &str) -> &str {
+pub(super) fn factor(name: &str) -> &str {
     name.strip_suffix(DEGREES).filter(|name| !name.is_empty()).unwrap_or(name)
 }
 
 /// A level: `45°`, `∞`, `0.4`; `(none)` where the value is missing.
-pub(crate) fn level(factor: &str, level: &str) -> String {
+pub(super) fn level(factor: &str, level: &str) -> String {
     match level {
         "" => "(none)".to_owned(),
         "inf" => "∞".to_owned(),
@@ -23,25 +29,40 @@ pub(crate) fn level(factor: &str, level: &str) -> String {
     }
 }
 
-/// Whether going up through the levels leads back to the first: `rises with orientation` would mean nothing.
-pub(crate) fn is_circular(factor: &str) -> bool {
-    ["orientation", "angle", "hue", "direction"].iter().any(|word| factor.to_lowercase().contains(word))
+/// The level that a group of ratings is of.
+pub(super) fn level_of(factor: &FactorResults, group: &Group) -> String {
+    level(&factor.name, group.names.first().map_or("", String::as_str))
 }
 
-/// Whether "more of it" has a meaning: numbers that are no directions.
-pub(crate) fn is_ordered(counts: &Counts, name: &str) -> bool {
-    let numbers = counts.factors.iter().find(|factor| factor.name == name).and_then(|factor| factor.numbers.as_ref());
-    numbers.is_some() && !is_circular(name)
+/// The levels of a condition: `width 0.4, depth ∞`, of the factors that vary.
+pub(super) fn condition(counts: &Counts, condition: u32) -> String {
+    let levels = counts.factors.iter().zip(counts.level_names(condition));
+    let parts: Vec<String> = (levels.filter(|(one, _)| one.levels.len() > 1))
+        .map(|(one, name)| format!("{} {}", factor(&one.name), level(&one.name, name)))
+        .collect();
+    if parts.is_empty() { "the only condition".to_owned() } else { parts.join(", ") }
+}
+
+/// The participant's name.
+pub(super) fn participant(subject: &SubjectResults) -> &str {
+    subject.group.names.first().map_or("", String::as_str)
+}
+
+/// Whether "more of it" has a meaning: numbers that are no directions, for which going up leads back to the first.
+pub(super) fn is_ordered(counts: &Counts, name: &str) -> bool {
+    let is_direction =
+        ["orientation", "angle", "hue", "direction"].iter().any(|word| name.to_lowercase().contains(word));
+    !is_direction && counts.factor(name).is_some_and(|(_, factor)| factor.numbers.is_some())
 }
 
 /// The answers of a definition: `0 (No band)`.
-pub(crate) fn categories_of(protocol: &Protocol) -> Vec<String> {
+pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
     let categories = protocol.response.categories.iter().enumerate();
     categories.map(|(rating, category)| format!("{rating} ({})", category.label)).collect()
 }
 
-/// The lowest and the highest category, with what they mean where a definition tells.
-pub(crate) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(String, String)> {
+/// The lowest and the highest category, with what they mean where a definition says so.
+pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(String, String)> {
     let names = match protocol {
         Some(protocol) if protocol.response.categories.len() == counts.categories.len() => categories_of(protocol),
         _ => counts.categories.clone(),
@@ -50,11 +71,11 @@ pub(crate) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(Stri
 }
 
 /// Whether the categories are texts, so that means count positions from 0.
-pub(crate) fn categories_are_texts(counts: &Counts) -> bool {
+pub(super) fn categories_are_texts(counts: &Counts) -> bool {
     counts.categories.iter().any(|category| !number_of(category).is_some_and(f64::is_finite))
 }
 
 /// The factors that vary.
-pub(crate) fn varied(results: &Results) -> impl Iterator<Item = &crate::analysis::results::FactorResults> {
+pub(super) fn varied(results: &Results) -> impl Iterator<Item = &FactorResults> {
     results.factors.iter().filter(|factor| factor.levels.len() > 1)
 }

@@ -2,16 +2,18 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde_json::Value;
+use serde_json::Value as Json;
 
-use crate::report::document::numbers::fixed;
-use crate::store::{
-    ratings::{SessionRead, Source},
-    sidecar::{PreflightNote, Sitting},
+use crate::{
+    report::document::numbers::fixed,
+    store::{
+        ratings::{SessionRead, Source},
+        sidecar::{PreflightNote, Sitting},
+    },
 };
 
-/// Something that sittings have in common or not.
-pub(crate) struct Property {
+/// Something that sittings may have in common.
+pub(super) struct Property {
     /// What.
     pub name: &'static str,
     /// Its values, each with the number of sittings.
@@ -19,28 +21,28 @@ pub(crate) struct Property {
 }
 
 /// Every sitting with its session.
-pub(crate) fn all(source: &Source) -> impl Iterator<Item = (&SessionRead, &Sitting)> {
+pub(super) fn all(source: &Source) -> impl Iterator<Item = (&SessionRead, &Sitting)> {
     source.sessions.iter().flat_map(|session| {
         session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings).map(move |sitting| (session, sitting))
     })
 }
 
 /// Whether a program, and not a person, gave ratings of a session.
-pub(crate) fn is_simulated(session: &SessionRead) -> bool {
+pub(super) fn is_simulated(session: &SessionRead) -> bool {
     session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings).any(|sitting| sitting.observer.is_some())
 }
 
 /// Subjects whose ratings a program gave, in whole or in part.
-pub(crate) fn simulated(source: &Source) -> Vec<String> {
+pub(super) fn simulated(source: &Source) -> Vec<String> {
     let names: BTreeSet<&str> =
         source.sessions.iter().filter(|session| is_simulated(session)).map(|s| s.subject.as_str()).collect();
     names.into_iter().map(str::to_owned).collect()
 }
 
-/// What is the same in all sittings, and what is not; only what any of them tells.
-pub(crate) fn properties(source: &Source) -> Vec<Property> {
-    type Tell = fn(&Sitting) -> Option<String>;
-    let tells: [(&'static str, Tell); 7] = [
+/// What is the same in all sittings, and what is not; only what any of them records.
+pub(super) fn properties(source: &Source) -> Vec<Property> {
+    type Value = fn(&Sitting) -> Option<String>;
+    let values_of: [(&'static str, Value); 7] = [
         ("program", program),
         ("observer", observer),
         ("display profile", display),
@@ -49,21 +51,21 @@ pub(crate) fn properties(source: &Source) -> Vec<Property> {
         ("stimulus", stimulus),
         ("median frame interval", |s| Some(format!("{} ms", fixed(1e3 * number(s.frames.as_ref()?, "median_s")?, 1)))),
     ];
-    (tells.into_iter())
-        .filter_map(|(name, tell)| {
+    (values_of.into_iter())
+        .filter_map(|(name, value_of)| {
             let mut values: BTreeMap<Option<String>, usize> = BTreeMap::new();
             for (_, sitting) in all(source) {
-                *values.entry(tell(sitting)).or_default() += 1;
+                *values.entry(value_of(sitting)).or_default() += 1;
             }
-            let told = values.keys().any(Option::is_some);
+            let recorded = values.keys().any(Option::is_some);
             let value = |value: Option<String>| value.unwrap_or_else(|| "not recorded".to_owned());
-            told.then(|| Property { name, values: values.into_iter().map(|(v, n)| (value(v), n)).collect() })
+            recorded.then(|| Property { name, values: values.into_iter().map(|(v, n)| (value(v), n)).collect() })
         })
         .collect()
 }
 
-/// What was found before sessions and was not as it should be, each sentence with the number of sittings.
-pub(crate) fn preflight(source: &Source) -> Vec<(String, usize)> {
+/// Problems found by checks before sessions, each sentence with the number of sittings.
+pub(super) fn preflight(source: &Source) -> Vec<(String, usize)> {
     let mut sentences: BTreeMap<&str, usize> = BTreeMap::new();
     for note in all(source).flat_map(|(_, sitting)| &sitting.preflight).filter(|note: &&PreflightNote| !note.ok) {
         *sentences.entry(note.sentence.as_str()).or_default() += 1;
@@ -71,8 +73,8 @@ pub(crate) fn preflight(source: &Source) -> Vec<(String, usize)> {
     sentences.into_iter().map(|(sentence, n)| (sentence.to_owned(), n)).collect()
 }
 
-/// What was mended or moved while sessions ran.
-pub(crate) fn incidents(source: &Source) -> Vec<String> {
+/// What was repaired or moved while sessions ran.
+pub(super) fn incidents(source: &Source) -> Vec<String> {
     all(source)
         .flat_map(|(session, sitting)| {
             let who = |incident| format!("{}, session {}: {incident}", session.subject, session.session);
@@ -82,7 +84,7 @@ pub(crate) fn incidents(source: &Source) -> Vec<String> {
 }
 
 /// The first and the last day on which a sitting began, `2026-11-21`.
-pub(crate) fn days(source: &Source) -> Option<(String, String)> {
+pub(super) fn days(source: &Source) -> Option<(String, String)> {
     let day = |(_, sitting): (_, &Sitting)| sitting.started_at.get(..10).map(str::to_owned);
     let days: BTreeSet<String> = all(source).filter_map(day).collect();
     Some((days.first()?.clone(), days.last()?.clone()))
@@ -97,7 +99,7 @@ fn program(sitting: &Sitting) -> Option<String> {
 fn observer(sitting: &Sitting) -> Option<String> {
     Some(match &sitting.observer {
         None => "a person".to_owned(),
-        Some(observer) => match observer.get("observer").and_then(Value::as_str) {
+        Some(observer) => match observer.get("observer").and_then(Json::as_str) {
             Some(name) => format!("simulated: {name}"),
             None => "simulated".to_owned(),
         },
@@ -106,9 +108,9 @@ fn observer(sitting: &Sitting) -> Option<String> {
 
 fn display(sitting: &Sitting) -> Option<String> {
     let display = sitting.display.as_ref()?;
-    let text = |key: &str| display.get(key).and_then(Value::as_str);
+    let text = |key: &str| display.get(key).and_then(Json::as_str);
     let measured = match display.get("measured").filter(|measured| !measured.is_null()) {
-        Some(measured) => format!("measured {}", plain(measured)),
+        Some(measured) => format!("measured {}", measured.as_str().map_or_else(|| measured.to_string(), str::to_owned)),
         None => "not measured".to_owned(),
     };
     let parts = [text("name"), text("transfer"), Some(measured.as_str())];
@@ -117,7 +119,7 @@ fn display(sitting: &Sitting) -> Option<String> {
 
 fn monitor(sitting: &Sitting) -> Option<String> {
     let monitor = sitting.monitor.as_ref()?;
-    let name = monitor.get("name").and_then(Value::as_str).unwrap_or("without a name");
+    let name = monitor.get("name").and_then(Json::as_str).unwrap_or("without a name");
     let size = number(monitor, "width_px").zip(number(monitor, "height_px"));
     let size = size.map(|(width, height)| format!(", {width} × {height} pixels")).unwrap_or_default();
     let refresh = number(monitor, "refresh_hz").map(|hz| format!(", {} Hz", trimmed(hz, 2))).unwrap_or_default();
@@ -126,7 +128,7 @@ fn monitor(sitting: &Sitting) -> Option<String> {
 
 fn stimulus(sitting: &Sitting) -> Option<String> {
     let viewing = sitting.viewing.as_ref()?;
-    let windowed = viewing.get("windowed").and_then(Value::as_bool) == Some(true);
+    let windowed = viewing.get("windowed").and_then(Json::as_bool) == Some(true);
     Some(format!(
         "{}° in {} pixels{}",
         trimmed(number(viewing, "stimulus_deg")?, 2),
@@ -135,17 +137,12 @@ fn stimulus(sitting: &Sitting) -> Option<String> {
     ))
 }
 
-fn number(value: &Value, key: &str) -> Option<f64> {
-    value.get(key).and_then(Value::as_f64)
+fn number(value: &Json, key: &str) -> Option<f64> {
+    value.get(key).and_then(Json::as_f64)
 }
 
 /// At most so many decimals.
 fn trimmed(number: f64, decimals: i32) -> f64 {
     let scale = 10_f64.powi(decimals);
     (number * scale).round() / scale
-}
-
-/// A text without its quotes, anything else as JSON.
-fn plain(value: &Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }

@@ -1,56 +1,48 @@
 //! Response times.
 
-use maud::{Markup, html};
-
 use super::names;
-use crate::analysis::{Results, times::Quartiles};
-use crate::report::document::numbers::{fixed, whole};
-use crate::report::skins::html::table::{Column, Kind, table};
+use crate::{
+    analysis::{Results, times::Quartiles},
+    report::{
+        document::{
+            Section,
+            numbers::{maybe, whole},
+        },
+        figures::Figure,
+    },
+};
 
 /// The section.
-pub(crate) fn section(results: &Results, figures: Markup) -> Markup {
+pub(super) fn section<'a>(results: &Results, figures: impl Iterator<Item = &'a Figure>) -> Section {
+    let mut section = Section::new("times", "Response times");
     if results.times.iter().all(Option::is_none) {
-        return html! { p { "The files have no response times, or they were not asked for." } };
+        section.text("The files have no response times, or they were not read.");
+        return section;
     }
+    section.text(
+        "Times run from the onset of the stimulus to the rating, in seconds. They are counted in steps of 5\u{a0}%, so a \
+         quartile is right to 2.5\u{a0}%. They are described and not tested.",
+    );
+    section.figures(figures);
     let counts = &results.measured.counts;
-    let subjects = (results.subjects.iter())
-        .map(|subject| (subject.group.names.first().cloned().unwrap_or_default(), subject.times))
-        .collect();
-    html! {
-        p {
-            "From the onset of the stimulus to the rating, in seconds. Times are counted in steps of 5\u{a0}%, so a quartile is right to 2.5\u{a0}%. "
-            "They are described and not tested."
-        }
-        (figures)
-        (quartiles("Response times by rating", "Rating", counts.categories.iter().cloned().zip(results.times.iter().copied()).collect()))
-        @for factor in names::varied(results) {
-            (quartiles(
-                &format!("Response times by {}", names::factor(&factor.name)),
-                names::factor(&factor.name),
-                level_times(results, &factor.name, &factor.times),
-            ))
-        }
-        (quartiles("Response times by participant", "Participant", subjects))
+    quartiles(&mut section, "Rating", "rating", counts.categories.iter().cloned().zip(results.times.iter().copied()));
+    for factor in names::varied(results) {
+        let levels = counts.factor(&factor.name).map_or(&[][..], |(_, factor)| &factor.levels);
+        let levels = levels.iter().map(|level| names::level(&factor.name, level));
+        let name = names::factor(&factor.name);
+        quartiles(&mut section, name, name, levels.zip(factor.times.iter().copied()));
     }
+    let subjects = results.subjects.iter().map(|subject| (names::participant(subject).to_owned(), subject.times));
+    quartiles(&mut section, "Participant", "participant", subjects);
+    section
 }
 
-fn level_times(results: &Results, name: &str, times: &[Option<Quartiles>]) -> Vec<(String, Option<Quartiles>)> {
-    let factor = results.measured.counts.factors.iter().find(|factor| factor.name == name);
-    let levels = factor.map(|factor| factor.levels.as_slice()).unwrap_or_default();
-    levels.iter().map(|level| names::level(name, level)).zip(times.iter().copied()).collect()
-}
-
-fn quartiles(caption: &str, first: &str, rows: Vec<(String, Option<Quartiles>)>) -> Markup {
-    let columns: [Column<'_>; 5] = [
-        (first, Kind::Text),
-        ("Answers", Kind::Number),
-        ("Lower quartile", Kind::Number),
-        ("Median", Kind::Number),
-        ("Upper quartile", Kind::Number),
-    ];
-    let row = |(name, times): (String, Option<Quartiles>)| match times {
-        None => vec![name, "0".to_owned(), "–".to_owned(), "–".to_owned(), "–".to_owned()],
-        Some(t) => vec![name, whole(t.n), fixed(t.lower, 2), fixed(t.median, 2), fixed(t.upper, 2)],
+fn quartiles(section: &mut Section, head: &str, by: &str, rows: impl Iterator<Item = (String, Option<Quartiles>)>) {
+    let row = |(name, times): (String, Option<Quartiles>)| {
+        let seconds = [times.map(|t| t.lower), times.map(|t| t.median), times.map(|t| t.upper)];
+        let n = whole(times.map_or(0, |times| times.n));
+        [name, n].into_iter().chain(seconds.map(|seconds| maybe(seconds, 2))).collect()
     };
-    table(caption, &columns, rows.into_iter().map(row).collect::<Vec<_>>())
+    let numbers = ["Answers", "Lower quartile", "Median", "Upper quartile"];
+    section.table(format!("Response times by {by}"), &[head], &numbers, rows.map(row).collect());
 }

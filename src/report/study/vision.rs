@@ -1,13 +1,17 @@
 //! What the model of vision predicts: the paper's Figure 4 beside the ratings', how far its order is theirs, and where
 //! it is furthest from them.
 
-use maud::{Markup, html};
-
 use super::{names, sittings};
-use crate::report::document::numbers::{count, fixed, list, mean, unit, whole};
 use crate::{
     analysis::{Results, counts::Counts, summary::category_values},
-    report::prediction::{Held, Predicted, Unpredicted},
+    report::{
+        document::{
+            Section,
+            numbers::{count, fixed, list, mean, unit, whole},
+        },
+        figures::Figure,
+        prediction::{Comparison, PredictionError, StudyPrediction},
+    },
     store::ratings::Source,
 };
 
@@ -15,47 +19,58 @@ use crate::{
 const FURTHEST: usize = 3;
 
 /// The section; `figures` stand side by side, measured and predicted.
-pub(crate) fn section(
+pub(super) fn section<'a>(
     source: &Source,
     results: &Results,
-    predicted: &Result<Predicted, Unpredicted>,
-    figures: Markup,
-) -> Markup {
-    let predicted = match predicted {
-        Ok(predicted) => predicted,
-        Err(why) => return html! { p { "There is no prediction: " (why) "." } },
+    prediction: &Result<StudyPrediction, PredictionError>,
+    figures: impl Iterator<Item = &'a Figure>,
+) -> Section {
+    let mut section = Section::new("vision", "What the model of vision predicts");
+    let prediction = match prediction {
+        Ok(prediction) => prediction,
+        Err(error) => {
+            section.text(format!("There is no prediction: {error}."));
+            return section;
+        }
     };
-    let counts = &results.measured.counts;
-    html! {
-        p {
-            "A model of early vision looks at the stimulus of every condition, in a window " (degrees(predicted)) " wide on a screen whose white has "
-            (fixed(predicted.sight.white_cd_m2, 0)) " cd/m², and says how visible its bands are: 0 for none, 1 for what is just seen. "
-            "It knows no ratings. Only the criterion is fitted to them: " (criterion(&predicted.held, counts)) "."
-        }
-        (figures)
-        p { (order(&predicted.held, counts)) }
-        p { (ceiling(&predicted.held)) }
-        @if let Some(sentence) = furthest(results, predicted) { p { (sentence) } }
-        @if is_circular(source) {
-            p.warning { "Ratings of this study were simulated with this very model: that it predicts them says nothing about eyes." }
-        }
+    let (counts, comparison) = (&results.measured.counts, &prediction.comparison);
+    section.text(format!(
+        "A model of early vision looks at the stimulus of every condition, in a window {} wide on a screen whose white has \
+         {} cd/m². It says how visible the bands are: 0 for none, 1 for what is just seen. It knows no ratings. Only the \
+         criterion is fitted to them: {}.",
+        degrees(prediction),
+        fixed(prediction.sight.white_cd_m2, 0),
+        criterion(comparison, counts)
+    ));
+    section.figures(figures);
+    section.text(order(comparison, counts));
+    section.text(ceiling(comparison));
+    section.blocks.extend(furthest(counts, prediction).map(crate::report::document::Block::Text));
+    let is_circular = sittings::all(source)
+        .filter_map(|(_, sitting)| sitting.observer.as_ref()?.get("observer")?.as_str())
+        .any(|observer| observer == "vision");
+    if is_circular {
+        section.warning(
+            "Ratings of this study were simulated with this very model: that it predicts them says nothing about eyes.",
+        );
     }
+    section
 }
 
 /// The width of the window, with its unit.
-pub(crate) fn degrees(predicted: &Predicted) -> String {
-    let text = fixed(predicted.sight.window_deg, 2);
+pub(super) fn degrees(prediction: &StudyPrediction) -> String {
+    let text = fixed(prediction.sight.window_deg, 2);
     format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
-fn criterion(held: &Held, counts: &Counts) -> String {
-    let below: Vec<String> = counts.categories.iter().take(3).map(|c| names::level("", c)).collect();
-    let thresholds: Vec<String> = held.criterion.thresholds.iter().map(|t| visibility(*t)).collect();
+fn criterion(comparison: &Comparison, counts: &Counts) -> String {
+    let below: Vec<String> = counts.categories.iter().take(3).map(|category| names::level("", category)).collect();
+    let thresholds: Vec<String> = comparison.criterion.thresholds.iter().map(|t| visibility(*t)).collect();
     format!(
         "half of the ratings are above {} at a visibility of {}, with a spread of {} on its logarithm",
         list(&below),
         list(&thresholds),
-        fixed(held.criterion.spread, 2)
+        fixed(comparison.criterion.spread, 2)
     )
 }
 
@@ -68,74 +83,48 @@ fn visibility(value: f64) -> String {
     }
 }
 
-fn order(held: &Held, counts: &Counts) -> String {
+fn order(comparison: &Comparison, counts: &Counts) -> String {
+    let Some(rho) = comparison.rank_correlation else {
+        return "All conditions are predicted, or rated, alike: there is no order to compare.".to_owned();
+    };
     let all = counts.conditions.len();
-    let of = if held.conditions < all { format!(" of {}", whole(all as u64)) } else { String::new() };
-    let conditions = if all == 1 { "condition" } else { "conditions" };
-    match held.rank_correlation {
-        Some(rho) => format!(
-            "Over {}{of} {conditions} and {}, the rank correlation of visibility and mean rating (Spearman) is {}.",
-            whole(held.conditions as u64),
-            count(held.ratings, "rating"),
-            unit(rho)
-        ),
-        None => "All conditions are predicted, or rated, alike: there is no order to compare.".to_owned(),
-    }
+    let of = if comparison.conditions < all { format!(" of {}", whole(all as u64)) } else { String::new() };
+    format!(
+        "Over {}{of} {} and {}, the rank correlation of visibility and mean rating (Spearman) is {}.",
+        whole(comparison.conditions as u64),
+        if all == 1 { "condition" } else { "conditions" },
+        count(comparison.ratings, "rating"),
+        unit(rho)
+    )
 }
 
 /// Where the prediction stands between nothing and all that can be predicted.
-fn ceiling(held: &Held) -> String {
-    let (Some(each), Some([low, high])) = (held.with_subjects, held.ceiling) else {
-        return "How much of the order could be predicted at all is not known: that takes the agreement of two participants or more."
+fn ceiling(comparison: &Comparison) -> String {
+    let (Some(each), Some([low, high])) = (comparison.with_subjects, comparison.ceiling) else {
+        return "It is not known how much of the order could be predicted at all: that takes the agreement of two \
+                participants or more."
             .to_owned();
     };
     let verdict = if each < low {
-        "The model is below it: participants predict each other better than the model does, so there is order in their ratings that it misses."
+        "The model is below it: participants predict each other better than the model does, so it misses some order in \
+         their ratings."
     } else if each <= high {
-        "The model is at it: it predicts a participant as well as the other participants do, and these ratings cannot tell it from a perfect one."
+        "The model is at it: it predicts a participant as well as the other participants do, and these ratings cannot \
+         tell it from a perfect one."
     } else {
         "The model is above it, which is more than agreement allows: so many ratings are alike that the measure is coarse."
     };
     format!(
-        "With single participants the correlation is {} on average. The noise ceiling, how well they agree with the mean of the others and with \
-         the mean of all, is {} to {}. {verdict}",
+        "With single participants the correlation is {} on average. The noise ceiling, which is how well they agree with \
+         the mean of the others and with the mean of all, is {} to {}. {verdict}",
         unit(each),
         unit(low),
         unit(high)
     )
 }
 
-/// The conditions whose mean ratings are furthest from what was predicted.
-fn furthest(results: &Results, predicted: &Predicted) -> Option<String> {
-    let counts = &results.measured.counts;
-    let mut far: Vec<(u32, f64, f64)> = measured(counts)
-        .into_iter()
-        .filter_map(|(condition, mean)| Some((condition, mean, *predicted.ratings.get(condition as usize)?.as_ref()?)))
-        .collect();
-    // Of equal distances the first conditions, so that equal ratings give an equal page.
-    far.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
-    far.truncate(FURTHEST);
-    if far.is_empty() {
-        return None;
-    }
-    let one = |(condition, rated, expected): &(u32, f64, f64)| {
-        format!("{} (rated {}, predicted {})", condition_name(counts, *condition), mean(*rated), mean(*expected))
-    };
-    let named: Vec<String> = far.iter().map(one).collect();
-    Some(format!("Furthest from the mean ratings are the predictions for {}.", named.join("; for ")))
-}
-
-fn condition_name(counts: &Counts, condition: u32) -> String {
-    let levels = counts.level_names(condition);
-    let named = counts.factors.iter().zip(levels).filter(|(factor, _)| factor.levels.len() > 1);
-    let parts: Vec<String> = named
-        .map(|(factor, level)| format!("{} {}", names::factor(&factor.name), names::level(&factor.name, level)))
-        .collect();
-    if parts.is_empty() { "the only condition".to_owned() } else { parts.join(", ") }
-}
-
-/// The mean rating of every condition that has ratings.
-fn measured(counts: &Counts) -> Vec<(u32, f64)> {
+/// The conditions whose mean ratings are furthest from the prediction.
+fn furthest(counts: &Counts, prediction: &StudyPrediction) -> Option<String> {
     let values = category_values(counts);
     let mut sums = vec![(0.0, 0.0); counts.conditions.len()];
     for row in &counts.rows {
@@ -143,12 +132,18 @@ fn measured(counts: &Counts) -> Vec<(u32, f64)> {
         *sum += values[usize::from(row.rating)] * row.count as f64;
         *n += row.count as f64;
     }
-    (0..).zip(sums).filter(|(_, (_, n))| *n > 0.0).map(|(condition, (sum, n))| (condition, sum / n)).collect()
-}
-
-/// Whether the model itself, as an observer, gave ratings.
-fn is_circular(source: &Source) -> bool {
-    let observers =
-        sittings::all(source).filter_map(|(_, sitting)| sitting.observer.as_ref()?.get("observer")?.as_str());
-    observers.into_iter().any(|observer| observer == "vision")
+    let mut far: Vec<(u32, f64, f64)> = ((0..).zip(sums).zip(&prediction.ratings))
+        .filter(|((_, (_, n)), _)| *n > 0.0)
+        .filter_map(|((condition, (sum, n)), expected)| Some((condition, sum / n, (*expected)?)))
+        .collect();
+    // Of equal distances the first conditions, so that equal ratings give an equal page.
+    far.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
+    let named: Vec<String> = (far.iter().take(FURTHEST))
+        .map(|(condition, rated, expected)| {
+            let name = names::condition(counts, *condition);
+            format!("{name} (rated {}, predicted {})", mean(*rated), mean(*expected))
+        })
+        .collect();
+    (!named.is_empty())
+        .then(|| format!("The predictions furthest from the mean ratings are those for {}.", named.join("; for ")))
 }

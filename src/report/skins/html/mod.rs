@@ -1,27 +1,148 @@
-//! `report.html`: one file that opens anywhere without a network, from a summary in plain words down to what is needed
-//! to repeat the analysis.
-//!
-//! No sentence is fixed that could be false of some results: each is computed.
-//! Of one participant nothing is said that would hold for another: no test, no interval, no probability.
+//! `report.html`: one file that opens anywhere without a network.
 
-mod page;
-pub(crate) mod table;
+use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
-use crate::analysis::Results;
 use crate::report::{
-    Repetition, Study,
+    document::{Block, Document, Table, numbers::whole},
     figures::Figure,
-    prediction::{Predicted, Unpredicted},
+    study::Provenance,
 };
 
-/// The page, as HTML. `predicted` is what the model of vision says of the ratings that the results are of; `figures`
-/// have it too.
-pub fn report(
-    study: &Study,
-    results: &Results,
-    figures: &[Figure],
-    predicted: &Result<Predicted, Unpredicted>,
-    how: &Repetition,
-) -> String {
-    page::page(&study.source, results, figures, predicted, how).into_string()
+const STYLE: &str = include_str!("style.css");
+/// Longest title that tabs and search results show.
+const TITLE_CHARACTERS: usize = 60;
+/// Most rows that a page shows of one table; all of them are in the CSV files beside it.
+const MOST_ROWS: usize = 2000;
+/// Above so many rows, a table waits behind its caption until it is asked for.
+const MANY_ROWS: usize = 24;
+/// And text to be copied above so many lines.
+const MANY_LINES: usize = 12;
+
+/// A document as a page.
+pub fn html(document: &Document, provenance: &Provenance) -> String {
+    let Document { title, subtitle, sections } = document;
+    let page = markup! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light";
+                meta name="generator" content={ "machband " (provenance.version) };
+                title { (shortened(title)) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { (title) }
+                    p {
+                        (subtitle) " · made " (provenance.made_at.strftime("%Y-%m-%d").to_string())
+                        " with machband " (provenance.version)
+                    }
+                }
+                nav aria-label="Contents" {
+                    ol { @for section in sections { li { a href={ "#" (section.id) } { (section.heading) } } } }
+                }
+                main {
+                    @for section in sections {
+                        section id=(section.id) {
+                            h2 { (section.heading) }
+                            @for run in section.blocks.chunk_by(|a, b| is_figure(a) && is_figure(b)) {
+                                @if is_figure(&run[0]) {
+                                    div.figures { @for block in run { (block_markup(block)) } }
+                                } @else {
+                                    (block_markup(&run[0]))
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    };
+    page.into_string()
+}
+
+fn shortened(title: &str) -> String {
+    if title.chars().count() <= TITLE_CHARACTERS {
+        return title.to_owned();
+    }
+    let start: String = title.chars().take(TITLE_CHARACTERS).collect();
+    format!("{}…", start.rsplit_once(' ').map_or(start.as_str(), |(words, _)| words))
+}
+
+fn is_figure(block: &Block) -> bool {
+    matches!(block, Block::Figure(_))
+}
+
+fn block_markup(block: &Block) -> Markup {
+    markup! {
+        @match block {
+            Block::Heading(text) => h3 { (text) },
+            Block::Text(text) => p { (text) },
+            Block::Note(text) => p.note { (text) },
+            Block::Warning(text) => p.warning { (text) },
+            Block::List(items) => ul { @for item in items { li { (linked(item)) } } },
+            Block::Code(text) => (folded(text.lines().count() > MANY_LINES, "Show it", markup! { pre { code { (text) } } })),
+            Block::Table(table) => (table_markup(table)),
+            Block::Figure(figure) => (figure_markup(figure)),
+        }
+    }
+}
+
+/// Text with the address at its end as a link.
+fn linked(text: &str) -> Markup {
+    let (before, address) = text.find("https://").map_or((text, ""), |at| text.split_at(at));
+    markup! {
+        (before)
+        @if !address.is_empty() { a href=(address) { (address) } }
+    }
+}
+
+/// Something long waits behind a line until it is asked for.
+fn folded(is_long: bool, line: &str, content: Markup) -> Markup {
+    if is_long {
+        markup! { details { summary { (line) } (content) } }
+    } else {
+        content
+    }
+}
+
+/// A table, whose first column names the rows, and which scrolls sideways where the page is narrow.
+fn table_markup(table: &Table) -> Markup {
+    let Table { caption, header, texts, rows } = table;
+    let class = |column: usize| (column >= *texts).then_some("number");
+    let body = markup! {
+        div.scroll {
+            table {
+                caption { (caption) }
+                thead { tr { @for (column, name) in header.iter().enumerate() { th scope="col" class=[class(column)] { (name) } } } }
+                tbody {
+                    @for row in rows.iter().take(MOST_ROWS) {
+                        tr {
+                            @for (column, cell) in row.iter().enumerate() {
+                                @if column == 0 { th scope="row" class=[class(column)] { (cell) } }
+                                @else { td class=[class(column)] { (cell) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        @if rows.len() > MOST_ROWS {
+            p.note { "The first " (whole(MOST_ROWS as u64)) " of " (whole(rows.len() as u64)) " rows." }
+        }
+    };
+    folded(rows.len() > MANY_ROWS, &format!("{caption} – {} rows", rows.len()), body)
+}
+
+fn figure_markup(figure: &Figure) -> Markup {
+    // From its root element on, without what makes it a file of its own.
+    let svg = figure.svg.find("<svg").map_or("", |root| &figure.svg[root..]);
+    markup! {
+        figure.wide[figure.wide] {
+            div.scroll { (PreEscaped(svg)) }
+            figcaption { strong { (figure.title) "." } " " (figure.caption) }
+        }
+    }
 }

@@ -1,0 +1,357 @@
+//! A study that is open: its filters and settings, and the document that comes of them.
+
+use std::{path::PathBuf, sync::Arc};
+
+use eframe::egui::{self, CentralPanel, Frame, Panel, RichText, ScrollArea};
+
+use super::{
+    document::DocumentView,
+    export::{self, Export, Exported},
+    filters::Filters,
+    settings::Settings,
+    source,
+};
+use crate::{
+    analysis::{Options, Results, analyse},
+    app::ui::{
+        Field, fault, heading, hint, quiet, theme,
+        work::{Progress, Work},
+    },
+    report::{
+        Study,
+        document::{Document, numbers::count},
+        figures::{self, Figure},
+        prediction::StudyPrediction,
+        study::{Parts, document},
+    },
+    store::ratings::Reading,
+};
+
+/// Narrower than this, the data and filters are a view of their own.
+const NARROW: f32 = 700.0;
+/// The view of data and filters.
+const DATA: (&str, &str) = ("data", "Data");
+/// The section that is computed when it is looked at, since it takes its time.
+const VISION: (&str, &str) = ("vision", "What the model of vision predicts");
+
+/// Something that only the page can do.
+pub enum Request {
+    /// Other data.
+    OtherData,
+    /// Other columns of the same file.
+    Columns,
+    /// The same files, read in another way.
+    Read(Reading),
+}
+
+/// The data and its analysis.
+pub struct OpenStudy {
+    study: Arc<Study>,
+    how: Reading,
+    filters: Filters,
+    settings: Settings,
+    /// What was analyzed last, finished or not.
+    asked: Option<Query>,
+    work: Option<Work<Option<Outcome>>>,
+    /// The last outcome.
+    shown: Option<(Outcome, DocumentView)>,
+    /// The document with a prediction.
+    predicting: Option<Work<Document>>,
+    fault: Option<String>,
+    /// Why the files could not be read in another way.
+    not_reread: Option<String>,
+    /// The address of the section that is looked at.
+    section: &'static str,
+    export: Export,
+    paths: Vec<PathBuf>,
+    copied: Option<String>,
+    request: Option<Request>,
+}
+
+/// What is asked of the data.
+#[derive(Clone, Debug, PartialEq)]
+struct Query {
+    filters: Filters,
+    options: Options,
+}
+
+/// What came out.
+struct Outcome {
+    query: Query,
+    results: Arc<Results>,
+    figures: Vec<Figure>,
+    document: Document,
+}
+
+impl OpenStudy {
+    /// A study that was read.
+    pub fn new(study: Study, paths: Vec<PathBuf>, how: Reading) -> Self {
+        Self {
+            filters: Filters::new(&study.measured.counts),
+            settings: Settings::default(),
+            asked: None,
+            work: None,
+            shown: None,
+            predicting: None,
+            fault: None,
+            not_reread: None,
+            section: "summary",
+            export: Export::new(&paths),
+            study: Arc::new(study),
+            paths,
+            how,
+            copied: None,
+            request: None,
+        }
+    }
+
+    /// The same files read in another way: what was chosen stays, as far as there still is a choice.
+    pub fn reread(study: Study, how: Reading, before: Self) -> Self {
+        let (old, new) = (&before.study.measured.counts, &study.measured.counts);
+        let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
+        Self {
+            filters: if same { before.filters } else { Filters::new(new) },
+            settings: before.settings,
+            section: before.section,
+            export: before.export,
+            ..Self::new(study, before.paths, how)
+        }
+    }
+
+    /// The files could not be read in another way: what is here stays.
+    pub fn keep(&mut self, how: &Reading, fault: String) {
+        // Not to be asked for again and again.
+        self.how.also.clone_from(&how.also);
+        self.not_reread = Some(fault);
+    }
+
+    /// How it was read.
+    pub fn how(&self) -> &Reading {
+        &self.how
+    }
+
+    /// What is asked of the page, once.
+    pub fn take_request(&mut self) -> Option<Request> {
+        self.request.take()
+    }
+
+    /// Draws everything; true where the page is to be left.
+    pub fn show(&mut self, ui: &mut egui::Ui) -> bool {
+        self.take_outcome();
+        self.analyze(ui.ctx());
+        let narrow = ui.available_width() < NARROW;
+        let mut back = false;
+        if !narrow {
+            if self.section == DATA.0 {
+                self.section = "summary";
+            }
+            let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
+            let panel = Panel::left("analysis").resizable(false).exact_size(width);
+            panel.frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
+                dense(ui);
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    back = heading(ui, "Analysis");
+                    self.controls(ui);
+                });
+            });
+        }
+        CentralPanel::default().frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
+            dense(ui);
+            ui.horizontal_wrapped(|ui| {
+                if narrow {
+                    back = ui.button("Back").clicked();
+                }
+                self.choose_section(ui, narrow);
+            });
+            ui.separator();
+            if self.section == DATA.0 {
+                ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| self.controls(ui));
+            } else {
+                self.show_document(ui);
+            }
+        });
+        back
+    }
+
+    /// Takes what has been computed.
+    fn take_outcome(&mut self) {
+        match self.work.as_ref().map(Work::poll) {
+            None | Some(Progress::Going) => {}
+            Some(Progress::Done(outcome)) => {
+                let earlier = self.shown.take().map(|(_, view)| view);
+                self.shown = outcome.map(|outcome| {
+                    let view = DocumentView::new(outcome.document.clone(), earlier);
+                    (outcome, view)
+                });
+                (self.work, self.predicting) = (None, None);
+            }
+            Some(Progress::Lost) => {
+                self.fault = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
+                self.work = None;
+            }
+        }
+        if let Some(Progress::Done(document)) = self.predicting.as_ref().map(Work::poll)
+            && let Some((outcome, view)) = self.shown.take()
+        {
+            self.shown = Some((outcome, DocumentView::new(document, Some(view))));
+            self.predicting = None;
+        }
+    }
+
+    /// Analyzes what is asked for, one thing at a time: newer questions wait, and only the last of them is answered.
+    fn analyze(&mut self, ctx: &egui::Context) {
+        let Ok(options) = self.settings.options() else { return };
+        let query = Query { filters: self.filters.clone(), options };
+        if self.work.is_some() || self.asked.as_ref() == Some(&query) {
+            return;
+        }
+        self.fault = None;
+        self.asked = Some(query.clone());
+        let study = self.study.clone();
+        self.work = Some(Work::start(ctx, move || Outcome::new(&study, query)));
+    }
+
+    fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
+        let mut all: Vec<(&str, &str)> = Vec::new();
+        all.extend(narrow.then_some(DATA));
+        all.extend(self.shown.iter().flat_map(|(_, view)| view.headings()));
+        if !all.is_empty() && !all.contains(&VISION) {
+            let place = all.iter().position(|(id, _)| *id == "times").unwrap_or(all.len());
+            all.insert(place, VISION);
+        }
+        if narrow {
+            let heading = |id: &&'static str| all.iter().find(|(one, _)| one == id).map_or("", |(_, heading)| heading);
+            let ids: Vec<&'static str> = all.iter().map(|(id, _)| *id).collect();
+            Field::new("Section").width(180.0).choice(ui, &mut self.section, &ids, |id| heading(id).to_owned());
+        } else {
+            for (id, heading) in all {
+                ui.selectable_value(&mut self.section, id, RichText::new(heading).size(16.0));
+            }
+        }
+        if self.work.is_some() {
+            ui.spinner();
+            ui.label(quiet("Analyzing…"));
+        }
+    }
+
+    fn show_document(&mut self, ui: &mut egui::Ui) {
+        if let Some(text) = &self.fault {
+            fault(ui, text);
+        }
+        let Some((outcome, view)) = &mut self.shown else {
+            if self.work.is_none() && self.fault.is_none() {
+                fault(ui, "Nothing is left to analyze: check at least one participant, and a level of every factor.");
+            }
+            return;
+        };
+        let counts = &outcome.results.measured.counts;
+        let left = outcome.query.filters.sentence(&self.study.measured.counts);
+        let filtered = if left.is_empty() { String::new() } else { format!(" Filtered: {left}.") };
+        let people = count(outcome.results.people() as u64, "participant");
+        hint(ui, format!("{} of {people}.{filtered}", count(counts.total(), "rating")));
+        if !view.show(ui, self.section) {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label("Predicting…");
+            });
+            if self.predicting.is_none() && self.work.is_none() {
+                let (study, results) = (self.study.clone(), outcome.results.clone());
+                let figures = outcome.figures.clone();
+                self.predicting = Some(Work::start(ui.ctx(), move || with_prediction(&study, &results, figures)));
+            }
+        }
+    }
+
+    /// Files, filters, model, export.
+    fn controls(&mut self, ui: &mut egui::Ui) {
+        source::show(ui, &self.study.source);
+        if source::has_unfinished(&self.study.source) {
+            let mut complete = self.how.complete_only;
+            if ui.checkbox(&mut complete, "Leave out unfinished sessions").changed() {
+                self.request = Some(Request::Read(Reading { complete_only: complete, ..self.how.clone() }));
+            }
+        }
+        if let Some(text) = &self.not_reread {
+            fault(ui, text);
+        }
+        ui.horizontal_wrapped(|ui| {
+            if ui.button("Other data…").clicked() {
+                self.request = Some(Request::OtherData);
+            }
+            if source::has_named_columns(&self.study.source) && ui.button("Columns…").clicked() {
+                self.request = Some(Request::Columns);
+            }
+        });
+        ui.separator();
+        let counts = &self.study.measured.counts;
+        self.filters.show(ui, counts);
+        if self.filters.is_narrowed() && ui.button("Everything again").clicked() {
+            self.filters = Filters::new(counts);
+        }
+        ui.separator();
+        let error = self.shown.as_ref().and_then(|(outcome, _)| outcome.results.model.as_ref().err());
+        self.settings.show(ui, counts, self.filters.people(), error);
+        self.read_columns_of_terms();
+        ui.separator();
+        self.export(ui);
+    }
+
+    fn export(&mut self, ui: &mut egui::Ui) {
+        // What is on the page, and nothing that is still being computed.
+        let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
+        let command =
+            |outcome: &Outcome, out: &str| export::command(&self.paths, &self.how, &outcome.query.options, out);
+        let exported = outcome.map(|outcome| Exported {
+            study: &self.study,
+            results: &outcome.results,
+            filter: outcome.query.filters.sentence(&self.study.measured.counts),
+            command: command(outcome, self.export.folder()),
+        });
+        self.export.show(ui, exported);
+        let whole = outcome.filter(|_| !self.filters.is_narrowed());
+        let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));
+        if copy.on_disabled_hover_text("The command analyzes everything: check everything first.").clicked() {
+            self.copied = whole.map(|outcome| command(outcome, self.export.folder()));
+            ui.ctx().copy_text(self.copied.clone().unwrap_or_default());
+        }
+        if let Some(command) = self.copied.as_ref().filter(|_| whole.is_some()) {
+            hint(ui, format!("Copied: {command}"));
+        }
+    }
+
+    /// Reads the files again where the terms name columns that are not read, or no longer name one that is.
+    fn read_columns_of_terms(&mut self) {
+        let factors = self.study.measured.counts.factors.iter().map(|factor| factor.name.as_str());
+        let usual: Vec<&str> = factors.filter(|name| !self.how.also.iter().any(|also| also == name)).collect();
+        let also = self.settings.missing(&usual);
+        if also != self.how.also && self.request.is_none() {
+            self.request = Some(Request::Read(Reading { also, ..self.how.clone() }));
+        }
+    }
+}
+
+/// There is much on this page: small text, thin scroll bars.
+fn dense(ui: &mut egui::Ui) {
+    theme::compact(ui);
+    ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
+}
+
+impl Outcome {
+    /// Analyzes what the filters leave; none where that is nothing.
+    fn new(study: &Study, query: Query) -> Option<Self> {
+        let measured = query.filters.apply(&study.measured);
+        if measured.counts.total() == 0 {
+            return None;
+        }
+        let results = Arc::new(analyse(measured, &query.options));
+        let figures = figures::all(&results);
+        let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
+        Some(Self { query, results, figures, document })
+    }
+}
+
+fn with_prediction(study: &Study, results: &Results, mut figures: Vec<Figure>) -> Document {
+    let prediction = StudyPrediction::of(&study.source, &results.measured.counts);
+    figures.extend(prediction.iter().flat_map(|prediction| figures::predicted(results, &prediction.ratings)));
+    document(&study.source, results, Parts { figures: &figures, prediction: Some(&prediction), provenance: None })
+}

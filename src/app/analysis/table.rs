@@ -1,0 +1,173 @@
+//! A table of the document: it scrolls sideways, is sorted by a click on a column's name, and draws only the rows that
+//! are seen.
+
+use eframe::egui::{
+    self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2, WidgetInfo,
+};
+
+use crate::{
+    app::ui::{text::name, theme},
+    report::document::Table,
+};
+
+/// Room within a column, points.
+const PADDING: f32 = 16.0;
+/// Rows that are measured for the columns' widths; of more, only the longest texts.
+const MEASURED: usize = 2000;
+
+/// A table and the order of its rows.
+pub struct TableView {
+    table: Table,
+    /// Measured when it is first drawn.
+    widths: Vec<f32>,
+    /// The column by which it is sorted, and whether downward.
+    sorted: Option<(usize, bool)>,
+}
+
+impl TableView {
+    /// A table in its own order.
+    pub fn new(table: Table) -> Self {
+        Self { table, widths: Vec::new(), sorted: None }
+    }
+
+    /// Draws it as high as it is.
+    pub fn show(&mut self, ui: &mut egui::Ui, id: usize) {
+        ui.add_space(6.0);
+        ui.horizontal_wrapped(|ui| {
+            ui.add(Label::new(RichText::new(&self.table.caption).strong()).wrap());
+            let copy = ui.small_button("Copy");
+            name(ui, &copy, &format!("Copy the table: {}", self.table.caption));
+            if copy.on_hover_text("Copies the table for a spreadsheet. The export has all digits.").clicked() {
+                ui.ctx().copy_text(self.text());
+            }
+        });
+        if self.widths.is_empty() {
+            self.widths = self.measure(ui);
+        }
+        let height = ui.text_style_height(&TextStyle::Body) + 8.0;
+        let size = Vec2::new(self.widths.iter().sum(), height * (self.table.rows.len() + 1) as f32);
+        let clicked = ScrollArea::horizontal().id_salt(id).auto_shrink([false, true]).show(ui, |ui| {
+            let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+            response.widget_info(|| WidgetInfo::labeled(Role::Table, true, &self.table.caption));
+            let clicked = self.header(ui, rect, height);
+            let line = rect.top() + height;
+            ui.painter().hline(rect.x_range(), line, egui::Stroke::new(1.0, theme::QUIET));
+            let seen = ui.clip_rect();
+            let first = ((seen.top() - line) / height).floor().max(0.0) as usize;
+            let last = ((seen.bottom() - line) / height).ceil().max(0.0) as usize;
+            for (index, row) in self.table.rows.iter().enumerate().take(last).skip(first) {
+                for (column, text) in row.iter().enumerate() {
+                    self.cell(ui, rect, height, (index + 1, column), |ui| ui.add(Label::new(text).extend()));
+                }
+            }
+            clicked
+        });
+        if let Some(column) = clicked.inner {
+            self.sort(column);
+        }
+    }
+
+    /// Draws the names of the columns; the one that was clicked.
+    fn header(&self, ui: &mut egui::Ui, rect: Rect, height: f32) -> Option<usize> {
+        let mut clicked = None;
+        for (column, text) in self.table.header.iter().enumerate() {
+            let arrow = match self.sorted {
+                Some((sorted, down)) if sorted == column => {
+                    if down {
+                        " ⏷"
+                    } else {
+                        " ⏶"
+                    }
+                }
+                _ => "",
+            };
+            let button = Button::new(RichText::new(format!("{text}{arrow}")).color(theme::QUIET)).frame(false);
+            let response = self.cell(ui, rect, height, (0, column), |ui| ui.add(button));
+            name(ui, &response, &format!("Sort by {text}"));
+            clicked = if response.clicked() { Some(column) } else { clicked };
+        }
+        clicked
+    }
+
+    fn cell(
+        &self,
+        ui: &mut egui::Ui,
+        rect: Rect,
+        height: f32,
+        (row, column): (usize, usize),
+        add: impl FnOnce(&mut egui::Ui) -> egui::Response,
+    ) -> egui::Response {
+        let left = rect.left() + self.widths[..column].iter().sum::<f32>();
+        let corner = egui::pos2(left, rect.top() + height * row as f32);
+        let cell = Rect::from_min_size(corner, Vec2::new(self.widths[column], height));
+        let layout = if column < self.table.texts {
+            Layout::left_to_right(Align::Center)
+        } else {
+            Layout::right_to_left(Align::Center)
+        };
+        let inside = cell.shrink2(Vec2::new(PADDING / 2.0, 0.0));
+        ui.scope_builder(UiBuilder::new().max_rect(inside).layout(layout), add).inner
+    }
+
+    fn measure(&self, ui: &egui::Ui) -> Vec<f32> {
+        let font = TextStyle::Body.resolve(ui.style());
+        let width = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), theme::QUIET).size().x;
+        (self.table.header.iter().enumerate())
+            .map(|(column, name)| {
+                let texts = self.table.rows.iter().map(|row| row[column].as_str());
+                let widest = if self.table.rows.len() > MEASURED {
+                    texts.max_by_key(|text| text.chars().count()).map(width).unwrap_or_default() + PADDING
+                } else {
+                    texts.map(width).fold(0.0, f32::max)
+                };
+                // With room for the arrow of the column by which it is sorted.
+                widest.max(width(name) + PADDING) + PADDING
+            })
+            .collect()
+    }
+
+    /// By a column: upward first, downward when it is clicked again.
+    fn sort(&mut self, column: usize) {
+        let down = self.sorted == Some((column, false));
+        self.sorted = Some((column, down));
+        // Numbers before texts.
+        let key = |row: &[String]| (value(&row[column]).is_none(), value(&row[column]).unwrap_or_default());
+        self.table.rows.sort_by(|a, b| {
+            let ((a_text, a_number), (b_text, b_number)) = (key(a), key(b));
+            let order = a_text.cmp(&b_text).then(a_number.total_cmp(&b_number));
+            let order = if a_text && b_text { a[column].cmp(&b[column]) } else { order };
+            if down { order.reverse() } else { order }
+        });
+    }
+
+    /// Cells between tabs, as a spreadsheet takes them.
+    fn text(&self) -> String {
+        let line = |row: &Vec<String>| row.join("\t").replace('−', "-") + "\n";
+        std::iter::once(&self.table.header).chain(&self.table.rows).map(line).collect()
+    }
+}
+
+/// The number that a cell begins with; none of a text.
+fn value(cell: &str) -> Option<f64> {
+    let cell = cell.trim_start_matches(['<', '>', ' ']).replace('−', "-").replace(',', "").replace('∞', "inf");
+    let number = cell.split([' ', '°']).next().unwrap_or_default();
+    number.parse().ok().filter(|value: &f64| !value.is_nan())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_sorted_by_their_numbers_both_ways() {
+        let cells = ["1,200", "−.5", "< .001", "–", "∞", "45°", "3 to 4"];
+        let rows = cells.map(|cell| vec![cell.to_owned()]).to_vec();
+        let table = Table { caption: String::new(), header: vec!["x".to_owned()], texts: 0, rows };
+        let mut view = TableView::new(table);
+        view.sort(0);
+        assert_eq!(view.table.rows.concat(), ["−.5", "< .001", "3 to 4", "45°", "1,200", "∞", "–"]);
+        view.sort(0);
+        assert_eq!(view.table.rows.concat()[..3], ["–", "∞", "1,200"]);
+        assert!(view.text().ends_with("\n-.5\n"));
+    }
+}

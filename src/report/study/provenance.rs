@@ -1,0 +1,96 @@
+//! Everything that is needed to make the same report again.
+
+use jiff::Timestamp;
+
+use crate::{
+    analysis::Results,
+    report::document::{Section, numbers::whole},
+    store::ratings::{FileRead, Layout, Source},
+};
+
+/// How an analysis was made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Provenance {
+    /// The program's version.
+    pub version: String,
+    /// The commit it was built from, or `unknown`.
+    pub commit: String,
+    /// The command line, as a shell takes it.
+    pub command: String,
+    /// When.
+    pub made_at: Timestamp,
+}
+
+impl Provenance {
+    /// An analysis by this program, by this command, at this time.
+    pub fn new(command: impl Into<String>, made_at: Timestamp) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: env!("MACHBAND_COMMIT").to_owned(),
+            command: command.into(),
+            made_at,
+        }
+    }
+
+    /// An analysis by the process that runs, now: its arguments, the program by its name alone.
+    pub fn of_process() -> Self {
+        let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+        Self::new(shell_command(arguments), Timestamp::now())
+    }
+}
+
+/// This program with arguments, as a POSIX shell takes them.
+pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
+    let words: Vec<String> = std::iter::once(env!("CARGO_PKG_NAME").to_owned()).chain(arguments).collect();
+    // A shell has no words with a zero byte, so nobody passed one.
+    shlex::try_join(words.iter().map(String::as_str)).unwrap_or_default()
+}
+
+/// The section.
+pub(super) fn section(source: &Source, results: &Results, provenance: &Provenance) -> Section {
+    let mut section = Section::new("repeat", "Repeat this analysis");
+    let bootstrap = &results.options.bootstrap;
+    section.text("The same program, command and files give the same numbers on every machine.");
+    section.code(provenance.command.clone());
+    section.facts(
+        "How this page was made",
+        [
+            ("Program", format!("machband {}", provenance.version)),
+            ("Commit", provenance.commit.clone()),
+            ("Made at", provenance.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
+            ("Quadrature nodes", results.spec.quadrature.to_string()),
+            ("Seed of the bootstrap", bootstrap.seed.to_string()),
+            ("Bootstrap samples", whole(bootstrap.replicates as u64)),
+        ],
+    );
+    let row = |file: &FileRead| {
+        let layout = match file.layout {
+            Layout::Results => "results",
+            Layout::Counts => "counts",
+            Layout::Long => "long table",
+        };
+        let hash = file.sha256.clone().unwrap_or_else(|| "not computed".to_owned());
+        vec![file.path.display().to_string(), layout.to_owned(), hash, whole(file.rows), whole(file.counted)]
+    };
+    let texts = ["File", "Kind", "SHA-256"];
+    section.table("Files", &texts, &["Rows", "Rows that count"], source.files.iter().map(row).collect());
+    if let Some(protocol) = &source.protocol {
+        section.heading("The definition");
+        if let Some(hash) = &source.definition_sha256 {
+            section.text(format!("The SHA-256 of its canonical form is {hash}."));
+        }
+        section.code(toml::to_string(protocol).unwrap_or_else(|error| format!("# cannot be written: {error}")));
+    }
+    section
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shell_command;
+
+    #[test]
+    fn arguments_are_quoted_for_a_shell() {
+        let arguments = ["analyze", "a b", "", "num:inv_n,width"].map(str::to_owned);
+        assert_eq!(shell_command(arguments), "machband analyze 'a b' '' num:inv_n,width");
+    }
+}
