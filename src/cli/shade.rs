@@ -41,7 +41,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 313)]
     vertices: usize,
     /// Faces of an OBJ file that meet at more than this many degrees make a crease.
-    #[arg(long, value_name = "DEG", default_value_t = 180.0)]
+    #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
     crease: f64,
     /// How light is spread over the triangles.
     #[arg(long, value_parser = named::<Shader>(Shader::NAMES))]
@@ -51,7 +51,7 @@ pub(super) struct Arguments {
     depth: Depth,
     /// Width b of those strips, as a barycentric weight, 0 to 1; above 1/3 only cut differs [default: 1/3
     /// for cut, else 0.2].
-    #[arg(long, value_name = "B")]
+    #[arg(long, value_name = "B", value_parser = within(0.0, 1.0))]
     boundary: Option<f64>,
     /// Vertex shading, Bangay eq. 7.
     #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
@@ -72,25 +72,25 @@ pub(super) struct Arguments {
     #[arg(long, default_value = "gray")]
     color: StimulusColor,
     /// Light where the lamp does not reach, 0 to 1.
-    #[arg(long, value_name = "L", default_value_t = Scene::default().ambient)]
+    #[arg(long, value_name = "L", default_value_t = Scene::default().ambient, value_parser = within(0.0, 1.0))]
     ambient: f64,
     /// Light that the lamp adds where it falls straight on the surface, 0 to 1.
-    #[arg(long, value_name = "L", default_value_t = Scene::default().diffuse)]
+    #[arg(long, value_name = "L", default_value_t = Scene::default().diffuse, value_parser = within(0.0, 1.0))]
     diffuse: f64,
     /// Light that the middle of a highlight adds, 0 to 1.
-    #[arg(long, value_name = "L", default_value_t = Scene::default().specular)]
+    #[arg(long, value_name = "L", default_value_t = Scene::default().specular, value_parser = within(0.0, 1.0))]
     specular: f64,
     /// Shape of the highlight.
     #[arg(long, default_value = "phong", value_parser = named::<Highlight>(Highlight::NAMES))]
     highlight: Highlight,
     /// Exponent of the highlight.
-    #[arg(long, value_name = "M", default_value_t = Scene::default().shininess)]
+    #[arg(long, value_name = "M", default_value_t = Scene::default().shininess, value_parser = within(1.0, 1000.0))]
     shininess: f64,
     /// Light around the surface, 0 to 1.
-    #[arg(long, value_name = "L", default_value_t = Scene::default().background)]
+    #[arg(long, value_name = "L", default_value_t = Scene::default().background, value_parser = within(0.0, 1.0))]
     background: f64,
     /// Distance of the eye in radii of the mesh, 1.05 to 1e6; inf for a parallel projection.
-    #[arg(long, value_name = "R", default_value_t = f64::INFINITY)]
+    #[arg(long, value_name = "R", default_value_t = f64::INFINITY, value_parser = distance)]
     distance: f64,
     /// Interpolate encoded values, as a renderer that ignores gamma does.
     #[arg(long)]
@@ -114,10 +114,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE.png")]
     creases: Option<PathBuf>,
     /// Width of the picture in degrees of visual angle, for the visibility of bands, 0.5 to 170.
-    #[arg(long, value_name = "DEG", default_value_t = 10.0)]
+    #[arg(long, value_name = "DEG", default_value_t = 10.0, value_parser = within(0.5, 170.0))]
     window: f64,
     /// Luminance of white, for the visibility of bands, cd/m² [default: the display profile's, or 100].
-    #[arg(long, value_name = "CD_M2")]
+    #[arg(long, value_name = "CD_M2", value_parser = within(1e-3, 1e6))]
     white: Option<f64>,
 }
 
@@ -134,6 +134,23 @@ where
     T: FromStr<Err: std::error::Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
 {
     PossibleValuesParser::new(names).try_map(|name| name.parse())
+}
+
+/// A number from `least` to `most`.
+fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
+    move |text| match text.parse() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        Ok(_) => Err(format!("outside {least}…{most}; expected a number within")),
+        Err(_) => Err(format!("not a number; expected one from {least} to {most}")),
+    }
+}
+
+/// Of the eye, in radii of the mesh.
+fn distance(text: &str) -> Result<f64, String> {
+    match text {
+        "inf" => Ok(f64::INFINITY),
+        _ => within(1.05, 1e6)(text).map_err(|error| format!("{error}, or inf (the mesh has the radius 1)")),
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -287,7 +304,6 @@ impl Arguments {
     fn renderer(&self) -> Result<Renderer, UsageError> {
         let Self { shader, depth, vertex, reweight, gradients, naive, .. } = *self;
         let boundary = self.boundary.unwrap_or(Shade::new(shader).boundary);
-        within("--boundary", boundary, 0.0, 1.0)?;
         if [vertex, reweight] != [Correction::Off; 2] && !shader.interpolates_light() {
             let message = format!("--vertex and --reweight correct interpolated light; expected off for {shader}");
             return Err(UsageError(message));
@@ -296,24 +312,10 @@ impl Arguments {
     }
 
     fn scene(&self) -> Result<Scene, UsageError> {
-        for (option, value) in [
-            ("--ambient", self.ambient),
-            ("--diffuse", self.diffuse),
-            ("--specular", self.specular),
-            ("--background", self.background),
-        ] {
-            within(option, value, 0.0, 1.0)?;
-        }
-        within("--shininess", self.shininess, 1.0, 1000.0)?;
-        within("--crease", self.crease, 0.0, 180.0)?;
         let light = DVec3::from_array(self.light.0);
         if !(1e-6..=1e6).contains(&light.length()) {
             let message = format!("--light {} has no direction; expected a length from 1e-6 to 1e6", self.light);
             return Err(UsageError(message));
-        }
-        if self.distance != f64::INFINITY {
-            within("--distance", self.distance, 1.05, 1e6)
-                .map_err(|error| UsageError(format!("{error}, or inf (the mesh has the radius 1)")))?;
         }
         Ok(Scene {
             rotate_deg: self.rotate.0,
@@ -331,12 +333,9 @@ impl Arguments {
     }
 
     fn sight(&self) -> anyhow::Result<Sight> {
-        within("--window", self.window, 0.5, 170.0)?;
-        let white = match self.white {
-            Some(white) => within("--white", white, 1e-3, 1e6).map(|()| white)?,
-            None => self.transfer.white()?.unwrap_or(Sight::WHITE_CD_M2),
-        };
-        Ok(Sight { window_deg: self.window, white_cd_m2: white })
+        let of_profile = self.transfer.white()?;
+        let white_cd_m2 = self.white.or(of_profile).unwrap_or(Sight::WHITE_CD_M2);
+        Ok(Sight { window_deg: self.window, white_cd_m2 })
     }
 
     fn bands(&self, shot: &Shot<'_>, sight: &Sight) -> anyhow::Result<Bands> {
@@ -369,13 +368,5 @@ impl Arguments {
         append(&mut all, describe_scene(scene));
         append(&mut all, json!({ "color": self.color.to_string(), "naive": self.naive, "size": self.size }));
         all
-    }
-}
-
-fn within(option: &str, value: f64, least: f64, most: f64) -> Result<(), UsageError> {
-    if (least..=most).contains(&value) {
-        Ok(())
-    } else {
-        Err(UsageError(format!("{option} {value} is outside {least}…{most}; expected a number within")))
     }
 }

@@ -9,13 +9,10 @@ use egui_kittest::{
     kittest::{By, NodeT as _, Queryable as _},
 };
 use machband::{
-    app::{
-        App, Launch,
-        explore::shading::{Comparison, Side},
-    },
-    light::{LinearImage, Transfer},
-    shading::{Reference, Shade, Shader, Surface},
-    stimulus::{MachBand, Sight, Stimulus, catalog},
+    app::{App, Launch, explore::shading::Comparison},
+    light::LinearImage,
+    shading::{Reference, Surface},
+    stimulus::{MachBand, Renderer, Sight, Stimulus, catalog},
     vision::{Criterion, Visibility},
 };
 
@@ -112,11 +109,11 @@ fn an_image_of_the_gallery_is_predicted_beside_the_loop() {
 }
 
 /// Light of a side as the screen sends it, seen as the pane says that it sees.
-fn seen(compared: &Comparison, side: &Side, size: [u32; 2]) -> f64 {
+fn seen(compared: &Comparison, side: &Renderer, size: [u32; 2]) -> f64 {
     let shorter = size[0].min(size[1]);
     let scale = f64::from(shorter.min(512)) / f64::from(shorter);
     let [width, height] = size.map(|side| (f64::from(side) * scale).round() as u32);
-    let frame = compared.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
+    let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
     let image = match side.naive {
         false => Reference::new(&frame, &side.shade).image(),
         true => {
@@ -184,7 +181,7 @@ fn what_the_pages_say_fits_small_and_large_windows() {
             ("Gallery of stimuli…", &["Predicted visibility", "1 is just seen", "Export PNG", "Dither"][..]),
             (
                 "Shading demo…",
-                &["Predicted bands", "predicted visibility", "A visibility of 1", "triangles seen", "p95"][..],
+                &["Predicted bands", "predicted visibility", "A visibility of 1", "triangles face the viewer", "p95"][..],
             ),
         ] {
             let window = open(page, size);
@@ -198,18 +195,4 @@ fn what_the_pages_say_fits_small_and_large_windows() {
             }
         }
     }
-}
-
-/// What a side emits is what its codes mean.
-#[test]
-fn a_naive_side_emits_the_light_of_its_codes() {
-    let compared = Comparison::default();
-    let frame = compared.frame(&Surface::new(compared.mesh.mesh().unwrap()), 64, 64);
-    let linear = Side::new(Shade::new(Shader::Gouraud));
-    let naive = Side { naive: true, ..linear };
-    let [linear, naive] = [linear, naive].map(|side| side.emitted(&frame, &Transfer::Srgb));
-    let apart = linear.data.iter().zip(&naive.data).map(|(a, b)| a - b).fold(0.0_f32, |most, apart| most.max(apart));
-    // Codes between two vertices are those of less light; at the vertices and the ground nothing differs.
-    assert!(apart > 0.005, "{apart}");
-    assert!((linear.pixel(0, 0)[0] - naive.pixel(0, 0)[0]).abs() < 1e-6);
 }

@@ -13,5 +13,6 @@ mod light;
 mod matching;
 mod palette;
 mod ramp;
+mod shot;
 mod timing;
 mod vision;

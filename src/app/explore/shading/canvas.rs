@@ -1,19 +1,77 @@
-//! The picture: drawn pixel by pixel, turned by dragging, divided by a handle.
+//! The picture on the page: what can be dragged on it, and what is drawn over it.
 
 use eframe::egui::{
     self, Color32, CursorIcon, EventFilter, Id, Key, Pos2, Rect, Response, Sense, Shape, Stroke, TextureId, Vec2,
 };
 
-use super::{
-    comparison::Comparison,
-    look::{Hand, Look, Show},
-};
-use crate::app::{pixels, theme};
+use super::comparison::Comparison;
+use crate::app::ui::{describe, pixels, theme};
 
-/// The colours of left and right, in titles and plots.
-pub const COLORS: [Color32; 2] = [Color32::from_rgb(0x56, 0xb4, 0xe9), theme::NOTE];
 /// Degrees that an arrow key turns, and with Shift.
 const STEPS_DEG: [f64; 2] = [5.0, 1.0];
+
+/// What is shown of the two pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Layer {
+    /// One on either side of the divider.
+    #[default]
+    Split,
+    /// How far they are apart, amplified.
+    Difference,
+    /// The creases of each on its side of the divider.
+    Creases,
+    /// The bands that the model of vision predicts, of each on its side of the divider.
+    Bands,
+}
+
+/// What dragging on the picture moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DragTarget {
+    /// The mesh turns.
+    #[default]
+    Mesh,
+    /// The light moves.
+    Light,
+    /// A new scan line is drawn.
+    ScanLine,
+}
+
+/// How the pictures are shown: none of this changes a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewSettings {
+    /// What is shown.
+    pub layer: Layer,
+    /// What a drag moves.
+    pub target: DragTarget,
+    /// Where the divider is, as a share of the picture's width.
+    pub divider: f64,
+    /// How much the difference is amplified.
+    pub factor: u8,
+    /// Whether the scan line is shown, with its plots.
+    pub scan: bool,
+    /// Its ends, as shares of the picture's width and height.
+    pub line: [Pos2; 2],
+}
+
+impl Default for ViewSettings {
+    fn default() -> Self {
+        Self {
+            layer: Layer::default(),
+            target: DragTarget::default(),
+            divider: 0.5,
+            factor: 16,
+            scan: false,
+            line: [Pos2::new(0.2, 0.45), Pos2::new(0.8, 0.45)],
+        }
+    }
+}
+
+impl ViewSettings {
+    /// First column of the right picture.
+    pub fn column(&self, width: u32) -> u32 {
+        (self.divider.clamp(0.0, 1.0) * f64::from(width)).round() as u32
+    }
+}
 
 /// The largest rectangle of whole physical pixels in `area`, and its size in pixels.
 pub fn whole_pixels(ctx: &egui::Context, area: Rect) -> (Rect, [u32; 2]) {
@@ -24,52 +82,58 @@ pub fn whole_pixels(ctx: &egui::Context, area: Rect) -> (Rect, [u32; 2]) {
     (rect, [size.x as u32, size.y as u32])
 }
 
-/// Lets the pointer and the keys move what the hand holds; gives whether a drag goes on.
-pub fn interact(ui: &egui::Ui, rect: Rect, compared: &mut Comparison, look: &mut Look, label: &str) -> bool {
-    let response = ui.interact(rect, Id::unique("demo picture"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, label));
+/// Lets the pointer and the keys move the target; gives whether a drag is going on.
+pub fn interact(
+    ui: &egui::Ui,
+    rect: Rect,
+    compared: &mut Comparison,
+    settings: &mut ViewSettings,
+    label: &str,
+) -> bool {
+    let response = ui.interact(rect, Id::unique("shading picture"), Sense::click_and_drag());
+    describe(&response, label);
     if response.drag_started() || response.clicked() {
         response.request_focus();
     }
-    let hand = if response.dragged_by(egui::PointerButton::Secondary) { Hand::Light } else { look.hand };
+    let target = if response.dragged_by(egui::PointerButton::Secondary) { DragTarget::Light } else { settings.target };
     if response.dragged() {
-        drag(&response, rect, hand, compared, look);
+        drag(&response, rect, target, compared, settings);
     }
     if response.has_focus() {
-        keys(ui, &response, compared, look);
+        keys(ui, &response, compared, settings);
         ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.0, Color32::WHITE), egui::StrokeKind::Outside);
     }
-    let icon = match look.hand {
-        Hand::Line => CursorIcon::Crosshair,
+    let icon = match settings.target {
+        DragTarget::ScanLine => CursorIcon::Crosshair,
         _ if response.dragged() => CursorIcon::Grabbing,
         _ => CursorIcon::Grab,
     };
-    let divided = look.show != Show::Difference && divider(ui, rect, look);
+    let divided = settings.layer != Layer::Difference && divider(ui, rect, settings);
     response.on_hover_cursor(icon).dragged() || divided
 }
 
-fn drag(response: &Response, rect: Rect, hand: Hand, compared: &mut Comparison, look: &mut Look) {
+fn drag(response: &Response, rect: Rect, target: DragTarget, compared: &mut Comparison, settings: &mut ViewSettings) {
     // A drag across the surface's own radius turns it by a radian.
     let radius = 0.45 * rect.width().min(rect.height());
     let turned = (response.drag_delta() / radius).to_pos2();
     let [right, down] = [turned.x, turned.y].map(|radians| f64::from(radians).to_degrees());
-    match hand {
-        Hand::Mesh if right != 0.0 || down != 0.0 => compared.turn(right, down),
-        Hand::Light if right != 0.0 || down != 0.0 => compared.move_light(right, -down),
-        Hand::Line => {
+    match target {
+        DragTarget::Mesh if right != 0.0 || down != 0.0 => compared.turn(right, down),
+        DragTarget::Light if right != 0.0 || down != 0.0 => compared.move_light(right, -down),
+        DragTarget::ScanLine => {
             if let Some(at) = response.interact_pointer_pos() {
                 let place = share(rect, at);
                 if response.drag_started() {
-                    look.line[0] = place;
+                    settings.line[0] = place;
                 }
-                look.line[1] = place;
+                settings.line[1] = place;
             }
         }
         _ => {}
     }
 }
 
-fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, look: &mut Look) {
+fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, settings: &mut ViewSettings) {
     let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
     let (right, down, fine) = ui.input(|input| {
@@ -81,35 +145,35 @@ fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, look: &mu
         return;
     }
     let step = STEPS_DEG[usize::from(fine)];
-    match look.hand {
-        Hand::Mesh => compared.turn(right * step, down * step),
-        Hand::Light => compared.move_light(right * step, -down * step),
-        Hand::Line => {
+    match settings.target {
+        DragTarget::Mesh => compared.turn(right * step, down * step),
+        DragTarget::Light => compared.move_light(right * step, -down * step),
+        DragTarget::ScanLine => {
             let by = Vec2::new(right as f32, down as f32) * step as f32 / 250.0;
-            look.line = look.line.map(|end| (end + by).clamp(Pos2::ZERO, Pos2::new(1.0, 1.0)));
+            settings.line = settings.line.map(|end| (end + by).clamp(Pos2::ZERO, Pos2::new(1.0, 1.0)));
         }
     }
 }
 
 /// The divider's handle; gives whether it is being dragged.
-fn divider(ui: &egui::Ui, rect: Rect, look: &mut Look) -> bool {
-    let x = rect.left() + rect.width() * look.divider as f32;
+fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
+    let x = rect.left() + rect.width() * settings.divider as f32;
     let strip = Rect::from_x_y_ranges(x - 9.0..=x + 9.0, rect.y_range());
-    let response = ui.interact(strip, Id::unique("demo divider"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::slider(true, look.divider, "Divider"));
-    ui.ctx().accesskit_node_builder(response.id, |node| node.set_value(format!("{:.3}", look.divider)));
+    let response = ui.interact(strip, Id::unique("shading divider"), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::slider(true, settings.divider, "Divider"));
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_value(format!("{:.3}", settings.divider)));
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
-        look.divider = f64::from(share(rect, at).x);
+        settings.divider = f64::from(share(rect, at).x);
     }
     if response.double_clicked() {
-        look.divider = 0.5;
+        settings.divider = 0.5;
     }
     if response.has_focus() {
         let arrows = EventFilter { horizontal_arrows: true, ..Default::default() };
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
         let step =
             ui.input(|input| input.num_presses(Key::ArrowRight) as f64 - input.num_presses(Key::ArrowLeft) as f64);
-        look.divider = (look.divider + step * 0.02).clamp(0.0, 1.0);
+        settings.divider = (settings.divider + step * 0.02).clamp(0.0, 1.0);
     }
     let dragged = response.dragged();
     response.on_hover_cursor(CursorIcon::ResizeHorizontal);
@@ -117,29 +181,29 @@ fn divider(ui: &egui::Ui, rect: Rect, look: &mut Look) -> bool {
 }
 
 /// Draws the picture: the columns left of the divider from one texture, the rest from the other.
-pub fn draw(ui: &egui::Ui, rect: Rect, textures: [TextureId; 2], size: [u32; 2], look: &Look) {
-    let column = look.column(size[0]);
+pub fn draw(ui: &egui::Ui, rect: Rect, textures: [TextureId; 2], size: [u32; 2], settings: &ViewSettings) {
+    let column = settings.column(size[0]);
     pixels::draw_columns(ui, textures[0], size, 0..column, rect.min);
     pixels::draw_columns(ui, textures[1], size, column..size[0], rect.min);
 }
 
 /// Draws what lies over the picture: divider, scan line, light.
-pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, look: &Look) {
+pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &ViewSettings) {
     let painter = ui.painter().with_clip_rect(rect.expand(9.0));
-    if look.show != Show::Difference {
-        let x = rect.left() + rect.width() * look.divider as f32;
+    if settings.layer != Layer::Difference {
+        let x = rect.left() + rect.width() * settings.divider as f32;
         painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::from_gray(0x80)));
         grip(&painter, Pos2::new(x.clamp(rect.left() + 9.0, rect.right() - 9.0), rect.bottom() - 26.0));
     }
-    if look.scan {
-        let [from, to] = look.line.map(|end| rect.lerp_inside(end.to_vec2()));
-        // Dark beside light: seen before any picture.
+    if settings.scan {
+        let [from, to] = settings.line.map(|end| rect.lerp_inside(end.to_vec2()));
+        // Dark beside light: visible on any picture.
         painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(120)));
         painter.line_segment([from, to], Stroke::new(1.0, Color32::from_gray(0xe0)));
         painter.circle(from, 4.0, Color32::from_gray(0x20), Stroke::new(1.5, Color32::from_gray(0xe0)));
         painter.circle_filled(to, 3.0, Color32::from_gray(0xe0));
     }
-    if look.hand == Hand::Light {
+    if settings.target == DragTarget::Light {
         let toward = compared.scene.light.normalize_or_zero();
         let radius = 0.45 * rect.width().min(rect.height());
         let at = rect.center() + Vec2::new(toward.x as f32, -toward.y as f32) * radius;
@@ -147,7 +211,7 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, look: &Look)
     }
 }
 
-/// Draws a word about the picture into its upper left corner.
+/// Draws a note about the picture into its upper left corner.
 pub fn draw_note(ui: &egui::Ui, rect: Rect, text: &str) {
     let painter = ui.painter().with_clip_rect(rect);
     let font = egui::TextStyle::Body.resolve(ui.style());
@@ -157,7 +221,7 @@ pub fn draw_note(ui: &egui::Ui, rect: Rect, text: &str) {
     painter.galley(at, text, Color32::WHITE);
 }
 
-/// What says that the divider can be moved: two arrowheads on a disc.
+/// The sign that the divider can be moved: two arrowheads on a disc.
 fn grip(painter: &egui::Painter, at: Pos2) {
     painter.circle(at, 9.0, Color32::from_gray(0x30), Stroke::new(1.0, Color32::from_gray(0xc0)));
     for side in [-1.0, 1.0] {

@@ -1,4 +1,4 @@
-//! The pictures drawn by the graphics card, with the window's own device.
+//! Pictures drawn by the graphics card, on the window's own device.
 
 use std::{sync::Arc, time::Instant};
 
@@ -9,25 +9,23 @@ use eframe::{
 };
 
 use crate::{
-    light::{CodeImage, Samples, Transfer},
-    shading::{
-        Frame, Shade,
-        gpu::{Gpu, GpuError},
-    },
+    light::{CodeImage, Samples},
+    shading::gpu::{Gpu, GpuError},
+    stimulus::Shot,
 };
 
-/// How the pictures are kept: codes, as they are.
+/// How pictures are stored: as codes.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// The window's graphics card.
-pub struct Card {
+pub struct WindowGpu {
     state: RenderState,
     gpu: Gpu,
     info: wgpu::AdapterInfo,
 }
 
-/// A picture on the card, known to egui as long as it lives.
-pub struct CardPicture {
+/// A picture in the card's memory, registered with egui until it is dropped.
+pub struct GpuPicture {
     texture: wgpu::Texture,
     id: TextureId,
     renderer: Arc<RwLock<Renderer>>,
@@ -35,35 +33,36 @@ pub struct CardPicture {
     queue: wgpu::Queue,
 }
 
-impl Card {
-    /// The card of the window.
+impl WindowGpu {
+    /// The card that draws the window.
     ///
     /// # Errors
     /// When its device cannot draw the shaders.
-    pub fn new(state: &RenderState) -> Result<Card, GpuError> {
-        Ok(Card { state: state.clone(), gpu: Gpu::new(&state.device, FORMAT)?, info: state.adapter.get_info() })
+    pub fn new(state: &RenderState) -> Result<WindowGpu, GpuError> {
+        Ok(WindowGpu { state: state.clone(), gpu: Gpu::new(&state.device, FORMAT)?, info: state.adapter.get_info() })
     }
 
-    /// Its name, and the way to it.
+    /// The card's name and its interface.
     pub fn name(&self) -> String {
         format!("{}, {:?}", self.info.name, self.info.backend)
     }
 
-    /// Whether it is a program that acts as one: no faster than this one's.
+    /// Whether a program acts as the card: no faster than the rasterizer here.
     pub fn is_software(&self) -> bool {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Draws a frame, and says how long that took until it was done, ms.
+    /// Draws a shot, and gives the milliseconds until it was done.
     ///
     /// # Errors
     /// When the frame is too large for the card, or the driver fails.
-    pub fn draw(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<(CardPicture, f64), GpuError> {
+    pub fn draw(&mut self, shot: &Shot<'_>) -> Result<(GpuPicture, f64), GpuError> {
         let begun = Instant::now();
-        let uploaded = self.gpu.upload(frame, shade, transfer)?;
+        let frame = &*shot.frame;
+        let uploaded = self.gpu.upload(frame, &shot.shade, &shot.transfers.channels()[0])?;
         let RenderState { device, queue, .. } = &self.state;
         let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("demo"),
+            label: Some("shading"),
             size: wgpu::Extent3d { width: frame.width, height: frame.height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
@@ -82,22 +81,22 @@ impl Card {
         let ms = begun.elapsed().as_secs_f64() * 1e3;
         let renderer = self.state.renderer.clone();
         let id = renderer.write().register_native_texture(device, &view, wgpu::FilterMode::Nearest);
-        Ok((CardPicture { texture, id, renderer, device: device.clone(), queue: queue.clone() }, ms))
+        Ok((GpuPicture { texture, id, renderer, device: device.clone(), queue: queue.clone() }, ms))
     }
 }
 
-impl CardPicture {
-    /// What egui knows it by.
+impl GpuPicture {
+    /// The name that egui knows it by.
     pub fn id(&self) -> TextureId {
         self.id
     }
 
-    /// Its codes, brought back; `None` where the driver fails.
+    /// Its codes, read back; `None` where the driver fails.
     pub fn codes(&self) -> Option<CodeImage> {
         let (width, height) = (self.texture.width(), self.texture.height());
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("demo"),
+            label: Some("shading"),
             size: u64::from(row) * u64::from(height),
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,
@@ -117,7 +116,7 @@ impl CardPicture {
     }
 }
 
-impl Drop for CardPicture {
+impl Drop for GpuPicture {
     fn drop(&mut self) {
         self.renderer.write().free_texture(&self.id);
     }

@@ -1,0 +1,166 @@
+//! What takes longer than a frame, measured on a thread of its own while nothing is dragged: the creases of both sides,
+//! and the bands that the model of vision predicts.
+
+use std::sync::Arc;
+
+use eframe::egui::{self, RichText, TextureHandle};
+
+use super::{comparison::Comparison, pictures::Pictures};
+use crate::{
+    app::{
+        explore::predicted::{self, Drawing, number},
+        ui::{pixels, theme::SIDES, work::Latest},
+    },
+    light::{Bits, CodeImage, Quantizer, Transfer},
+    shading::{Creases, Surface, crease},
+    stimulus::{Renderer, Sight},
+    vision::luminances,
+};
+
+/// Longest shorter side of the picture that bands are predicted from, pixels: more would change little, and take longer.
+const LONGEST_PX: u32 = 512;
+/// What the shorter side of the picture is taken to be, degrees.
+pub const SHORTER_SIDE_DEG: f64 = 10.0;
+
+/// What was measured of both sides.
+pub struct Measured {
+    /// Cells of a table.
+    cells: [Vec<String>; 2],
+    /// More about them.
+    details: [String; 2],
+    /// Where on the picture.
+    pub maps: [CodeImage; 2],
+    /// What is lightest, or darkest, in the maps.
+    pub full_scale: f64,
+}
+
+/// How something is measured: of a comparison of this surface at this size.
+type Measure = fn(&Comparison, &Surface, [u32; 2]) -> Result<Measured, String>;
+
+/// A measurement of the pictures that are shown.
+pub struct Measurement {
+    measure: Measure,
+    columns: usize,
+    latest: Latest<u64, Measured>,
+    textures: Option<(u64, [TextureHandle; 2])>,
+}
+
+impl Measurement {
+    /// How steep the creases are: rms, 95th percentile, and the rms in units of Gouraud's.
+    pub fn of_creases() -> Self {
+        Self { measure: creases, columns: 3, latest: Latest::default(), textures: None }
+    }
+
+    /// How visible the predicted bands are, and that in units of Gouraud's.
+    pub fn of_bands() -> Self {
+        Self { measure: bands, columns: 2, latest: Latest::default(), textures: None }
+    }
+
+    /// Sees that the pictures are measured.
+    pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures) {
+        let measure = self.measure;
+        self.latest.want(ctx, pictures.edition, || {
+            let (compared, surface) = (pictures.compared.clone(), Arc::clone(pictures.surface()));
+            let size = [pictures.frame.width, pictures.frame.height];
+            move || measure(&compared, &surface, size)
+        });
+    }
+
+    /// What was measured of this edition of the pictures, if it is known already.
+    pub fn get(&self, edition: u64) -> Option<&Measured> {
+        self.latest.get(&edition)?.as_ref().ok()
+    }
+
+    /// The maps on the screen, if they are there already.
+    pub fn textures(&mut self, ctx: &egui::Context, edition: u64) -> Option<&[TextureHandle; 2]> {
+        let Some(Ok(measured)) = self.latest.get(&edition) else { return None };
+        if self.textures.as_ref().is_none_or(|(of, _)| *of != edition) {
+            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture_of(ctx, "map", map))));
+        }
+        self.textures.as_ref().map(|(_, textures)| textures)
+    }
+
+    /// Why there is nothing yet, or never; `None` where there is something.
+    pub fn status(&self, edition: u64) -> Option<String> {
+        match self.latest.get(&edition) {
+            None => Some("Computing…".to_owned()),
+            Some(Err(error)) => Some(format!("Not available: {error}.")),
+            Some(Ok(_)) => None,
+        }
+    }
+
+    /// The cells of a side.
+    pub fn cells(&self, ui: &mut egui::Ui, which: usize, edition: u64) {
+        let (cells, details) = match self.latest.get(&edition) {
+            Some(Ok(measured)) => (measured.cells[which].clone(), measured.details[which].clone()),
+            Some(Err(error)) => (vec!["—".to_owned(); self.columns], error.clone()),
+            None => (vec!["…".to_owned(); self.columns], String::new()),
+        };
+        for cell in cells {
+            let label = ui.label(RichText::new(cell).small().color(SIDES[which]));
+            if !details.is_empty() {
+                label.on_hover_text(&details);
+            }
+        }
+    }
+}
+
+fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 2]) -> Result<Measured, String> {
+    let frame = compared.scene.frame(surface, width, height);
+    let gouraud = Creases::of_gouraud(&frame);
+    let sides = compared.sides.map(|side| compared.shot(&side, &frame).creases());
+    // Both to one scale: white is what Gouraud's shader has at the 95th percentile.
+    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+    let map = |creases| quantizer.quantize(&crease::picture(&frame, creases, gouraud.p95));
+    let cells = |creases: &Creases| {
+        let over = creases.over(&gouraud).map_or_else(|| "—".to_owned(), |over| format!("{over:.4}"));
+        vec![format!("{:.2e}", creases.rms), format!("{:.2e}", creases.p95), over]
+    };
+    Ok(Measured {
+        cells: sides.each_ref().map(cells),
+        details: Default::default(),
+        maps: sides.each_ref().map(map),
+        full_scale: gouraud.p95,
+    })
+}
+
+/// The size at which pictures of `size` pixels are predicted: of the same shape, and not too large.
+#[must_use]
+pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
+    let shorter = size[0].min(size[1]).max(1);
+    if shorter <= LONGEST_PX {
+        return size;
+    }
+    size.map(|side| (f64::from(side) * f64::from(LONGEST_PX) / f64::from(shorter)).round() as u32)
+}
+
+fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
+    let [width, height] = predicted_size(size);
+    let frame = compared.scene.frame(surface, width, height);
+    let sight = Sight::new(SHORTER_SIDE_DEG * f64::from(width) / f64::from(width.min(height)));
+    let see = |side: &Renderer| {
+        let image = compared.shot(side, &frame).emitted();
+        let view = sight.see_surface(&frame, &image).map_err(|error| error.to_string())?;
+        Ok::<_, String>((view, luminances(&image)))
+    };
+    let sides = [see(&compared.sides[0])?, see(&compared.sides[1])?];
+    let gouraud = match compared.sides.iter().position(Renderer::is_gouraud) {
+        Some(which) => sides[which].0.visibility.max(),
+        None => see(&Renderer::gouraud())?.0.visibility.max(),
+    };
+    let full_scale = sides.iter().map(|(view, _)| predicted::strongest(&view.map)).fold(0.0, f64::max);
+    let maps = sides.each_ref().map(|(view, light)| {
+        let drawing = Drawing { map: &view.map, light, size: [width as usize, height as usize], most: full_scale };
+        drawing.codes(size[0], size[1])
+    });
+    let cells = sides.each_ref().map(|(view, _)| {
+        let visibility = view.visibility.max();
+        let over = (gouraud > 0.0).then(|| format!("{:.2}", visibility / gouraud));
+        vec![number(visibility), over.unwrap_or_else(|| "—".to_owned())]
+    });
+    let details = sides.each_ref().map(|(view, _)| {
+        let [bright, dark] = [view.visibility.bright, view.visibility.dark].map(number);
+        format!("bright {bright}, dark {dark}; density {:.2} per degree", view.density)
+    });
+    Ok(Measured { cells, details, maps, full_scale })
+}

@@ -1,0 +1,425 @@
+//! The page: the controls, the view, and what keeps both up to date.
+
+use std::sync::Arc;
+
+use eframe::{
+    egui::{
+        self, CentralPanel, Frame, Key, Label, Panel, Rect, RichText, ScrollArea, TextEdit, TextureHandle, UiBuilder,
+    },
+    egui_wgpu::RenderState,
+};
+
+use super::{
+    canvas::{self, DragTarget, Layer, ViewSettings},
+    comparison::{Comparison, MeshChoice, title},
+    controls,
+    export::{self, Export},
+    measures::{Measurement, SHORTER_SIDE_DEG},
+    pictures::{Difference, Drawer, DrawnBy, Picture, Pictures, divided},
+    scan::Scan,
+};
+use crate::{
+    app::ui::{
+        Ask, Dialog, Field, Step, escaped, fault, heading, hint, quiet,
+        theme::{self, SIDES},
+    },
+    light::CodeImage,
+    shading::Surface,
+};
+
+/// Height of the plots below the picture, points.
+const PLOTS: f32 = 170.0;
+/// A window narrower than this has the view, of this height, above the controls.
+const NARROW: f32 = 640.0;
+const NARROW_VIEW: f32 = 560.0;
+/// In a view narrower than this, creases and predicted bands have a table each.
+const TWO_TABLES: f32 = 600.0;
+
+/// Two renderers side by side.
+pub struct ShadingPage {
+    compared: Comparison,
+    settings: ViewSettings,
+    surface: Option<Loaded>,
+    drawer: Option<Drawer>,
+    pictures: Option<Pictures>,
+    creases: Measurement,
+    bands: Measurement,
+    scan: Option<Scan>,
+    difference: Option<Difference>,
+    file: FileField,
+    export: Export,
+    dragging: bool,
+    /// Turned from outside since the last frame.
+    turned: bool,
+}
+
+/// The surface shown: the last that could be made.
+struct Loaded {
+    choice: MeshChoice,
+    surface: Arc<Surface>,
+}
+
+/// The OBJ file.
+#[derive(Default)]
+struct FileField {
+    path: String,
+    dialog: Dialog,
+    fault: Option<String>,
+}
+
+impl Default for ShadingPage {
+    fn default() -> Self {
+        Self {
+            compared: Comparison::default(),
+            settings: ViewSettings::default(),
+            surface: None,
+            drawer: None,
+            pictures: None,
+            creases: Measurement::of_creases(),
+            bands: Measurement::of_bands(),
+            scan: None,
+            difference: None,
+            file: FileField::default(),
+            export: Export::default(),
+            dragging: false,
+            turned: false,
+        }
+    }
+}
+
+impl ShadingPage {
+    /// Turns the mesh about the upright axis, as dragging it does.
+    pub fn turn(&mut self, degrees: f64) {
+        self.compared.turn(degrees, 0.0);
+        self.turned = true;
+    }
+
+    /// Draws the page.
+    pub fn show(&mut self, ui: &mut egui::Ui, state: Option<&RenderState>) -> Step {
+        self.drawer.get_or_insert_with(|| Drawer::new(state));
+        let escaped = escaped(ui);
+        let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
+        let is_narrow = ui.available_width() < NARROW;
+        let frame = Frame::NONE.inner_margin(12.0);
+        let mut column = |ui: &mut egui::Ui| {
+            theme::compact(ui);
+            // Room for the scroll bar.
+            ui.set_max_width(ui.available_width() - 6.0);
+            let back = heading(ui, "Shading");
+            if is_narrow {
+                let plots = if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
+                let size = egui::vec2(ui.available_width(), NARROW_VIEW + plots);
+                ui.allocate_ui(size, |ui| {
+                    ui.set_min_size(size);
+                    self.view(ui);
+                });
+                ui.separator();
+            }
+            self.controls(ui);
+            back
+        };
+        let scrolling = |ui: &mut egui::Ui| ScrollArea::vertical().auto_shrink(false).show(ui, &mut column).inner;
+        let back = if is_narrow {
+            CentralPanel::default().frame(frame).show(ui, scrolling).inner
+        } else {
+            let back = Panel::left("shading").resizable(false).exact_size(width).frame(frame).show(ui, scrolling).inner;
+            CentralPanel::default().frame(frame).show(ui, |ui| {
+                theme::compact(ui);
+                self.view(ui);
+            });
+            back
+        };
+        Step::back_if(back || escaped)
+    }
+
+    fn controls(&mut self, ui: &mut egui::Ui) {
+        hint(
+            ui,
+            "The same surface under the same light, shaded in two ways. The bright and dark lines along the edges of the triangles are Mach bands: the visual system adds them where the slope of the light jumps.",
+        );
+        controls::preset(ui, &mut self.compared, &mut self.settings);
+        for (which, side) in self.compared.sides.iter_mut().enumerate() {
+            ui.separator();
+            controls::side(ui, which, side);
+        }
+        hint(
+            ui,
+            "If a strip is only a few pixels wide, Exact's matched slope becomes a ripple: widen b, or use Cut or Patch.",
+        );
+        ui.separator();
+        controls::mesh(ui, &mut self.compared);
+        self.file_field(ui);
+        ui.separator();
+        controls::light(ui, &mut self.compared);
+        controls::material(ui, &mut self.compared.scene);
+        controls::transfer(ui, &mut self.compared);
+        if let Some(drawer) = &mut self.drawer {
+            controls::drawn_by(ui, drawer);
+        }
+        ui.separator();
+        self.export(ui);
+    }
+
+    fn file_field(&mut self, ui: &mut egui::Ui) {
+        let width = ui.available_width();
+        let field = TextEdit::singleline(&mut self.file.path).hint_text("path of an .obj, or drop one here");
+        let field = Field::new("OBJ file").add(ui, field.desired_width(width));
+        let mut open = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        ui.horizontal(|ui| {
+            open |= ui.button("Open the file").clicked();
+            open |= self.file.dialog.browse(ui, Ask::Obj, "Choose an OBJ file…", &mut self.file.path);
+        });
+        if let Some(path) = ui.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned())) {
+            self.file.path = path.display().to_string();
+            open = true;
+        }
+        if open {
+            self.load(MeshChoice::File(self.file.path.trim().to_owned()));
+        }
+        self.file.dialog.missing_fault(ui);
+        if let Some(error) = &self.file.fault {
+            fault(ui, error);
+        }
+    }
+
+    /// Shows another mesh, if it can be made; otherwise the one before stays.
+    fn load(&mut self, choice: MeshChoice) {
+        self.file.fault = match choice.mesh() {
+            Ok(mesh) => {
+                self.compared.mesh = choice.clone();
+                self.surface = Some(Loaded { choice, surface: Arc::new(Surface::new(mesh)) });
+                None
+            }
+            Err(error) => Some(error),
+        };
+    }
+
+    fn view(&mut self, ui: &mut egui::Ui) {
+        self.toolbar(ui);
+        let titles = self.compared.sides.each_ref().map(title);
+        self.titles(ui, &titles);
+        let status = if ui.available_width() < TWO_TABLES { 176.0 } else { 104.0 };
+        let below = status + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
+        let rest = ui.available_rect_before_wrap();
+        let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
+        let (rect, size) = canvas::whole_pixels(ui.ctx(), room);
+        let label = format!("The surface: {} on the left, {} on the right", titles[0], titles[1]);
+        let dragged = canvas::interact(ui, rect, &mut self.compared, &mut self.settings, &label);
+        self.dragging = dragged || std::mem::take(&mut self.turned);
+        self.update(ui.ctx(), size);
+        self.draw(ui, rect, size);
+        canvas::draw_marks(ui, rect, &self.compared, &self.settings);
+        let lower = Rect::from_min_max(egui::pos2(rest.left(), rect.bottom() + 6.0), rest.max);
+        let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
+        self.numbers(&mut lower, &titles);
+        if let Some(scan) = self.scan.as_ref().filter(|_| self.settings.scan) {
+            scan.show(&mut lower, &titles);
+        }
+    }
+
+    fn toolbar(&mut self, ui: &mut egui::Ui) {
+        let settings = &mut self.settings;
+        // Where rows may break anywhere, separators between groups would stand alone.
+        let is_wide = ui.available_width() >= TWO_TABLES;
+        let group = |ui: &mut egui::Ui, text: &str| ui.add(Label::new(quiet(text)).extend());
+        ui.horizontal_wrapped(|ui| {
+            group(ui, "Show");
+            for (layer, name) in [
+                (Layer::Split, "Split"),
+                (Layer::Difference, "Difference"),
+                (Layer::Creases, "Creases"),
+                (Layer::Bands, "Predicted bands"),
+            ] {
+                ui.selectable_value(&mut settings.layer, layer, name);
+            }
+            if is_wide {
+                ui.separator();
+            }
+            group(ui, "Drag moves");
+            for (target, name) in [
+                (DragTarget::Mesh, "the mesh"),
+                (DragTarget::Light, "the light"),
+                (DragTarget::ScanLine, "a scan line"),
+            ] {
+                if ui.selectable_value(&mut settings.target, target, name).clicked() {
+                    settings.scan |= target == DragTarget::ScanLine;
+                }
+            }
+            if is_wide {
+                ui.separator();
+            }
+            ui.checkbox(&mut settings.scan, "Scan line");
+            if !settings.scan && settings.target == DragTarget::ScanLine {
+                settings.target = DragTarget::Mesh;
+            }
+        });
+    }
+
+    /// The renderers' names over their halves.
+    fn titles(&mut self, ui: &mut egui::Ui, titles: &[String; 2]) {
+        let text = |i: usize| RichText::new(&titles[i]).strong().color(SIDES[i]);
+        let height = ui.spacing().interact_size.y;
+        ui.horizontal(|ui| {
+            ui.set_min_height(height);
+            if self.settings.layer == Layer::Difference {
+                ui.label(text(0));
+                ui.label("minus");
+                ui.label(text(1));
+                let factor = &mut self.settings.factor;
+                Field::new("in codes, amplified ×").width(52.0).choice(
+                    ui,
+                    factor,
+                    &[1, 2, 4, 8, 16, 32, 64],
+                    u8::to_string,
+                );
+                return;
+            }
+            let half = egui::vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, height);
+            let layouts = [egui::Layout::left_to_right, egui::Layout::right_to_left];
+            let shown = [self.settings.divider > 0.0, self.settings.divider < 1.0];
+            for (i, layout) in layouts.into_iter().enumerate() {
+                ui.allocate_ui_with_layout(half, layout(egui::Align::Center), |ui| {
+                    ui.set_min_width(half.x);
+                    if shown[i] {
+                        ui.add(Label::new(text(i)).truncate());
+                    }
+                });
+            }
+        });
+    }
+
+    /// Computes what has changed.
+    fn update(&mut self, ctx: &egui::Context, size: [u32; 2]) {
+        if self.surface.as_ref().is_none_or(|loaded| loaded.choice != self.compared.mesh) {
+            self.load(self.compared.mesh.clone());
+        }
+        let (Some(loaded), Some(drawer)) = (&self.surface, &mut self.drawer) else { return };
+        let pictures = Pictures::updated(ctx, self.pictures.take(), drawer, &loaded.surface, &self.compared, size);
+        if !self.dragging {
+            self.creases.want(ctx, &pictures);
+            self.bands.want(ctx, &pictures);
+        }
+        if self.settings.scan {
+            self.scan = Some(Scan::updated(self.scan.take(), &pictures, &self.settings));
+        }
+        if self.settings.layer == Layer::Difference {
+            self.difference = Difference::updated(ctx, self.difference.take(), &pictures, self.settings.factor);
+        }
+        self.pictures = Some(pictures);
+    }
+
+    /// The measurement whose maps are shown, if any are.
+    fn mapped(&self) -> Option<&Measurement> {
+        match self.settings.layer {
+            Layer::Split | Layer::Difference => None,
+            Layer::Creases => Some(&self.creases),
+            Layer::Bands => Some(&self.bands),
+        }
+    }
+
+    fn draw(&mut self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
+        let Some(pictures) = &self.pictures else { return };
+        let maps = match self.settings.layer {
+            Layer::Split | Layer::Difference => None,
+            Layer::Creases => self.creases.textures(ui.ctx(), pictures.edition),
+            Layer::Bands => self.bands.textures(ui.ctx(), pictures.edition),
+        };
+        let textures = match (self.settings.layer, &self.difference, maps) {
+            (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
+            (Layer::Difference, None, _) => return,
+            (_, _, Some(maps)) => maps.each_ref().map(TextureHandle::id),
+            // The pictures themselves, until the maps are there.
+            _ => pictures.sides.each_ref().map(Picture::id),
+        };
+        canvas::draw(ui, rect, textures, size, &self.settings);
+        if let Some(status) = self.mapped().and_then(|measurement| measurement.status(pictures.edition)) {
+            canvas::draw_note(ui, rect, &status);
+        }
+    }
+
+    /// Creases, predicted bands and times.
+    fn numbers(&self, ui: &mut egui::Ui, titles: &[String; 2]) {
+        let (Some(pictures), Some(drawer)) = (&self.pictures, &self.drawer) else { return };
+        let creases = (&self.creases, ["creases, light per pixel", "rms", "p95", "× Gouraud"].as_slice());
+        let bands = (&self.bands, ["", "predicted visibility", "× Gouraud"].as_slice());
+        if ui.available_width() < TWO_TABLES {
+            table(ui, titles, pictures.edition, &[creases]);
+            table(ui, titles, pictures.edition, &[bands]);
+        } else {
+            table(ui, titles, pictures.edition, &[creases, bands]);
+        }
+        hint(
+            ui,
+            format!(
+                "A visibility of 1 is just visible, if the shorter side of the picture takes up {SHORTER_SIDE_DEG}° of visual angle."
+            ),
+        );
+        let by = match (drawer.by(), drawer.gpu_name()) {
+            (DrawnBy::Gpu, _) => format!("Drawn by {}.", drawer.name()),
+            (DrawnBy::Cpu, Ok(_)) => "Drawn by the CPU.".to_owned(),
+            (DrawnBy::Cpu, Err(reason)) => format!("Drawn by the CPU: {reason}."),
+        };
+        let [left, right] = pictures.sides.each_ref().map(|picture| picture.ms);
+        let (triangles, vertices) = (pictures.frame.triangles.len(), pictures.frame_ms);
+        hint(
+            ui,
+            format!(
+                "{by} {triangles} triangles face the viewer. Vertices {vertices:.1} ms, left {left:.1} ms, right {right:.1} ms."
+            ),
+        );
+    }
+
+    /// The view's pixels as they are on the screen, without the marks.
+    fn pixels(&self) -> Option<CodeImage> {
+        let pictures = self.pictures.as_ref()?;
+        if self.settings.layer == Layer::Difference {
+            return Some(self.difference.as_ref()?.codes.clone());
+        }
+        let [left, right] = match self.mapped() {
+            Some(measurement) => measurement.get(pictures.edition)?.maps.clone(),
+            None => [pictures.sides[0].codes()?, pictures.sides[1].codes()?],
+        };
+        Some(divided([&left, &right], self.settings.column(left.width)))
+    }
+
+    fn export(&mut self, ui: &mut egui::Ui) {
+        let mut export = std::mem::take(&mut self.export);
+        if let (Some(pictures), Some(drawer)) = (&self.pictures, &self.drawer) {
+            let compared = &pictures.compared;
+            export.show(ui, compared, &self.settings, || {
+                let image = self.pixels()?;
+                let full_scale = self.bands.get(pictures.edition).map(|bands| bands.full_scale);
+                let size = [image.width, image.height];
+                let parameters = export::parameters(compared, &self.settings, size, &drawer.name(), full_scale);
+                Some((image, parameters))
+            });
+        }
+        self.export = export;
+    }
+}
+
+/// A row for each side with what was measured; the first head of the first measurement is the sides'.
+fn table(ui: &mut egui::Ui, titles: &[String; 2], edition: u64, measurements: &[(&Measurement, &[&str])]) {
+    // What the numbers leave of the width.
+    let longest = (ui.available_width() - if measurements.len() > 1 { 440.0 } else { 240.0 }).max(150.0);
+    ui.spacing_mut().interact_size.y = 14.0;
+    let id = ("numbers", measurements[0].1);
+    egui::Grid::new(id).spacing([12.0, 2.0]).show(ui, |ui| {
+        for (i, (_, heads)) in measurements.iter().enumerate() {
+            for head in &heads[i.min(1)..] {
+                ui.label(quiet(*head));
+            }
+        }
+        ui.end_row();
+        for (which, title) in titles.iter().enumerate() {
+            ui.scope(|ui| {
+                ui.set_max_width(longest);
+                ui.add(Label::new(RichText::new(title).small().color(SIDES[which])).truncate());
+            });
+            for (measurement, _) in measurements {
+                measurement.cells(ui, which, edition);
+            }
+            ui.end_row();
+        }
+    });
+}

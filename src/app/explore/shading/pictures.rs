@@ -1,0 +1,233 @@
+//! The two pictures of a comparison: drawn by the rasterizer or the graphics card, anew only when something has changed.
+
+use std::{num::NonZero, sync::Arc, thread, time::Instant};
+
+use eframe::{
+    egui::{self, Color32, ColorImage, TextureHandle, TextureId},
+    egui_wgpu::RenderState,
+};
+
+use super::{
+    comparison::Comparison,
+    gpu::{GpuPicture, WindowGpu},
+};
+use crate::{
+    app::ui::pixels::{self, Canvas},
+    light::{CodeImage, Samples},
+    shading::{
+        Frame, Surface,
+        raster::{Encoder, Prepared, Rasterizer},
+    },
+    stimulus::Shot,
+};
+
+/// What draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrawnBy {
+    /// The rasterizer.
+    Cpu,
+    /// The graphics card.
+    Gpu,
+}
+
+/// The rasterizer, and the graphics card where it can draw.
+pub struct Drawer {
+    rasterizer: Rasterizer,
+    /// What the rasterizer's pictures are shown on, left and right.
+    canvases: [Canvas; 2],
+    gpu: Result<WindowGpu, String>,
+    /// What is to draw, if both can.
+    pub wanted: DrawnBy,
+}
+
+impl Drawer {
+    /// All of the machine's threads, and the window's graphics card if it has one. A card that is a program is no faster
+    /// than the rasterizer, which then goes first.
+    pub fn new(state: Option<&RenderState>) -> Drawer {
+        let gpu = match state {
+            Some(state) => WindowGpu::new(state).map_err(|error| error.to_string()),
+            None => Err("no graphics adapter".to_owned()),
+        };
+        let is_fast = gpu.as_ref().is_ok_and(|gpu| !gpu.is_software());
+        Drawer {
+            rasterizer: Rasterizer::new(thread::available_parallelism().map_or(1, NonZero::get)),
+            canvases: Default::default(),
+            gpu,
+            wanted: if is_fast { DrawnBy::Gpu } else { DrawnBy::Cpu },
+        }
+    }
+
+    /// What draws.
+    pub fn by(&self) -> DrawnBy {
+        if self.gpu.is_ok() { self.wanted } else { DrawnBy::Cpu }
+    }
+
+    /// The name of what draws.
+    pub fn name(&self) -> String {
+        match self.by() {
+            DrawnBy::Cpu => "CPU".to_owned(),
+            DrawnBy::Gpu => self.gpu_name().unwrap_or_default(),
+        }
+    }
+
+    /// The graphics card's name, or why it does not draw.
+    pub fn gpu_name(&self) -> Result<String, &str> {
+        self.gpu.as_ref().map(WindowGpu::name).map_err(String::as_str)
+    }
+
+    /// Draws a side: left for `which` 0, right for 1.
+    fn draw(&mut self, ctx: &egui::Context, which: usize, shot: &Shot<'_>) -> Picture {
+        if self.by() == DrawnBy::Gpu
+            && let Ok(gpu) = &mut self.gpu
+        {
+            match gpu.draw(shot) {
+                Ok((picture, ms)) => return Picture { image: Image::Gpu(picture), ms },
+                // From here on the rasterizer draws, and the page says why.
+                Err(error) => self.gpu = Err(error.to_string()),
+            }
+        }
+        let begun = Instant::now();
+        let mut pixels =
+            ColorImage::filled([shot.frame.width, shot.frame.height].map(|side| side as usize), Color32::BLACK);
+        let encoder = Encoder::new(&shot.transfers.channels()[0]);
+        let prepared = Prepared::new(&shot.frame, &shot.shade);
+        self.rasterizer.draw_codes(&prepared, &encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
+        let ms = ms_since(begun);
+        let pixels = Arc::new(pixels);
+        let texture = self.canvases[which].put(ctx, "shading", pixels.clone());
+        Picture { image: Image::Cpu(pixels, texture), ms }
+    }
+}
+
+/// The picture of one side.
+pub struct Picture {
+    image: Image,
+    /// How long it took, ms.
+    pub ms: f64,
+}
+
+/// Where a picture is.
+enum Image {
+    Cpu(Arc<ColorImage>, TextureHandle),
+    Gpu(GpuPicture),
+}
+
+impl Picture {
+    /// The name that egui knows it by.
+    pub fn id(&self) -> TextureId {
+        match &self.image {
+            Image::Cpu(_, texture) => texture.id(),
+            Image::Gpu(picture) => picture.id(),
+        }
+    }
+
+    /// Its codes; `None` where the graphics card does not give them back.
+    pub fn codes(&self) -> Option<CodeImage> {
+        match &self.image {
+            Image::Cpu(pixels, _) => {
+                let [width, height] = pixels.size.map(|side| side as u32);
+                let codes = pixels.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
+                Some(CodeImage { width, height, samples: Samples::Eight(codes) })
+            }
+            Image::Gpu(picture) => picture.codes(),
+        }
+    }
+}
+
+/// Both pictures of a comparison at a size.
+pub struct Pictures {
+    /// What they show.
+    pub compared: Comparison,
+    surface: Arc<Surface>,
+    size: [u32; 2],
+    by: DrawnBy,
+    /// Counts the changes of either picture.
+    pub edition: u64,
+    /// The surface on the screen, in linear light.
+    pub frame: Frame,
+    /// How long the frame took, ms: vertices turned and lit.
+    pub frame_ms: f64,
+    /// Left and right.
+    pub sides: [Picture; 2],
+}
+
+impl Pictures {
+    /// The pictures of `compared`, keeping those of `before` that are still right.
+    pub fn updated(
+        ctx: &egui::Context,
+        before: Option<Pictures>,
+        drawer: &mut Drawer,
+        surface: &Arc<Surface>,
+        compared: &Comparison,
+        size: [u32; 2],
+    ) -> Pictures {
+        let mut edition = 0;
+        if let Some(mut before) = before {
+            edition = before.edition + 1;
+            let (same_size, same_surface) = (before.size == size, Arc::ptr_eq(&before.surface, surface));
+            if same_size && same_surface && before.by == drawer.by() && before.compared.same_frame(compared) {
+                for (which, side) in compared.sides.iter().enumerate() {
+                    if before.compared.sides[which] != *side {
+                        before.sides[which] = drawer.draw(ctx, which, &compared.shot(side, &before.frame));
+                        before.edition = edition;
+                    }
+                }
+                before.compared = compared.clone();
+                return before;
+            }
+            // `before` goes first: it holds the card's memory.
+        }
+        let begun = Instant::now();
+        let frame = compared.scene.frame(surface, size[0], size[1]);
+        let frame_ms = ms_since(begun);
+        let sides = [0, 1].map(|which| drawer.draw(ctx, which, &compared.shot(&compared.sides[which], &frame)));
+        let (compared, surface, by) = (compared.clone(), surface.clone(), drawer.by());
+        Pictures { compared, surface, size, by, edition, frame, frame_ms, sides }
+    }
+
+    /// The surface that they show.
+    pub fn surface(&self) -> &Arc<Surface> {
+        &self.surface
+    }
+}
+
+/// How far two pictures are apart, and what that was made from.
+pub struct Difference {
+    edition: u64,
+    factor: u8,
+    /// Its codes.
+    pub codes: CodeImage,
+    /// The same on the screen.
+    pub texture: TextureHandle,
+}
+
+impl Difference {
+    /// That of `pictures` times `factor`, or `before` where it is still right; `None` where the graphics card does not
+    /// give pictures back.
+    pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures, factor: u8) -> Option<Difference> {
+        if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
+            return Some(before);
+        }
+        let [left, right] = &pictures.sides;
+        let codes =
+            combined(&left.codes()?, &right.codes()?, |_, left, right| left.abs_diff(right).saturating_mul(factor));
+        let texture = pixels::texture_of(ctx, "difference", &codes);
+        Some(Difference { edition: pictures.edition, factor, codes, texture })
+    }
+}
+
+/// The left picture up to a column and the right one from it on: what the divider shows.
+pub fn divided([left, right]: [&CodeImage; 2], column: u32) -> CodeImage {
+    combined(left, right, |x, left, right| if x < column { left } else { right })
+}
+
+fn combined(left: &CodeImage, right: &CodeImage, code: impl Fn(u32, u8, u8) -> u8) -> CodeImage {
+    let (a, b) = (left.bytes().unwrap_or_default(), right.bytes().unwrap_or_default());
+    let row = left.width.max(1) as usize * 3;
+    let codes = a.iter().zip(b).enumerate().map(|(i, (a, b))| code((i % row / 3) as u32, *a, *b)).collect();
+    CodeImage { width: left.width, height: left.height, samples: Samples::Eight(codes) }
+}
+
+fn ms_since(begun: Instant) -> f64 {
+    begun.elapsed().as_secs_f64() * 1e3
+}
