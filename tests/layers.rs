@@ -1,7 +1,7 @@
-//! The floors of the program: a module uses only modules of lower floors.
+//! The floors of the program, the rooms of the window, and that no files use each other in a circle.
 //!
-//! Reads `src/` as text, with comments, strings and characters taken out, and follows every path that starts at
-//! `crate`, `machband`, `self` or `super` to the top-level module that it enters.
+//! Reads `src/` as tokens and follows every path that starts at `crate`, `machband`, `self`, `super`, a module beside it
+//! or an imported name, through re-exports, to the file that it ends in.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -9,7 +9,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Every top-level module and its floor.
+use proc_macro2::{TokenStream, TokenTree};
+
+type Module = Vec<String>;
+
+/// Every room and its floor: it uses lower floors only.
 const FLOORS: &[(&str, u32)] = &[
     ("light", 0),
     ("display", 1),
@@ -20,64 +24,74 @@ const FLOORS: &[(&str, u32)] = &[
     ("analysis", 4),
     ("store", 4),
     ("report", 5),
-    ("app", 6),
-    ("cli", 6),
+    ("app/ui", 6),
+    ("app/window", 7),
+    ("app/analysis", 8),
+    ("app/explore", 8),
+    ("app/session", 8),
+    ("app/display", 9),
+    ("app/start", 10),
+    ("app", 11),
+    ("cli", 11),
 ];
 
 /// Edges that the rule forbids and that are meant, each with its reason.
 const EXCEPTIONS: &[(&str, &str, &str)] = &[("cli", "app", "`machband run`, and `machband` alone, open the window")];
 
-/// One use of a module by another.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// The program's files by the module that each is, and what each of them uses.
+#[derive(Default)]
+struct House(BTreeMap<Module, Source>);
+
+#[derive(Default)]
+struct Source {
+    /// Every path in it from the crate's root, and the line that it is in.
+    paths: Vec<(Module, usize)>,
+    /// What its `use` declarations bring in.
+    names: BTreeMap<String, Module>,
+}
+
+/// A use of a file by another.
 struct Edge {
-    from: String,
-    to: String,
-    file: String,
+    from: Module,
     line: usize,
+    path: Module,
+    /// The file that the path ends in; empty where there is none.
+    to: Module,
 }
 
 #[test]
-fn modules_use_lower_floors_only() {
+fn files_use_lower_floors_only_and_never_each_other() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut edges = Vec::new();
-    let mut seen = BTreeSet::new();
-    for file in sources(&root) {
-        let within = file.strip_prefix(&root).unwrap();
-        let module = module_of(within);
-        // The roots of library and program only name the modules.
-        let Some(top) = module.first().cloned() else { continue };
-        seen.insert(top);
-        edges.extend(edges_of(&fs::read_to_string(&file).unwrap(), &module, &within.display().to_string()));
-    }
-    assert!(
-        seen.len() >= 5 && edges.len() >= 10,
-        "the scan found too little to be right: {seen:?}, {} edges",
-        edges.len()
-    );
-    let mut faults: Vec<_> = seen
-        .iter()
-        .filter(|name| floor(name).is_none())
-        .map(|name| format!("src/{name}: has no floor in tests/layers.rs"))
-        .collect();
-    faults.extend(faults_of(&edges));
+    let files = sources(&root).into_iter().map(|file| {
+        let text = fs::read_to_string(&file).unwrap();
+        (module_of(file.strip_prefix(&root).unwrap()), text)
+    });
+    let house = House::new(files);
+    let edges = house.edges();
+    let rooms: BTreeSet<_> = house.0.keys().filter(|module| !module.is_empty()).map(|module| room(module)).collect();
+    assert!(rooms.len() >= 5 && edges.len() >= 500, "found too little to be right: {rooms:?}, {}", edges.len());
+    let homeless = rooms.iter().filter(|room| floor(room).is_none()).map(|room| format!("src/{room} has no floor"));
+    let faults: Vec<String> = homeless.chain(faults_of(&edges)).collect();
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
     // An exception that nothing uses any more would hide the next one.
     for (from, to, _) in EXCEPTIONS {
-        assert!(
-            edges.iter().any(|edge| edge.from == *from && edge.to == *to),
-            "the exception {from} → {to} is no longer needed"
-        );
+        let used = edges.iter().any(|edge| room(&edge.from) == *from && room(&edge.to) == *to);
+        assert!(used, "the exception {from} → {to} is no longer needed");
     }
 }
 
 /// The scan would be worth nothing if it saw nothing.
 #[test]
 fn forbidden_edges_are_found() {
-    let faults = |module: &[&str], source: &str| {
-        let module: Vec<_> = module.iter().map(|part| (*part).to_owned()).collect();
-        faults_of(&edges_of(source, &module, "fabricated.rs"))
+    let faults = |file: &str, source: &str| {
+        let others =
+            "light light/image display analysis shading store store/results cli app app/ui app/ui/text app/start";
+        let text = |path: &str| if path == "app/ui" { "pub use text::hint;" } else { "" };
+        let others = others.split(' ').map(|path| (path, text(path)));
+        let files = others.chain([(file, source)]);
+        let house = House::new(files.map(|(path, text)| (module_of(Path::new(path)), text.to_owned())));
+        faults_of(&house.edges())
     };
-    let light: &[&str] = &["light", "gamma"];
     for upward in [
         "use crate::store;",
         "use crate::store::results::ResultFile;",
@@ -94,305 +108,289 @@ fn forbidden_edges_are_found() {
         "macro_rules! m { () => { $crate::store::f() } }",
         "pub(in crate::store) fn f() {}",
     ] {
-        let found = faults(light, upward);
-        assert!(!found.is_empty(), "{upward}: not found");
-        assert!(found.iter().all(|fault| fault.contains("light → store: floor 0 uses floor 4")), "{upward}: {found:?}");
+        let found = faults("light/gamma", upward);
+        let all_up = found.iter().all(|fault| fault.contains("light → store: floor 0 uses floor 4"));
+        assert!(!found.is_empty() && all_up, "{upward}: {found:?}");
     }
     for fine in [
         "// use crate::store;",
         "/// [`crate::store`] and \"use crate::store\"\nfn f() {}",
         "/* a /* nested */ crate::store */ fn f() {}",
         "const A: &str = \"\\\" crate::store\";",
-        "const A: &str = r##\"crate::store \"# \"##;",
         "const A: &[u8] = b\"crate::store\";",
         "use super::image::CodeImage; pub(crate) fn f() {} pub(super) fn g() {}",
         "mod tests { use super::super::image; }",
         "use crate::light::{Depth, gamma};",
         "fn store() {} fn f() { store(); other::crate_::store(); }",
     ] {
-        assert_eq!(faults(light, fine), Vec::<String>::new(), "{fine}");
+        assert_eq!(faults("light/gamma", fine), Vec::<String>::new(), "{fine}");
     }
-    // Siblings, and the exception in its one direction only.
-    assert_eq!(faults(&["store"], "use crate::analysis::fit;").len(), 1);
-    assert_eq!(faults(&["display"], "use crate::shading;").len(), 1);
-    assert_eq!(faults(&["app", "home"], "use crate::cli;").len(), 1);
-    assert_eq!(faults(&["cli", "run"], "use crate::app::{self, Launch};").len(), 0);
-    // What cannot be followed is not let through.
-    assert_eq!(faults(light, "use crate::*;").len(), 1);
-    assert_eq!(faults(light, "use crate as root;").len(), 1);
-    assert_eq!(faults(light, "use crate::attic::Thing;").len(), 1);
-    // A ring is named, also where an exception would let its parts through.
-    let edge = |from: &str, to: &str| Edge { from: from.into(), to: to.into(), file: "f".into(), line: 1 };
-    assert!(ring(&[edge("cli", "app"), edge("app", "store"), edge("store", "light")]).is_none());
-    assert!(ring(&[edge("cli", "app"), edge("app", "store"), edge("store", "cli")]).is_some());
+    for (file, source, number) in [
+        // Siblings, and the exception in its one direction only.
+        ("store/x", "use crate::analysis::fit;", 1),
+        ("display/x", "use crate::shading;", 1),
+        ("app/ui/x", "use crate::cli;", 1),
+        ("cli/run", "use crate::app::{self, Launch};", 0),
+        // Rooms of the window: a page may use the vocabulary, and nothing the App.
+        ("app/session/x", "use crate::app::ui::{self, Step}; fn f() { ui::hint(); }", 0),
+        ("app/ui/x", "use crate::app::start::Form;", 1),
+        ("app/session/x", "use super::super::App;", 1),
+        // What cannot be followed is not let through.
+        ("light/gamma", "use crate::*;", 1),
+        ("light/gamma", "use crate as root;", 1),
+        ("light/gamma", "use crate::attic::Thing;", 1),
+        // Through the re-export of its room's door, two files of a room.
+        ("app/ui/page", "use super::hint;", 0),
+        ("app/ui/text", "use super::Own;", 1),
+    ] {
+        assert_eq!(faults(file, source).len(), number, "{file}: {source}: {:?}", faults(file, source));
+    }
 }
 
-fn floor(module: &str) -> Option<u32> {
-    FLOORS.iter().find(|(name, _)| *name == module).map(|(_, floor)| *floor)
-}
-
-/// Everything that is wrong with a set of edges.
+/// Everything that is wrong with these edges.
 fn faults_of(edges: &[Edge]) -> Vec<String> {
     let mut faults = Vec::new();
-    for Edge { from, to, file, line } in edges {
-        if EXCEPTIONS.iter().any(|(a, b, _)| a == from && b == to) {
+    let mut uses: BTreeMap<&Module, BTreeSet<&Module>> = BTreeMap::new();
+    for Edge { from, line, path, to } in edges {
+        uses.entry(from).or_default().insert(to);
+        let (low, high) = (room(from), if to.is_empty() { room(path) } else { room(to) });
+        if low == high || EXCEPTIONS.iter().any(|(a, b, _)| *a == low && *b == high) {
             continue;
         }
-        let why = match (floor(from), floor(to)) {
+        let why = match (floor(&low), floor(&high)) {
             (Some(low), Some(high)) if high > low => format!("floor {low} uses floor {high}"),
             (Some(low), Some(high)) if high == low => format!("both are on floor {low}"),
             (Some(_), Some(_)) => continue,
-            _ => "not a module with a floor in tests/layers.rs".to_owned(),
+            _ => "not a room with a floor in tests/layers.rs".to_owned(),
         };
-        faults.push(format!("src/{file}:{line}: {from} → {to}: {why}"));
+        faults.push(format!("src/{}:{line}: {low} → {high}: {why}", from.join("/")));
     }
-    faults.extend(ring(edges).map(|ring| format!("modules use each other in a ring: {}", ring.join(" → "))));
+    faults.extend(circles(&uses));
     faults
 }
 
-/// A cycle, if there is one.
-fn ring(edges: &[Edge]) -> Option<Vec<String>> {
-    let mut uses: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    for edge in edges {
-        uses.entry(&edge.from).or_default().insert(&edge.to);
-    }
-    fn visit<'a>(at: &'a str, uses: &BTreeMap<&'a str, BTreeSet<&'a str>>, path: &mut Vec<&'a str>) -> bool {
-        let again = path.contains(&at);
-        path.push(at);
-        if again || uses.get(at).is_some_and(|next| next.iter().any(|to| visit(to, uses, path))) {
-            return true;
+/// The room of a file: its top-level module, or the folder within the window.
+fn room(module: &Module) -> String {
+    let parts = if module.first().is_some_and(|top| top == "app") { 2 } else { 1 };
+    module.iter().take(parts).cloned().collect::<Vec<_>>().join("/")
+}
+
+fn floor(room: &str) -> Option<u32> {
+    FLOORS.iter().find(|(name, _)| *name == room).map(|(_, floor)| *floor)
+}
+
+/// Files that use each other, directly or over others.
+fn circles(uses: &BTreeMap<&Module, BTreeSet<&Module>>) -> Vec<String> {
+    let reach = |start| {
+        let (mut found, mut next) = (BTreeSet::new(), vec![start]);
+        while let Some(module) = next.pop() {
+            let fresh = uses.get(module).into_iter().flatten().filter(|to| found.insert(**to));
+            next.extend(fresh.collect::<Vec<_>>());
         }
-        path.pop();
-        false
+        found
+    };
+    let reached: BTreeMap<_, _> = uses.keys().map(|module| (*module, reach(*module))).collect();
+    let circle = |module: &&Module| -> Vec<String> {
+        let both = reached[*module].iter().filter(|other| reached.get(**other).is_some_and(|r| r.contains(*module)));
+        both.map(|other| other.join("/")).collect()
+    };
+    let found: BTreeSet<Vec<String>> = reached.keys().map(circle).filter(|circle| !circle.is_empty()).collect();
+    found.iter().map(|circle| format!("these files use each other in a circle: {}", circle.join(", "))).collect()
+}
+
+impl House {
+    fn new(files: impl Iterator<Item = (Module, String)>) -> Self {
+        let mut house = Self::default();
+        for (module, text) in files {
+            let mut tokens = Vec::new();
+            flatten(text.parse().unwrap(), &mut tokens);
+            house.0.insert(module.clone(), Source::read(&tokens, &module));
+        }
+        house
     }
-    uses.keys().find_map(|start| {
-        let mut path = Vec::new();
-        visit(start, &uses, &mut path).then(|| path.iter().map(|part| (*part).to_owned()).collect())
-    })
+
+    /// Every use of a file by another.
+    fn edges(&self) -> Vec<Edge> {
+        let mut edges = Vec::new();
+        // The roots of library and program only name the modules.
+        for (from, source) in self.0.iter().filter(|(module, _)| !module.is_empty()) {
+            for (path, line) in &source.paths {
+                let to = self.resolve(path, 0);
+                if to != *from {
+                    edges.push(Edge { from: from.clone(), line: *line, path: path.clone(), to });
+                }
+            }
+        }
+        edges
+    }
+
+    /// The file that a path leads to.
+    fn resolve(&self, path: &[String], depth: usize) -> Module {
+        let mut at = Module::new();
+        for (i, part) in path.iter().enumerate() {
+            at.push(part.clone());
+            if self.0.contains_key(&at) {
+                continue;
+            }
+            at.pop();
+            // A name that the module has from elsewhere; not its own, which a name in `use super::Name` would be again.
+            let elsewhere = self.0.get(&at).and_then(|source| source.names.get(part));
+            if let Some(target) = elsewhere.filter(|target| depth < 8 && target[..] != path[..=i]) {
+                let whole: Module = target.iter().chain(&path[i + 1..]).cloned().collect();
+                return self.resolve(&whole, depth + 1);
+            }
+            break;
+        }
+        at
+    }
+}
+
+impl Source {
+    fn read(tokens: &[(String, usize)], module: &Module) -> Self {
+        let mut source = Self::default();
+        // Modules within the file around the place, each with the depth of braces outside it.
+        let (mut here, mut inline, mut depth) = (module.clone(), Vec::new(), 0);
+        let mut i = 0;
+        while i < tokens.len() {
+            let text = |j: usize| tokens.get(j).map_or("", |(text, _)| text.as_str());
+            let begins = i == 0 || text(i - 1) != "::";
+            match text(i) {
+                "mod" if text(i + 2) == "{" => {
+                    here.push(text(i + 1).to_owned());
+                    inline.push(depth);
+                    (depth, i) = (depth + 1, i + 2);
+                }
+                "{" => depth += 1,
+                "}" => {
+                    depth -= 1;
+                    if inline.last() == Some(&depth) {
+                        inline.pop();
+                        here.pop();
+                    }
+                }
+                "use" => {
+                    i = source.tree(tokens, i + 1, here.clone(), true, true);
+                    continue;
+                }
+                "crate" | "machband" | "super" | "self" if begins => {
+                    i = source.tree(tokens, i, here.clone(), true, false);
+                    continue;
+                }
+                // A name that was imported.
+                name if begins && text(i + 1) == "::" && source.names.contains_key(name) => {
+                    i = source.tree(tokens, i + 2, source.names[name].clone(), false, false);
+                    continue;
+                }
+                _ => {}
+            }
+            i += 1;
+        }
+        source
+    }
+
+    /// Follows the tree of paths at `i` from the module `path`; gives where it ends. What is not of this crate stays
+    /// below the module itself, and leads nowhere. `first` where `crate` and the like may stand.
+    fn tree(
+        &mut self,
+        tokens: &[(String, usize)],
+        mut i: usize,
+        mut path: Module,
+        mut first: bool,
+        is_use: bool,
+    ) -> usize {
+        let text = |j: usize| tokens.get(j).map_or("", |(text, _)| text.as_str());
+        let line = tokens.get(i).map_or(0, |(_, line)| *line);
+        // `crate` alone stands in `pub(crate)`; `self` and `super` alone name no other module.
+        let alone = matches!(text(i), "crate" | "machband" | "super" | "self") && text(i + 1) != "::";
+        loop {
+            match text(i) {
+                "{" => {
+                    i += 1;
+                    while i < tokens.len() && text(i) != "}" {
+                        i = self.tree(tokens, i, path.clone(), first, is_use).max(i + 1);
+                    }
+                    return i + 1;
+                }
+                "crate" | "machband" if first => path.clear(),
+                "super" => _ = path.pop(),
+                "self" => {}
+                name if is_name(name) || name == "*" => path.push(name.to_owned()),
+                _ => return i,
+            }
+            first = false;
+            i += 1;
+            if text(i) != "::" {
+                break;
+            }
+            i += 1;
+        }
+        let mut name = path.last().cloned().unwrap_or_default();
+        let renamed = text(i) == "as";
+        if renamed {
+            name = text(i + 1).to_owned();
+            i += 2;
+        }
+        if !alone || renamed {
+            if is_use {
+                self.names.insert(name, path.clone());
+            }
+            self.paths.push((path, line));
+        }
+        i
+    }
+}
+
+fn is_name(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_alphabetic() || c == '_')
+}
+
+/// Names, `::` and single marks with their lines; no comments, strings, characters or lifetimes.
+fn flatten(stream: TokenStream, tokens: &mut Vec<(String, usize)>) {
+    let mut lifetime = false;
+    for token in stream {
+        let line = token.span().start().line;
+        match token {
+            TokenTree::Group(group) => {
+                let text = format!("{:?}", group.delimiter());
+                let [open, close] = match text.as_str() {
+                    "Parenthesis" => ["(", ")"],
+                    "Brace" => ["{", "}"],
+                    "Bracket" => ["[", "]"],
+                    _ => ["", ""],
+                };
+                tokens.push((open.to_owned(), line));
+                flatten(group.stream(), tokens);
+                tokens.push((close.to_owned(), group.span_close().start().line));
+            }
+            TokenTree::Ident(_) if std::mem::take(&mut lifetime) => {}
+            TokenTree::Ident(name) => tokens.push((name.to_string(), line)),
+            TokenTree::Punct(mark) if mark.as_char() == '\'' => lifetime = true,
+            TokenTree::Punct(mark) => match tokens.last_mut() {
+                Some((last, at)) if last == ":" && mark.as_char() == ':' && *at == line => *last = "::".to_owned(),
+                _ => tokens.push((mark.to_string(), line)),
+            },
+            TokenTree::Literal(_) => tokens.push(("\"\"".to_owned(), line)),
+        }
+    }
 }
 
 /// `src/` in a fixed order.
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     entries.sort();
-    entries
-        .into_iter()
-        .flat_map(|path| match path.is_dir() {
-            true => sources(&path),
-            false if path.extension().is_some_and(|extension| extension == "rs") => vec![path],
-            false => Vec::new(),
-        })
-        .collect()
+    let below = |path: PathBuf| match path.extension() {
+        None if path.is_dir() => sources(&path),
+        Some(extension) if extension == "rs" => vec![path],
+        _ => Vec::new(),
+    };
+    entries.into_iter().flat_map(below).collect()
 }
 
 /// `app/home.rs` is `app::home`, `app/mod.rs` is `app`; `lib.rs` and `main.rs` are the root.
-fn module_of(file: &Path) -> Vec<String> {
-    let mut module: Vec<_> = file.with_extension("").iter().map(|part| part.to_string_lossy().into_owned()).collect();
-    if module.last().is_some_and(|last| last == "mod")
-        || matches!(module.as_slice(), [only] if only == "lib" || only == "main")
-    {
+fn module_of(file: &Path) -> Module {
+    let mut module: Module = file.with_extension("").iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    if matches!(module.last().map(String::as_str), Some("mod" | "lib" | "main")) {
         module.pop();
     }
     module
-}
-
-/// The uses of other top-level modules in a source file of `module`.
-fn edges_of(source: &str, module: &[String], file: &str) -> Vec<Edge> {
-    let tokens = tokens(source);
-    let mut edges = Vec::new();
-    // Inline modules around the place, each with the depth of braces outside it.
-    let mut here = module.to_vec();
-    let mut inline: Vec<usize> = Vec::new();
-    let mut depth = 0;
-    let mut i = 0;
-    while i < tokens.len() {
-        let text = tokens[i].text.as_str();
-        match text {
-            "mod" if tokens.get(i + 2).is_some_and(|token| token.text == "{") => {
-                here.push(tokens[i + 1].text.clone());
-                inline.push(depth);
-                depth += 1;
-                i += 3;
-                continue;
-            }
-            "{" => depth += 1,
-            "}" => {
-                depth -= 1;
-                if inline.last() == Some(&depth) {
-                    inline.pop();
-                    here.pop();
-                }
-            }
-            "crate" | "machband" | "super" | "self"
-                if i == 0 || tokens[i - 1].text != "::" || !is_name(&tokens, i.wrapping_sub(2)) =>
-            {
-                let base = if text == "super" || text == "self" { here.clone() } else { Vec::new() };
-                let mut targets = Vec::new();
-                i = follow(&tokens, i, base, true, &mut targets);
-                for (target, line) in targets {
-                    if target != module[0] {
-                        edges.push(Edge { from: module[0].clone(), to: target, file: file.to_owned(), line });
-                    }
-                }
-                continue;
-            }
-            _ => {}
-        }
-        i += 1;
-    }
-    edges
-}
-
-fn is_name(tokens: &[Token], i: usize) -> bool {
-    tokens.get(i).is_some_and(|token| token.text.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
-}
-
-/// Follows the path at `i` from module `at`; gives the first module of every path that it spreads into, and where it
-/// ends. `start` where the path begins with a keyword that has a meaning of its own.
-fn follow(
-    tokens: &[Token],
-    mut i: usize,
-    mut at: Vec<String>,
-    start: bool,
-    targets: &mut Vec<(String, usize)>,
-) -> usize {
-    let line = tokens[i].line;
-    let mut first = start;
-    let mut root_only = false;
-    loop {
-        match tokens.get(i).map(|token| token.text.as_str()) {
-            Some("{") => {
-                i += 1;
-                while tokens.get(i).is_some_and(|token| token.text != "}") {
-                    // At least one on, also over what is no path.
-                    i = (i + 1).max(if tokens[i].text == "," {
-                        0
-                    } else {
-                        follow(tokens, i, at.clone(), false, targets)
-                    });
-                }
-                return i + 1;
-            }
-            Some("super") => _ = at.pop(),
-            Some("self") => {}
-            Some("crate" | "machband") if first => {
-                at.clear();
-                root_only = true;
-            }
-            Some("*") => {
-                targets.push((at.first().cloned().unwrap_or_else(|| "crate::*".to_owned()), line));
-                return i + 1;
-            }
-            Some(name) if name.starts_with(|c: char| c.is_alphabetic() || c == '_') => {
-                at.push(name.to_owned());
-                root_only = false;
-            }
-            _ => return i,
-        }
-        first = false;
-        i += 1;
-        if tokens.get(i).is_some_and(|token| token.text == "::") {
-            i += 1;
-            continue;
-        }
-        break;
-    }
-    if tokens.get(i).is_some_and(|token| token.text == "as") {
-        if at.is_empty() {
-            targets.push(("crate".to_owned(), line));
-        }
-        i += 2;
-    }
-    // `crate` alone stands in `pub(crate)`; `self` and `super` alone name no other module.
-    if !root_only && let Some(target) = at.first() {
-        targets.push((target.clone(), line));
-    }
-    i
-}
-
-struct Token {
-    text: String,
-    line: usize,
-}
-
-/// Names, `::` and single marks; without comments, strings, characters, lifetimes.
-fn tokens(source: &str) -> Vec<Token> {
-    let chars: Vec<char> = source.chars().collect();
-    let at = |i: usize| chars.get(i).copied().unwrap_or('\0');
-    let mut tokens = Vec::new();
-    let mut line = 1;
-    let mut i = 0;
-    while i < chars.len() {
-        let start = i;
-        match at(i) {
-            '/' if at(i + 1) == '/' => {
-                while i < chars.len() && at(i) != '\n' {
-                    i += 1;
-                }
-            }
-            '/' if at(i + 1) == '*' => {
-                let mut depth = 0;
-                loop {
-                    match (at(i), at(i + 1)) {
-                        ('/', '*') => (depth, i) = (depth + 1, i + 2),
-                        ('*', '/') => (depth, i) = (depth - 1, i + 2),
-                        _ => i += 1,
-                    }
-                    if depth == 0 || i >= chars.len() {
-                        break;
-                    }
-                }
-            }
-            '"' => {
-                i += 1;
-                while i < chars.len() && at(i) != '"' {
-                    i += if at(i) == '\\' { 2 } else { 1 };
-                }
-                i += 1;
-            }
-            '\'' if at(i + 1) == '\\' => {
-                i += 3;
-                while i < chars.len() && at(i) != '\'' {
-                    i += 1;
-                }
-                i += 1;
-            }
-            '\'' if at(i + 2) == '\'' => i += 3,
-            // A lifetime: the mark alone goes, and the name after it must not count as one.
-            '\'' => {
-                i += 1;
-                while at(i).is_alphanumeric() || at(i) == '_' {
-                    i += 1;
-                }
-            }
-            c if c.is_alphanumeric() || c == '_' => {
-                while at(i).is_alphanumeric() || at(i) == '_' {
-                    i += 1;
-                }
-                let text: String = chars[start..i].iter().collect();
-                let hashes = (i..).take_while(|j| at(*j) == '#').count();
-                if matches!(text.as_str(), "r" | "br" | "cr") && at(i + hashes) == '"' {
-                    i += hashes + 1;
-                    while i < chars.len() && !(at(i) == '"' && (1..=hashes).all(|j| at(i + j) == '#')) {
-                        i += 1;
-                    }
-                    i += hashes + 1;
-                } else {
-                    tokens.push(Token { text, line });
-                }
-            }
-            ':' if at(i + 1) == ':' => {
-                tokens.push(Token { text: "::".to_owned(), line });
-                i += 2;
-            }
-            c => {
-                if !c.is_whitespace() {
-                    tokens.push(Token { text: c.to_string(), line });
-                }
-                i += 1;
-            }
-        }
-        line += chars[start..i.min(chars.len())].iter().filter(|c| **c == '\n').count();
-    }
-    tokens
 }
