@@ -233,7 +233,7 @@ fn home_says_what_is_wrong_beside_the_field() {
     type_into(&mut harness, "Participant", "P7");
     assert!(harness.query_by_label_contains("expected letters A–Z").is_none());
     type_into(&mut harness, "Viewing distance, cm", "near");
-    harness.get_by_label_contains("is no number");
+    harness.get_by_label_contains("is not a number");
     type_into(&mut harness, "Viewing distance, cm", "500");
     harness.get_by_label_contains("expected a shorter distance");
     type_into(&mut harness, "Viewing distance, cm", "50");

@@ -1,16 +1,22 @@
-//! What Home asks, and what is wrong with it, field by field.
+//! What Home asks for, and what is wrong with it, field by field.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use crate::{
     app::{
         session::{Request, stimulus_side_px},
-        ui::{Monitor, ScreenFields, number},
+        ui::{Field, Monitor, ScreenFields, number},
     },
     display::{DisplayProfile, Screen, Viewing},
     experiment::{Identity, Protocol, Schedule},
     store::{dataset::free_participant, definition, session::SessionStore},
 };
+
+/// Width of the labels, points.
+pub const LABELS: f32 = 190.0;
 
 /// The form's texts as typed.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,55 +35,59 @@ pub struct Form {
     pub results: String,
 }
 
-/// What is wrong beside each field.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Faults {
-    /// See [`Form`].
-    pub experiment: Option<String>,
-    /// See [`Form`].
-    pub participant: Option<String>,
-    /// See [`Form`].
-    pub session: Option<String>,
-    /// See [`Form`].
-    pub distance: Option<String>,
-    /// See [`Form`].
-    pub screen_width: Option<String>,
-    /// See [`Form`].
-    pub profile: Option<String>,
-    /// See [`Form`].
-    pub results: Option<String>,
+/// A field of the form, by which its faults are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    Experiment,
+    Participant,
+    Session,
+    Distance,
+    ScreenWidth,
+    Profile,
+    Results,
 }
 
-impl Faults {
-    fn any(&self) -> bool {
-        [
-            &self.experiment,
-            &self.participant,
-            &self.session,
-            &self.distance,
-            &self.screen_width,
-            &self.profile,
-            &self.results,
-        ]
-        .iter()
-        .any(|fault| fault.is_some())
+impl Part {
+    fn label(self) -> &'static str {
+        match self {
+            Self::Experiment => "Experiment",
+            Self::Participant => "Participant",
+            Self::Session => "Session",
+            Self::Distance => "Viewing distance, cm",
+            Self::ScreenWidth => "Screen width, cm",
+            Self::Profile => "Display profile",
+            Self::Results => "Results folder",
+        }
     }
 }
 
-/// A form looked through.
+/// What a form means on a monitor.
 #[derive(Debug)]
 pub struct Checked {
     /// The definition, if it is one.
     pub protocol: Option<Protocol>,
     /// The profile, sRGB if none is named.
     pub display: Option<DisplayProfile>,
-    /// What is wrong.
-    pub faults: Faults,
+    faults: BTreeMap<Part, String>,
     /// This participant and session have an unfinished file: Start means resume.
     pub resume: bool,
     /// Side of the stimulus on this screen in physical pixels, and pixels per degree.
     pub stimulus_px: Option<(u32, f64)>,
-    request: Option<Request>,
+    /// The session to run, where nothing is wrong.
+    pub request: Option<Request>,
+}
+
+impl Checked {
+    /// A field of the form with what is wrong with it.
+    pub fn field(&self, part: Part) -> Field<'_> {
+        let fault = self.faults.get(&part).map_or("", String::as_str);
+        Field::new(part.label()).column(LABELS).fault(fault)
+    }
+
+    /// Whether something is wrong with a field.
+    pub fn is_wrong(&self, part: Part) -> bool {
+        self.faults.contains_key(&part)
+    }
 }
 
 impl Default for Form {
@@ -108,35 +118,41 @@ impl Form {
         }
     }
 
-    /// Looks every field through.
+    /// Checks every field.
     pub fn check(&self, monitor: &Monitor) -> Checked {
-        let mut faults = Faults::default();
-        let protocol = self.protocol().map_err(|error| faults.experiment = Some(error)).ok();
-        let display = self.screen.profile().map_err(|error| faults.profile = Some(error)).ok();
-        faults.participant = Identity::check_subject(&self.participant).err().map(|error| error.to_string());
-        faults.session = Identity::check_session(&self.session).err().map(|error| error.to_string());
+        let mut faults = BTreeMap::new();
+        let protocol = self.protocol().map_err(|error| faults.insert(Part::Experiment, error)).ok();
+        let display = self.screen.profile().map_err(|error| faults.insert(Part::Profile, error)).ok();
+        if let Err(error) = Identity::check_subject(&self.participant) {
+            faults.insert(Part::Participant, error.to_string());
+        }
+        if let Err(error) = Identity::check_session(&self.session) {
+            faults.insert(Part::Session, error.to_string());
+        }
         let identity = Identity::new(&self.participant, &self.session).ok();
         let results = PathBuf::from(self.results.trim());
-        faults.results = results_fault(&results);
+        if let Some(fault) = results_fault(&results) {
+            faults.insert(Part::Results, fault);
+        }
         let mut resume = false;
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
             match SessionStore::exists(&results, protocol, identity) {
                 Some(true) => {
-                    faults.session = Some(format!(
-                        "{} has finished session {}; expected another session or participant",
-                        identity.subject(),
-                        identity.session()
-                    ));
+                    let (subject, session) = (identity.subject(), identity.session());
+                    let fault = format!(
+                        "{subject} has already completed session {session}; expected another session or participant"
+                    );
+                    faults.insert(Part::Session, fault);
                 }
                 unfinished => resume = unfinished.is_some(),
             }
             if let Err(error) = Schedule::new(protocol, identity, 1) {
-                faults.experiment = Some(error.to_string());
+                faults.insert(Part::Experiment, error.to_string());
             }
         }
         let stimulus_px = self.geometry(monitor, protocol.as_ref(), &mut faults);
         let request = match (&protocol, &display, identity) {
-            (Some(protocol), Some(display), Some(identity)) if !faults.any() => Some(Request {
+            (Some(protocol), Some(display), Some(identity)) if faults.is_empty() => Some(Request {
                 protocol: protocol.clone(),
                 identity,
                 seed: None,
@@ -153,7 +169,7 @@ impl Form {
         Checked { protocol, display, faults, resume, stimulus_px, request }
     }
 
-    /// The definition, in gray where that is wished and it has a colour.
+    /// The definition, in gray where that is asked for and it has a color.
     fn protocol(&self) -> Result<Protocol, String> {
         let protocol = definition::open(&self.experiment).map_err(|error| error.to_string())?;
         Ok(match protocol.in_gray() {
@@ -162,50 +178,45 @@ impl Form {
         })
     }
 
-    fn geometry(&self, monitor: &Monitor, protocol: Option<&Protocol>, faults: &mut Faults) -> Option<(u32, f64)> {
-        let cm = |text: &str, what: &str| number(text).ok_or(format!("{text:?} is no number; expected {what} in cm"));
+    fn geometry(
+        &self,
+        monitor: &Monitor,
+        protocol: Option<&Protocol>,
+        faults: &mut BTreeMap<Part, String>,
+    ) -> Option<(u32, f64)> {
+        let cm =
+            |text: &str, what: &str| number(text).ok_or(format!("{text:?} is not a number; expected {what} in cm"));
         let width = cm(&self.screen.screen_width_cm, "the width of the visible screen")
             .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm).map_err(|error| error.to_string()))
-            .map_err(|fault| faults.screen_width = Some(fault));
+            .map_err(|fault| faults.insert(Part::ScreenWidth, fault));
         let distance = cm(&self.screen.distance_cm, "the distance from eye to screen")
-            .map_err(|fault| faults.distance = Some(fault));
+            .map_err(|fault| faults.insert(Part::Distance, fault));
         let viewing = Viewing::new(width.ok()?, distance.ok()?)
-            .map_err(|error| faults.distance = Some(error.to_string()))
+            .map_err(|error| faults.insert(Part::Distance, error.to_string()))
             .ok()?;
-        let side = stimulus_side_px(&viewing, protocol?.viewing.window_deg);
+        let deg = protocol?.viewing.window_deg;
+        let side = stimulus_side_px(&viewing, deg);
         let least = monitor.width_px.min(monitor.height_px);
         if side > least {
-            faults.distance = Some(format!(
-                "the stimulus of {}° would need {side} pixels of {least}; expected a shorter distance or a larger screen",
-                protocol?.viewing.window_deg
-            ));
+            let fault = format!(
+                "A {deg}° stimulus needs {side} px; the screen has {least}; expected a shorter distance or a larger screen"
+            );
+            faults.insert(Part::Distance, fault);
         }
         Some((side, viewing.px_per_degree()))
     }
 }
 
-impl Checked {
-    /// The session to run, where nothing is wrong.
-    pub fn request(&self) -> Option<&Request> {
-        self.request.as_ref()
-    }
-}
-
-/// Why results cannot go there, as far as it can be told without writing.
+/// Why results cannot go there, as far as one can tell without writing.
 fn results_fault(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
-        return Some("the folder is empty; expected a path".to_owned());
+        return Some("no folder is given; expected a path".to_owned());
     }
-    let existing = results.ancestors().find(|folder| folder.exists());
-    let metadata = existing.and_then(|folder| folder.metadata().ok());
-    match metadata {
-        Some(metadata) if !metadata.is_dir() => {
-            Some(format!("{} is a file; expected a folder", existing.unwrap_or(results).display()))
-        }
-        Some(metadata) if metadata.permissions().readonly() => Some(format!(
-            "{} is read-only; expected a folder that can be written",
-            existing.unwrap_or(results).display()
-        )),
-        _ => None,
+    let existing = results.ancestors().find(|folder| folder.exists())?;
+    let metadata = existing.metadata().ok()?;
+    if !metadata.is_dir() {
+        return Some(format!("{} is a file; expected a folder", existing.display()));
     }
+    let read_only = metadata.permissions().readonly();
+    read_only.then(|| format!("{} is read-only; expected a folder that you can write to", existing.display()))
 }

@@ -1,15 +1,15 @@
-//! Home: what is to be run, for whom, on which screen.
+//! Home: what to run, for whom, on which screen.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, rc::Rc};
 
-use eframe::egui::{self, Key, RichText, TextureHandle, ViewportCommand};
+use eframe::egui::{self, Button, ComboBox, Key, RichText, TextEdit, TextureHandle, ViewportCommand};
 
-use super::form::{Checked, Form};
+use super::form::{Checked, Form, LABELS, Part};
 use crate::{
     app::{
         display::card::{CardHelper, CardOutcome},
         session::Request,
-        ui::{self, Ask, Dialog, Monitor, Step, number, pixels, theme, today},
+        ui::{self, Ask, Dialog, Field, Monitor, Step, number, pixels, today},
     },
     display::DisplayProfile,
     light::{Bits, Quantizer, Transfer},
@@ -41,26 +41,18 @@ pub enum Destination {
 #[derive(Default)]
 pub struct Home {
     form: Form,
-    checked: Option<(Form, Monitor, Checked)>,
-    /// What the card helper found: shows that the width is not an assumption.
-    measured_cm: Option<f64>,
-    /// What the display profile says.
-    profile_cm: Option<f64>,
+    /// What the form means on a monitor; made anew when either has changed.
+    checked: Option<(Form, Monitor, Rc<Checked>)>,
+    /// A screen width that the program filled in, and where it is from.
+    width_origin: Option<(String, &'static str)>,
     card: Option<CardHelper>,
-    /// Which field an open dialog is for.
-    dialog: Dialog,
-    asking: Option<Field>,
+    experiment: Dialog,
+    profile: Dialog,
+    results: Dialog,
     picture: Option<TextureHandle>,
     monitor_choice: Option<usize>,
     full_screen: bool,
     started: bool,
-}
-
-#[derive(Clone, Copy)]
-enum Field {
-    Experiment,
-    Profile,
-    Results,
 }
 
 impl Home {
@@ -84,303 +76,240 @@ impl Home {
             self.full_screen = true;
             self.form.suggest(monitor);
         }
-        self.take_files(ui.ctx());
-        self.recheck(monitor);
-        let mut step = Step::Stay;
-        ui::page_from(ui, 0.02, |ui| {
-            ui.heading("machband");
-            ui.label("How visible are Mach bands? Rate them, and keep every answer.");
-            ui.add_space(12.0);
-            let measure = self.fields(ui, monitor, here, monitors);
-            ui.add_space(8.0);
-            step = self.start(ui);
-            if measure {
-                step = Step::Next(Destination::Display { window_deg: self.window_deg() });
-            }
-            row(ui, "", |ui, _| {
-                ui.horizontal_wrapped(|ui| {
-                    // Three beside each other, so that the example below needs no scrolling.
-                    ui.spacing_mut().button_padding.x = 8.0;
-                    if ui.button("Gallery of stimuli…").clicked() {
-                        let profile = checked_display(&self.checked);
-                        step = Step::Next(Destination::Gallery(profile, number(&self.form.screen.distance_cm)));
-                    }
-                    if ui.button("Shading demo…").clicked() {
-                        step = Step::Next(Destination::Shading);
-                    }
-                    if ui.button("Analyse results…").clicked() {
-                        step = Step::Next(Destination::Analysis(self.form.results.trim().into()));
-                    }
-                });
-            });
-            ui.add_space(16.0);
-            self.example(ui);
-        });
-        self.card(ui.ctx(), here);
-        step
-    }
-
-    /// A file dropped on the window or chosen in a dialog.
-    fn take_files(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        let dropped = ui.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
             self.choose_experiment(path.display().to_string());
         }
-        if let Some(path) = self.dialog.take() {
-            let path = path.display().to_string();
-            match self.asking {
-                Some(Field::Experiment) => self.choose_experiment(path),
-                Some(Field::Profile) => self.form.screen.profile = path,
-                Some(Field::Results) => self.form.results = path,
-                None => {}
-            }
-        }
+        let checked = self.check(monitor);
+        let next = ui::page_from(ui, 0.02, |ui| {
+            ui.heading("machband");
+            ui.label("How visible are Mach bands? Rate them; every answer is saved.");
+            ui.add_space(12.0);
+            let measure = self.fields(ui, &checked, monitor, here, monitors);
+            ui.add_space(8.0);
+            let start = self.start(ui, &checked);
+            let aside = self.other_pages(ui, &checked);
+            ui.add_space(16.0);
+            self.example(ui);
+            start.or(aside).or(measure)
+        });
+        self.measure_with_card(ui.ctx(), here);
+        next.map_or(Step::Stay, Step::Next)
     }
 
     fn choose_experiment(&mut self, name_or_path: String) {
         self.form.experiment = name_or_path;
-        // The planned distance belongs to the definition, and so does its colour.
+        // The planned distance belongs to the definition, and so does its color.
         self.form.gray = false;
         self.form.screen.distance_cm.clear();
     }
 
-    /// Looks the form through when something in it has changed.
-    fn recheck(&mut self, monitor: &Monitor) {
-        let current = |(form, seen, _): &(Form, Monitor, Checked)| *form == self.form && seen == monitor;
-        if !self.checked.as_ref().is_some_and(current) {
-            if self.form.screen.distance_cm.is_empty() {
-                self.form.suggest(monitor);
-            }
-            let mut checked = self.form.check(monitor);
-            let measured = checked.display.as_ref().and_then(|display| display.screen_width_cm);
-            if let Some(width) = measured
-                && self.form.screen.width_is_assumed(monitor)
-            {
-                // A profile that knows the screen's width is better than an assumption.
-                self.form.screen.screen_width_cm = width.to_string();
-                self.profile_cm = Some(width);
-                checked = self.form.check(monitor);
-            }
-            self.checked = Some((self.form.clone(), monitor.clone(), checked));
+    /// Checks the form when something in it has changed.
+    fn check(&mut self, monitor: &Monitor) -> Rc<Checked> {
+        if let Some((form, seen, checked)) = &self.checked
+            && *form == self.form
+            && seen == monitor
+        {
+            return checked.clone();
         }
+        if self.form.screen.distance_cm.is_empty() {
+            self.form.suggest(monitor);
+        }
+        let mut checked = self.form.check(monitor);
+        let known = checked.display.as_ref().and_then(|display| display.screen_width_cm);
+        if let Some(width) = known
+            && self.form.screen.width_is_assumed(monitor)
+        {
+            // A profile that knows the screen's width is better than an assumption.
+            self.set_width(width, "From the display profile");
+            checked = self.form.check(monitor);
+        }
+        let checked = Rc::new(checked);
+        self.checked = Some((self.form.clone(), monitor.clone(), checked.clone()));
+        checked
     }
 
-    /// The form; gives whether the screen is to be measured.
-    fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, here: &Monitor, monitors: &[Monitor]) -> bool {
-        let mut measure = false;
-        // Taken out while the fields change the form; what was checked stays known by the form it was checked for.
-        let Some((form, seen, checked)) = self.checked.take() else { return false };
-        let faults = &checked.faults;
-        self.experiment_field(ui, &checked);
-        let typed = &mut self.form;
-        text_field(ui, "Participant", &mut typed.participant, faults.participant.as_deref(), "letters and digits");
-        text_field(ui, "Session", &mut typed.session, faults.session.as_deref(), "1, 2, … for the same participant");
-        text_field(
-            ui,
-            "Viewing distance, cm",
-            &mut typed.screen.distance_cm,
-            faults.distance.as_deref(),
-            "from eye to screen",
-        );
-        row(ui, "Screen width, cm", |ui, label| {
+    fn set_width(&mut self, width_cm: f64, origin: &'static str) {
+        self.form.screen.screen_width_cm = width_cm.to_string();
+        self.width_origin = Some((width_cm.to_string(), origin));
+    }
+
+    fn fields(
+        &mut self,
+        ui: &mut egui::Ui,
+        checked: &Checked,
+        monitor: &Monitor,
+        here: &Monitor,
+        monitors: &[Monitor],
+    ) -> Option<Destination> {
+        self.experiment_field(ui, checked);
+        let Form { participant, session, screen, .. } = &mut self.form;
+        checked.field(Part::Participant).hint("letters and digits").text(ui, participant);
+        checked.field(Part::Session).hint("1, 2, … for the same participant").text(ui, session);
+        checked.field(Part::Distance).hint("from eye to screen").text(ui, &mut screen.distance_cm);
+        self.width_field(ui, checked, monitor, here);
+        let measure = self.profile_field(ui, checked);
+        checked.field(Part::Results).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                ui.add(egui::TextEdit::singleline(&mut self.form.screen.screen_width_cm).desired_width(120.0))
-                    .labelled_by(label);
-                let measure = ui.add_enabled(monitor == here, egui::Button::new("Measure with a card…"));
-                if measure.on_disabled_hover_text("Move this window to that screen first.").clicked() {
-                    let width = self.form.screen.screen_width_cm.parse().unwrap_or_else(|_| monitor.assumed_width_cm());
-                    self.card = Some(CardHelper::new(width, monitor.width_px));
-                }
+                ui.add(TextEdit::singleline(&mut self.form.results)).labelled_by(label);
+                self.results.browse(ui, Ask::Folder, "Choose the results folder…", &mut self.form.results);
             });
-            match (&faults.screen_width, checked.stimulus_px) {
-                (Some(text), _) => ui::fault(ui, text),
-                (None, Some((side, per_degree))) => {
-                    let origin =
-                        if self.measured_cm.is_some_and(|cm| self.form.screen.screen_width_cm == cm.to_string()) {
-                            "Measured with a card"
-                        } else if self.profile_cm.is_some_and(|cm| self.form.screen.screen_width_cm == cm.to_string()) {
-                            "From the display profile"
-                        } else if self.form.screen.width_is_assumed(monitor) {
-                            "Assumed from 96 pixels an inch; measure it for a real study"
-                        } else {
-                            "As typed"
-                        };
-                    ui.label(ui::quiet(format!(
-                        "{origin}. {per_degree:.1} pixels a degree; the stimulus is {side} pixels wide."
-                    )));
-                }
-                (None, None) => {}
-            }
         });
-        row(ui, "Display profile", |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                ui.add(
-                    egui::TextEdit::singleline(&mut self.form.screen.profile).desired_width(210.0).hint_text("sRGB"),
-                )
-                .labelled_by(label);
-                self.browse(ui, Field::Profile, "Choose a display profile…");
-                measure = ui.button("Measure…").on_hover_text("The screen's light, size and timing.").clicked();
-            });
-            match (&faults.profile, &checked.display) {
-                (Some(text), _) => ui::fault(ui, text),
-                (None, Some(display)) => {
-                    ui.add(egui::Label::new(ui::quiet(display.sentence())).wrap());
-                    if display.measured.is_some()
-                        && let Some(doubt) = display.doubt(today())
-                    {
-                        ui.label(RichText::new(doubt).small().color(theme::NOTE));
-                    }
-                }
-                (None, None) => {}
-            }
-        });
-        row(ui, "Results folder", |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                ui.add(egui::TextEdit::singleline(&mut self.form.results).desired_width(300.0)).labelled_by(label);
-                self.browse(ui, Field::Results, "Choose the results folder…");
-            });
-            if let Some(text) = &faults.results {
-                ui::fault(ui, text);
-            }
-        });
-        self.monitor_field(ui, &checked, monitor, monitors);
-        self.checked.get_or_insert((form, seen, checked));
-        measure
+        self.monitor_field(ui, checked, monitor, monitors);
+        measure.then(|| {
+            let window_deg = checked.protocol.as_ref().map_or(10.0, |protocol| protocol.viewing.window_deg);
+            Destination::Display { window_deg }
+        })
     }
 
     fn experiment_field(&mut self, ui: &mut egui::Ui, checked: &Checked) {
-        let mut chosen = None;
-        row(ui, "Experiment", |ui, label| {
+        let mut name = self.form.experiment.clone();
+        checked.field(Part::Experiment).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                let mut typed = self.form.experiment.clone();
-                ui.add(
-                    egui::TextEdit::singleline(&mut typed).desired_width(200.0).hint_text("name, or path of a .toml"),
-                )
-                .labelled_by(label);
-                if typed != self.form.experiment {
-                    chosen = Some(typed);
-                }
-                egui::ComboBox::from_id_salt("experiment")
-                    .selected_text("Built in")
-                    .width(96.0)
-                    .show_ui(ui, |ui| {
-                        for built_in in BUILT_IN {
-                            if ui.selectable_label(self.form.experiment == built_in.name, built_in.name).clicked() {
-                                chosen = Some(built_in.name.to_owned());
-                            }
-                        }
-                    })
-                    .response
-                    .labelled_by(label);
-                self.browse(ui, Field::Experiment, "Choose a definition…");
+                let field = TextEdit::singleline(&mut name).desired_width(200.0);
+                ui.add(field.hint_text("name, or path to a .toml file")).labelled_by(label);
+                let list = ComboBox::from_id_salt("experiment").selected_text("Built in").width(96.0);
+                let list = list.show_ui(ui, |ui| {
+                    for built_in in BUILT_IN {
+                        ui.selectable_value(&mut name, built_in.name.to_owned(), built_in.name);
+                    }
+                });
+                list.response.labelled_by(label);
+                self.experiment.browse(ui, Ask::Toml, "Choose a definition…", &mut name);
             });
-            match (&checked.faults.experiment, &checked.protocol) {
-                (Some(text), _) => text.lines().for_each(|line| ui::fault(ui, line)),
-                (None, Some(protocol)) => {
-                    let practice = match protocol.design.practice {
-                        0 => String::new(),
-                        n => format!("{n} practice and "),
-                    };
-                    let minutes = (protocol.main_trials() + protocol.design.practice as usize) as f64
-                        * (protocol.recovery.duration_s + 3.5)
-                        / 60.0;
-                    ui.label(ui::quiet(format!(
-                        "{}. {practice}{} trials, about {:.0} min. A .toml file can also be dropped on this window.",
-                        protocol.title,
-                        protocol.main_trials(),
-                        minutes.ceil() + 1.0
-                    )));
-                }
-                (None, None) => {}
+            if let Some(protocol) = &checked.protocol {
+                let practice = match protocol.design.practice {
+                    0 => String::new(),
+                    n => format!("{n} practice and "),
+                };
+                let trials = protocol.main_trials() + protocol.design.practice as usize;
+                let minutes = trials as f64 * (protocol.recovery.duration_s + 3.5) / 60.0;
+                let text = format!(
+                    "{}. {practice}{} trials, about {:.0} min. You can also drop a .toml file on this window.",
+                    protocol.title,
+                    protocol.main_trials(),
+                    minutes.ceil() + 1.0
+                );
+                ui::hint(ui, text);
             }
         });
-        if let Some(name) = chosen {
+        if name != self.form.experiment {
             self.choose_experiment(name);
         }
     }
 
-    fn browse(&mut self, ui: &mut egui::Ui, field: Field, label: &str) {
-        let button = ui.button("Browse…");
-        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, label));
-        if button.clicked() {
-            self.asking = Some(field);
-            self.dialog.open(ui.ctx(), if let Field::Results = field { Ask::Folder } else { Ask::Toml });
-        }
+    fn width_field(&mut self, ui: &mut egui::Ui, checked: &Checked, monitor: &Monitor, here: &Monitor) {
+        checked.field(Part::ScreenWidth).show(ui, |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                let width = &mut self.form.screen.screen_width_cm;
+                ui.add(TextEdit::singleline(width).desired_width(120.0)).labelled_by(label);
+                let measure = ui.add_enabled(monitor == here, Button::new("Measure with a card…"));
+                if measure.on_disabled_hover_text("Move this window to that screen first.").clicked() {
+                    let width = number(width).unwrap_or_else(|| monitor.assumed_width_cm());
+                    self.card = Some(CardHelper::new(width, monitor.width_px));
+                }
+            });
+            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| !checked.is_wrong(Part::ScreenWidth)) else {
+                return;
+            };
+            let screen = &self.form.screen;
+            let origin = match &self.width_origin {
+                Some((width, origin)) if *width == screen.screen_width_cm => origin,
+                _ if screen.width_is_assumed(monitor) => "Assumed: 96 pixels per inch. Measure it for a real study",
+                _ => "As typed",
+            };
+            let text = format!("{origin}. {per_degree:.1} pixels per degree; the stimulus is {side} pixels wide.");
+            ui::hint(ui, text);
+        });
+    }
+
+    /// Gives whether the screen is to be measured.
+    fn profile_field(&mut self, ui: &mut egui::Ui, checked: &Checked) -> bool {
+        checked.field(Part::Profile).show(ui, |ui, label| {
+            let path = &mut self.form.screen.profile;
+            let line = |ui: &mut egui::Ui| {
+                ui.add(TextEdit::singleline(path).desired_width(210.0).hint_text("sRGB")).labelled_by(label);
+                self.profile.browse(ui, Ask::Toml, "Choose a display profile…", path);
+                ui.button("Measure…").on_hover_text("The screen's light, size and timing.").clicked()
+            };
+            let measure = ui.horizontal_wrapped(line).inner;
+            if let Some(display) = &checked.display {
+                ui::hint(ui, display.sentence());
+                // An assumption says itself that it is one.
+                if let Some(doubt) = display.doubt(today()).filter(|_| display.measured.is_some()) {
+                    ui::note(ui, doubt);
+                }
+            }
+            measure
+        })
     }
 
     fn monitor_field(&mut self, ui: &mut egui::Ui, checked: &Checked, monitor: &Monitor, monitors: &[Monitor]) {
-        let can_be_gray =
-            self.form.gray || checked.protocol.as_ref().is_some_and(|protocol| protocol.in_gray().is_some());
-        row(ui, "Screen", |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                if monitors.len() > 1 {
-                    let shown = monitor.title();
-                    egui::ComboBox::from_id_salt("monitor")
-                        .selected_text(shown)
-                        .width(300.0)
-                        .show_ui(ui, |ui| {
-                            for (i, monitor) in monitors.iter().enumerate() {
-                                ui.selectable_value(&mut self.monitor_choice, Some(i), monitor.title());
-                            }
-                        })
-                        .response
-                        .labelled_by(label);
-                } else {
-                    ui.label(monitor.title());
-                }
-                ui.checkbox(&mut self.full_screen, "Full screen");
-                if can_be_gray {
-                    let gray = ui.checkbox(&mut self.form.gray, "In gray");
-                    gray.on_hover_text(
-                        "For someone with a color deficiency. The experiment's name then ends in -gray.",
-                    );
-                }
-            });
-        });
+        let has_color = checked.protocol.as_ref().is_some_and(|protocol| protocol.in_gray().is_some());
+        let mut line = |ui: &mut egui::Ui, label| {
+            if monitors.len() > 1 {
+                let list = ComboBox::from_id_salt("monitor").selected_text(monitor.title()).width(300.0);
+                let list = list.show_ui(ui, |ui| {
+                    for (i, monitor) in monitors.iter().enumerate() {
+                        ui.selectable_value(&mut self.monitor_choice, Some(i), monitor.title());
+                    }
+                });
+                list.response.labelled_by(label);
+            } else {
+                ui.label(monitor.title());
+            }
+            ui.checkbox(&mut self.full_screen, "Full screen");
+            if self.form.gray || has_color {
+                let gray = ui.checkbox(&mut self.form.gray, "In gray");
+                gray.on_hover_text("For someone with a color deficiency. The experiment's name then ends in -gray.");
+            }
+        };
+        let field = Field::new("Screen").column(LABELS);
+        field.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)));
     }
 
-    fn start(&mut self, ui: &mut egui::Ui) -> Step<Destination> {
-        let Some((_, _, checked)) = &self.checked else { return Step::Stay };
+    fn start(&mut self, ui: &mut egui::Ui, checked: &Checked) -> Option<Destination> {
         let text = if checked.resume { "Resume" } else { "Start" };
-        let ready = checked.request().is_some();
-        let mut clicked = false;
-        row(ui, "", |ui, _| {
-            if self.dialog.is_missing() {
-                ui::fault(
-                    ui,
-                    "No file dialog opened on this system: type the path, or drop a definition on this window.",
-                );
+        let hint = match (&checked.request, checked.resume) {
+            (None, _) => "Something above needs attention.",
+            (Some(_), true) => "This session was interrupted. It resumes with the missing trials.",
+            (Some(_), false) => "Or press Enter. Esc pauses at any time; every answer is saved at once.",
+        };
+        let clicked = Field::new("").column(LABELS).show(ui, |ui, _| {
+            for dialog in [&self.experiment, &self.profile, &self.results] {
+                dialog.missing_fault(ui);
             }
-            let hint = match (ready, checked.resume) {
-                (false, _) => "Something above needs attention.",
-                (true, true) => "This session was interrupted; it goes on with the trials that are missing.",
-                (true, false) => "Enter starts too. Esc pauses at any time; every answer is saved at once.",
-            };
-            clicked = ui::primary(ui, text, ready, hint);
+            ui::primary(ui, text, checked.request.is_some(), hint)
         });
-        let typing = ui.ctx().memory(|memory| memory.focused().is_some());
-        let entered = !typing && self.card.is_none() && ui.input(|input| input.key_pressed(Key::Enter));
-        match checked.request() {
-            Some(request) if clicked || entered => {
-                let mut request = request.clone();
-                request.windowed = !self.full_screen;
-                if self.full_screen {
-                    // Choosing a monitor makes the window full screen there.
-                    ui.ctx().send_viewport_cmd(match self.monitor_choice {
-                        Some(index) => ViewportCommand::SetMonitor(index),
-                        None => ViewportCommand::Fullscreen(true),
-                    });
-                }
-                Step::Next(Destination::Session(Box::new(request)))
-            }
-            _ => Step::Stay,
+        let entered = self.card.is_none() && ui::shortcut(ui, Key::Enter);
+        let mut request = checked.request.clone().filter(|_| clicked || entered)?;
+        request.windowed = !self.full_screen;
+        if self.full_screen {
+            // Choosing a monitor makes the window full screen there.
+            ui.ctx().send_viewport_cmd(match self.monitor_choice {
+                Some(index) => ViewportCommand::SetMonitor(index),
+                None => ViewportCommand::Fullscreen(true),
+            });
         }
+        Some(Destination::Session(Box::new(request)))
     }
 
-    /// Side of the stimulus that the definition plans, degrees.
-    fn window_deg(&self) -> f64 {
-        let protocol = self.checked.as_ref().and_then(|(_, _, checked)| checked.protocol.as_ref());
-        protocol.map_or(10.0, |protocol| protocol.viewing.window_deg)
+    fn other_pages(&mut self, ui: &mut egui::Ui, checked: &Checked) -> Option<Destination> {
+        let buttons = |ui: &mut egui::Ui| {
+            // Three beside each other, so that the example below needs no scrolling.
+            ui.spacing_mut().button_padding.x = 8.0;
+            let [gallery, shading, analysis] =
+                ["Gallery of stimuli…", "Shading demo…", "Analyze results…"].map(|text| ui.button(text).clicked());
+            if gallery {
+                let display = checked.display.clone().unwrap_or_default();
+                return Some(Destination::Gallery(display, number(&self.form.screen.distance_cm)));
+            }
+            if shading {
+                return Some(Destination::Shading);
+            }
+            analysis.then(|| Destination::Analysis(self.form.results.trim().into()))
+        };
+        Field::new("").column(LABELS).show(ui, |ui, _| ui.horizontal_wrapped(buttons).inner)
     }
 
     /// A Mach band to look at while deciding.
@@ -394,61 +323,21 @@ impl Home {
             pixels::picture(ui, texture, "A dark and a bright area with a linear ramp between them");
             ui.vertical(|ui| {
                 ui.label(RichText::new("Do you see a bright line?").strong());
-                ui.label("On the right of the ramp, where it meets the bright area: that line is not in the picture.");
-                ui.label("It is a Mach band. The session asks how visible it is in pictures like this one.");
+                ui.label(
+                    "It is at the right end of the ramp, where the bright area begins, and it is not in the picture.",
+                );
+                ui.label("It is a Mach band. A session asks how visible it is in pictures like this one.");
             });
         });
     }
 
-    fn card(&mut self, ctx: &egui::Context, monitor: &Monitor) {
+    fn measure_with_card(&mut self, ctx: &egui::Context, monitor: &Monitor) {
         let Some(card) = &mut self.card else { return };
         match card.show(ctx, monitor.width_px) {
             CardOutcome::Open => return,
             CardOutcome::Closed => {}
-            CardOutcome::Measured(width) => {
-                self.form.screen.screen_width_cm = width.to_string();
-                self.measured_cm = Some(width);
-            }
+            CardOutcome::Measured(width) => self.set_width(width, "Measured with a card"),
         }
         self.card = None;
     }
-}
-
-/// The display profile that the form names; sRGB where it names none that can be read.
-fn checked_display(checked: &Option<(Form, Monitor, Checked)>) -> DisplayProfile {
-    checked.as_ref().and_then(|(_, _, checked)| checked.display.clone()).unwrap_or_default()
-}
-
-/// A label, and a field beside it or, where the window is narrow, below.
-fn row(ui: &mut egui::Ui, label: &str, field: impl FnOnce(&mut egui::Ui, egui::Id)) {
-    const LABEL: f32 = 190.0;
-    let narrow = ui.available_width() < 520.0;
-    let draw_label = |ui: &mut egui::Ui| ui.label(label).id;
-    if narrow {
-        let id = draw_label(ui);
-        ui.vertical(|ui| field(ui, id));
-    } else {
-        ui.horizontal_top(|ui| {
-            let id = ui
-                .allocate_ui_with_layout(
-                    egui::vec2(LABEL, 32.0),
-                    egui::Layout::left_to_right(egui::Align::Center),
-                    |ui| {
-                        ui.set_min_width(LABEL);
-                        draw_label(ui)
-                    },
-                )
-                .inner;
-            ui.vertical(|ui| field(ui, id));
-        });
-    }
-}
-
-fn text_field(ui: &mut egui::Ui, label: &str, text: &mut String, fault: Option<&str>, hint: &str) {
-    row(ui, label, |ui, id| {
-        ui.add(egui::TextEdit::singleline(text).desired_width(300.0).hint_text(hint)).labelled_by(id);
-        if let Some(fault) = fault {
-            ui::fault(ui, fault);
-        }
-    });
 }

@@ -23,6 +23,7 @@ pub struct Field<'a> {
     name: Option<&'a str>,
     hint: &'a str,
     suffix: &'a str,
+    fault: &'a str,
     width: Option<f32>,
     column: Option<f32>,
 }
@@ -30,7 +31,7 @@ pub struct Field<'a> {
 impl<'a> Field<'a> {
     /// A field on one line.
     pub fn new(label: &'a str) -> Self {
-        Self { label, name: None, hint: "", suffix: "", width: None, column: None }
+        Self { label, name: None, hint: "", suffix: "", fault: "", width: None, column: None }
     }
 
     /// The label stands in a column of this width.
@@ -53,6 +54,11 @@ impl<'a> Field<'a> {
         Self { suffix, ..self }
     }
 
+    /// What is wrong, below the control; nothing where it is empty.
+    pub fn fault(self, fault: &'a str) -> Self {
+        Self { fault, ..self }
+    }
+
     /// Width of the control, points.
     pub fn width(self, width: f32) -> Self {
         Self { width: Some(width), ..self }
@@ -65,7 +71,14 @@ impl<'a> Field<'a> {
                 let label = ui.label(self.label).id;
                 add(ui, label)
             };
-            return ui.horizontal_wrapped(line).inner;
+            let added = ui.horizontal_wrapped(line).inner;
+            self.show_fault(ui);
+            return added;
+        };
+        let add = |ui: &mut Ui, label| {
+            let added = add(ui, label);
+            self.show_fault(ui);
+            added
         };
         if ui.available_width() < NARROW * column {
             let label = ui.label(self.label).id;
@@ -80,6 +93,10 @@ impl<'a> Field<'a> {
             ui.vertical(|ui| add(ui, label.inner)).inner
         })
         .inner
+    }
+
+    fn show_fault(self, ui: &mut Ui) {
+        self.fault.lines().for_each(|line| text::fault(ui, line));
     }
 
     /// Any control.
