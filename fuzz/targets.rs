@@ -7,13 +7,13 @@
 use std::{fmt::Debug, path::PathBuf, sync::LazyLock};
 
 use machband::{
-    experiment::{Column, Identity, Schedule, columns},
+    experiment::{Column, Identity, RatingRow, Schedule, columns},
     light::Transfer,
     store::{
         FileFaults, definition,
         image::{self, light},
         mesh, observer, profile, ratings,
-        ratings::{Reading, Row, Sink},
+        ratings::ReadOptions,
         readings, results,
     },
 };
@@ -70,11 +70,16 @@ pub fn results(content: &[u8]) {
 pub fn ratings(content: &[u8]) {
     let path = temporary("csv");
     std::fs::write(&path, content).unwrap();
-    let read = ratings::read(std::slice::from_ref(&path), &Reading::default(), |_| Count(0));
+    let count = |rows: &mut u64, row: &RatingRow<'_>| {
+        assert!(!row.rating.is_empty());
+        *rows += 1;
+        Ok(())
+    };
+    let read = ratings::read(std::slice::from_ref(&path), &ReadOptions::default(), |_| 0, count);
     std::fs::remove_file(&path).unwrap();
     match read {
-        Ok((source, Count(rows))) => {
-            assert!(rows > 0 || !source.faults.is_empty() || !source.files.is_empty());
+        Ok((source, rows)) => {
+            assert!(rows.iter().sum::<u64>() > 0 || !source.faults.is_empty() || !source.files.is_empty());
             source.faults.iter().for_each(|fault| assert!(!fault.message.is_empty()));
         }
         Err(faults) => assert!(!faults.0.is_empty()),
@@ -146,20 +151,4 @@ fn temporary(extension: &str) -> PathBuf {
     let memory = PathBuf::from("/dev/shm");
     let folder = if memory.is_dir() { memory } else { std::env::temp_dir() };
     folder.join(format!("machband-fuzz-{}.{extension}", std::process::id()))
-}
-
-/// Counts rows.
-struct Count(u64);
-
-impl Sink for Count {
-    fn row(&mut self, row: &Row<'_>) -> Result<(), String> {
-        assert!(!row.rating.is_empty());
-        self.0 += 1;
-        Ok(())
-    }
-
-    fn absorb(&mut self, later: Self) -> Result<(), String> {
-        self.0 += later.0;
-        Ok(())
-    }
 }

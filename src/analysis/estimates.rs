@@ -4,13 +4,22 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{
     clm::End,
+    counts::Counts,
     design::Design,
-    fitting::Fitted,
+    fitting::{Fitted, fit_frame},
     mixed::{MixedEnd, MixedFit},
-    model::{Coefficient, Model, Random, RandomEffect, SubjectMode, Threshold},
-    outcome::Note,
+    model::{Coefficient, Model, ModelSpec, Random, RandomEffect, SubjectMode, Threshold},
+    outcome::{ModelError, Note},
     standard,
 };
+
+/// Fits a model.
+///
+/// # Errors
+/// Data or terms about which nothing can be said. Everything else that is wrong with the data is a note of the model.
+pub fn fit(counts: &Counts, spec: &ModelSpec) -> Result<Model, ModelError> {
+    Ok(report(&fit_frame(counts, spec)?))
+}
 
 /// The model that a fit means, on the scale of the data.
 pub(super) fn report(fitted: &Fitted) -> Model {

@@ -1,40 +1,21 @@
 //! Cumulative links: the distribution F of P(Y ≤ j) = F(θ_j − xβ), and the derivatives of a category's log-probability
 //! log(F(upper) − F(lower)) by its two bounds.
 
-use std::{f64::consts::FRAC_1_SQRT_2, fmt, str::FromStr};
+use std::f64::consts::FRAC_1_SQRT_2;
 
-use serde::Serialize;
 use statrs::function::erf::{erfc, erfc_inv};
 
-/// The link of a cumulative model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Link {
-    /// Proportional odds: F is the logistic distribution.
-    #[default]
-    Logit,
-    /// F is the standard normal distribution.
-    Probit,
-}
+use crate::light::names::named;
 
-impl fmt::Display for Link {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Logit => "logit",
-            Self::Probit => "probit",
-        })
-    }
-}
-
-impl FromStr for Link {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "logit" => Ok(Self::Logit),
-            "probit" => Ok(Self::Probit),
-            other => Err(format!("link {other}; expected logit or probit")),
-        }
+named! {
+    /// The link of a cumulative model.
+    #[derive(Default)]
+    Link, LinkError {
+        /// Proportional odds: F is the logistic distribution.
+        #[default]
+        Logit = "logit",
+        /// F is the standard normal distribution.
+        Probit = "probit",
     }
 }
 

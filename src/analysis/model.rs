@@ -3,13 +3,7 @@
 use nalgebra::DMatrix;
 use serde::{Serialize, Serializer};
 
-use super::{
-    counts::Counts,
-    estimates, fitting,
-    link::Link,
-    outcome::{ModelError, Note},
-    terms::Terms,
-};
+use super::{link::Link, outcome::Note, terms::Terms};
 
 /// Whether subjects differ by a random intercept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -125,7 +119,7 @@ pub struct Model {
     pub random: Option<RandomEffect>,
     /// Names of the ordered categories that have ratings.
     pub categories: Vec<String>,
-    /// What was recognised in the data.
+    /// What was recognized in the data.
     pub notes: Vec<Note>,
     /// Covariance of thresholds, coefficients, scale and sd, in this order; NaN for parameters without a finite
     /// estimate, and no row for an sd of 0.
@@ -148,12 +142,4 @@ impl Model {
 /// Numbers that are not finite are null in JSON.
 fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
-}
-
-/// Fits a model.
-///
-/// # Errors
-/// Data or terms about which nothing can be said. Everything else that is wrong with the data is a note of the model.
-pub fn fit(counts: &Counts, spec: &ModelSpec) -> Result<Model, ModelError> {
-    Ok(estimates::report(&fitting::fit_frame(counts, spec)?))
 }

@@ -19,7 +19,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         if file.is_empty() {
             return Err(UsageError("a file name is empty; expected a path".to_owned()).into());
         }
-        match crate::store::check::look(file) {
+        match crate::store::check::check(file) {
             Ok(found) => {
                 if let Some(profile) = &found.profile {
                     super::doubt(file, profile);

@@ -15,7 +15,7 @@ use crate::{
         prediction::{self, Comparison, window_deg},
     },
     stimulus::Sight,
-    store::{self, definition, observer, ratings::Reading, spreadsheet::inert},
+    store::{self, definition, observer, ratings::ReadOptions, table::inert},
     vision::{Criterion, Visibility},
 };
 
@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(experiment) = &arguments.experiment {
         let protocol = definition::open(experiment)?;
         let study =
-            if arguments.fit.is_empty() { None } else { Some(Study::read(&arguments.fit, &Reading::default())?) };
+            if arguments.fit.is_empty() { None } else { Some(Study::read(&arguments.fit, &ReadOptions::default())?) };
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
         return all(arguments, &protocol, study.as_ref(), &sight(window.unwrap_or(planned)));
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::{
     analysis::counts::Counts,
     report::Study,
-    store::ratings::{Reading, Source},
+    store::ratings::{ReadOptions, Source},
 };
 
 /// Where ratings are.
@@ -37,7 +37,7 @@ pub(super) struct RatingOptions {
 impl RatingOptions {
     /// Reads the files; `also` are columns that a model needs.
     pub(super) fn read(&self, also: &[String], details: bool) -> anyhow::Result<Study> {
-        let how = Reading {
+        let how = ReadOptions {
             subject: self.subject.clone(),
             response: self.response.clone(),
             categories: self.categories.clone(),

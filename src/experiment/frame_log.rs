@@ -2,34 +2,22 @@
 
 use std::time::Duration;
 
-use crate::display::frames::{FrameInterval, FrameTimes, Refresh};
+use crate::{
+    display::frames::{FrameInterval, FrameTimes, Refresh},
+    light::names::named,
+};
 
-/// What the frames of a trial showed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
-    /// The uniform field before the stimulus.
-    Recovery,
-    /// The stimulus.
-    Stimulus,
-    /// The uniform field after a stimulus of fixed duration, until it is rated.
-    Response,
-    /// The uniform field after the last trial.
-    Closing,
-}
-
-impl Shown {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Recovery, Self::Stimulus, Self::Response, Self::Closing];
-
-    /// As files say it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Recovery => "recovery",
-            Self::Stimulus => "stimulus",
-            Self::Response => "response",
-            Self::Closing => "closing",
-        }
+named! {
+    /// What the frames of a trial showed.
+    Shown, ShownError {
+        /// The uniform field before the stimulus.
+        Recovery = "recovery",
+        /// The stimulus.
+        Stimulus = "stimulus",
+        /// The uniform field after a stimulus of fixed duration, until it is rated.
+        Response = "response",
+        /// The uniform field after the last trial.
+        Closing = "closing",
     }
 }
 

@@ -23,7 +23,7 @@ pub use protocol::{
     Category, Design, Fault, Order, Presentation, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan,
     name_fault,
 };
-pub use record::{Column, Rating, RowContext, Seconds, TRAILING, TrialRecord, columns, columns_by_header};
+pub use record::{Column, Rating, RatingRow, RowContext, Seconds, TRAILING, TrialRecord, columns, columns_by_header};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::{
     identity::Identity,
     protocol::Protocol,
-    schedule::{Phase, Schedule, Trial},
+    schedule::{Phase, Schedule},
     session::TrialResponse,
 };
 use crate::{light::interpolation::Depth, stimulus::ParameterValue};
@@ -202,7 +202,7 @@ record! {
     experiment: String, "", "Name of the definition.";
     subject_id: String, "", "Participant.";
     session_id: String, "", "Session of the participant.";
-    phase: Phase, "", "Practice trials are not analysed.";
+    phase: Phase, "", "Practice trials are not analyzed.";
     block: u32, "", "Block within the phase, from 1: a level of the blocking factor, else the stretch between two breaks.";
     trial: u32, "", "Planned place within the phase, from 1.";
     attempt: u32, "", "1, and 1 more each time the rating was taken back; the last attempt of a trial counts.";
@@ -213,7 +213,7 @@ record! {
     orientation_deg: Option<f64>, "degree", "Direction in which the ramp brightens: 0 to the right, counter-clockwise.";
     low: Option<f64>, "relative luminance, linear light", "Luminance of the darker plateau, 0…1.";
     high: Option<f64>, "relative luminance, linear light", "Luminance of the brighter plateau, 0…1.";
-    color: Option<String>, "", "Colour: a name, or linear weights of red, green and blue.";
+    color: Option<String>, "", "Color: a name, or linear weights of red, green and blue.";
     rating: Rating, "", "Rated visibility of the brighter band.";
     response_time_s: Seconds, "s", "From the onset of the stimulus to the rating.";
     onset_s: Seconds, "s", "Onset of the stimulus since the session's start: the start of the frame that presents it.";
@@ -291,6 +291,24 @@ fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_js
     }
 }
 
+/// A rating as it stands in any file, or some alike: what an analysis needs of a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RatingRow<'a> {
+    /// Who.
+    pub subject: &'a str,
+    /// The level of each factor, as it is written; empty where it is missing.
+    pub values: &'a [&'a str],
+    /// The rating, as it is written.
+    pub rating: &'a str,
+    /// How often.
+    pub count: u64,
+    /// Session and repetition, in whose natural order a condition's first rating is told from its second. None where
+    /// they are not known: such ratings are in no pair.
+    pub place: Option<(&'a str, u32)>,
+    /// From onset to rating, seconds, where it is known.
+    pub response_time_s: Option<f64>,
+}
+
 /// What a row needs beyond the trial's own response.
 #[derive(Clone, Debug)]
 pub struct RowContext<'a> {
@@ -307,23 +325,42 @@ pub struct RowContext<'a> {
 impl TrialRecord {
     /// The row for a response; `started_at` is the wall-clock time of the onset.
     pub fn new(context: &RowContext<'_>, response: &TrialResponse, started_at: Timestamp) -> Self {
+        let seconds = |time: Duration| Seconds(time.as_secs_f64());
+        Self {
+            rating: Rating(response.rating),
+            response_time_s: seconds(response.response_time),
+            onset_s: seconds(response.onset),
+            recovery_s: seconds(response.recovery),
+            frames: response.frames,
+            dropped_frames: response.dropped_frames,
+            started_at,
+            stimulus_s: response.stimulus.map(seconds),
+            late_onset: response.late_onset,
+            response_uncertainty_s: response.uncertainty.map(seconds),
+            ..Self::planned(context, response.trial, response.attempt)
+        }
+    }
+
+    /// The row of a trial before anything is measured.
+    fn planned(context: &RowContext<'_>, trial: usize, attempt: u32) -> Self {
         let RowContext { protocol, schedule, identity, sitting } = context;
-        let trial = &schedule.trials[response.trial];
+        let trial = &schedule.trials[trial];
         let stimulus = &schedule.conditions[trial.condition].stimulus;
         let number = |name| match stimulus.get(name) {
             Some(ParameterValue::Number(value)) => Some(value),
             _ => None,
         };
         let text = |name: &str| stimulus.get(name).map(|value| value.to_string());
+        let (subject, session) = (identity.subject(), identity.session());
         Self {
-            row_id: row_id(identity, trial, response.attempt),
+            row_id: format!("{subject}_{session}_{}_{:04}_{attempt}", trial.phase, trial.number),
             experiment: protocol.name.clone(),
-            subject_id: identity.subject().to_owned(),
-            session_id: identity.session().to_owned(),
+            subject_id: subject.to_owned(),
+            session_id: session.to_owned(),
             phase: trial.phase,
             block: trial.block,
             trial: trial.number,
-            attempt: response.attempt,
+            attempt,
             repetition: trial.repetition,
             stimulus: stimulus.kind().to_owned(),
             width: number("width"),
@@ -332,63 +369,59 @@ impl TrialRecord {
             low: number("low"),
             high: number("high"),
             color: text("color"),
-            rating: Rating(response.rating),
-            response_time_s: Seconds(response.response_time.as_secs_f64()),
-            onset_s: Seconds(response.onset.as_secs_f64()),
-            recovery_s: Seconds(response.recovery.as_secs_f64()),
-            frames: response.frames,
-            dropped_frames: response.dropped_frames,
-            started_at,
+            rating: Rating(0),
+            response_time_s: Seconds(0.0),
+            onset_s: Seconds(0.0),
+            recovery_s: Seconds(0.0),
+            frames: None,
+            dropped_frames: None,
+            started_at: Timestamp::UNIX_EPOCH,
             sitting: *sitting,
             seed: schedule.seed,
             further: further_factors(protocol).map(|name| text(name).unwrap_or_default()).collect(),
-            stimulus_s: response.stimulus.map(|time| Seconds(time.as_secs_f64())),
-            late_onset: response.late_onset,
-            response_uncertainty_s: response.uncertainty.map(|time| Seconds(time.as_secs_f64())),
+            stimulus_s: None,
+            late_onset: None,
+            response_uncertainty_s: None,
         }
     }
-}
 
-impl TrialRecord {
     /// The level of a factor in this row, as its cell says it.
     pub fn level(&self, protocol: &Protocol, factor: &str) -> Option<String> {
         let index = columns(protocol).iter().position(|column| column.name == factor)?;
         self.cells().into_iter().nth(index)
     }
 
-    /// Index of the trial that this row records, if the schedule plans just such a trial with just this condition.
-    pub fn planned_trial(&self, context: &RowContext<'_>) -> Option<usize> {
+    /// Index of the trial that this row records.
+    ///
+    /// # Errors
+    /// The schedule does not plan just such a trial with just this condition.
+    pub fn planned_trial(&self, context: &RowContext<'_>) -> Result<usize, String> {
         // Practice comes first, and each phase is numbered from 1.
         let practice = context.protocol.design.practice as usize;
         let before = if self.phase == Phase::Main { practice } else { 0 };
-        let index = before + (self.trial as usize).checked_sub(1)?;
-        context.schedule.trials.get(index).filter(|trial| trial.phase == self.phase)?;
-        let measured = TrialResponse {
-            trial: index,
-            attempt: self.attempt,
-            rating: self.rating.0,
-            response_time: Duration::ZERO,
-            onset: Duration::ZERO,
-            recovery: Duration::ZERO,
-            stimulus: None,
-            uncertainty: None,
-            late_onset: self.late_onset,
-            frames: self.frames,
-            dropped_frames: self.dropped_frames,
+        let index = (before + self.trial as usize).checked_sub(1);
+        let is_planned = |index: &usize| {
+            let planned = Self {
+                rating: self.rating,
+                response_time_s: self.response_time_s,
+                onset_s: self.onset_s,
+                recovery_s: self.recovery_s,
+                frames: self.frames,
+                dropped_frames: self.dropped_frames,
+                started_at: self.started_at,
+                sitting: self.sitting,
+                stimulus_s: self.stimulus_s,
+                late_onset: self.late_onset,
+                response_uncertainty_s: self.response_uncertainty_s,
+                ..Self::planned(context, *index, self.attempt)
+            };
+            context.schedule.trials[*index].phase == self.phase && planned == *self
         };
-        let planned = Self {
-            response_time_s: self.response_time_s,
-            onset_s: self.onset_s,
-            recovery_s: self.recovery_s,
-            sitting: self.sitting,
-            stimulus_s: self.stimulus_s,
-            response_uncertainty_s: self.response_uncertainty_s,
-            ..Self::new(context, &measured, self.started_at)
-        };
-        (planned == *self).then_some(index)
+        index.filter(|index| *index < context.schedule.trials.len()).filter(is_planned).ok_or_else(|| {
+            format!(
+                "row {} is not planned by the definition and seed {}; expected the row as it was recorded",
+                self.row_id, context.schedule.seed
+            )
+        })
     }
-}
-
-fn row_id(identity: &Identity, trial: &Trial, attempt: u32) -> String {
-    format!("{}_{}_{}_{:04}_{attempt}", identity.subject(), identity.session(), trial.phase, trial.number)
 }

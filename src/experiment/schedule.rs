@@ -10,7 +10,7 @@ use super::{
     identity::{Identity, fnv1a},
     protocol::{Order, Protocol},
 };
-use crate::light::shuffle::shuffle;
+use crate::light::{names::named, shuffle::shuffle};
 
 /// How an order follows from a seed, for the sidecar. Changing what this names changes recorded data's meaning.
 pub const GENERATOR: &str = "ChaCha8, seed_from_u64(seed), stream FNV-1a-64(subject_id NUL session_id), Fisher-Yates from the end, rejection sampling";
@@ -20,33 +20,13 @@ const RUN_ATTEMPTS: usize = 200;
 /// Exchanges tried before `max_run` is given up: a second's work, where a large design allows no order at all.
 const RUN_EXCHANGES: usize = 20_000_000;
 
-/// Practice trials are recorded and not analysed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Phase {
-    /// Before the measurement.
-    Practice,
-    /// The measurement.
-    Main,
-}
-
-impl std::fmt::Display for Phase {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Practice => "practice",
-            Self::Main => "main",
-        })
-    }
-}
-
-impl std::str::FromStr for Phase {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "practice" => Ok(Self::Practice),
-            "main" => Ok(Self::Main),
-            _ => Err("expected practice or main".to_owned()),
-        }
+named! {
+    /// Practice trials are recorded and not analyzed.
+    Phase, PhaseError {
+        /// Before the measurement.
+        Practice = "practice",
+        /// The measurement.
+        Main = "main",
     }
 }
 

@@ -11,7 +11,7 @@ use crate::analysis::{
     summary::{Group, Summary},
     times::Quartiles,
 };
-use crate::store::{ratings::Shape, spreadsheet::inert};
+use crate::store::{ratings::Shape, table::inert};
 
 /// A table: its header and its rows.
 #[derive(Clone, Debug, PartialEq)]

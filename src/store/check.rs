@@ -1,6 +1,9 @@
 //! Is this file what it should be? Finds every fault, not the first only.
 
-use std::{collections::HashMap, path::Path};
+use std::{
+    collections::{BTreeSet, HashMap},
+    path::Path,
+};
 
 use super::{
     FileFault, FileFaults, definition, frames, image, matches, observer, profile, readings, results, sidecar::Sidecar,
@@ -13,25 +16,17 @@ use crate::{
 
 /// A file without a fault.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct Checked {
     /// What it is.
     pub sentence: String,
     /// The display profile, where it is one: what speaks against relying on it depends on the day.
     pub profile: Option<DisplayProfile>,
 }
 
-impl From<String> for Found {
+impl From<String> for Checked {
     fn from(sentence: String) -> Self {
         Self { sentence, profile: None }
     }
-}
-
-/// As [`look`], for the sentence alone.
-///
-/// # Errors
-/// Every fault.
-pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
-    look(name_or_path).map(|found| found.sentence)
 }
 
 /// Checks a definition, a display profile, an observer (`.toml`), a result file, a photometer's readings or the answers of a
@@ -39,9 +34,9 @@ pub fn check(name_or_path: &str) -> Result<String, FileFaults> {
 ///
 /// # Errors
 /// Every fault.
-pub fn look(name_or_path: &str) -> Result<Found, FileFaults> {
+pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
     if definition::BUILT_IN.iter().any(|built_in| built_in.name == name_or_path) {
-        return check_definition(definition::open(name_or_path)?).map(Found::from);
+        return check_definition(definition::open(name_or_path)?).map(Checked::from);
     }
     let path = Path::new(name_or_path);
     let sentence = match path.extension().and_then(|extension| extension.to_str()) {
@@ -61,15 +56,15 @@ pub fn look(name_or_path: &str) -> Result<Found, FileFaults> {
             "is of no known kind; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
         )),
     };
-    sentence.map(Found::from)
+    sentence.map(Checked::from)
 }
 
 /// The kinds of TOML file differ in a key that each must have.
-fn check_toml(file: &str, text: &str) -> Result<Found, FileFaults> {
+fn check_toml(file: &str, text: &str) -> Result<Checked, FileFaults> {
     let document = Document::parse(file, text)?;
     if document.has("transfer") || document.has("channels") {
         let profile = profile::parse(file, text)?;
-        return Ok(Found { sentence: format!("display profile {}", profile.sentence()), profile: Some(profile) });
+        return Ok(Checked { sentence: format!("display profile {}", profile.sentence()), profile: Some(profile) });
     }
     if document.has("spread") {
         observer::parse_vision(file, text)?;
@@ -79,7 +74,7 @@ fn check_toml(file: &str, text: &str) -> Result<Found, FileFaults> {
         observer::parse(file, text)?;
         return Ok("parameters of the ordered-logit observer".to_owned().into());
     }
-    check_definition(definition::parse(file, text)?).map(Found::from)
+    check_definition(definition::parse(file, text)?).map(Checked::from)
 }
 
 fn check_definition(protocol: Protocol) -> Result<String, FileFaults> {
@@ -101,29 +96,34 @@ fn check_results(path: &Path) -> Result<String, FileFaults> {
     let whole = |message: String| FileFaults::whole(&file, message);
     let content =
         std::fs::read(path).map_err(|error| whole(format!("cannot be read: {error}; expected a readable file")))?;
-    let sidecar = Sidecar::read(&path.with_extension("json")).map_err(|error| whole(error.to_string()))?;
-    let protocol = sidecar
-        .as_ref()
-        .map(|sidecar| definition::from_json(&path.with_extension("json").display().to_string(), &sidecar.definition))
-        .transpose()?;
-    let columns = match &protocol {
-        Some(protocol) => columns(protocol),
-        None => {
-            let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
-            let header = String::from_utf8_lossy(header);
-            columns_by_header(header.trim_end().split(','))
-        }
+    let beside = path.with_extension("json");
+    let sidecar = Sidecar::read(&beside).map_err(|error| whole(error.to_string()))?;
+    let Some(sidecar) = sidecar else {
+        let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
+        let header = String::from_utf8_lossy(header);
+        let rows = results::parse(&file, &content, &columns_by_header(header.trim_end().split(',')))?;
+        let faults = repeated(&file, &rows);
+        let summary = format!("result file: {} rows; no sidecar beside it, so the order was not checked", rows.len());
+        return if faults.is_empty() { Ok(summary) } else { Err(FileFaults(faults)) };
     };
-    let rows = results::parse(&file, &content, &columns)?;
-    let mut faults = Vec::new();
-    repeated(&file, &rows, &mut faults);
-    let mut summary = format!("result file: {} rows", rows.len());
-    match (&protocol, &sidecar) {
-        (Some(protocol), Some(sidecar)) => {
-            summary += &against_plan(&file, protocol, sidecar, &rows, &mut faults)?;
+    let protocol = definition::from_json(&beside.display().to_string(), &sidecar.definition)?;
+    let rows = results::parse(&file, &content, &columns(&protocol))?;
+    let mut faults = repeated(&file, &rows);
+    let Some(first) = rows.first() else {
+        return Ok("result file: 0 rows; none of the planned trials is rated".to_owned());
+    };
+    let identity = Identity::new(&first.subject_id, &first.session_id).map_err(|error| whole(error.to_string()))?;
+    let schedule = Schedule::new(&protocol, &identity, sidecar.seed).map_err(|error| whole(error.to_string()))?;
+    let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
+    let mut rated = BTreeSet::new();
+    for (row, line) in rows.iter().zip(2..) {
+        match row.planned_trial(&context) {
+            Ok(trial) => _ = rated.insert(trial),
+            Err(message) => faults.push(FileFault::at(&file, (line, 1), message)),
         }
-        _ => summary += "; no sidecar beside it, so the order was not checked",
     }
+    let (rows, rated, planned, name) = (rows.len(), rated.len(), schedule.trials.len(), &protocol.name);
+    let summary = format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated");
     if faults.is_empty() { Ok(summary) } else { Err(FileFaults(faults)) }
 }
 
@@ -151,45 +151,12 @@ fn check_frames(path: &Path) -> Result<String, FileFaults> {
     Ok(format!("frames of a session: {intervals} intervals in {} stretches", rows.len()))
 }
 
-fn repeated(file: &str, rows: &[TrialRecord], faults: &mut Vec<FileFault>) {
-    let mut seen = HashMap::new();
-    for (row, line) in rows.iter().zip(2..) {
-        if let Some(first) = seen.insert(row.row_id.as_str(), line) {
-            faults.push(FileFault {
-                file: file.to_owned(),
-                position: Some((line, 1)),
-                message: format!("row_id {} stands in line {first} already; expected every row_id once", row.row_id),
-            });
-        }
-    }
-}
-
-fn against_plan(
-    file: &str,
-    protocol: &Protocol,
-    sidecar: &Sidecar,
-    rows: &[TrialRecord],
-    faults: &mut Vec<FileFault>,
-) -> Result<String, FileFaults> {
-    let Some(first) = rows.first() else { return Ok("; none of the planned trials is rated".to_owned()) };
-    let whole = |message: String| FileFaults::whole(file, message);
-    let identity = Identity::new(&first.subject_id, &first.session_id).map_err(|error| whole(error.to_string()))?;
-    let schedule = Schedule::new(protocol, &identity, sidecar.seed).map_err(|error| whole(error.to_string()))?;
-    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: 1 };
-    let mut rated = vec![false; schedule.trials.len()];
-    for (row, line) in rows.iter().zip(2..) {
-        match row.planned_trial(&context) {
-            Some(trial) => rated[trial] = true,
-            None => faults.push(FileFault {
-                file: file.to_owned(),
-                position: Some((line, 1)),
-                message: format!(
-                    "row {} is not planned by the definition and seed {} of the sidecar; expected the trial, block and condition of that order",
-                    row.row_id, sidecar.seed
-                ),
-            }),
-        }
-    }
-    let done = rated.iter().filter(|rated| **rated).count();
-    Ok(format!("; {done} of {} planned trials of {} rated", rated.len(), protocol.name))
+fn repeated(file: &str, rows: &[TrialRecord]) -> Vec<FileFault> {
+    let mut lines = HashMap::new();
+    let repeated = rows.iter().zip(2..).filter_map(|(row, line)| {
+        let first = lines.insert(row.row_id.as_str(), line)?;
+        let message = format!("row_id {} stands in line {first} already; expected every row_id once", row.row_id);
+        Some(FileFault::at(file, (line, 1), message))
+    });
+    repeated.collect()
 }

@@ -23,6 +23,18 @@ impl std::fmt::Display for FileFault {
     }
 }
 
+impl FileFault {
+    /// A fault at a line and column from 1.
+    pub fn at(file: impl Into<String>, position: (usize, usize), message: String) -> Self {
+        Self { file: file.into(), position: Some(position), message }
+    }
+
+    /// A fault of a file as a whole.
+    pub fn whole(file: impl Into<String>, message: String) -> Self {
+        Self { file: file.into(), position: None, message }
+    }
+}
+
 /// Every fault of a file, in the order of the file; never empty.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct FileFaults(pub Vec<FileFault>);
@@ -30,7 +42,7 @@ pub struct FileFaults(pub Vec<FileFault>);
 impl FileFaults {
     /// A single fault of the file as a whole.
     pub fn whole(file: impl Into<String>, message: impl Into<String>) -> Self {
-        Self(vec![FileFault { file: file.into(), position: None, message: message.into() }])
+        Self(vec![FileFault::whole(file, message.into())])
     }
 }
 

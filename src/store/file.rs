@@ -10,7 +10,7 @@ use std::{
 use super::{StoreError, fault::io, hash::sha256};
 
 /// Ends the name of a temporary file.
-const TEMPORARY: &str = ".tmp";
+pub(super) const TEMPORARY: &str = ".tmp";
 
 /// Writes a JSON file, whole or not at all, and onto the disk.
 ///

@@ -6,8 +6,9 @@
 use std::path::Path;
 
 use super::{
-    FileFault, FileFaults, StoreError,
+    FileFaults, StoreError,
     file::{AppendFile, Sync, is_there, whole_lines},
+    table::{self, CellFault, shortened},
     text,
 };
 use crate::{
@@ -150,35 +151,16 @@ pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileFaults> {
 /// # Errors
 /// Every fault with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<Vec<FrameRow>, FileFaults> {
-    let mut faults = Vec::new();
-    let mut fault = |line: usize, column: usize, message: String| {
-        faults.push(FileFault { file: file.to_owned(), position: Some((line, column)), message });
-    };
-    let mut rows = Vec::new();
-    let mut lines = text.lines();
-    if lines.next() != Some(HEADER) {
-        fault(1, 1, format!("this is no header of a file of frames; expected {HEADER}"));
-    } else {
-        for (number, line) in (2..).zip(lines) {
-            match row(line) {
-                Ok(row) => rows.push(row),
-                Err((column, message)) => fault(number, column, message),
-            }
-        }
-    }
-    if faults.is_empty() { Ok(rows) } else { Err(FileFaults(faults)) }
+    table::parse(file, text.as_bytes(), |header| table::exactly(header, HEADER), row)
 }
 
-/// One row, or the column and what is wrong there.
-fn row(line: &str) -> Result<FrameRow, (usize, String)> {
-    let cells: Vec<&str> = line.split(',').collect();
-    let &[sitting, phase, trial, attempt, state, refresh, intervals] = cells.as_slice() else {
-        return Err((1, format!("the row has {} cells; expected 7", cells.len())));
+fn row(cells: &[&str]) -> Result<FrameRow, CellFault> {
+    let &[sitting, phase, trial, attempt, state, refresh, intervals] = cells else {
+        return Err((0, format!("the row has {} cells; expected 7", cells.len())));
     };
-    let column = |index: usize| cells[..index].iter().map(|cell| cell.chars().count() + 1).sum::<usize>() + 1;
     let wrong = |index: usize, expected: &str| {
         let name = HEADER.split(',').nth(index).unwrap_or_default();
-        (column(index), format!("{name} is {:?}; expected {expected}", cells[index]))
+        (index, format!("{name} is {:?}; expected {expected}", shortened(cells[index])))
     };
     let count = |index: usize, cell: &str| match cell.parse::<u32>() {
         Ok(number) if number > 0 => Ok(number),
@@ -192,16 +174,14 @@ fn row(line: &str) -> Result<FrameRow, (usize, String)> {
                 .ok_or_else(|| wrong(5, "microseconds from one refresh to the next, above 0, or nothing"))?,
         ),
     };
+    let intervals = intervals.split(' ').map(|text| text.parse().ok()).collect::<Option<_>>();
     Ok(FrameRow {
         sitting: count(0, sitting)?,
         phase: phase.parse().map_err(|_| wrong(1, "practice or main"))?,
         trial: count(2, trial)?,
         attempt: count(3, attempt)?,
-        shown: (Shown::ALL.into_iter().find(|shown| shown.name() == state))
-            .ok_or_else(|| wrong(4, "recovery, stimulus, response or closing"))?,
+        shown: state.parse().map_err(|_| wrong(4, &format!("one of {}", Shown::NAMES.join(", "))))?,
         refresh,
-        intervals_us: (intervals.split(' ').map(|text| text.parse().ok()).collect::<Option<_>>()).ok_or_else(|| {
-            (column(6), "intervals_us is not a list; expected whole microseconds with a space between".to_owned())
-        })?,
+        intervals_us: intervals.ok_or_else(|| wrong(6, "whole microseconds with a space between"))?,
     })
 }

@@ -9,7 +9,7 @@ use std::{
     sync::Mutex,
 };
 
-use super::{StoreError, fault::io, file::write_whole, hash::sha256, image};
+use super::{StoreError, fault::io, file::write_whole, hash::sha256, image, table};
 use crate::{
     experiment::{Condition, Protocol},
     light::Quantizer,
@@ -150,7 +150,7 @@ impl<'a> Manifest<'a> {
     }
 
     fn write_whole_list(&self, lines: &[(usize, String)]) -> Result<(), StoreError> {
-        let mut text = csv_line(&self.header);
+        let mut text = csv_text(&self.header);
         text.extend(lines.iter().map(|(_, line)| line.as_str()));
         write_whole(&self.folder.join("manifest.csv"), text.as_bytes(), true)
     }
@@ -161,7 +161,7 @@ impl<'a> Manifest<'a> {
         let mut cells = vec![file.clone(), hash.to_owned()];
         cells.extend(levels.iter().cloned());
         cells.extend([recipe.bits.to_string(), recipe.transfers.to_string(), recipe.dither.to_string()]);
-        csv_line(&cells)
+        csv_text(&cells)
     }
 }
 
@@ -199,11 +199,8 @@ fn journal_name((index, of): (usize, usize)) -> String {
     format!("manifest-{index}-of-{of}.partial")
 }
 
-fn csv_line(cells: &[String]) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    // Writing to memory does not fail, and there is one record only.
-    let _ = writer.write_record(cells);
-    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+fn csv_text(cells: &[String]) -> String {
+    String::from_utf8_lossy(&table::line(cells)).into_owned()
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

@@ -23,7 +23,7 @@ pub mod readings;
 pub mod recorded;
 pub mod results;
 pub mod session;
-pub mod spreadsheet;
+pub mod table;
 mod text;
 mod toml;
 #[allow(dead_code, reason = "until display profiles are read by toml")]

@@ -71,7 +71,7 @@ impl Recorded {
 
     /// Index of the condition that a row shows, into [`Schedule::conditions`]; `None` where the row is not planned.
     pub fn condition(&self, row: &TrialRecord) -> Option<usize> {
-        Some(self.schedule.trials[row.planned_trial(&self.context())?].condition)
+        Some(self.schedule.trials[row.planned_trial(&self.context()).ok()?].condition)
     }
 }
 
@@ -85,7 +85,7 @@ pub fn find(folder: &Path) -> Result<Vec<PathBuf>, FileFaults> {
 }
 
 /// The part of a data file's name before `_data.csv`, and whose session it says it is.
-fn identity(csv: &Path) -> Result<(String, Identity), String> {
+pub(super) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
     let stem = name.strip_suffix(ratings::DATA_FILE).ok_or_else(|| format!("is named otherwise; {expected}"))?;

@@ -1,5 +1,5 @@
 //! Proves recorded sessions: what the rows say follows from definition and seed, the pictures are rendered again and
-//! hashed, and nothing was touched since the session ended.
+//! hashed, and nothing was changed since the session ended.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
@@ -10,8 +10,8 @@ use std::{
 use rayon::prelude::*;
 
 use super::{
-    FileFault, FileFaults, StoreError, dataset::SIDECAR_SUFFIX, definition, frames, hash::sha256, pictures,
-    ratings::DATA_FILE, recorded::Recorded,
+    FileFault, FileFaults, StoreError, dataset::SIDECAR_SUFFIX, definition, file::TEMPORARY, frames, hash::sha256,
+    pictures, ratings::DATA_FILE, recorded::Recorded,
 };
 use crate::{experiment::Condition, stimulus::recipe::Recipe};
 
@@ -75,13 +75,13 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
             found.notes.extend(told(&recorded));
         }
         Err(StoreError::Faults(FileFaults(faults))) => found.faults = faults,
-        Err(error) => found.faults.push(fault(csv, None, error.to_string())),
+        Err(error) => found.faults.push(fault(csv, error.to_string())),
     }
     found
 }
 
-fn fault(path: &Path, position: Option<(usize, usize)>, message: String) -> FileFault {
-    FileFault { file: path.display().to_string(), position, message }
+fn fault(path: &Path, message: String) -> FileFault {
+    FileFault::whole(path.display().to_string(), message)
 }
 
 fn check_definition(recorded: &Recorded, found: &mut Verified) {
@@ -91,25 +91,24 @@ fn check_definition(recorded: &Recorded, found: &mut Verified) {
             "the definition has the sha256 {hash}; expected {}, that of the definition recorded with",
             recorded.sidecar.definition_sha256
         );
-        found.faults.push(fault(&recorded.sidecar_path, None, message));
+        found.faults.push(fault(&recorded.sidecar_path, message));
     }
 }
 
 /// Every row is one that definition and seed plan, its attempts follow each other, and its times do not run back.
 fn check_rows(recorded: &Recorded, found: &mut Verified) {
-    let at = |index: usize, message: String| fault(&recorded.csv, Some((index + 2, 1)), message);
+    let at = |index: usize, message: String| FileFault::at(recorded.csv.display().to_string(), (index + 2, 1), message);
     let context = recorded.context();
     let mut attempts: BTreeMap<usize, u32> = BTreeMap::new();
     let mut last: Option<(u32, f64)> = None;
     let mut clock_back = 0;
     for (index, row) in recorded.rows.iter().enumerate() {
-        let Some(trial) = row.planned_trial(&context) else {
-            let message = format!(
-                "row {} is not planned by the definition and seed {}; expected the row as it was recorded",
-                row.row_id, recorded.sidecar.seed
-            );
-            found.faults.push(at(index, message));
-            continue;
+        let trial = match row.planned_trial(&context) {
+            Ok(trial) => trial,
+            Err(message) => {
+                found.faults.push(at(index, message));
+                continue;
+            }
         };
         let attempt = attempts.entry(trial).or_default();
         if row.attempt != *attempt + 1 {
@@ -133,47 +132,41 @@ fn check_rows(recorded: &Recorded, found: &mut Verified) {
             "{} of {} trials are rated; expected all of them, as the sidecar says that the session is complete",
             found.rated.0, found.rated.1
         );
-        found.faults.push(fault(&recorded.csv, None, message));
+        found.faults.push(fault(&recorded.csv, message));
     }
     if let Some(torn) = &recorded.torn {
         let line = recorded.rows.len() + 2;
         if recorded.sidecar.complete {
             let message = format!("the file ends within a row, {torn:?}; expected whole rows of a complete session");
-            found.faults.push(fault(&recorded.csv, Some((line, 1)), message));
+            found.faults.push(at(line - 2, message));
         } else {
-            found
-                .notes
-                .push(format!("line {line} is half written: the program was interrupted there; --resume asks again"));
+            let note = format!("line {line} is half written: the program was interrupted there; --resume asks again");
+            found.notes.push(note);
         }
     } else if !complete && !recorded.sidecar.complete {
-        found.notes.push("not complete; --resume goes on with it".to_owned());
+        found.notes.push("not complete; --resume continues it".to_owned());
     }
     if clock_back > 0 {
-        found.notes.push(format!("the wall clock was turned back {clock_back} times; onset_s has the order"));
+        found.notes.push(format!("the wall clock was turned back {clock_back} times; onset_s gives the order"));
     }
 }
 
 /// Whether the files are those that the session left.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
     let Some(seal) = &recorded.sidecar.seal else {
-        found.notes.push(
-            if recorded.sidecar.complete {
-                "not sealed: an earlier version recorded it"
-            } else {
-                "not sealed: not ended"
-            }
-            .to_owned(),
-        );
+        let ended = recorded.sidecar.complete;
+        let why = if ended { "not sealed: an earlier version recorded it" } else { "not sealed: not ended" };
+        found.notes.push(why.to_owned());
         return;
     };
     found.sealed = true;
     let mut touched = |path: &Path, is: Option<String>, was: &str| {
         let message = match is {
             Some(is) if is == was => return,
-            Some(is) => format!("was touched since the session ended: sha256 {is}; expected {was}"),
+            Some(is) => format!("was changed since the session ended: sha256 {is}; expected {was}"),
             None => "is gone; expected the file that the session left".to_owned(),
         };
-        found.faults.push(fault(path, None, message));
+        found.faults.push(fault(path, message));
     };
     let of = |path: &Path| fs::read(path).ok().map(|content| sha256(&content));
     touched(&recorded.csv, of(&recorded.csv), &seal.data_sha256);
@@ -211,7 +204,7 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
                 let message = format!(
                     "condition {number} of sitting {sitting} renders to sha256 {hash}; expected {was}, that of what was shown"
                 );
-                found.faults.push(fault(&recorded.sidecar_path, None, message));
+                found.faults.push(fault(&recorded.sidecar_path, message));
             }
         }
         if conditions.len() < pictures.sha256.len() {
@@ -219,7 +212,7 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
                 "sitting {sitting} has hashes of conditions that the definition does not have; expected 1…{}",
                 recorded.schedule.conditions.len()
             );
-            found.faults.push(fault(&recorded.sidecar_path, None, message));
+            found.faults.push(fault(&recorded.sidecar_path, message));
         }
     }
     let shown: BTreeSet<usize> = recorded.rows.iter().filter_map(|row| recorded.condition(row)).collect();
@@ -250,20 +243,12 @@ pub fn leftovers(dataset: &Path) -> Vec<FileFault> {
         paths.sort();
         for path in paths {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            if name.ends_with(".tmp") {
-                faults.push(fault(
-                    &path,
-                    None,
-                    "was left by a program that was killed; expected no such file".to_owned(),
-                ));
+            if name.ends_with(TEMPORARY) {
+                faults.push(fault(&path, "was left by a program that was killed; expected no such file".to_owned()));
             } else if let Some(stem) = name.strip_suffix(SIDECAR_SUFFIX)
                 && !path.with_file_name(format!("{stem}{DATA_FILE}")).exists()
             {
-                faults.push(fault(
-                    &path,
-                    None,
-                    "has no data file beside it; expected the rows of its session".to_owned(),
-                ));
+                faults.push(fault(&path, "has no data file beside it; expected the rows of its session".to_owned()));
             }
         }
     }

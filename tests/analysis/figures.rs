@@ -6,11 +6,8 @@ use std::{
 };
 
 use machband::{
-    analysis::{
-        Options, Results, analyse,
-        measured::{MeasuredBuilder, Observation},
-        terms::Terms,
-    },
+    analysis::{Options, Results, analyse, measured::MeasuredBuilder, terms::Terms},
+    experiment::RatingRow,
     report::figures::{self, Figure},
 };
 use resvg::usvg::{self, Group, Node, Tree, fontdb, roxmltree};
@@ -85,7 +82,7 @@ fn results(
             for repetition in 0..repetitions {
                 let Some(rating) = rating(subject, &levels, repetition) else { continue };
                 let seconds = 0.5 + 0.37 * ((subject * 7 + cell * 3 + repetition as usize) % 11) as f64;
-                let observation = Observation {
+                let observation = RatingRow {
                     subject: &format!("S{subject:03}"),
                     values: &values,
                     rating: &rating,

@@ -7,10 +7,10 @@ use machband::{
     analysis::{
         Options, Random, Results, analyse,
         bootstrap::Bootstrap,
-        measured::{Measured, MeasuredBuilder, Observation},
+        measured::{Measured, MeasuredBuilder},
         terms::Terms,
     },
-    experiment::Protocol,
+    experiment::{Protocol, RatingRow},
     report::{
         Provenance, figures,
         prediction::StudyPrediction,
@@ -70,7 +70,7 @@ fn ratings(people: usize, depths: &[&str], reversed: bool) -> Measured {
                     let rating = if reversed { 3 - rating } else { rating };
                     for shader in SHADERS {
                         let subject = format!("S{:03}", person + 1);
-                        let row = Observation {
+                        let row = RatingRow {
                             subject: &subject,
                             values: &[width, depth, shader],
                             rating: &rating.to_string(),
@@ -431,7 +431,7 @@ fn who_answers_all_alike_is_named() {
                 let place = Some(("1", repetition));
                 let response_time_s = Some(time);
                 builder
-                    .add(&Observation { subject, values: &[width], rating, count: 1, place, response_time_s })
+                    .add(&RatingRow { subject, values: &[width], rating, count: 1, place, response_time_s })
                     .unwrap();
             }
         }
@@ -475,7 +475,7 @@ fn what_a_model_leaves_open_is_told() {
 
     let mut builder = MeasuredBuilder::new(&["width"]);
     for subject in ["a", "b"] {
-        let row = Observation { subject, values: &["1"], rating: "2", count: 5, place: None, response_time_s: None };
+        let row = RatingRow { subject, values: &["1"], rating: "2", count: 5, place: None, response_time_s: None };
         builder.add(&row).unwrap();
     }
     let results = analyse(builder.finish(), &options());
@@ -493,7 +493,7 @@ fn names_are_text_and_never_markup() {
                 let rating = ["<low>", "&mid;", "\"high\""][(index + repetition as usize + subject.len()) % 3];
                 let values = [*level, nasty[3 - index]];
                 let place = Some(("<1>", repetition));
-                let row = Observation { subject, values: &values, rating, count: 1, place, response_time_s: Some(1.0) };
+                let row = RatingRow { subject, values: &values, rating, count: 1, place, response_time_s: Some(1.0) };
                 builder.add(&row).unwrap();
             }
         }
@@ -552,7 +552,7 @@ fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
         let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(&categories);
         for values in [["0.1", "1"], ["0.2", "inf"]] {
             let row =
-                Observation { subject: "S1", values: &values, rating, count: 3, place: None, response_time_s: None };
+                RatingRow { subject: "S1", values: &values, rating, count: 3, place: None, response_time_s: None };
             builder.add(&row).unwrap();
         }
         analyse(builder.finish(), &options())
@@ -623,7 +623,7 @@ proptest! {
         let mut builder = MeasuredBuilder::new(&["one", "two_deg"]);
         for (index, (subject, one, two, rating, count)) in rows.iter().enumerate() {
             let subject = format!("S{}", subject % people);
-            let row = Observation {
+            let row = RatingRow {
                 subject: &subject,
                 values: &[levels[*one], levels[*two]],
                 rating: categories[*rating],

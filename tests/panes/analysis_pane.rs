@@ -17,7 +17,7 @@ use machband::{
         figures,
         study::{Parts, document},
     },
-    store::{definition, ratings::Reading},
+    store::{definition, ratings::ReadOptions},
 };
 
 use crate::{
@@ -39,7 +39,7 @@ fn study(participants: usize) -> (tempfile::TempDir, PathBuf) {
 }
 
 fn read(data_set: &Path) -> (Study, Results) {
-    let study = Study::read(&[data_set.to_owned()], &Reading { details: true, ..Reading::default() }).unwrap();
+    let study = Study::read(&[data_set.to_owned()], &ReadOptions { details: true, ..ReadOptions::default() }).unwrap();
     let results = analyse(study.measured.clone(), &Options::default());
     (study, results)
 }

@@ -15,7 +15,7 @@ use machband::{
         dataset::SessionPaths,
         definition,
         frames::{self, FrameFile, FrameRow, HEADER},
-        ratings::Reading,
+        ratings::ReadOptions,
         results,
         session::SessionStore,
         sidecar::{Sidecar, Sitting},
@@ -165,7 +165,7 @@ fn frames_stand_beside_the_rows_and_are_not_taken_for_data() {
     assert!(rows.iter().all(|row| (row.stimulus_s.unwrap().0 - 1.0 / 60.0).abs() < 1e-4));
     // By the folder and by a pattern of names, only the rows are read.
     for named in [vec![folder.path().to_owned()], vec![paths.csv.clone(), paths.frames.clone()]] {
-        let source = Study::read(&named, &Reading::default()).unwrap().source;
+        let source = Study::read(&named, &ReadOptions::default()).unwrap().source;
         assert_eq!((source.files.len(), source.faults.len()), (1, 0), "{named:?}");
     }
     // None is written over, also where the rows are gone.

@@ -10,14 +10,15 @@ use std::{
 use jiff::Timestamp;
 use machband::{
     experiment::{
-        FrameCount, Identity, OrderedLogit, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
-        TrialRecord, TrialResponse, columns, simulate,
+        FrameCount, Identity, OrderedLogit, Phase, Protocol, RatingRow, Resumed, RowContext, Schedule, Session,
+        SessionOptions, TrialRecord, TrialResponse, columns, simulate,
     },
     report::{Study, tables},
     store::{
+        FileFaults,
         dataset::SessionPaths,
         definition,
-        ratings::{self, Layout, Reading, Row, Shape, Sink, Source},
+        ratings::{self, Layout, ReadOptions, Source},
         results,
         session::SessionStore,
         sidecar::Sitting,
@@ -29,49 +30,39 @@ const TEXT: &str = "schema = 1\nname = \"small-one\"\n[stimulus]\nkind = \"mach-
 const PRACTICE: u64 = 3;
 const MAIN: u64 = 12;
 
-/// Keeps every row as a text.
-#[derive(Debug, Default)]
+/// Every row that counts, as a text.
 struct Rows(Vec<String>);
 
 impl Rows {
-    fn new(_: &Shape) -> Self {
-        Self::default()
-    }
-
     fn sorted(mut self) -> Vec<String> {
         self.0.sort();
         self.0
     }
 }
 
-impl Sink for Rows {
-    fn row(&mut self, row: &Row<'_>) -> Result<(), String> {
-        let Row { subject, values, rating, count, place, response_time_s } = row;
+fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Rows), FileFaults> {
+    let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
+    let add = |rows: &mut Vec<String>, row: &RatingRow<'_>| {
+        let RatingRow { subject, values, rating, count, place, response_time_s } = row;
         let details = place.map(|place| format!(" {place:?} {response_time_s:?}")).unwrap_or_default();
-        self.0.push(format!("{subject} {} {rating} {count}{details}", values.join("|")));
+        rows.push(format!("{subject} {} {rating} {count}{details}", values.join("|")));
         Ok(())
-    }
-
-    fn absorb(&mut self, later: Self) -> Result<(), String> {
-        self.0.extend(later.0);
-        Ok(())
-    }
+    };
+    ratings::read(&paths, how, |_| Vec::new(), add).map(|(source, files)| (source, Rows(files.concat())))
 }
 
-fn read(paths: &[&Path], how: &Reading) -> (Source, Rows) {
-    let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
-    ratings::read(&paths, how, Rows::new).unwrap_or_else(|faults| panic!("{faults}"))
+fn read(paths: &[&Path], how: &ReadOptions) -> (Source, Rows) {
+    try_read(paths, how).unwrap_or_else(|faults| panic!("{faults}"))
 }
 
 /// Every fault without its folder, or the error's.
-fn faults(paths: &[&Path], how: &Reading) -> Vec<String> {
-    let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
-    let faults = match ratings::read(&paths, how, Rows::new) {
+fn faults(paths: &[&Path], how: &ReadOptions) -> Vec<String> {
+    let faults = match try_read(paths, how) {
         Ok((source, _)) => source.faults,
         Err(faults) => faults.0,
     };
     let mut texts: Vec<String> = faults.iter().map(ToString::to_string).collect();
-    for path in &paths {
+    for path in paths {
         for folder in path.ancestors().filter(|folder| folder.components().count() > 1) {
             texts.iter_mut().for_each(|text| *text = text.replace(&format!("{}/", folder.display()), ""));
         }
@@ -172,8 +163,8 @@ fn file(folder: &tempfile::TempDir, name: &str, content: impl AsRef<[u8]>) -> Pa
     path
 }
 
-fn with_factors(names: &[&str]) -> Reading {
-    Reading { factors: Some(names.iter().map(|name| (*name).to_owned()).collect()), ..Reading::default() }
+fn with_factors(names: &[&str]) -> ReadOptions {
+    ReadOptions { factors: Some(names.iter().map(|name| (*name).to_owned()).collect()), ..ReadOptions::default() }
 }
 
 mod what_counts {
@@ -182,7 +173,7 @@ mod what_counts {
     #[test]
     fn the_last_attempt_of_every_main_trial_does() {
         let (folder, files) = study(&["S2", "S10", "S1"]);
-        let how = Reading { details: true, ..Reading::default() };
+        let how = ReadOptions { details: true, ..ReadOptions::default() };
         let (source, rows) = read(&[folder.path()], &how);
         assert_eq!(rows.sorted(), expected(&files, true));
         assert_eq!(source.faults, []);
@@ -202,7 +193,7 @@ mod what_counts {
     fn the_order_of_rows_and_columns_does_not_matter() {
         let (folder, files) = study(&["S1", "S2"]);
         let expected = expected(&files, false);
-        let (before, _) = read(&[folder.path()], &Reading::default());
+        let (before, _) = read(&[folder.path()], &ReadOptions::default());
         for seed in 0..20_usize {
             edit(&files[0], |text| {
                 let mut rows = csv_rows(&text);
@@ -214,7 +205,7 @@ mod what_counts {
                 rows.iter_mut().for_each(|row| row.rotate_left(seed % 7));
                 csv_text(&rows)
             });
-            let (source, rows) = read(&[folder.path()], &Reading::default());
+            let (source, rows) = read(&[folder.path()], &ReadOptions::default());
             assert_eq!(rows.sorted(), expected, "{seed}");
             assert_eq!(source.faults, []);
             let counts = |source: &Source| {
@@ -229,12 +220,12 @@ mod what_counts {
         let (folder, mut files) = study(&["S1"]);
         files.push(session(folder.path(), &small(), "S2", 9));
         files.push(session(folder.path(), &small(), "S3", 0));
-        let (source, rows) = read(&[folder.path()], &Reading::default());
+        let (source, rows) = read(&[folder.path()], &ReadOptions::default());
         assert_eq!(rows.sorted(), expected(&files, false));
         let rated: Vec<_> = source.sessions.iter().map(|s| (s.rated, s.is_unfinished())).collect();
         assert_eq!(rated, [(12, false), (6, true), (0, true)]);
         assert_eq!(source.faults, []);
-        let (source, rows) = read(&[folder.path()], &Reading { complete_only: true, ..Reading::default() });
+        let (source, rows) = read(&[folder.path()], &ReadOptions { complete_only: true, ..ReadOptions::default() });
         assert_eq!(rows.sorted(), expected(&files[..1], false));
         assert_eq!(source.files.iter().map(|file| file.unfinished).collect::<Vec<_>>(), [0, 6, 0]);
     }
@@ -254,7 +245,7 @@ mod what_counts {
             }
             csv_text(&rows)
         });
-        let (source, _) = read(&[&files[0]], &Reading::default());
+        let (source, _) = read(&[&files[0]], &ReadOptions::default());
         assert_eq!(source.sessions[0].dropped, Some(4));
     }
 
@@ -279,13 +270,13 @@ mod what_counts {
         row(&mut text, 0, 17, 2, "1");
         let again = row(&mut text, 150, 3, 1, "3");
         let path = file(&folder, "all_data.csv", &text);
-        let (source, rows) = read(&[&path], &Reading::default());
+        let (source, rows) = read(&[&path], &ReadOptions::default());
         let read = &source.files[0];
         assert_eq!((read.rows, read.counted, read.superseded, read.faulty), (200_003, 200_000, 1, 2));
         assert_eq!(rows.0.iter().filter(|row| **row == "S0 0.4 1 1").count(), 1);
         assert_eq!(rows.0.iter().filter(|row| row.ends_with("3 1")).count(), 0);
         assert_eq!(
-            faults(&[&path], &Reading::default()),
+            faults(&[&path], &ReadOptions::default()),
             [
                 format!("all_data.csv:{bad}:39: rating is \"4\"; expected a rating from 0 to 3"),
                 format!(
@@ -303,9 +294,9 @@ mod layouts {
     const LONG: &str = "who,width,depth,answer,n\nA,0.1,1,2,1\nB,0.4,inf,0,3\nA,NA,1,3,2\n";
     const LONG_ROWS: [&str; 3] = ["A 0.1|1 2 1", "B 0.4|inf 0 3", "A |1 3 2"];
 
-    fn long() -> Reading {
+    fn long() -> ReadOptions {
         let named = |name: &str| Some(name.to_owned());
-        Reading {
+        ReadOptions {
             subject: named("who"),
             response: named("answer"),
             count: named("n"),
@@ -348,7 +339,7 @@ mod layouts {
     fn columns_that_are_missing_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = file(&folder, "long.csv", LONG);
-        let of = |change: &dyn Fn(&mut Reading)| {
+        let of = |change: &dyn Fn(&mut ReadOptions)| {
             let mut how = long();
             change(&mut how);
             faults(&[&path], &how)
@@ -380,7 +371,7 @@ mod layouts {
     fn the_term_inv_n_is_of_the_column_depth() {
         let folder = tempfile::tempdir().unwrap();
         let path = file(&folder, "long.csv", LONG);
-        let how = Reading { factors: None, also: vec!["width".to_owned(), "inv_n".to_owned()], ..long() };
+        let how = ReadOptions { factors: None, also: vec!["width".to_owned(), "inv_n".to_owned()], ..long() };
         let (source, rows) = read(&[&path], &how);
         assert_eq!(
             (source.shape.factors, rows.0),
@@ -395,7 +386,7 @@ mod layouts {
         for file in &files {
             fs::remove_file(file.with_extension("json")).unwrap();
         }
-        let (source, rows) = read(&[folder.path()], &Reading::default());
+        let (source, rows) = read(&[folder.path()], &ReadOptions::default());
         assert!(source.shape.guessed && source.protocol.is_none());
         assert_eq!(
             source.shape.factors,
@@ -407,7 +398,7 @@ mod layouts {
         assert_eq!(rows.sorted(), expected(&files, false));
         // One sidecar is enough to know the definition of all.
         session(&folder.path().join("more"), &small(), "S3", usize::MAX);
-        let (source, _) = read(&[folder.path()], &Reading::default());
+        let (source, _) = read(&[folder.path()], &ReadOptions::default());
         assert_eq!((source.files.len(), source.protocol, source.faults), (3, Some(small()), vec![]));
         let planned: Vec<_> = source.sessions.iter().map(|session| session.planned).collect();
         assert_eq!(planned, [None, None, Some(MAIN)]);
@@ -416,12 +407,12 @@ mod layouts {
     #[test]
     fn counts_are_read_back_as_they_were_written() {
         let (folder, _) = study(&["S1", "S2", "S10"]);
-        let study = Study::read(&[folder.path().to_owned()], &Reading::default()).unwrap();
+        let study = Study::read(&[folder.path().to_owned()], &ReadOptions::default()).unwrap();
         let counts = study.measured.counts;
         let path = folder.path().join("counts.csv");
         fs::write(&path, tables::counts(&counts, &study.source.shape).csv()).unwrap();
         assert!(fs::read_to_string(&path).unwrap().starts_with("subject_id,width,tanh_k,rating,count\nS1,0.1,5,"));
-        let again = Study::read(&[path], &Reading::default()).unwrap();
+        let again = Study::read(&[path], &ReadOptions::default()).unwrap();
         assert_eq!((again.measured.counts, again.source.files[0].layout), (counts, Layout::Counts));
     }
 
@@ -430,7 +421,7 @@ mod layouts {
         let folder = tempfile::tempdir().unwrap();
         let a = file(&folder, "a.csv", ",subject_id,width,rating,count\n0,A,0.1,1,2.0\n1,A,0.1,1,3\n2,A,0.2,0,0\n");
         let b = file(&folder, "b.csv", "count,width,rating,subject_id\n4,0.1,1,A\n");
-        let study = Study::read(&[a, b], &Reading::default()).unwrap();
+        let study = Study::read(&[a, b], &ReadOptions::default()).unwrap();
         assert_eq!(study.source.faults, []);
         let rows: Vec<_> = study.measured.counts.rows.iter().map(|row| (row.rating, row.count)).collect();
         assert_eq!((rows, study.measured.counts.factors.len()), (vec![(1, 9)], 1));
@@ -452,7 +443,7 @@ mod discovery {
         file(&folder, "a/._x_data.csv", [0xff, 0]);
         file(&folder, ".git/y_data.csv", row("e"));
         let subjects = |paths: &[&Path]| {
-            let (source, rows) = read(paths, &Reading::default());
+            let (source, rows) = read(paths, &ReadOptions::default());
             assert_eq!(source.faults, []);
             rows.0.iter().map(|row| row[..1].to_owned()).collect::<String>()
         };
@@ -472,11 +463,12 @@ mod discovery {
         let folder = tempfile::tempdir().unwrap();
         let good = file(&folder, "good.csv", "subject_id,width,rating,count\nA,0.1,1,1\n");
         fs::create_dir(folder.path().join("void")).unwrap();
-        let said = faults(&[&folder.path().join("void"), &folder.path().join("lost.csv"), &good], &Reading::default());
+        let said =
+            faults(&[&folder.path().join("void"), &folder.path().join("lost.csv"), &good], &ReadOptions::default());
         assert_eq!(said.len(), 2, "{said:?}");
         assert!(said[0].starts_with("void: has no CSV file; expected "), "{said:?}");
         assert!(said[1].starts_with("lost.csv: cannot be opened: "), "{said:?}");
-        assert!(ratings::read(&[], &Reading::default(), Rows::new).is_err());
+        assert!(try_read(&[], &ReadOptions::default()).is_err());
     }
 }
 
@@ -487,14 +479,14 @@ mod faults {
     fn damaged(change: impl Fn(&Path)) -> (Vec<String>, u64) {
         let (folder, files) = study(&["S1", "S2"]);
         change(&files[0]);
-        let (source, rows) = read(&[folder.path()], &Reading::default());
+        let (source, rows) = read(&[folder.path()], &ReadOptions::default());
         let counted: u64 = source.files.iter().map(|file| file.counted).sum();
         assert_eq!(rows.0.len() as u64, counted);
         assert_eq!(rows.0.iter().filter(|row| row.starts_with("S2 ")).count() as u64, MAIN, "{:?}", source.faults);
         let faulty: u64 = source.files.iter().map(|file| file.faulty).sum();
         let rows: u64 = source.files.iter().map(|f| f.counted + f.practice + f.superseded + f.faulty).sum();
         assert_eq!(rows, source.files.iter().map(|file| file.rows).sum::<u64>(), "{faulty}");
-        let said = faults(&[folder.path()], &Reading::default());
+        let said = faults(&[folder.path()], &ReadOptions::default());
         (
             said.iter()
                 .map(|text| text.replace("small-one/data/subject-", "").replace("_session-1_task-smallone_data", ""))
@@ -624,7 +616,7 @@ mod faults {
         // In another file, under another name, with the participant's name mended: the name of the row tells.
         let (folder, files) = study(&["S1", "S2"]);
         let copy = file(&folder, "z_data.csv", fs::read(&files[0]).unwrap());
-        let said = super::faults(&[folder.path()], &Reading::default());
+        let said = super::faults(&[folder.path()], &ReadOptions::default());
         assert_eq!(
             said,
             [
@@ -634,10 +626,10 @@ mod faults {
         for line in 2..=19 {
             set(&copy, line, "subject_id", "S9");
         }
-        let said = super::faults(&[folder.path()], &Reading::default());
+        let said = super::faults(&[folder.path()], &ReadOptions::default());
         assert_eq!(said.len(), 1, "{said:?}");
         assert!(said[0].starts_with("z_data.csv: all its 18 rows stand in "), "{said:?}");
-        let (source, rows) = read(&[folder.path()], &Reading::default());
+        let (source, rows) = read(&[folder.path()], &ReadOptions::default());
         assert_eq!((rows.sorted(), source.files[2].faulty), (expected(&files, false), 18));
     }
 
@@ -659,7 +651,7 @@ mod faults {
         let other = definition::parse("x", &TEXT.replace("0.8]", "0.7]")).unwrap();
         session(&folder.path().join("a"), &other, "S3", usize::MAX);
         let hash = |protocol: &Protocol| definition::hash(protocol)[..12].to_owned();
-        let (source, rows) = read(&[folder.path()], &Reading::default());
+        let (source, rows) = read(&[folder.path()], &ReadOptions::default());
         assert_eq!(rows.sorted(), expected(&files, false));
         assert_eq!((source.faults.len(), source.files.len()), (1, 2));
         assert_eq!(
@@ -674,7 +666,7 @@ mod faults {
             fs::remove_file(file.with_extension("json")).unwrap();
             edit(file, |text| text.replace("small-one", "third"));
         }
-        let said = super::faults(&[folder.path()], &Reading::default());
+        let said = super::faults(&[folder.path()], &ReadOptions::default());
         assert_eq!(said.len(), 1, "{said:?}");
         assert!(
             said[0]
@@ -688,10 +680,10 @@ mod faults {
         let folder = tempfile::tempdir().unwrap();
         let text = "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,0.1,1,7";
         let path = file(&folder, "counts.csv", text);
-        let (source, rows) = read(&[&path], &Reading::default());
+        let (source, rows) = read(&[&path], &ReadOptions::default());
         assert_eq!((rows.0, source.files[0].faulty), (vec!["A 0.1 1 7".to_owned()], 7));
         assert_eq!(
-            super::faults(&[&path], &Reading::default()),
+            super::faults(&[&path], &ReadOptions::default()),
             [
                 "counts.csv:2:9: count is \"x\"; expected a count, a whole number",
                 "counts.csv:3:9: count is \"-2\"; expected a count, 0 or more",
@@ -704,7 +696,7 @@ mod faults {
         );
         let more = file(&folder, "more.csv", "subject_id,depth,rating,count\nA,1,1,1\n");
         assert_eq!(
-            super::faults(&[&path, &more], &Reading::default())[7..],
+            super::faults(&[&path, &more], &ReadOptions::default())[7..],
             [
                 "more.csv:1:1: is a table of counts by depth and is left out; expected a table of counts by width as the other file: only one is analysed at a time"
             ]
@@ -725,8 +717,8 @@ mod faults {
     fn where_nothing_counts_there_is_no_study() {
         let folder = tempfile::tempdir().unwrap();
         session(folder.path(), &small(), "S1", 2);
-        let said = super::faults(&[folder.path()], &Reading::default());
-        assert!(ratings::read(&[folder.path().to_owned()], &Reading::default(), Rows::new).is_err());
+        let said = super::faults(&[folder.path()], &ReadOptions::default());
+        assert!(try_read(&[folder.path()], &ReadOptions::default()).is_err());
         assert!(
             said[0].ends_with("none of the 2 rows counts: 2 of practice; expected ratings of main trials"),
             "{said:?}"

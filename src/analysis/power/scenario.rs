@@ -1,5 +1,7 @@
 //! Who rates what: the cells of a definition, and how visible each of them is to the observer.
 
+use std::collections::HashMap;
+
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rand_distr::{Distribution as _, StandardNormal};
 
@@ -53,11 +55,11 @@ impl Scenario {
         }
         let mut empty = builder.finish();
         let mut predictors = vec![0.0; empty.conditions.len()];
-        let index = empty.index();
+        let places: HashMap<Vec<&str>, u32> = (0..).map(|c| (empty.level_names(c), c)).take(predictors.len()).collect();
         for (condition, names) in conditions.iter().zip(&names) {
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            if let Some(place) = index.condition(&names) {
-                predictors[place as usize] = observer.predictor(&condition.stimulus, 0.0) + added(condition);
+            if let Some(place) = places.get(&names) {
+                predictors[*place as usize] = observer.predictor(&condition.stimulus, 0.0) + added(condition);
             }
         }
         empty.rows.clear();

@@ -6,7 +6,7 @@ use eframe::egui::{self, ScrollArea};
 
 use crate::{
     app::ui::{Field, fault, hint, primary, section, text::name as label},
-    store::ratings::Reading,
+    store::ratings::ReadOptions,
 };
 
 /// Names that a column of participants often has; the first that fits is suggested.
@@ -30,7 +30,7 @@ pub struct Columns {
 impl Columns {
     /// A form about the first CSV file among these paths; none where there is no such file, or where it has a header of
     /// ours and needs no form.
-    pub fn needed(paths: &[PathBuf], how: &Reading) -> Option<Self> {
+    pub fn needed(paths: &[PathBuf], how: &ReadOptions) -> Option<Self> {
         let form = Self::of(paths, how)?;
         let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
         let known = has(&how.subject, "subject_id") && has(&how.response, "rating");
@@ -38,7 +38,7 @@ impl Columns {
     }
 
     /// A form about the first CSV file among these paths, as far as it was filled in before.
-    pub fn of(paths: &[PathBuf], how: &Reading) -> Option<Self> {
+    pub fn of(paths: &[PathBuf], how: &ReadOptions) -> Option<Self> {
         let file = paths.iter().find_map(|path| first_csv(path))?;
         let header = header(&file)?;
         let place = |name: &Option<String>| name.as_ref().and_then(|name| header.iter().position(|h| h == name));
@@ -57,7 +57,7 @@ impl Columns {
     }
 
     /// Draws the form; how to read, when that is asked for.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Reading> {
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<ReadOptions> {
         section(ui, "What do the columns mean?");
         let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
         hint(ui, format!("{name} was not written by machband. Name its columns."));
@@ -89,19 +89,19 @@ impl Columns {
         primary(ui, "Read these columns", ready, hint).then(|| self.reading())
     }
 
-    fn reading(&self) -> Reading {
+    fn reading(&self) -> ReadOptions {
         let name = |index: Option<usize>| index.map(|index| self.header[index].clone());
         let taken = [self.subject, self.response, self.count];
         let factors = (self.header.iter().zip(&self.factors).enumerate())
             .filter(|(index, (_, checked))| **checked && !taken.contains(&Some(*index)))
             .map(|(_, (name, _))| name.clone())
             .collect();
-        Reading {
+        ReadOptions {
             subject: name(self.subject),
             response: name(self.response),
             count: name(self.count),
             factors: Some(factors),
-            ..Reading::default()
+            ..ReadOptions::default()
         }
     }
 }
@@ -151,7 +151,7 @@ mod tests {
             std::fs::write(&path, text).unwrap();
             vec![path]
         };
-        let how = Reading::default();
+        let how = ReadOptions::default();
         let paths = file("b.csv", "Participant,contrast,Response_03,freq\nA,1,2,3\n");
         let form = Columns::needed(&paths, &how).unwrap();
         assert_eq!((form.subject, form.response, form.count), (Some(0), Some(2), Some(3)));

@@ -15,7 +15,7 @@ use crate::{
         work::{Progress, Work},
     },
     report::{Provenance, Study, study::shell_command, write_all},
-    store::ratings::Reading,
+    store::ratings::ReadOptions,
 };
 
 /// The field, and what came of the last export.
@@ -132,7 +132,7 @@ fn write(study: &Study, results: &Results, command: &str, folder: &Path) -> Resu
 }
 
 /// `machband analyze` of these files with these options; only what differs from the default is named.
-pub fn command(paths: &[PathBuf], how: &Reading, options: &Options, out: &str) -> String {
+pub fn command(paths: &[PathBuf], how: &ReadOptions, options: &Options, out: &str) -> String {
     let mut words = vec!["analyze".to_owned()];
     words.extend(paths.iter().map(|path| path.display().to_string()));
     let mut option = |name: &str, value: Option<String>| {

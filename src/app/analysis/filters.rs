@@ -3,7 +3,7 @@
 use eframe::egui::{self, CollapsingHeader, ScrollArea};
 
 use crate::{
-    analysis::{counts::Counts, measured::Measured},
+    analysis::counts::{Counts, Measured},
     app::ui::text::name,
 };
 

@@ -24,7 +24,7 @@ use crate::{
         prediction::StudyPrediction,
         study::{Parts, document},
     },
-    store::ratings::Reading,
+    store::ratings::ReadOptions,
 };
 
 /// Narrower than this, the data and filters are a view of their own.
@@ -41,13 +41,13 @@ pub enum Request {
     /// Other columns of the same file.
     Columns,
     /// The same files, read in another way.
-    Read(Reading),
+    Read(ReadOptions),
 }
 
 /// The data and its analysis.
 pub struct OpenStudy {
     study: Arc<Study>,
-    how: Reading,
+    how: ReadOptions,
     filters: Filters,
     settings: Settings,
     /// What was analyzed last, finished or not.
@@ -85,7 +85,7 @@ struct Outcome {
 
 impl OpenStudy {
     /// A study that was read.
-    pub fn new(study: Study, paths: Vec<PathBuf>, how: Reading) -> Self {
+    pub fn new(study: Study, paths: Vec<PathBuf>, how: ReadOptions) -> Self {
         Self {
             filters: Filters::new(&study.measured.counts),
             settings: Settings::default(),
@@ -106,7 +106,7 @@ impl OpenStudy {
     }
 
     /// The same files read in another way: what was chosen stays, as far as there still is a choice.
-    pub fn reread(study: Study, how: Reading, before: Self) -> Self {
+    pub fn reread(study: Study, how: ReadOptions, before: Self) -> Self {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
@@ -119,14 +119,14 @@ impl OpenStudy {
     }
 
     /// The files could not be read in another way: what is here stays.
-    pub fn keep(&mut self, how: &Reading, fault: String) {
+    pub fn keep(&mut self, how: &ReadOptions, fault: String) {
         // Not to be asked for again and again.
         self.how.also.clone_from(&how.also);
         self.not_reread = Some(fault);
     }
 
     /// How it was read.
-    pub fn how(&self) -> &Reading {
+    pub fn how(&self) -> &ReadOptions {
         &self.how
     }
 
@@ -268,7 +268,7 @@ impl OpenStudy {
         if source::has_unfinished(&self.study.source) {
             let mut complete = self.how.complete_only;
             if ui.checkbox(&mut complete, "Leave out unfinished sessions").changed() {
-                self.request = Some(Request::Read(Reading { complete_only: complete, ..self.how.clone() }));
+                self.request = Some(Request::Read(ReadOptions { complete_only: complete, ..self.how.clone() }));
             }
         }
         if let Some(text) = &self.not_reread {
@@ -325,7 +325,7 @@ impl OpenStudy {
         let usual: Vec<&str> = factors.filter(|name| !self.how.also.iter().any(|also| also == name)).collect();
         let also = self.settings.missing(&usual);
         if also != self.how.also && self.request.is_none() {
-            self.request = Some(Request::Read(Reading { also, ..self.how.clone() }));
+            self.request = Some(Request::Read(ReadOptions { also, ..self.how.clone() }));
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::{
         work::{Progress, Work},
     },
     report::Study,
-    store::{FileFaults, ratings::Reading},
+    store::{FileFaults, ratings::ReadOptions},
 };
 
 /// The page.
@@ -34,7 +34,7 @@ pub struct Analysis {
 
 /// Files that are being read.
 struct Pending {
-    how: Reading,
+    how: ReadOptions,
     /// The files that are open now, in another way.
     again: bool,
     work: Work<Result<Study, FileFaults>>,
@@ -57,13 +57,13 @@ impl Analysis {
     /// The page with a data set.
     pub fn of(ctx: &egui::Context, data_set: PathBuf) -> Self {
         let mut page = Self::new(data_set.parent().unwrap_or(Path::new("")));
-        page.read(ctx, vec![data_set], Reading::default(), false);
+        page.read(ctx, vec![data_set], ReadOptions::default(), false);
         page
     }
 
     /// Reads files, and folders of them. What was being read before is forgotten.
-    fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, how: Reading, again: bool) {
-        let how = Reading { details: true, ..how };
+    fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, how: ReadOptions, again: bool) {
+        let how = ReadOptions { details: true, ..how };
         self.paths.clone_from(&paths);
         self.fault = None;
         let asked = how.clone();
@@ -72,7 +72,7 @@ impl Analysis {
 
     fn read_new(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>) {
         self.columns = None;
-        self.read(ctx, paths, Reading::default(), false);
+        self.read(ctx, paths, ReadOptions::default(), false);
     }
 
     /// Draws the page.

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use crate::{
-    analysis::measured::{Measured, MeasuredBuilder, Observation},
+    analysis::counts::{Measured, MeasuredBuilder},
+    experiment::RatingRow,
     store::{
         FileFaults,
-        ratings::{self, Reading, Row, Shape, Sink, Source},
+        ratings::{self, ReadOptions, Shape, Source},
     },
 };
 
@@ -24,33 +25,22 @@ impl Study {
     ///
     /// # Errors
     /// Where there is nothing to analyse at all. What is wrong with part of the input is in [`Source::faults`].
-    pub fn read(paths: &[PathBuf], how: &Reading) -> Result<Self, FileFaults> {
-        let (source, collector) = ratings::read(paths, how, Collector::new)?;
-        Ok(Self { source, measured: collector.0.finish() })
-    }
-}
-
-/// Hands rows on to the analysis.
-struct Collector(MeasuredBuilder);
-
-impl Collector {
-    fn new(shape: &Shape) -> Self {
-        let mut builder = MeasuredBuilder::new(&shape.factors);
-        if let Some(categories) = &shape.categories {
-            builder = builder.with_categories(categories);
+    pub fn read(paths: &[PathBuf], how: &ReadOptions) -> Result<Self, FileFaults> {
+        let new = |shape: &Shape| {
+            let mut builder = MeasuredBuilder::new(&shape.factors);
+            if let Some(categories) = &shape.categories {
+                builder = builder.with_categories(categories);
+            }
+            if shape.guessed { builder.only_varied_factors() } else { builder }
+        };
+        let add =
+            |builder: &mut MeasuredBuilder, row: &RatingRow<'_>| builder.add(row).map_err(|error| error.to_string());
+        let (source, files) = ratings::read(paths, how, new, add)?;
+        let mut all = new(&source.shape);
+        for (file, read) in files.into_iter().zip(&source.files) {
+            let name = || read.path.display().to_string();
+            all.absorb(file).map_err(|error| FileFaults::whole(name(), error.to_string()))?;
         }
-        Self(if shape.guessed { builder.only_varied_factors() } else { builder })
-    }
-}
-
-impl Sink for Collector {
-    fn row(&mut self, row: &Row<'_>) -> Result<(), String> {
-        let Row { subject, values, rating, count, place, response_time_s } = *row;
-        let observation = Observation { subject, values, rating, count, place, response_time_s };
-        self.0.add(&observation).map_err(|error| error.to_string())
-    }
-
-    fn absorb(&mut self, later: Self) -> Result<(), String> {
-        self.0.absorb(later.0).map_err(|error| error.to_string())
+        Ok(Self { source, measured: all.finish() })
     }
 }

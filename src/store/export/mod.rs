@@ -15,7 +15,7 @@ use std::{
 
 use rayon::prelude::*;
 
-use super::{FileFault, FileFaults, StoreError, fault::io, recorded, recorded::Recorded, spreadsheet::is_formula};
+use super::{FileFault, FileFaults, StoreError, fault::io, recorded, recorded::Recorded, table::is_formula};
 use crate::experiment::{columns, name_fault};
 
 /// What a data set is exported as.

@@ -5,11 +5,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::FileFault;
-use crate::store::{FileFaults, frames};
+use crate::store::{FileFault, FileFaults, frames};
 
 /// Ends the name of a data file of a Psych-DS data set, as our results are.
 pub const DATA_FILE: &str = "_data.csv";
+
+fn whole(path: &Path, message: String) -> FileFault {
+    FileFault::whole(path.display().to_string(), message)
+}
 
 /// The files to read, each once, in the order they were named; those of a folder in natural order of their paths.
 pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
@@ -48,11 +51,6 @@ pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileFaults> {
         return Err(fault("has no data file of a session; expected a results folder".to_owned()));
     }
     Ok(files)
-}
-
-/// A fault of a path as a whole.
-pub(super) fn whole(path: &Path, message: String) -> FileFault {
-    FileFault { file: path.display().to_string(), position: None, message }
 }
 
 /// The data files in a folder and the folders below it; where there are none, all its CSV files.

@@ -3,386 +3,379 @@
 
 use std::{
     collections::{HashMap, HashSet},
-    io::Read as _,
     path::{Path, PathBuf},
 };
 
 use rayon::prelude::*;
-use sha2::{Digest as _, Sha256};
 
 use super::{
-    super::hash::hexadecimal,
-    FileFault, Layout, Reading, SessionRead, Shape, Sink, Source,
-    discovery::{self, natural, whole},
-    emit::{Emitter, Rules, Tally, is_rating},
-    faults::Place,
-    header::count_lines,
-    identity::Identity,
-    ledger::{Doubt, Ledger, Said},
-    plan::{Input, Plan},
-    record::Record,
-    source::{self, Segment, Stop},
-    survey::Surveyed,
+    discovery::{self, natural},
+    faults::{RowFault, RowFaults},
+    row::{self, CellFault, Cells, is_rating},
+    selection::{Input, RecordColumns, Selection},
+    source::{FileRead, ReadOptions, SessionRead, Shape, Source},
+    trials::{Identity, Noted, Status, Trial, Trials},
 };
-use crate::store::FileFaults;
+use crate::{
+    experiment::RatingRow,
+    store::{
+        FileFault, FileFaults, hash, recorded,
+        table::{self, Row},
+    },
+};
 
 /// Largest file whose hash is reported, bytes.
 const HASHED: u64 = 64 << 20;
-/// Least work for a thread, bytes: below it, more sinks cost more than more threads gain.
-const LEAST_TASK: u64 = 1 << 20;
 
-/// See [`super::read`].
-pub(super) fn read<S: Sink>(
+/// Reads files, and folders of them. Each file's rows that count go to a `T` of its own, made by `new`, and come back
+/// in the order of the files. What `add` finds wrong with a rating is a fault at its line and column, and the row is
+/// left out.
+///
+/// # Errors
+/// Where there is nothing to analyze at all: why. What is wrong with part of the input is in [`Source::faults`], and
+/// the rest is read.
+pub fn read<T: Send>(
     paths: &[PathBuf],
-    how: &Reading,
-    new: impl Fn(&Shape) -> S + Sync,
-) -> Result<(Source, S), FileFaults> {
+    options: &ReadOptions,
+    new: impl Fn(&Shape) -> T + Sync,
+    add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
+) -> Result<(Source, Vec<T>), FileFaults> {
     let (files, mut faults) = discovery::files(paths);
-    let looked_at: Vec<_> = files.par_iter().map(|path| Surveyed::new(path, how)).collect();
-    let mut surveyed = Vec::new();
-    for found in looked_at {
+    let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options)).collect();
+    let mut inputs = Vec::new();
+    for found in opened {
         match found {
             Ok((file, found)) => {
-                surveyed.push(file);
+                inputs.push(file);
                 faults.extend(found);
             }
             Err(fault) => faults.push(fault),
         }
     }
-    let (plan, found) = Plan::new(surveyed, how);
+    let (selection, found) = Selection::new(inputs, options);
     faults.extend(found);
-    let Some(plan) = plan else {
+    let Some(selection) = selection else {
         if faults.is_empty() {
-            faults.push(whole(Path::new("."), "no files are named; expected result files or folders".to_owned()));
+            faults.push(FileFault::whole(".", "no files are named; expected result files or folders".to_owned()));
         }
         return Err(in_order(faults, &files));
     };
-    let mut reading = Files { plan: &plan, odd: vec![false; plan.inputs.len()], ledger: Ledger::default() };
-    reading.find_out();
-    let unfinished = if how.complete_only { reading.unfinished() } else { HashSet::new() };
-    let (tallies, sink) = reading.emit(&unfinished, new)?;
-    let hashes: Vec<_> = plan.inputs.par_iter().map(sha256).collect();
-    let mut reports = Vec::new();
-    for ((input, tally), hash) in plan.inputs.iter().zip(tallies).zip(hashes) {
-        reports.push(tally.0.report(input, hash));
-        faults.extend(file_faults(&plan, input, tally));
+    let trials = trials(&selection);
+    let sessions = sessions(&selection, &trials);
+    let unfinished: HashSet<(&str, &str)> = (sessions.iter())
+        .filter(|session| options.complete_only && session.is_unfinished())
+        .map(|session| (session.subject.as_str(), session.session.as_str()))
+        .collect();
+    let read: Vec<(T, FileRead, Vec<FileFault>)> = (selection.inputs.par_iter().enumerate())
+        .map(|(file, input)| {
+            let read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
+            let (faults, met) = (RowFaults::default(), HashSet::new());
+            let mut reading = FileReader {
+                selection: &selection,
+                input,
+                file,
+                trials: &trials,
+                read,
+                faults,
+                met,
+                recent: 0,
+                elsewhere: (0, 0),
+            };
+            let mut found = new(&selection.shape);
+            let read = each_row(input, |row, cells| {
+                reading.take(row, cells, |rating| add(&mut found, rating), &unfinished);
+            });
+            let (read, faults) = reading.finish(read.err());
+            (found, read, faults)
+        })
+        .collect();
+    let (mut found, mut reports) = (Vec::new(), Vec::new());
+    for (one, report, wrong) in read {
+        found.push(one);
+        reports.push(report);
+        faults.extend(wrong);
     }
     if reports.iter().all(|report| report.ratings == 0) {
         faults.push(nothing(&reports));
         return Err(in_order(faults, &files));
     }
-    let sessions = reading.sessions();
     let faults = in_order(faults, &files).0;
-    let Plan { shape, protocol, definition_sha256, .. } = plan;
-    Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, faults }, sink))
+    let Selection { shape, protocol, definition_sha256, .. } = selection;
+    Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, faults }, found))
 }
 
-/// Result files whose rows are being sorted out.
-struct Files<'a> {
-    plan: &'a Plan,
-    /// Which files only the plain reader knows.
-    odd: Vec<bool>,
-    ledger: Ledger,
-}
-
-/// What became of a part of a file.
-struct Part {
-    file: usize,
-    lines: u64,
-    tally: Tally,
-    stop: Option<Stop>,
-}
-
-/// What became of a file, and why it was not read to its end.
-type FileTally = (Tally, Option<std::io::Error>);
-
-impl Files<'_> {
-    /// The work, and whether it is that of result files.
-    fn tasks(&self) -> Vec<Vec<Segment>> {
-        source::tasks(&self.plan.inputs.iter().collect::<Vec<_>>(), &self.odd, LEAST_TASK)
-    }
-
-    /// Goes through the rows of all result files, in parts. A file that the fast reader does not know is gone through
-    /// once more, with all others.
-    fn go<T: Send>(
-        &mut self,
-        new: impl Fn() -> T + Sync,
-        note: impl Fn(&mut T, &Identity<'_>, &Seen<'_>) + Sync,
-    ) -> Vec<T> {
-        loop {
-            let (plan, odd) = (self.plan, &self.odd);
-            let done: Vec<(T, Vec<usize>)> = (self.tasks().par_iter())
-                .map(|task| {
-                    let mut noted = new();
-                    let mut found_odd = Vec::new();
-                    for Segment { file, bytes } in task {
-                        let input = &plan.inputs[*file];
-                        let Some(own) = input.columns.record else { continue };
-                        let took = source::each(input, bytes, odd[*file], |record| {
-                            let Some(cells) = record.cells.filter(|cells| cells.len() == input.header.names.len())
-                            else {
-                                return;
-                            };
-                            let experiment = plan.experiment.as_deref();
-                            if let Ok(row) = Identity::new(&cells, input.columns.subject, &own, experiment) {
-                                note(&mut noted, &row, &Seen { input, file: *file, record, cells });
-                            }
-                        });
-                        // What cannot be read is a fault when the rows are handed on.
-                        if matches!(took, Err(Stop::Odd)) {
-                            found_odd.push(*file);
-                        }
-                    }
-                    (noted, found_odd)
-                })
-                .collect();
-            let found_odd: Vec<usize> = done.iter().flat_map(|(_, odd)| odd.iter().copied()).collect();
-            if found_odd.is_empty() {
-                return done.into_iter().map(|(noted, _)| noted).collect();
-            }
-            found_odd.into_iter().for_each(|file| self.odd[file] = true);
-        }
-    }
-
-    /// Finds out which rows of result files count.
-    fn find_out(&mut self) {
-        if self.plan.inputs.iter().all(|input| input.layout != Layout::Results) {
-            return;
-        }
-        let scale = self.plan.own_scale;
-        let like = Ledger::default();
-        let ledgers =
-            self.go(|| Ledger::like(&like), |ledger, row, seen| ledger.note(row, &seen.said(scale), seen.file));
-        self.ledger = Ledger::like(&like);
-        ledgers.into_iter().for_each(|ledger| self.ledger.absorb(ledger));
-        if self.ledger.has_doubts() {
-            let ledger = std::mem::take(&mut self.ledger);
-            let firsts = self.go(HashMap::<Doubt, Place>::new, |firsts, row, seen| {
-                let place = Place { file: seen.file as u32, offset: seen.record.offset };
-                ledger.place(row, seen.row_id(), place, firsts);
+/// Goes through the rows of all result files, to find out which of them count. What is wrong with them is said when
+/// they are handed on.
+fn trials(selection: &Selection) -> Trials {
+    let noted: Vec<Trials> = (selection.inputs.par_iter().enumerate())
+        .map(|(file, input)| {
+            let mut trials = Trials::default();
+            let Some(own) = &input.columns.record else { return trials };
+            let _ = each_row(input, |_, cells| {
+                let Ok(cells) = cells else { return };
+                let experiment = selection.experiment.as_deref();
+                let Ok(identity) = row::identity(&cells, input.columns.subject, own, experiment) else { return };
+                let dropped = own.dropped.map_or("", |column| cells.get(column));
+                let noted = Noted {
+                    rated: is_rating(cells.get(input.columns.response), selection.own_scale),
+                    dropped: (!dropped.is_empty()).then_some(dropped != "0"),
+                };
+                trials.note(&identity, row_id(&cells, own), noted, file);
             });
-            self.ledger = ledger;
-            firsts.into_iter().for_each(|firsts| self.ledger.settle(firsts));
-        }
-    }
-
-    /// Indices of the sessions in which planned trials are not rated.
-    fn unfinished(&self) -> HashSet<usize> {
-        (self.ledger.sessions.iter().enumerate())
-            .filter(|(_, session)| self.plan.inputs[session.file].planned.is_some_and(|n| session.rated() < n))
-            .map(|(index, _)| index)
-            .collect()
-    }
-
-    /// Hands on the rows that count.
-    fn emit<S: Sink>(
-        &mut self,
-        unfinished: &HashSet<usize>,
-        new: impl Fn(&Shape) -> S + Sync,
-    ) -> Result<(Vec<FileTally>, S), FileFaults> {
-        let plan = self.plan;
-        loop {
-            let rules = Rules {
-                experiment: plan.experiment.as_deref(),
-                ledger: &self.ledger,
-                unfinished,
-                scale: plan.own_scale,
-            };
-            let done: Vec<(S, Vec<Part>)> = (self.tasks().par_iter())
-                .map(|task| {
-                    let mut sink = new(&plan.shape);
-                    let parts =
-                        task.iter().map(|segment| emit_part(plan, &rules, segment, self.odd[segment.file], &mut sink));
-                    let parts = parts.collect();
-                    (sink, parts)
-                })
-                .collect();
-            let odd: Vec<usize> = (done.iter().flat_map(|(_, parts)| parts))
-                .filter(|part| matches!(part.stop, Some(Stop::Odd)))
-                .map(|part| part.file)
-                .collect();
-            if !odd.is_empty() {
-                odd.into_iter().for_each(|file| self.odd[file] = true);
-                continue;
-            }
-            let mut tallies: Vec<(FileTally, u64)> = plan.inputs.iter().map(|_| Default::default()).collect();
-            let mut joined: Option<S> = None;
-            for (sink, parts) in done {
-                let name = parts.first().map_or(".", |part| &plan.inputs[part.file].name);
-                match &mut joined {
-                    Some(joined) => joined.absorb(sink).map_err(|error| FileFaults::whole(name, error))?,
-                    None => joined = Some(sink),
-                }
-                for part in parts {
-                    let ((tally, error), lines) = &mut tallies[part.file];
-                    tally.append(part.tally, *lines);
-                    *lines += part.lines;
-                    if let Some(Stop::Io(stopped)) = part.stop {
-                        *error = Some(stopped);
-                    }
-                }
-            }
-            let tallies = tallies.into_iter().map(|(tally, _)| tally).collect();
-            return Ok((tallies, joined.unwrap_or_else(|| new(&plan.shape))));
-        }
-    }
-
-    /// The sessions of all result files, those without rows too.
-    fn sessions(&self) -> Vec<SessionRead> {
-        let inputs = &self.plan.inputs;
-        let of = |subject: &str, session: &str, file: usize| SessionRead {
-            subject: subject.to_owned(),
-            session: session.to_owned(),
-            path: inputs[file].path.clone(),
-            planned: inputs[file].planned,
-            rated: 0,
-            dropped: None,
-            sidecar: inputs[file].sidecar.clone(),
-        };
-        let found = self.ledger.sessions.iter().map(|session| SessionRead {
-            rated: session.rated(),
-            dropped: session.measured.then(|| session.dropped()),
-            ..of(&session.subject, &session.session, session.file)
-        });
-        let mut sessions: Vec<SessionRead> = found.collect();
-        for (file, input) in inputs.iter().enumerate().filter(|(_, input)| input.header.first.is_none()) {
-            if let Some((subject, session)) = named_session(&input.path).filter(|_| input.columns.record.is_some())
-                && self.ledger.find(subject, session).is_none()
-            {
-                sessions.push(of(subject, session, file));
-            }
-        }
-        sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
-        sessions
-    }
+            trials
+        })
+        .collect();
+    let mut all = Trials::default();
+    noted.into_iter().for_each(|trials| all.absorb(trials));
+    all.finish();
+    all
 }
 
-/// A row of a result file, where it was seen.
-struct Seen<'a> {
+/// Hands on every row below the header, with its cells or what is wrong with them.
+fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowFault>)) -> std::io::Result<()> {
+    let (header, mut is_header) = (&input.header, true);
+    table::each_row(header.content(&input.path), header.separator, |row| {
+        if !std::mem::take(&mut is_header) {
+            take(row, Cells::new(row, header.names.len()));
+        }
+    })
+}
+
+fn row_id<'a>(cells: &Cells<'a>, own: &RecordColumns) -> &'a str {
+    own.row_id.map_or("", |column| cells.get(column))
+}
+
+/// The sessions of all result files, those without rows too.
+fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
+    let of = |subject: &str, session: &str, input: &Input| SessionRead {
+        subject: subject.to_owned(),
+        session: session.to_owned(),
+        path: input.path.clone(),
+        planned: input.planned(),
+        rated: 0,
+        dropped: None,
+        sidecar: input.sidecar.clone(),
+    };
+    let with_rows = trials.sessions.iter().filter_map(|session| {
+        let input = &selection.inputs[session.file()?];
+        let (rated, dropped) = (session.rated(), session.dropped());
+        Some(SessionRead { rated, dropped, ..of(&session.subject, &session.session, input) })
+    });
+    let mut sessions: Vec<SessionRead> = with_rows.collect();
+    for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
+    {
+        if let Ok((_, identity)) = recorded::identity(&input.path) {
+            let (subject, session) = (identity.subject(), identity.session());
+            if !sessions.iter().any(|known| known.subject == subject && known.session == session) {
+                sessions.push(of(subject, session, input));
+            }
+        }
+    }
+    sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
+    sessions
+}
+
+/// A file whose rows are handed on.
+struct FileReader<'a> {
+    selection: &'a Selection,
     input: &'a Input,
     file: usize,
-    record: &'a Record<'a>,
-    cells: super::record::Cells<'a>,
+    trials: &'a Trials,
+    read: FileRead,
+    faults: RowFaults,
+    /// Trials that stand in the file twice and were met, by session.
+    met: HashSet<(usize, Trial)>,
+    /// Session of the last row.
+    recent: usize,
+    /// Rows that stand in another file already, and the last such file.
+    elsewhere: (u64, usize),
 }
 
-impl<'a> Seen<'a> {
-    fn own(&self, column: impl Fn(&super::plan::RecordColumns) -> Option<usize>) -> &'a str {
-        self.input.columns.record.as_ref().and_then(column).map_or("", |column| self.cells.get(column))
-    }
+/// Why a row does not count.
+enum Omitted {
+    Faulty(RowFault),
+    Practice,
+    Superseded,
+    Unfinished,
+}
 
-    fn row_id(&self) -> &'a str {
-        self.own(|own| own.row_id)
-    }
-
-    fn said(&self, scale: bool) -> Said<'a> {
-        let dropped = self.own(|own| own.dropped);
-        Said {
-            row_id: self.row_id(),
-            rated: is_rating(self.cells.get(self.input.columns.response), scale),
-            dropped: (!dropped.is_empty()).then_some(dropped != "0"),
+impl FileReader<'_> {
+    fn take(
+        &mut self,
+        row: &Row<'_>,
+        cells: Result<Cells<'_>, RowFault>,
+        add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
+        unfinished: &HashSet<(&str, &str)>,
+    ) {
+        self.read.rows += 1;
+        let counted = cells.map_err(Omitted::Faulty).and_then(|cells| self.rating(row, &cells, add, unfinished));
+        match counted {
+            Ok(count) => {
+                self.read.counted += 1;
+                self.read.ratings += count;
+            }
+            Err(Omitted::Practice) => self.read.practice += 1,
+            Err(Omitted::Superseded) => self.read.superseded += 1,
+            Err(Omitted::Unfinished) => self.read.unfinished += 1,
+            Err(Omitted::Faulty(fault)) => {
+                self.read.faulty += 1;
+                self.fault(row, fault);
+            }
         }
     }
+
+    fn fault(&mut self, row: &Row<'_>, fault: RowFault) {
+        let fault = torn(row, &fault).unwrap_or(fault);
+        let cell = fault.cell.or(row.text().err()).unwrap_or(0);
+        self.faults.add(&self.input.name, fault, || row.place(cell));
+    }
+
+    /// Hands on a row that counts; gives how many trials it stands for.
+    fn rating(
+        &mut self,
+        row: &Row<'_>,
+        cells: &Cells<'_>,
+        mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
+        unfinished: &HashSet<(&str, &str)>,
+    ) -> Result<u64, Omitted> {
+        let (input, own_scale) = (self.input, self.selection.own_scale);
+        let columns = &input.columns;
+        let fault = |found: CellFault| row::fault(input, cells, found);
+        let wrong = |found: CellFault| Omitted::Faulty(fault(found));
+        if let Some(own) = &columns.record {
+            let experiment = self.selection.experiment.as_deref();
+            let identity = row::identity(cells, columns.subject, own, experiment).map_err(wrong)?;
+            self.check(&identity, row_id(cells, own))?;
+            if unfinished.contains(&(identity.subject, identity.session)) {
+                return Err(Omitted::Unfinished);
+            }
+        }
+        let subject = row::present(cells, columns.subject, "a participant").map_err(wrong)?;
+        let rating = row::rating(cells, columns, own_scale).map_err(wrong)?;
+        let count = row::count(cells, columns).map_err(wrong)?;
+        // A place or a time that cannot be read is a fault, but the rating counts.
+        let (place, time) = (row::place(cells, columns), row::response_time(cells, columns));
+        let unread = [place.as_ref().err(), time.as_ref().err()];
+        unread.into_iter().flatten().for_each(|found| self.fault(row, fault(found.clone())));
+        let (place, response_time_s) = (place.unwrap_or_default(), time.unwrap_or_default());
+        let mut few = [""; 12];
+        let mut many = Vec::new();
+        let values = match few.get_mut(..columns.factors.len()) {
+            Some(few) => few,
+            None => {
+                many.resize(columns.factors.len(), "");
+                &mut many[..]
+            }
+        };
+        for (value, &column) in values.iter_mut().zip(&columns.factors) {
+            *value = cells.optional(column);
+        }
+        add(&RatingRow { subject, values, rating, count, place, response_time_s })
+            .map_err(|message| Omitted::Faulty(RowFault { cell: Some(columns.response), message }))?;
+        Ok(count)
+    }
+
+    /// Whether a row of a result file counts.
+    fn check(&mut self, row: &Identity<'_>, row_id: &str) -> Result<(), Omitted> {
+        let named = Identity::named(row_id).filter(|named| named != row);
+        let mut statuses = [None; 2];
+        for (status, identity) in statuses.iter_mut().zip([named, Some(*row)]) {
+            let Some(identity) = identity else { continue };
+            let Some(session) = self.trials.find(identity.subject, identity.session, self.recent) else { continue };
+            self.recent = session;
+            let is_new = |trial| self.met.insert((session, trial));
+            *status = Some(self.trials.sessions[session].status(identity.trial, self.file, is_new));
+        }
+        for status in statuses {
+            if let Some(Status::Repeated(file)) = status {
+                if file != self.file {
+                    self.elsewhere = (self.elsewhere.0 + 1, file);
+                }
+                return Err(Omitted::Faulty(self.repeated(row_id, file)));
+            }
+        }
+        match statuses[1] {
+            _ if !row.trial.is_main() => Err(Omitted::Practice),
+            Some(Status::Superseded) => Err(Omitted::Superseded),
+            _ => Ok(()),
+        }
+    }
+
+    fn repeated(&self, row_id: &str, file: usize) -> RowFault {
+        let name = match row_id {
+            "" => "the trial and attempt of this row".to_owned(),
+            row_id => format!("row_id {row_id:?}"),
+        };
+        let at = if file == self.file { "above" } else { &self.selection.inputs[file].name };
+        let message = format!("{name} stands {at} already; expected every row once (this one is left out)");
+        RowFault { cell: None, message }
+    }
+
+    fn finish(mut self, error: Option<std::io::Error>) -> (FileRead, Vec<FileFault>) {
+        let (name, rows) = (&self.input.name, self.read.rows);
+        self.read.sha256 = sha256(self.input);
+        let mut faults = Vec::new();
+        if let Some(error) = error {
+            let message = format!("cannot be read to its end: {error}; expected a readable file");
+            faults.push(FileFault::whole(name, message));
+        }
+        if rows > 0 && self.elsewhere.0 == rows {
+            let other = &self.selection.inputs[self.elsewhere.1].name;
+            let message =
+                format!("all its {rows} rows stand in {other} already; expected every session once (it is left out)");
+            faults.push(FileFault::whole(name, message));
+        } else {
+            faults.extend(self.faults.finish(name, &self.input.header.names));
+        }
+        (self.read, faults)
+    }
 }
 
-fn emit_part<S: Sink>(plan: &Plan, rules: &Rules<'_>, segment: &Segment, odd: bool, sink: &mut S) -> Part {
-    let Segment { file, bytes } = segment;
-    let input = &plan.inputs[*file];
-    let mut emitter = Emitter { input, file: *file, rules, sink, tally: Tally::default() };
-    let took = source::each(input, bytes, odd, |record| emitter.take(record));
-    let (lines, stop) = match took {
-        Ok(lines) => (lines, None),
-        Err(stop) => (0, Some(stop)),
+/// What an interrupted writing left: a last row that nothing ends and whose last cell, or number of cells, is wrong; or
+/// that has zero bytes where the file was enlarged and not filled.
+fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
+    if !row.last {
+        return None;
+    }
+    let raw = row.raw();
+    let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
+    let ends_badly = fault.cell.is_none_or(|cell| cell + 1 == row.record.len());
+    let what = if raw.contains(&0) {
+        "has zero bytes"
+    } else if !is_ended && ends_badly {
+        "is cut in the middle"
+    } else {
+        return None;
     };
-    // The lines of the header are above the first part.
-    let above = if bytes.start == input.header.end { input.header.lines } else { 0 };
-    let mut tally = Tally::default();
-    tally.append(emitter.tally, above);
-    Part { file: *file, lines: lines + above, tally, stop }
-}
-
-/// Participant and session in the name of a data file.
-fn named_session(path: &Path) -> Option<(&str, &str)> {
-    let rest = path.file_name()?.to_str()?.strip_prefix("subject-")?;
-    let (subject, rest) = rest.split_once("_session-")?;
-    Some((subject, rest.split('_').next()?))
-}
-
-/// What is wrong with a file's rows.
-fn file_faults(plan: &Plan, input: &Input, tally: FileTally) -> Vec<FileFault> {
-    let (Tally { rows, elsewhere, copied, mut faults, .. }, error) = tally;
-    let mut found = Vec::new();
-    if let Some(error) = error {
-        found.push(whole(&input.path, format!("cannot be read to its end: {error}; expected a readable file")));
-    }
-    if let Some(first) = copied.filter(|_| elsewhere == rows) {
-        faults.without_repeated();
-        let other = &plan.inputs[first.file as usize].name;
-        let message =
-            format!("all its {rows} rows stand in {other} already; expected every session once (it is left out)");
-        found.push(whole(&input.path, message));
-    }
-    found.extend(faults.finish(&input.name, |place| {
-        let input = &plan.inputs[place.file as usize];
-        format!("{}:{}", input.name, line_of(input, place.offset))
-    }));
-    found
-}
-
-/// The line, from 1, that begins at a place of a file.
-fn line_of(input: &Input, offset: u64) -> u64 {
-    let Ok(reader) = source::open(input, 0) else { return 0 };
-    let mut reader = reader.take(offset);
-    let mut block = vec![0; 1 << 16];
-    let mut lines = 0;
-    while let Ok(n @ 1..) = reader.read(&mut block) {
-        lines += count_lines(&block[..n]);
-        // The `\r` of a `\r\n` that the blocks divide was counted by itself.
-        if block[n - 1] == b'\r' {
-            lines -= 1;
-        }
-    }
-    lines + 1
+    let message =
+        format!("the last row {what}, as after an interrupted writing; expected a whole row (it is left out)");
+    Some(RowFault { cell: None, message })
 }
 
 fn sha256(input: &Input) -> Option<String> {
     if input.header.size > HASHED {
         return None;
     }
-    let mut reader = source::open(input, 0).ok()?;
-    let mut hash = Sha256::new();
-    let mut block = vec![0; 1 << 16];
-    loop {
-        match reader.read(&mut block) {
-            Ok(0) => return Some(hexadecimal(&hash.finalize())),
-            Ok(n) => hash.update(&block[..n]),
-            Err(_) => return None,
-        }
-    }
+    input.header.content(&input.path).bytes().ok().map(|bytes| hash::sha256(&bytes))
 }
 
 /// That no row counts, and why.
-fn nothing(reports: &[super::FileRead]) -> FileFault {
-    let sum = |of: fn(&super::FileRead) -> u64| reports.iter().map(of).sum::<u64>();
-    let parts: Vec<String> = [
+fn nothing(reports: &[FileRead]) -> FileFault {
+    let sum = |of: fn(&FileRead) -> u64| reports.iter().map(of).sum::<u64>();
+    let parts = [
         (sum(|report| report.practice), "of practice"),
         (sum(|report| report.superseded), "superseded"),
         (sum(|report| report.unfinished), "of unfinished sessions"),
         (sum(|report| report.faulty), "with faults"),
-    ]
-    .iter()
-    .filter(|(n, _)| *n > 0)
-    .map(|(n, what)| format!("{n} {what}"))
-    .collect();
-    let rows = sum(|report| report.rows);
-    let found = match (rows, parts.is_empty()) {
-        (0, _) => "there are no rows".to_owned(),
-        (_, true) => format!("none of the {rows} rows counts"),
-        (_, false) => format!("none of the {rows} rows counts: {}", parts.join(", ")),
+    ];
+    let parts: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    let found = match sum(|report| report.rows) {
+        0 => "there are no rows".to_owned(),
+        rows => format!("none of the {rows} rows counts: {}", parts.join(", ")),
     };
-    let path = reports.first().map_or(Path::new("."), |report| &report.path);
-    let (others, n) = (reports.len() - 1, reports.len());
-    let among = if others > 0 { format!(" in {n} files") } else { String::new() };
-    whole(path, format!("{found}{among}; expected ratings of main trials"))
+    let among = if reports.len() > 1 { format!(" in {} files", reports.len()) } else { String::new() };
+    let path = reports.first().map_or(".".to_owned(), |report| report.path.display().to_string());
+    FileFault::whole(path, format!("{found}{among}; expected ratings of main trials"))
 }
 
 /// Faults in the order of the files; those of folders first.

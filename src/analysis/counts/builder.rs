@@ -1,132 +1,54 @@
-//! What is kept of any number of trials: counts of ratings, repeated ratings, response times. Memory grows with the
-//! distinct combinations of subject and condition, not with the rows.
+//! From trials, or counts of them, to what is kept. Memory grows with the distinct combinations of subject and
+//! condition, not with the rows.
 
-use std::{cmp::Ordering, collections::HashMap, hash::BuildHasher as _};
-
-use hashbrown::{DefaultHashBuilder, HashTable, hash_table::Entry};
-
-use super::{
-    agreement::Retest,
-    counts::{CountError, Counts, CountsBuilder},
-    levels,
-    times::{self, Times},
+use std::{
+    cmp::Ordering,
+    collections::{BTreeMap, HashMap},
 };
 
-/// One trial, or `count` trials alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observation<'a> {
-    /// Who.
-    pub subject: &'a str,
-    /// The level of each factor; empty where it is missing.
-    pub values: &'a [&'a str],
-    /// The rating as it is written.
-    pub rating: &'a str,
-    /// How often.
-    pub count: u64,
-    /// Session and repetition, in whose natural order a condition's first rating is told from its second. None where
-    /// they are not known: such ratings are in no pair.
-    pub place: Option<(&'a str, u32)>,
-    /// From onset to rating, seconds, where it is known.
-    pub response_time_s: Option<f64>,
-}
+use super::{
+    measured::{Measured, RetestPair, TimeCount},
+    table::{CountError, CountRow, Counts, Factor},
+};
+use crate::{
+    analysis::{levels, times},
+    experiment::RatingRow,
+};
 
-/// The ratings of a study.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Measured {
-    /// How often each subject gave each rating in each condition.
-    pub counts: Counts,
-    /// First and second rating of the conditions that a subject rated more than once.
-    pub retests: Vec<RetestPair>,
-    /// Response times.
-    pub times: Vec<TimeCount>,
-}
+/// As [`MeasuredBuilder`], for counts alone.
+#[derive(Clone, Debug)]
+pub struct CountsBuilder(MeasuredBuilder);
 
-/// A subject's first and second rating of a condition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RetestPair {
-    /// Index into [`Counts::subjects`].
-    pub subject: u32,
-    /// Index into [`Counts::conditions`].
-    pub condition: u32,
-    /// Index into [`Counts::categories`] of the first rating.
-    pub first: u8,
-    /// Of the second.
-    pub second: u8,
-}
-
-/// How many answers took about as long.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TimeCount {
-    /// Index into [`Counts::subjects`].
-    pub subject: u32,
-    /// Index into [`Counts::conditions`].
-    pub condition: u32,
-    /// Index into [`Counts::categories`].
-    pub rating: u8,
-    bin: u16,
-    count: u64,
-}
-
-impl Measured {
-    /// Response times by group: each trial in the group that `group_of` names, if any.
-    pub fn times_by(&self, groups: usize, group_of: impl Fn(&TimeCount) -> Option<usize>) -> Vec<Times> {
-        let mut times = vec![Times::default(); groups];
-        for row in &self.times {
-            if let Some(group) = group_of(row) {
-                times[group].add(row.bin, row.count);
-            }
-        }
-        times
+impl CountsBuilder {
+    /// As [`MeasuredBuilder::new`].
+    pub fn new<S: AsRef<str>>(factors: &[S]) -> Self {
+        Self(MeasuredBuilder::new(factors))
     }
 
-    /// First against second ratings of every subject.
-    pub fn retests(&self) -> Vec<Retest> {
-        let mut retests = vec![Retest::new(self.counts.categories.len()); self.counts.subjects.len()];
-        for pair in &self.retests {
-            retests[pair.subject as usize].add(pair.first.into(), pair.second.into());
-        }
-        retests
-    }
-
-    /// What is left of some subjects and some conditions. Levels and subjects without ratings are gone; categories
-    /// stay.
+    /// As [`MeasuredBuilder::with_categories`].
     #[must_use]
-    pub fn filtered(&self, subject: impl Fn(u32) -> bool, condition: impl Fn(&[Option<u32>]) -> bool) -> Self {
-        let counts = &self.counts;
-        let kept: Vec<bool> = counts.conditions.iter().map(|levels| condition(levels)).collect();
-        let keep = |s: u32, c: u32| subject(s) && kept[c as usize];
-        let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
-        let mut builder = CountsBuilder::new(&names).with_categories(&counts.categories);
-        for row in counts.rows.iter().filter(|row| keep(row.subject, row.condition)) {
-            let values = counts.level_names(row.condition);
-            let (who, rating) = (&counts.subjects[row.subject as usize], &counts.categories[row.rating as usize]);
-            // What was counted once is counted again.
-            let _ = builder.add(who, &values, rating, row.count);
-        }
-        let rest = builder.finish();
-        let index = rest.index();
-        let subjects: Vec<_> = counts.subjects.iter().map(|name| index.subject(name)).collect();
-        let conditions: Vec<_> =
-            (0..counts.conditions.len() as u32).map(|c| index.condition(&counts.level_names(c))).collect();
-        let moved = |s: u32, c: u32| {
-            if keep(s, c) { subjects[s as usize].zip(conditions[c as usize]) } else { None }
-        };
-        let retests = (self.retests.iter())
-            .filter_map(|pair| {
-                moved(pair.subject, pair.condition).map(|(subject, condition)| RetestPair {
-                    subject,
-                    condition,
-                    ..*pair
-                })
-            })
-            .collect();
-        let times = (self.times.iter())
-            .filter_map(|row| {
-                moved(row.subject, row.condition).map(|(subject, condition)| TimeCount { subject, condition, ..*row })
-            })
-            .collect();
-        drop(index);
-        Self { counts: rest, retests, times }
+    pub fn with_categories<S: AsRef<str>>(self, categories: &[S]) -> Self {
+        Self(self.0.with_categories(categories))
+    }
+
+    /// Adds `count` equal ratings; an empty text among `values` is a missing value.
+    ///
+    /// # Errors
+    /// As [`MeasuredBuilder::add`].
+    pub fn add<S: AsRef<str>>(
+        &mut self,
+        subject: &str,
+        values: &[S],
+        rating: &str,
+        count: u64,
+    ) -> Result<(), CountError> {
+        let values: Vec<&str> = values.iter().map(AsRef::as_ref).collect();
+        self.0.add(&RatingRow { subject, values: &values, rating, count, place: None, response_time_s: None })
+    }
+
+    /// The table, sorted.
+    pub fn finish(self) -> Counts {
+        self.0.finish().counts
     }
 }
 
@@ -139,8 +61,7 @@ pub struct MeasuredBuilder {
     only_varied: bool,
     /// Texts of ratings in order of first appearance.
     ratings: Vec<String>,
-    hasher: DefaultHashBuilder,
-    index: HashTable<u32>,
+    index: HashMap<Box<[u8]>, u32>,
     cells: Vec<Cell>,
     key: Vec<u8>,
 }
@@ -180,8 +101,7 @@ impl MeasuredBuilder {
             declared: None,
             only_varied: false,
             ratings: Vec::new(),
-            hasher: DefaultHashBuilder::default(),
-            index: HashTable::new(),
+            index: HashMap::new(),
             cells: Vec::new(),
             key: Vec::new(),
         }
@@ -207,8 +127,8 @@ impl MeasuredBuilder {
     ///
     /// # Errors
     /// A wrong number of values, an empty subject or rating, a rating that was not declared.
-    pub fn add(&mut self, observation: &Observation<'_>) -> Result<(), CountError> {
-        let Observation { subject, values, rating, count, place, response_time_s } = *observation;
+    pub fn add(&mut self, observation: &RatingRow<'_>) -> Result<(), CountError> {
+        let RatingRow { subject, values, rating, count, place, response_time_s } = *observation;
         if values.len() != self.factors.len() {
             return Err(CountError::Width { expected: self.factors.len(), found: values.len() });
         }
@@ -237,26 +157,14 @@ impl MeasuredBuilder {
 
     /// The cell of `self.key`, a new one if need be.
     fn cell(&mut self) -> &mut Cell {
-        let Self { hasher, index, cells, key, .. } = self;
-        let entry = index.entry(
-            hasher.hash_one(&key[..]),
-            |&cell| *cells[cell as usize].key == key[..],
-            |&cell| hasher.hash_one(&cells[cell as usize].key[..]),
-        );
-        let number = match entry {
-            Entry::Occupied(entry) => *entry.get(),
-            Entry::Vacant(entry) => {
-                let number = cells.len() as u32;
-                entry.insert(number);
-                cells.push(Cell {
-                    key: key.clone().into_boxed_slice(),
-                    counts: Vec::new(),
-                    times: Vec::new(),
-                    earliest: Earliest::default(),
-                });
-                number
-            }
-        };
+        let Self { index, cells, key, .. } = self;
+        let number = index.get(&key[..]).copied().unwrap_or_else(|| {
+            let number = cells.len() as u32;
+            let key: Box<[u8]> = key.as_slice().into();
+            index.insert(key.clone(), number);
+            cells.push(Cell { key, counts: Vec::new(), times: Vec::new(), earliest: Earliest::default() });
+            number
+        });
         &mut cells[number as usize]
     }
 
@@ -315,51 +223,69 @@ impl MeasuredBuilder {
     /// Everything in natural order.
     pub fn finish(self) -> Measured {
         let varied = self.varied();
-        let names: Vec<&str> =
-            (self.factors.iter().zip(&varied)).filter(|(_, v)| **v).map(|(n, _)| n.as_str()).collect();
-        let mut builder = CountsBuilder::new(&names);
-        if let Some(declared) = &self.declared {
-            builder = builder.with_categories(declared);
+        let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = self.cells.iter().map(|cell| cell.parts(&varied)).unzip();
+        let (subjects, subject_of) = levels::rank(&subjects.into_iter().map(Some).collect::<Vec<_>>());
+        let names = self.factors.iter().zip(&varied).filter(|(_, varied)| **varied).map(|(name, _)| name);
+        let mut conditions: Vec<Vec<Option<u32>>> = vec![Vec::new(); self.cells.len()];
+        let mut factors = Vec::new();
+        for (index, name) in names.enumerate() {
+            // An empty text is a missing value.
+            let texts: Vec<Option<&str>> =
+                values.iter().map(|values| Some(values[index]).filter(|text| !text.is_empty())).collect();
+            let (levels, level_of) = levels::rank(&texts);
+            conditions.iter_mut().zip(level_of).for_each(|(condition, level)| condition.push(level));
+            factors.push(Factor { name: name.clone(), numbers: levels::numbers_of(&levels), levels });
         }
-        let parts: Vec<(&str, Vec<&str>)> = self.cells.iter().map(|cell| cell.parts(&varied)).collect();
-        for (cell, (subject, values)) in self.cells.iter().zip(&parts) {
-            for (text, &count) in self.ratings.iter().zip(&cell.counts) {
-                // Every part was looked at when it was added.
-                let _ = builder.add(subject, values, text, count);
-            }
-        }
-        let counts = builder.finish();
-        let index = counts.index();
-        let category = |rating: u8| index.category(&self.ratings[usize::from(rating)]);
+        let condition_of = conditions.clone();
+        conditions.sort_unstable();
+        conditions.dedup();
+        let ratings: Vec<Option<&str>> = self.ratings.iter().map(|text| Some(text.as_str())).collect();
+        let (categories, category_of) = match &self.declared {
+            Some(declared) => (declared.clone(), (0..declared.len() as u32).map(Some).collect()),
+            None => levels::rank(&ratings),
+        };
+        let category = |rating: usize| category_of[rating].unwrap_or_default() as u8;
         // Two spellings of a level, 0.4 and 0.40, are two cells here and one condition.
-        let mut earliest: HashMap<(u32, u32), Earliest> = HashMap::new();
-        let mut times: HashMap<(u32, u32, u8, u16), u64> = HashMap::new();
-        for (cell, (subject, values)) in self.cells.iter().zip(&parts) {
-            let Some((subject, condition)) = index.subject(subject).zip(index.condition(values)) else { continue };
+        let mut counts: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
+        let mut times: BTreeMap<(u32, u32, u8, u16), u64> = BTreeMap::new();
+        let mut earliest: BTreeMap<(u32, u32), Earliest> = BTreeMap::new();
+        for ((cell, subject), levels) in self.cells.iter().zip(subject_of).zip(&condition_of) {
+            let subject = subject.unwrap_or_default();
+            let condition = conditions.partition_point(|known| known < levels) as u32;
+            for (rating, &count) in cell.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+                *counts.entry((subject, condition, category(rating))).or_insert(0) += count;
+            }
+            for &(bin, rating, count) in &cell.times {
+                *times.entry((subject, condition, category(rating.into()), bin)).or_insert(0) += count;
+            }
             let known = earliest.entry((subject, condition)).or_default();
             for placed in cell.earliest.0.iter().flatten() {
                 known.place(&placed.session, placed.repetition, placed.rating);
             }
-            for &(bin, rating, count) in &cell.times {
-                if let Some(rating) = category(rating) {
-                    *times.entry((subject, condition, rating, bin)).or_insert(0) += count;
-                }
-            }
         }
-        let mut retests: Vec<RetestPair> = (earliest.into_iter())
-            .filter_map(|((subject, condition), earliest)| {
-                let [Some(first), Some(second)] = earliest.0 else { return None };
-                let (first, second) = category(first.rating).zip(category(second.rating))?;
-                Some(RetestPair { subject, condition, first, second })
-            })
-            .collect();
-        retests.sort_unstable_by_key(|pair| (pair.subject, pair.condition));
-        let mut times: Vec<TimeCount> = (times.into_iter())
-            .map(|((subject, condition, rating, bin), count)| TimeCount { subject, condition, rating, bin, count })
-            .collect();
-        times.sort_unstable_by_key(|row| (row.subject, row.condition, row.rating, row.bin));
-        drop(index);
-        Measured { counts, retests, times }
+        let rows = (counts.into_iter()).map(|((subject, condition, rating), count)| CountRow {
+            subject,
+            condition,
+            rating,
+            count,
+        });
+        let times = (times.into_iter()).map(|((subject, condition, rating, bin), count)| TimeCount {
+            subject,
+            condition,
+            rating,
+            bin,
+            count,
+        });
+        let retests = earliest.into_iter().filter_map(|((subject, condition), earliest)| {
+            let [Some(first), Some(second)] = earliest.0 else { return None };
+            let (first, second) = (category(first.rating.into()), category(second.rating.into()));
+            Some(RetestPair { subject, condition, first, second })
+        });
+        Measured {
+            retests: retests.collect(),
+            times: times.collect(),
+            counts: Counts { subjects, factors, conditions, categories, rows: rows.collect() },
+        }
     }
 
     /// For each factor whether it stays.
@@ -430,12 +356,44 @@ impl Earliest {
 mod tests {
     use super::*;
 
-    fn row<'a>(subject: &'a str, values: &'a [&'a str], rating: &'a str, repetition: u32) -> Observation<'a> {
-        let response_time_s = Some(0.5 * f64::from(repetition));
-        Observation { subject, values, rating, count: 1, place: Some(("1", repetition)), response_time_s }
+    #[test]
+    fn rows_are_sorted_merged_and_independent_of_their_order() {
+        let rows = [("s10", "0.4", "1", 2), ("s9", "0.1", "0", 1), ("s10", "0.40", "1", 3), ("s9", "", "3", 1)];
+        let build = |order: &[usize]| {
+            let mut builder = CountsBuilder::new(&["width"]);
+            for &index in order {
+                let (subject, width, rating, count) = rows[index];
+                builder.add(subject, &[width], rating, count).unwrap();
+            }
+            builder.finish()
+        };
+        let counts = build(&[0, 1, 2, 3]);
+        assert_eq!(counts, build(&[3, 2, 1, 0]));
+        assert_eq!(counts.factors[0].levels, ["0.1", "0.4"]);
+        assert_eq!(counts.categories, ["0", "1", "3"]);
+        assert_eq!(counts.conditions, [vec![None], vec![Some(0)], vec![Some(1)]]);
+        assert_eq!(counts.rows.len(), 3);
+        assert_eq!(counts.rows.iter().map(|row| row.count).max(), Some(5));
+        assert_eq!(counts.total(), 7);
     }
 
-    fn rows() -> Vec<Observation<'static>> {
+    #[test]
+    fn declared_categories_refuse_others_and_keep_empty_ones() {
+        let mut builder = CountsBuilder::new(&["width"]).with_categories(&["0", "1", "2", "3"]);
+        builder.add("s1", &["0.1"], "2.0", 1).unwrap();
+        let error = builder.add("s1", &["0.1"], "4", 1).unwrap_err();
+        assert_eq!(error.to_string(), "rating 4; expected one of 0, 1, 2, 3");
+        assert_eq!(builder.add("s1", &["0.1"], "", 1), Err(CountError::NoRating));
+        assert_eq!(builder.add("", &["0.1"], "1", 1), Err(CountError::NoSubject));
+        assert_eq!(builder.finish().category_totals(), [0, 0, 1, 0]);
+    }
+
+    fn row<'a>(subject: &'a str, values: &'a [&'a str], rating: &'a str, repetition: u32) -> RatingRow<'a> {
+        let response_time_s = Some(0.5 * f64::from(repetition));
+        RatingRow { subject, values, rating, count: 1, place: Some(("1", repetition)), response_time_s }
+    }
+
+    fn rows() -> Vec<RatingRow<'static>> {
         vec![
             row("S2", &["0.4", "1"], "3", 2),
             row("S2", &["0.40", "1"], "1", 1),
@@ -446,7 +404,7 @@ mod tests {
         ]
     }
 
-    fn build(rows: &[Observation<'_>]) -> MeasuredBuilder {
+    fn build(rows: &[RatingRow<'_>]) -> MeasuredBuilder {
         let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(&["0", "1", "2", "3"]);
         for row in rows {
             builder.add(row).unwrap();

@@ -1,0 +1,397 @@
+//! What each file is, which of the files belong together, and which of their columns are read.
+
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+};
+
+use super::{
+    header::Header,
+    source::{Layout, ReadOptions, Shape},
+};
+use crate::{
+    experiment::{Protocol, RATING_MAX, columns_by_header},
+    store::{FileFault, StoreError, definition, sidecar::Sidecar, toml_reader::nearest},
+};
+
+/// Columns without which a file is no result file, besides the subject's.
+const KEYS: [&str; 4] = ["session_id", "phase", "trial", "attempt"];
+/// Columns of a record that say what was shown.
+const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
+
+/// A file to read.
+#[derive(Debug)]
+pub(super) struct Input {
+    pub path: PathBuf,
+    /// The path in messages.
+    pub name: String,
+    pub header: Header,
+    pub layout: Layout,
+    pub columns: Columns,
+    pub sidecar: Option<Sidecar>,
+    pub protocol: Option<Protocol>,
+    /// What the file is, in words: files are read together where these are the same.
+    kind: String,
+}
+
+/// Indices of the columns that are read.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Columns {
+    pub subject: usize,
+    pub response: usize,
+    pub count: Option<usize>,
+    pub factors: Vec<usize>,
+    pub session: Option<usize>,
+    pub repetition: Option<usize>,
+    pub time: Option<usize>,
+    /// Of a result file.
+    pub record: Option<RecordColumns>,
+}
+
+/// Indices of a result file's own columns.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RecordColumns {
+    pub row_id: Option<usize>,
+    pub experiment: Option<usize>,
+    pub session: usize,
+    pub phase: usize,
+    pub trial: usize,
+    pub attempt: usize,
+    pub dropped: Option<usize>,
+}
+
+/// The files that are read.
+#[derive(Debug)]
+pub(super) struct Selection {
+    pub inputs: Vec<Input>,
+    pub shape: Shape,
+    pub protocol: Option<Protocol>,
+    pub definition_sha256: Option<String>,
+    /// The experiment of all rows, where it is known.
+    pub experiment: Option<String>,
+    /// Whether ratings are on our own scale, 0…3.
+    pub own_scale: bool,
+}
+
+/// What a session's file without rows and sidecar is: it may belong to any experiment.
+const UNKNOWN: &str = "a session's file without rows";
+
+impl Selection {
+    /// Chooses among files; gives faults of those that are left out.
+    pub fn new(files: Vec<Input>, options: &ReadOptions) -> (Option<Self>, Vec<FileFault>) {
+        let (mut known, mut faults) = (Vec::new(), Vec::new());
+        for mut file in files {
+            match kind(&file, options) {
+                Ok(kind) => {
+                    file.kind = kind;
+                    known.push(file);
+                }
+                Err(fault) => faults.push(fault),
+            }
+        }
+        join_lost_sidecars(&mut known);
+        let chosen = chosen(&known, options);
+        let with_results = known.iter().any(|file| file.is_results() && chosen.contains(&file.kind));
+        let (mut inputs, others): (Vec<Input>, Vec<Input>) =
+            (known.into_iter()).partition(|file| chosen.contains(&file.kind) || (file.kind == UNKNOWN && with_results));
+        faults.extend(others.iter().map(|file| file.left_out(&inputs)));
+        let Some(first) = inputs.first() else { return (None, faults) };
+        let protocol = inputs.iter().find_map(|file| file.protocol.clone());
+        let shape = shape(&inputs, first, protocol.as_ref(), options);
+        let experiment = inputs.iter().find_map(|file| file.experiment().map(str::to_owned));
+        let definition_sha256 = inputs.iter().find_map(|file| Some(file.sidecar.as_ref()?.definition_sha256.clone()));
+        inputs.retain_mut(|file| match columns(file, &shape.factors, options) {
+            Ok(columns) => {
+                file.columns = columns;
+                true
+            }
+            Err(found) => {
+                faults.extend(found);
+                false
+            }
+        });
+        let own_scale = options.response.is_none();
+        let is_empty = inputs.is_empty();
+        let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale };
+        ((!is_empty).then_some(selection), faults)
+    }
+}
+
+impl Input {
+    /// Looks at a file; what is wrong with its sidecar does not keep its rows from being read.
+    ///
+    /// # Errors
+    /// What is wrong with its head.
+    pub fn new(path: &Path, options: &ReadOptions) -> Result<(Self, Vec<FileFault>), FileFault> {
+        let header = Header::read(path)?;
+        let beside = path.with_extension("json");
+        let layout = layout(&header, options, beside.is_file());
+        let (mut sidecar, mut protocol, mut faults) = (None, None, Vec::new());
+        if layout == Layout::Results {
+            let name = beside.display().to_string();
+            match Sidecar::read(&beside) {
+                Ok(found) => sidecar = found,
+                Err(StoreError::Faults(found)) => faults.extend(found.0),
+                Err(error) => faults.push(FileFault::whole(&name, format!("cannot be read: {error}"))),
+            }
+            match sidecar.as_ref().map(|sidecar| definition::from_json(&name, &sidecar.definition)) {
+                Some(Ok(found)) => protocol = Some(found),
+                Some(Err(found)) => faults.extend(found.0),
+                None => {}
+            }
+        }
+        let (name, columns, kind) = (path.display().to_string(), Columns::default(), String::new());
+        Ok((Self { path: path.to_owned(), name, header, layout, columns, sidecar, protocol, kind }, faults))
+    }
+
+    /// Main trials that its definition plans.
+    pub fn planned(&self) -> Option<u64> {
+        self.protocol.as_ref().map(|protocol| protocol.main_trials() as u64)
+    }
+
+    fn is_results(&self) -> bool {
+        self.layout == Layout::Results
+    }
+
+    /// A fault of the header.
+    fn fault(&self, column: usize, message: String) -> FileFault {
+        FileFault::at(&self.name, (1, column), message)
+    }
+
+    /// The experiment of the first row.
+    fn experiment(&self) -> Option<&str> {
+        if let Some(protocol) = &self.protocol {
+            return Some(&protocol.name);
+        }
+        let index = self.header.position("experiment")?;
+        self.header.first.as_ref()?.get(index).map(String::as_str)
+    }
+
+    /// The columns that are neither a record's own nor the response.
+    fn further(&self, response: &str) -> Vec<String> {
+        let fixed = columns_by_header(std::iter::empty());
+        (self.header.names.iter())
+            .filter(|name| !name.is_empty() && *name != response && !fixed.iter().any(|fixed| fixed.name == **name))
+            .cloned()
+            .collect()
+    }
+
+    /// All columns but subject, response and count. A column without a name is the row numbers of R or pandas.
+    fn factors(&self, options: &ReadOptions) -> Vec<String> {
+        let known = [options.subject(), options.response(), options.count()];
+        let names = self.header.names.iter();
+        names.filter(|name| !name.is_empty() && !known.contains(&name.as_str())).cloned().collect()
+    }
+
+    /// The fault of a file that does not belong to those that are read.
+    fn left_out(&self, read: &[Self]) -> FileFault {
+        let others =
+            if read.len() == 1 { "the other file".to_owned() } else { format!("the other {} files", read.len()) };
+        let like = read.iter().find(|other| other.is_results() == self.is_results()).or(read.first());
+        let expected = like.map_or("another", |other| &other.kind);
+        let message = format!(
+            "is {} and is left out; expected {expected} as {others}: only one is analyzed at a time",
+            self.kind
+        );
+        self.fault(1, message)
+    }
+}
+
+/// What a file with this header is. One that lacks a single column of a result file is meant as one if it has a
+/// sidecar or names of rows, or if nobody has said how else to read it.
+fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
+    let has = |name: &str| header.position(name).is_some();
+    if options.count.as_deref().is_some_and(has) {
+        return Layout::Counts;
+    }
+    let missing = KEYS.into_iter().chain([options.subject()]).filter(|name| !has(name)).count();
+    if missing == 0 || (missing == 1 && (sidecar || has("row_id") || options.factors.is_none())) {
+        Layout::Results
+    } else if options.count.is_none() && has("count") {
+        Layout::Counts
+    } else {
+        Layout::Long
+    }
+}
+
+/// What a file is, in words.
+fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
+    match file.layout {
+        Layout::Results => Ok(match (&file.sidecar, file.experiment()) {
+            (Some(Sidecar { definition_sha256: hash, .. }), name) => {
+                let name = name.unwrap_or("without a name");
+                format!("of the experiment {name} (definition {})", hash.get(..12).unwrap_or(hash))
+            }
+            (None, None) => UNKNOWN.to_owned(),
+            (None, Some(name)) => {
+                let further = file.further(options.response());
+                let further = if further.is_empty() {
+                    String::new()
+                } else {
+                    format!("; further columns {}", further.join(", "))
+                };
+                format!("of the experiment {name} (no sidecar{further})")
+            }
+        }),
+        Layout::Counts if options.factors.is_none() => {
+            let mut factors = file.factors(options);
+            factors.sort();
+            Ok(format!("a table of counts by {}", factors.join(", ")))
+        }
+        Layout::Long if options.factors.is_none() && options.also.is_empty() => Err(without_factors(file, options)),
+        _ => Ok("a table of ratings".to_owned()),
+    }
+}
+
+/// The fault of a table of which nobody has said what the factors are.
+fn without_factors(file: &Input, options: &ReadOptions) -> FileFault {
+    // A file of another kind is told by the columns that every table of ratings has.
+    if let Err(missing) = columns(file, &[], options)
+        && let Some(first) = missing.into_iter().next()
+    {
+        return first;
+    }
+    let others = file.factors(options);
+    let message = if others.is_empty() {
+        "no factors are named, and there are no further columns; expected a column for each factor".to_owned()
+    } else {
+        format!("no factors are named; expected --factors or --terms with some of the columns {}", others.join(", "))
+    };
+    file.fault(1, message)
+}
+
+/// A session whose sidecar is lost belongs to the definition of its experiment's name, if there is just one.
+fn join_lost_sidecars(files: &mut [Input]) {
+    let mut definitions: Vec<(Protocol, String)> = Vec::new();
+    for file in files.iter() {
+        if let Some(protocol) = &file.protocol
+            && !definitions.iter().any(|(_, kind)| *kind == file.kind)
+        {
+            definitions.push((protocol.clone(), file.kind.clone()));
+        }
+    }
+    for file in files.iter_mut().filter(|file| file.is_results() && file.sidecar.is_none()) {
+        let fits = |protocol: &Protocol| {
+            Some(protocol.name.as_str()) == file.experiment()
+                && protocol.factors.iter().all(|factor| file.header.position(&factor.name).is_some())
+        };
+        let fitting: Vec<_> = definitions.iter().filter(|(protocol, _)| fits(protocol)).collect();
+        if let [(_, kind)] = fitting[..] {
+            file.kind.clone_from(kind);
+        }
+    }
+}
+
+/// The kinds that are read: the one with the most files, of equal ones the first; with named factors the largest of
+/// the result files and everything else.
+fn chosen(files: &[Input], options: &ReadOptions) -> Vec<String> {
+    let mut kinds: Vec<(&Input, usize)> = Vec::new();
+    for file in files {
+        match kinds.iter_mut().find(|(known, _)| known.kind == file.kind) {
+            Some((_, n)) => *n += 1,
+            None => kinds.push((file, 1)),
+        }
+    }
+    let largest = |wanted: &dyn Fn(&Input) -> bool| {
+        let fitting = kinds.iter().filter(|(file, _)| wanted(file));
+        // Of a session's file without rows it is not known what it is.
+        fitting.rev().max_by_key(|(file, n)| (file.kind != UNKNOWN, *n)).map(|(file, _)| file.kind.clone())
+    };
+    if options.factors.is_some() {
+        largest(&Input::is_results).into_iter().chain(largest(&|file| !file.is_results())).collect()
+    } else {
+        largest(&|_| true).into_iter().collect()
+    }
+}
+
+fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &ReadOptions) -> Shape {
+    let has = |name: &str| files.iter().any(|file| file.header.position(name).is_some());
+    let mut guessed = false;
+    let mut factors: Vec<String> = match (&options.factors, protocol, first.layout) {
+        (Some(named), ..) => named.clone(),
+        (None, Some(protocol), _) => protocol.factors.iter().map(|factor| factor.name.clone()).collect(),
+        (None, None, Layout::Results) => {
+            guessed = true;
+            let stimulus = STIMULUS.into_iter().filter(|name| first.header.position(name).is_some());
+            stimulus.map(str::to_owned).chain(first.further(options.response())).collect()
+        }
+        (None, None, Layout::Counts) => first.factors(options),
+        // A missing one is a fault of the file.
+        (None, None, Layout::Long) => {
+            options.also.iter().filter(|name| has(name) || *name != "inv_n").cloned().collect()
+        }
+    };
+    // 1/n of the depth n: a term, not a column.
+    let also = options.also.iter().map(|name| if !has(name) && name == "inv_n" { "depth" } else { name });
+    factors.extend(also.filter(|name| has(name)).map(str::to_owned));
+    // A name may stand twice in what was asked: `--terms a,b,a:b`.
+    let mut known = HashSet::new();
+    factors.retain(|name| known.insert(name.clone()));
+    let scale = (0..=RATING_MAX).map(|rating| rating.to_string()).collect();
+    Shape {
+        factors,
+        subject: options.subject().to_owned(),
+        response: options.response().to_owned(),
+        categories: if options.response.is_none() { Some(scale) } else { options.categories.clone() },
+        guessed,
+    }
+}
+
+/// Where the columns of a file are.
+///
+/// # Errors
+/// Those that are missing, or stand for two things.
+fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Columns, Vec<FileFault>> {
+    let header = &file.header;
+    let mut faults = Vec::new();
+    let mut needed = |name: &str| {
+        let known: Vec<&str> = header.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+        let places: Vec<usize> = (0..header.names.len()).filter(|&i| header.names[i] == name).collect();
+        match places[..] {
+            [] => faults.push(file.fault(1, format!("the column {name} is missing; {}", nearest(name, &known)))),
+            [_] => {}
+            [_, second, ..] => faults
+                .push(file.fault(header.column(second), format!("the column {name} stands twice; expected it once"))),
+        }
+        places.first().copied().unwrap_or(0)
+    };
+    let is_results = file.is_results();
+    let optional = |name: &str, wanted: bool| if wanted { header.position(name) } else { None };
+    let details = options.details && file.layout != Layout::Counts;
+    let columns = Columns {
+        subject: needed(options.subject()),
+        response: needed(options.response()),
+        count: match file.layout {
+            Layout::Results => None,
+            Layout::Counts => Some(needed(options.count())),
+            Layout::Long => options.count.as_deref().map(&mut needed),
+        },
+        record: is_results.then(|| RecordColumns {
+            row_id: header.position("row_id"),
+            experiment: header.position("experiment"),
+            session: needed("session_id"),
+            phase: needed("phase"),
+            trial: needed("trial"),
+            attempt: needed("attempt"),
+            dropped: header.position("dropped_frames"),
+        }),
+        factors: factors.iter().map(|name| needed(name)).collect(),
+        session: optional("session_id", details),
+        repetition: optional("repetition", details),
+        time: optional("response_time_s", details),
+    };
+    if faults.is_empty() {
+        let mut taken: Vec<(&str, usize)> = vec![("subject", columns.subject)];
+        let further = [("response", Some(columns.response)), ("count", columns.count)];
+        let further = further.into_iter().filter_map(|(role, place)| Some((role, place?)));
+        for (role, place) in further.chain(columns.factors.iter().map(|&place| ("factor", place))) {
+            if let Some((other, _)) = taken.iter().find(|(_, other)| *other == place) {
+                let name = &header.names[place];
+                let message = format!("the column {name} is the {other} and the {role}; expected a column for each");
+                faults.push(file.fault(header.column(place), message));
+            }
+            taken.push((role, place));
+        }
+    }
+    if faults.is_empty() { Ok(columns) } else { Err(faults) }
+}

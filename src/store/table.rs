@@ -1,0 +1,304 @@
+//! Tables as CSV: each row with its line, each cell with its column.
+
+use std::{
+    borrow::Cow,
+    fs::File,
+    io::{self, Cursor, Read, Seek, SeekFrom},
+    path::Path,
+};
+
+use csv::{ByteRecord, Position};
+
+use super::{FileFault, FileFaults};
+
+/// A row of more bytes has a quote that is never closed.
+const LONGEST_ROW: u64 = 1 << 20;
+
+/// What some programs begin a file with.
+const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
+
+/// What is wrong with a row: the index of the cell, and what is wrong there and what is expected.
+pub(super) type CellFault = (usize, String);
+
+/// Where the bytes of a table are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Content<'a> {
+    /// In a file.
+    File(&'a Path),
+    /// In memory.
+    Memory(&'a [u8]),
+}
+
+trait Source: Read + Seek {}
+impl<T: Read + Seek> Source for T {}
+
+impl<'a> Content<'a> {
+    fn open(self) -> io::Result<Box<dyn Source + 'a>> {
+        Ok(match self {
+            Self::File(path) => Box::new(File::open(path)?),
+            Self::Memory(content) => Box::new(Cursor::new(content)),
+        })
+    }
+
+    /// All of it.
+    pub fn bytes(self) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.open()?.read_to_end(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    fn len(self) -> io::Result<u64> {
+        match self {
+            Self::File(path) => std::fs::metadata(path).map(|metadata| metadata.len()),
+            Self::Memory(content) => Ok(content.len() as u64),
+        }
+    }
+
+    /// At most [`LONGEST_ROW`] of these bytes; none where they cannot be read.
+    fn slice(self, from: u64, to: u64) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        if let Ok(mut reader) = self.open()
+            && reader.seek(SeekFrom::Start(from)).is_ok()
+        {
+            let _ = reader.take((to - from).min(LONGEST_ROW)).read_to_end(&mut bytes);
+        }
+        bytes
+    }
+}
+
+/// A row as it is read.
+pub(super) struct Row<'a> {
+    /// Its cells, not yet known to be text.
+    pub record: &'a ByteRecord,
+    content: Content<'a>,
+    separator: u8,
+    /// Where the reader was before the row: line ends may lie between there and the row.
+    start: &'a Position,
+    end: u64,
+    /// Whether nothing follows it.
+    pub last: bool,
+}
+
+impl<'a> Row<'a> {
+    /// The cells as one text, to be cut by [`ByteRecord::range`].
+    ///
+    /// # Errors
+    /// The first cell that is not UTF-8.
+    pub fn text(&self) -> Result<&'a str, usize> {
+        std::str::from_utf8(self.record.as_slice())
+            .map_err(|_| self.record.iter().position(|cell| std::str::from_utf8(cell).is_err()).unwrap_or(0))
+    }
+
+    /// The bytes of the row, and of the line ends before and after it. Read anew: faults are few.
+    pub fn raw(&self) -> Vec<u8> {
+        self.content.slice(self.start.byte(), self.end)
+    }
+
+    /// Line and column, from 1, at which a cell begins; of one that is not text, its first byte that is none.
+    pub fn place(&self, cell: usize) -> (usize, usize) {
+        let raw = self.raw();
+        let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
+        let mut at = raw.iter().take_while(|byte| is_line_end(**byte)).count();
+        at += cell_start(&raw[at..], self.separator, cell);
+        if let Some(bytes) = self.record.get(cell)
+            && let Err(error) = std::str::from_utf8(bytes)
+        {
+            at += error.valid_up_to();
+        }
+        let before = &raw[..at.min(raw.len())];
+        let line = before.iter().filter(|byte| **byte == b'\n').count();
+        let line_start = before.iter().rposition(|byte| is_line_end(*byte)).map_or(0, |end| end + 1);
+        (self.start.line() as usize + line, String::from_utf8_lossy(&before[line_start..]).chars().count() + 1)
+    }
+
+    /// Whether a quote of the last cell is never closed, so that the cell has swallowed all that follows.
+    pub fn is_open(&self) -> bool {
+        self.last
+            && self.record.iter().next_back().is_some_and(|cell| cell.contains(&b'\n'))
+            && !self.content.slice(self.end.saturating_sub(4), self.end).trim_ascii_end().ends_with(b"\"")
+    }
+
+    /// Where the next line begins.
+    fn next_line(&self) -> Position {
+        let raw = self.raw();
+        let before = raw.iter().take_while(|byte| is_line_end(**byte)).count();
+        let length = raw[before..].iter().position(|byte| *byte == b'\n').map_or(raw.len(), |end| before + end + 1);
+        let lines = raw[..length].iter().filter(|byte| **byte == b'\n').count() as u64;
+        let mut next = Position::new();
+        next.set_byte(self.start.byte() + length as u64).set_line(self.start.line() + lines);
+        next
+    }
+}
+
+fn is_line_end(byte: u8) -> bool {
+    matches!(byte, b'\r' | b'\n')
+}
+
+/// Byte at which a cell of a row begins. A quote counts only where a cell begins with it; within quotes two stand for
+/// one; after the closing one anything up to the separator belongs to the cell.
+fn cell_start(row: &[u8], separator: u8, cell: usize) -> usize {
+    let mut at = 0;
+    for _ in 0..cell {
+        if row.get(at) == Some(&b'"') {
+            at += 1;
+            while let Some(length) = row[at..].iter().position(|byte| *byte == b'"') {
+                at += length + 1;
+                if row.get(at) != Some(&b'"') {
+                    break;
+                }
+                at += 1;
+            }
+        }
+        match row[at..].iter().position(|byte| *byte == separator) {
+            Some(length) => at += length + 1,
+            None => return row.len(),
+        }
+    }
+    at
+}
+
+/// Hands on every row, the header first. A quote that is never closed costs its own line only.
+///
+/// # Errors
+/// The content cannot be read.
+pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut(&Row<'_>)) -> io::Result<()> {
+    let size = content.len()?;
+    let mut builder = csv::ReaderBuilder::new();
+    builder.has_headers(false).flexible(true).delimiter(separator).buffer_capacity(1 << 20);
+    let mut reader = builder.from_reader(content.open()?);
+    let (mut record, start) = (ByteRecord::new(), Position::new());
+    while reader.read_byte_record(&mut record)? {
+        let end = reader.position().byte();
+        let start = record.position().unwrap_or(&start);
+        let row = Row { record: &record, content, separator, start, end, last: end >= size };
+        take(&row);
+        if row.is_open() {
+            let next = row.next_line();
+            reader.seek(next)?;
+        }
+    }
+    Ok(())
+}
+
+/// Reads the rows of a small table. `header` looks at the first row; where it finds fault with the first cell, the table
+/// is of another kind and its rows are left alone.
+///
+/// # Errors
+/// Every fault with its line and column.
+pub(super) fn parse<T>(
+    file: &str,
+    text: &[u8],
+    header: impl FnOnce(&[&str]) -> Result<(), CellFault>,
+    mut row: impl FnMut(&[&str]) -> Result<T, CellFault>,
+) -> Result<Vec<T>, FileFaults> {
+    let (mut rows, mut faults, mut header) = (Vec::new(), Vec::new(), Some(header));
+    let (mut width, mut is_other) = (0, false);
+    let read = each_row(Content::Memory(text), b',', |found| {
+        if is_other {
+            return;
+        }
+        let mut fault = |(cell, message): CellFault| faults.push(FileFault::at(file, found.place(cell), message));
+        let cells: Vec<&str> = match found.record.iter().map(std::str::from_utf8).collect() {
+            Ok(cells) => cells,
+            Err(_) => {
+                return fault((
+                    found.text().err().unwrap_or(0),
+                    "the row is not UTF-8 text; expected UTF-8".to_owned(),
+                ));
+            }
+        };
+        if let Some(check) = header.take() {
+            width = cells.len();
+            if let Err((cell, message)) = check(&cells) {
+                is_other = cell == 0;
+                fault((cell, message));
+            }
+        } else if cells.len() != width {
+            fault((0, format!("the row has {} cells; expected {width}", cells.len())));
+        } else {
+            match row(&cells) {
+                Ok(row) => rows.push(row),
+                Err(found) => fault(found),
+            }
+        }
+    });
+    if let Err(error) = read {
+        faults.push(FileFault::whole(file, format!("cannot be read: {error}; expected CSV")));
+    } else if header.is_some() {
+        faults.push(FileFault::at(file, (1, 1), "the file is empty; expected a header row".to_owned()));
+    }
+    if faults.is_empty() { Ok(rows) } else { Err(FileFaults(faults)) }
+}
+
+/// Faults a header that is not just this one.
+///
+/// # Errors
+/// That it is another.
+pub(super) fn exactly(header: &[&str], expected: &str) -> Result<(), CellFault> {
+    if header.iter().copied().eq(expected.split(',')) {
+        return Ok(());
+    }
+    Err((0, format!("the header is another; expected {expected}")))
+}
+
+/// One line of CSV. A line break within a cell becomes a space, so that a line is a row.
+pub(super) fn line<S: AsRef<str>>(cells: impl IntoIterator<Item = S>) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let clean = cells.into_iter().map(|cell| cell.as_ref().replace(['\n', '\r'], " "));
+    // Writing to memory does not fail, and one record cannot differ in length from the others.
+    let _ = writer.write_record(clean.collect::<Vec<_>>());
+    writer.into_inner().unwrap_or_default()
+}
+
+/// The beginning of a text that may be anything, for a message.
+pub(super) fn shortened(text: &str) -> String {
+    const SHOWN: usize = 40;
+    let shown: String = text.chars().take(SHOWN).collect();
+    if shown.len() < text.len() { shown + "…" } else { shown }
+}
+
+/// The text of a cell as a spreadsheet may open it: one that would be taken for a formula (it begins with `=`, `+`, `-`,
+/// `@`, a tab or a carriage return, and is no number) has an apostrophe before it, which makes it text.
+#[must_use]
+pub fn inert(cell: &str) -> Cow<'_, str> {
+    if is_formula(cell) { Cow::Owned(format!("'{cell}")) } else { Cow::Borrowed(cell) }
+}
+
+/// Whether a spreadsheet would compute a cell instead of showing it.
+#[must_use]
+pub fn is_formula(cell: &str) -> bool {
+    cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formulas_are_text_and_numbers_stay_numbers() {
+        for formula in ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "-", "=", "-1,5"] {
+            assert_eq!(inert(formula), format!("'{formula}"));
+        }
+        for plain in ["", "-1.5", "+2", "-1e-3", "-inf", "a=b", "1-2", "'=1", "S001", "ä"] {
+            assert_eq!(inert(plain), plain);
+        }
+    }
+
+    #[test]
+    fn every_cell_has_its_line_and_column() {
+        let text = "\u{feff}a,b,c\n\nä,\"x \"\"y\"\", z\",1\r\n\"two\nlines\",u,v\r\n\r\n1,2,3\n4,\"5,6\n7,8,9";
+        let mut places = Vec::new();
+        let mut rows = Vec::new();
+        each_row(Content::Memory(text.as_bytes()), b',', |row| {
+            places.push((0..row.record.len()).map(|cell| row.place(cell)).collect::<Vec<_>>());
+            rows.push(row.record.len());
+        })
+        .unwrap();
+        assert_eq!(rows, [3, 3, 3, 3, 2, 3]);
+        assert_eq!(places[1], [(3, 1), (3, 3), (3, 16)]);
+        assert_eq!(places[2], [(4, 1), (5, 8), (5, 10)]);
+        assert_eq!(places[3], [(7, 1), (7, 3), (7, 5)]);
+        assert_eq!(places[4], [(8, 1), (8, 3)]);
+        assert_eq!(places[5], [(9, 1), (9, 3), (9, 5)]);
+    }
+}
