@@ -5,12 +5,12 @@ use std::{collections::BTreeSet, path::PathBuf};
 use indicatif::ProgressBar;
 
 use super::progress_style;
-use crate::store::{recorded, verify};
+use crate::store::{ratings, verify};
 
-/// Prove recorded sessions: rows, pictures, and that nothing was touched since.
+/// Prove recorded sessions: rows, pictures, and that nothing was changed since.
 ///
 /// Every row is held against the definition and the seed in the sidecar, every picture that was shown is rendered again
-/// and its hash compared, and the hashes that a session left at its end tell whether a file was touched since. One line
+/// and its hash compared, and the hashes that a session left at its end tell whether a file was changed since. One line
 /// a session on stdout, what is wrong on stderr; exit status 1 where anything is.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband verify results/bangay2003")]
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let files = recorded::find(&arguments.folder)?;
+    let files = ratings::data_files(&arguments.folder)?;
     let bar = ProgressBar::new(files.len() as u64).with_style(progress_style("sessions"));
     let mut renderer = verify::Renderer::default();
     let (mut faults, mut sentences) = (Vec::new(), Vec::new());

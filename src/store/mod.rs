@@ -10,7 +10,6 @@ pub mod definition;
 pub mod export;
 mod fault;
 mod file;
-pub mod frames;
 mod hash;
 pub mod image;
 pub mod manifest;
@@ -20,16 +19,13 @@ pub mod observer;
 pub mod profile;
 pub mod ratings;
 pub mod readings;
-pub mod recorded;
-pub mod results;
 pub mod session;
 pub mod table;
 mod text;
 mod toml;
 #[allow(dead_code, reason = "until display profiles are read by toml")]
 mod toml_reader;
-pub mod verify;
 
 pub use fault::{FileFault, FileFaults, StoreError};
 pub use file::{write_file, write_json};
-pub use session::{dataset, description, pictures, sidecar};
+pub use session::{dataset, description, frames, pictures, recorded, results, sidecar, verify};

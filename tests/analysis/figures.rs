@@ -6,7 +6,7 @@ use std::{
 };
 
 use machband::{
-    analysis::{Options, Results, analyse, measured::MeasuredBuilder, terms::Terms},
+    analysis::{Options, Results, analyse, counts::MeasuredBuilder, terms::Terms},
     experiment::RatingRow,
     report::figures::{self, Figure},
 };

@@ -7,7 +7,7 @@ use machband::{
     analysis::{
         Options, Random, Results, analyse,
         bootstrap::Bootstrap,
-        measured::{Measured, MeasuredBuilder},
+        counts::{Measured, MeasuredBuilder},
         terms::Terms,
     },
     experiment::{Protocol, RatingRow},

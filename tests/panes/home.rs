@@ -87,7 +87,7 @@ fn a_whole_session_by_keyboard_with_breaks_pause_and_a_rating_taken_back() {
     let identity = Identity::new("P001", "1").unwrap();
     let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     for row in &rows {
-        assert!(row.planned_trial(&context).is_some(), "{row:?}");
+        assert!(row.planned_trial(&context).is_ok(), "{row:?}");
         // Held to whole frames, and never shorter than asked.
         assert!((0.5..0.5 + 1.5 / 60.0).contains(&row.recovery_s.0), "{row:?}");
         assert!(row.frames.unwrap() > 0);

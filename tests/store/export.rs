@@ -12,7 +12,8 @@ use machband::{
     store::{
         export::{Exported, Format, export},
         image, pictures,
-        recorded::{Recorded, find},
+        ratings::data_files,
+        recorded::Recorded,
         verify,
     },
 };
@@ -211,7 +212,7 @@ fn every_cell_of_every_row_is_found_again_in_every_format() {
     let psych_ds = scratch.at("psych-ds");
     written(&results, &psych_ds, Format::PsychDs);
     assert_eq!(rows(&psych_ds), expected);
-    for csv in find(&psych_ds).unwrap() {
+    for csv in data_files(&psych_ds).unwrap() {
         let found = verify::session(&csv, &mut verify::Renderer::default());
         assert_eq!(found.faults, [], "{}", csv.display());
         assert!(Recorded::open(&csv).unwrap().torn.is_none());

@@ -96,7 +96,7 @@ fn assert_whole(results: &Path) {
     let ids: Vec<String> = rows(&csv).into_iter().map(|row| row.row_id).collect();
     assert_eq!(ids.len(), TRIALS, "{ids:?}");
     assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), TRIALS, "{ids:?}");
-    let said = check::check(csv.to_str().unwrap()).unwrap();
+    let said = check::check(csv.to_str().unwrap()).unwrap().sentence;
     assert!(said.contains(&format!("{TRIALS} of {TRIALS} planned")), "{said}");
     assert_eq!(SessionStore::exists(results, &small(), &someone()), Some(true));
 }
@@ -386,7 +386,7 @@ mod interrupted {
             (with(0, "x").into(), "1:1".into(), "column 1 is \"x\""),
             (with(2, &lines[2].replacen("S001", "\"S001", 1)).into(), "3:1".into(), "cells"),
             (zeros, "3:".into(), ""),
-            (latin, "3:1".into(), "not UTF-8"),
+            (latin, "3:4".into(), "not UTF-8"),
             // No line of ours at all: not half a header, and not to be cut away.
             (b"My notes on this participant".to_vec(), "1:1".into(), "begins with \"My notes"),
             // Line ends of an old system: one line, to which no row could be added.

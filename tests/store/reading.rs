@@ -280,7 +280,7 @@ mod what_counts {
             [
                 format!("all_data.csv:{bad}:39: rating is \"4\"; expected a rating from 0 to 3"),
                 format!(
-                    "all_data.csv:{again}:1: row_id \"S150_1_main_0003_1\" stands in all_data.csv:150004 already; expected every row once (this one is left out)"
+                    "all_data.csv:{again}:1: row_id \"S150_1_main_0003_1\" stands above already; expected every row once (this one is left out)"
                 ),
             ]
         );
@@ -512,7 +512,7 @@ mod faults {
             ),
             (
                 Box::new(cell("attempt", "x")),
-                "S1.csv:18:43: attempt is \"x\"; expected the number of an attempt, 1 or more",
+                "S1.csv:18:43: attempt is \"x\"; expected the number of an attempt, from 1 to 1000000",
                 23,
             ),
             (Box::new(cell("subject_id", "")), "S1.csv:18:28: subject_id is empty; expected a participant", 23),
@@ -565,7 +565,7 @@ mod faults {
             ),
             (
                 Box::new(|file| fs::write(file, b"PK\x03\x04\0\0").unwrap()),
-                "S1.csv:1:1: is no CSV file: there are zero bytes in its first line; expected a header row",
+                "S1.csv:1:1: is not a CSV file: there are zero bytes in its first line; expected a header row",
                 12,
             ),
             (
@@ -575,7 +575,7 @@ mod faults {
             ),
             (
                 Box::new(|file| fs::write(file, vec![b'x'; 2_000_000]).unwrap()),
-                "S1.csv:1:1: the first row has more than a million bytes; expected a header row",
+                "S1.csv:1:1: the first row has more than 65,000 bytes; expected a header row",
                 12,
             ),
             (
@@ -612,7 +612,7 @@ mod faults {
             });
         };
         let (said, counted) = damaged(again);
-        assert_eq!((said, counted), (vec!["S1.csv:20:1: row_id \"S1_1_main_0011_1\" stands in S1.csv:18 already; expected every row once (this one is left out)".to_owned()], 24));
+        assert_eq!((said, counted), (vec!["S1.csv:20:1: row_id \"S1_1_main_0011_1\" stands above already; expected every row once (this one is left out)".to_owned()], 24));
         // In another file, under another name, with the participant's name mended: the name of the row tells.
         let (folder, files) = study(&["S1", "S2"]);
         let copy = file(&folder, "z_data.csv", fs::read(&files[0]).unwrap());
@@ -642,7 +642,7 @@ mod faults {
         });
         assert_eq!((said.len(), counted), (11, 12));
         assert_eq!(said[9], "S1.csv:11:18: experiment is \"x\"; expected small-one, as in the first row");
-        assert_eq!(said[10], "S1.csv: 8 more rows are of another experiment; expected none");
+        assert_eq!(said[10], "S1.csv: 8 more rows have a fault in experiment; expected none");
     }
 
     #[test]
@@ -657,7 +657,7 @@ mod faults {
         assert_eq!(
             source.faults[0].message,
             format!(
-                "is of the experiment small-one (definition {}) and is left out; expected of the experiment small-one (definition {}) as the other 2 files: only one is analysed at a time",
+                "is of the experiment small-one (definition {}) and is left out; expected of the experiment small-one (definition {}) as the other 2 files: only one is analyzed at a time",
                 hash(&other),
                 hash(&small()),
             )
@@ -698,7 +698,7 @@ mod faults {
         assert_eq!(
             super::faults(&[&path, &more], &ReadOptions::default())[7..],
             [
-                "more.csv:1:1: is a table of counts by depth and is left out; expected a table of counts by width as the other file: only one is analysed at a time"
+                "more.csv:1:1: is a table of counts by depth and is left out; expected a table of counts by width as the other file: only one is analyzed at a time"
             ]
         );
     }
@@ -710,7 +710,7 @@ mod faults {
         let how = with_factors(&["width"]);
         let (_, rows) = read(&[&path], &how);
         assert_eq!(rows.0, ["A 0.1 1 1", "A 0.1 2 1", "A 0.4 3 1"]);
-        assert_eq!(super::faults(&[&path], &how), ["long.csv:3:1: the row has 1 cell; expected 3, as the header has"]);
+        assert_eq!(super::faults(&[&path], &how), ["long.csv:3:1: a quote is never closed; expected a closing quote"]);
     }
 
     #[test]

@@ -64,12 +64,12 @@ fn everything_that_is_touched_is_named() {
                     lines.join("\n") + "\n"
                 });
             },
-            &["_data.csv: was touched since the session ended"],
+            &["_data.csv: was changed since the session ended"],
         ),
         (
             "a condition",
             |csv, _| edit(csv, |text| text.replacen("mach-band,0.4,1,", "mach-band,0.1,1,", 1)),
-            &["is not planned by the definition and seed 5", "was touched since"],
+            &["is not planned by the definition and seed 5", "was changed since"],
         ),
         (
             "a row taken out",
@@ -78,7 +78,7 @@ fn everything_that_is_touched_is_named() {
                     text.lines().enumerate().filter(|(i, _)| *i != 12).map(|(_, l)| format!("{l}\n")).collect()
                 })
             },
-            &["27 of 28 trials are rated", "was touched since"],
+            &["27 of 28 trials are rated", "was changed since"],
         ),
         (
             "a row twice",
@@ -88,7 +88,7 @@ fn everything_that_is_touched_is_named() {
                     text + &last + "\n"
                 })
             },
-            &["is attempt 1; expected attempt 2", "was touched since"],
+            &["is attempt 1; expected attempt 2", "was changed since"],
         ),
         (
             "rows in another order",
@@ -99,22 +99,22 @@ fn everything_that_is_touched_is_named() {
                     lines.join("\n") + "\n"
                 });
             },
-            &["lies before the row above it", "was touched since"],
+            &["lies before the row above it", "was changed since"],
         ),
         (
             "the end cut off",
             |csv, _| edit(csv, |text| text[..text.len() - 10].to_owned()),
-            &["ends within a row", "27 of 28 trials are rated", "was touched since"],
+            &["ends within a row", "27 of 28 trials are rated", "was changed since"],
         ),
         (
             "the seed",
             |_, sidecar| edit(sidecar, |text| text.replacen("\"seed\": 5", "\"seed\": 6", 1)),
-            &["is not planned by the definition and seed 6", "_data.json: was touched since"],
+            &["is not planned by the definition and seed 6", "_data.json: was changed since"],
         ),
         (
             "the definition",
             |_, sidecar| edit(sidecar, |text| text.replacen("\"duration_s\": 2.0", "\"duration_s\": 3.0", 1)),
-            &["expected", "that of the definition recorded with", "_data.json: was touched since"],
+            &["expected", "that of the definition recorded with", "_data.json: was changed since"],
         ),
         (
             "the stimulus",
@@ -137,7 +137,7 @@ fn everything_that_is_touched_is_named() {
         (
             "the size that was shown",
             |_, sidecar| edit(sidecar, |text| text.replacen("\"size\": 256", "\"size\": 255", 1)),
-            &["condition 24 of sitting 1 renders to sha256", "_data.json: was touched since"],
+            &["condition 24 of sitting 1 renders to sha256", "_data.json: was changed since"],
         ),
         ("no sidecar", |_, sidecar| fs::remove_file(sidecar).unwrap(), &["is not there; expected the sidecar"]),
         (

@@ -15,7 +15,7 @@ use std::{
 
 use rayon::prelude::*;
 
-use super::{FileFault, FileFaults, StoreError, fault::io, recorded, recorded::Recorded, table::is_formula};
+use super::{FileFault, FileFaults, StoreError, fault::io, ratings, recorded::Recorded, table::is_formula};
 use crate::experiment::{columns, name_fault};
 
 /// What a data set is exported as.
@@ -68,7 +68,7 @@ impl Experiment {
 /// `to` holds something or lies in the data; no session; every fault of every session that cannot be read, was changed,
 /// or is there twice; pictures that are not those that were shown; the system's refusal. Nothing is written then.
 pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Result<Exported, StoreError> {
-    let files = recorded::find(from)?;
+    let files = ratings::data_files(from)?;
     let to = target(from, to, &files)?;
     let sessions = read(&files)?;
     let mut exported = Exported::default();
@@ -183,11 +183,7 @@ fn faults(recorded: &Recorded) -> Vec<FileFault> {
     let columns = columns(&recorded.protocol);
     for (index, row) in recorded.rows.iter().enumerate() {
         let at = Some((index + 2, 1));
-        if recorded.condition(row).is_none() {
-            let message = format!(
-                "row {} is not planned by the definition and seed {}; expected the row as it was recorded",
-                row.row_id, recorded.sidecar.seed
-            );
+        if let Err(message) = row.planned_trial(&recorded.context()) {
             faults.push(fault(&recorded.csv, at, message));
         }
         for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
@@ -223,7 +219,7 @@ fn chosen(sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>)
 /// Planned trials that are rated, and all that are planned.
 fn rated(session: &Recorded) -> (usize, usize) {
     let trials: std::collections::BTreeSet<_> =
-        session.rows.iter().filter_map(|row| row.planned_trial(&session.context())).collect();
+        session.rows.iter().filter_map(|row| row.planned_trial(&session.context()).ok()).collect();
     (trials.len(), session.schedule.trials.len())
 }
 

@@ -6,8 +6,14 @@ use super::{Experiment, Exported, dataset, make_folder, note_once};
 use crate::{
     experiment::columns,
     store::{
-        StoreError, dataset::SIDECAR_SUFFIX, description, fault::io, file::write_file, frames, ratings::DATA_FILE,
-        recorded::Recorded, results,
+        StoreError,
+        dataset::{DATA_FILE, SIDECAR_SUFFIX},
+        description,
+        fault::io,
+        file::write_file,
+        frames,
+        recorded::Recorded,
+        results,
     },
 };
 

@@ -5,10 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::store::{FileFault, FileFaults, frames};
-
-/// Ends the name of a data file of a Psych-DS data set, as our results are.
-pub const DATA_FILE: &str = "_data.csv";
+use crate::store::{FileFault, FileFaults, dataset::DATA_FILE, frames};
 
 fn whole(path: &Path, message: String) -> FileFault {
     FileFault::whole(path.display().to_string(), message)

@@ -13,6 +13,6 @@ mod selection;
 mod source;
 mod trials;
 
-pub use discovery::{DATA_FILE, data_files};
+pub use discovery::data_files;
 pub use reader::read;
 pub use source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source};

@@ -19,7 +19,7 @@ use super::{
 use crate::{
     experiment::RatingRow,
     store::{
-        FileFault, FileFaults, hash, recorded,
+        FileFault, FileFaults, dataset, hash,
         table::{self, Row},
     },
 };
@@ -164,7 +164,7 @@ fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
     let mut sessions: Vec<SessionRead> = with_rows.collect();
     for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
     {
-        if let Ok((_, identity)) = recorded::identity(&input.path) {
+        if let Ok((_, identity)) = dataset::identity(&input.path) {
             let (subject, session) = (identity.subject(), identity.session());
             if !sessions.iter().any(|known| known.subject == subject && known.session == session) {
                 sessions.push(of(subject, session, input));

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     experiment::{Protocol, RATING_MAX, columns_by_header},
-    store::{FileFault, StoreError, definition, sidecar::Sidecar, toml_reader::nearest},
+    store::{FileFault, StoreError, definition, sidecar::Sidecar, toml::nearest},
 };
 
 /// Columns without which a file is no result file, besides the subject's.

@@ -6,12 +6,14 @@ use std::{
     time::Duration,
 };
 
-use super::description;
+use super::{description, frames};
 use crate::{
     experiment::{Identity, Protocol},
-    store::{StoreError, fault::io, file::remove_temporary, frames, ratings::DATA_FILE},
+    store::{StoreError, fault::io, file::remove_temporary},
 };
 
+/// Ends the name of a data file of a Psych-DS data set, as our results are.
+pub const DATA_FILE: &str = "_data.csv";
 /// Ends the name of a sidecar.
 pub(in crate::store) const SIDECAR_SUFFIX: &str = "_data.json";
 
@@ -84,4 +86,17 @@ pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
         })
         .collect();
     (1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default()
+}
+
+/// The part of a data file's name before `_data.csv`, and whose session it says it is.
+pub(in crate::store) fn identity(csv: &Path) -> Result<(String, Identity), String> {
+    let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
+    let stem = name.strip_suffix(DATA_FILE).ok_or_else(|| format!("is named otherwise; {expected}"))?;
+    let part = |key: &str| stem.split('_').find_map(|part| part.strip_prefix(key)?.strip_prefix('-'));
+    let (Some(subject), Some(session)) = (part("subject"), part("session")) else {
+        return Err(format!("its name has no subject or session; {expected}"));
+    };
+    let identity = Identity::new(subject, session).map_err(|error| error.to_string())?;
+    Ok((stem.to_owned(), identity))
 }

@@ -118,9 +118,7 @@ impl SessionStore {
         let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
         let mut resumed = Resumed::default();
         for row in &recovered.rows {
-            let trial = row.planned_trial(&context).ok_or_else(|| {
-                mismatch(format!("row {} is not planned by this definition and seed {seed}; expected the definition and seed that recorded it", row.row_id))
-            })?;
+            let trial = row.planned_trial(&context).map_err(mismatch)?;
             resumed.done.insert(trial);
         }
         let complete = resumed.done.len() == schedule.trials.len() && recovered.torn.is_none();

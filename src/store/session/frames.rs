@@ -5,15 +5,15 @@
 
 use std::path::Path;
 
-use super::{
-    FileFaults, StoreError,
-    file::{AppendFile, Sync, is_there, whole_lines},
-    table::{self, CellFault, shortened},
-    text,
-};
 use crate::{
     display::frames::Refresh,
     experiment::{Phase, Schedule, Shown, Stretch},
+    store::{
+        FileFaults, StoreError,
+        file::{AppendFile, Sync, is_there, whole_lines},
+        table::{self, CellFault, shortened},
+        text,
+    },
 };
 
 /// The header row.

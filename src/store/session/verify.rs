@@ -10,10 +10,15 @@ use std::{
 use rayon::prelude::*;
 
 use super::{
-    FileFault, FileFaults, StoreError, dataset::SIDECAR_SUFFIX, definition, file::TEMPORARY, frames, hash::sha256,
-    pictures, ratings::DATA_FILE, recorded::Recorded,
+    dataset::{DATA_FILE, SIDECAR_SUFFIX},
+    frames, pictures,
+    recorded::Recorded,
 };
-use crate::{experiment::Condition, stimulus::recipe::Recipe};
+use crate::{
+    experiment::Condition,
+    stimulus::recipe::Recipe,
+    store::{FileFault, FileFaults, StoreError, definition, file::TEMPORARY, hash::sha256},
+};
 
 /// What was found of one session.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,13 +2,15 @@
 
 use std::{fs, path::Path};
 
-use super::{
-    FileFault, FileFaults, StoreError,
-    fault::io,
-    file::{AppendFile, Sync, whole_lines},
-    table::{self, CellFault, shortened},
+use crate::{
+    experiment::{Column, TRAILING, TrialRecord},
+    store::{
+        FileFault, FileFaults, StoreError,
+        fault::io,
+        file::{AppendFile, Sync, whole_lines},
+        table::{self, CellFault, shortened},
+    },
 };
-use crate::experiment::{Column, TRAILING, TrialRecord};
 
 /// The result file of a running session.
 #[derive(Debug)]
@@ -109,7 +111,7 @@ pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
 ///
 /// # Errors
 /// As [`read`].
-pub(super) fn whole(path: &Path, columns: &[Column]) -> Result<Vec<u8>, StoreError> {
+pub(in crate::store) fn whole(path: &Path, columns: &[Column]) -> Result<Vec<u8>, StoreError> {
     let content = fs::read(path).map_err(io(path, "read"))?;
     Ok(recover(&path.display().to_string(), &content, columns)?.1)
 }

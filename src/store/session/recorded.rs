@@ -2,8 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{FileFaults, StoreError, dataset::SIDECAR_SUFFIX, definition, frames, ratings, results, sidecar::Sidecar};
-use crate::experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns};
+use super::{
+    dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
+    frames, results,
+    sidecar::Sidecar,
+};
+use crate::{
+    experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
+    store::{FileFaults, StoreError, definition},
+};
 
 /// A session with everything that is known of it.
 #[derive(Clone, Debug)]
@@ -61,7 +68,7 @@ impl Recorded {
     /// The part of its files' names that they have in common.
     pub fn stem(&self) -> String {
         let name = self.csv.file_name().unwrap_or_default().to_string_lossy();
-        name.strip_suffix(ratings::DATA_FILE).unwrap_or(&name).to_owned()
+        name.strip_suffix(DATA_FILE).unwrap_or(&name).to_owned()
     }
 
     /// What the rows come from; for a row's `sitting`, see the row.
@@ -73,26 +80,4 @@ impl Recorded {
     pub fn condition(&self, row: &TrialRecord) -> Option<usize> {
         Some(self.schedule.trials[row.planned_trial(&self.context()).ok()?].condition)
     }
-}
-
-/// The data files of all sessions in a results folder, in the folder of one experiment, or its `data` folder; in natural
-/// order of their paths.
-///
-/// # Errors
-/// The folder cannot be read, or has none.
-pub fn find(folder: &Path) -> Result<Vec<PathBuf>, FileFaults> {
-    ratings::data_files(folder)
-}
-
-/// The part of a data file's name before `_data.csv`, and whose session it says it is.
-pub(super) fn identity(csv: &Path) -> Result<(String, Identity), String> {
-    let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
-    let stem = name.strip_suffix(ratings::DATA_FILE).ok_or_else(|| format!("is named otherwise; {expected}"))?;
-    let part = |key: &str| stem.split('_').find_map(|part| part.strip_prefix(key)?.strip_prefix('-'));
-    let (Some(subject), Some(session)) = (part("subject"), part("session")) else {
-        return Err(format!("its name has no subject or session; {expected}"));
-    };
-    let identity = Identity::new(subject, session).map_err(|error| error.to_string())?;
-    Ok((stem.to_owned(), identity))
 }
