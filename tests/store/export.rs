@@ -94,7 +94,7 @@ fn study(results: &Path) {
 }
 
 fn sessions(results: &Path) -> Vec<Recorded> {
-    find(results).unwrap().iter().map(|csv| Recorded::open(csv).unwrap()).collect()
+    data_files(results).unwrap().iter().map(|csv| Recorded::open(csv).unwrap()).collect()
 }
 
 /// Every row by its experiment and its name, as cells by column.
