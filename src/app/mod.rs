@@ -36,7 +36,7 @@ pub use window::WindowError;
 mod theme {
     pub use super::ui::{
         fault, heading, page, page_from, primary, quiet,
-        theme::{COLUMN, GOOD, NOTE, PAGE, QUIET, compact},
+        theme::{COLUMN, GOOD, NOTE, PAGE, QUIET},
         tick as mark,
     };
 }

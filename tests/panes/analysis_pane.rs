@@ -364,7 +364,7 @@ fn a_session_that_ends_can_be_analyzed_at_once() {
     let request = request(folder.path(), definition::parse("tiny", &text).unwrap());
     let mut window =
         builder([1280.0, 1000.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch { request: Some(request) }));
-    for page in ["These findings are kept", "Welcome", "The four answers", "Now the main part"] {
+    for page in ["These findings are saved", "Welcome", "The four answers", "Now the main part"] {
         wait_for(&mut window, page);
         press(&mut window, Key::Space);
     }

@@ -102,7 +102,7 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
     let display = profile::open(&file).unwrap();
     let launch = Launch { request: Some(request(folder.path(), display.clone())) };
     let mut harness = builder().wgpu().build_eframe(|cc| App::new(cc, launch));
-    wait_for(&mut harness, "These findings are kept");
+    wait_for(&mut harness, "These findings are saved");
     for page in ["Welcome", "The four answers", "First some practice"] {
         press(&mut harness, Key::Space);
         wait_for(&mut harness, page);
@@ -180,9 +180,9 @@ fn the_preflight_tells_an_old_profile_and_another_screen_and_keeps_what_was_conf
     let folder = tempfile::tempdir().unwrap();
     let launch = Launch { request: Some(request(folder.path(), differing())) };
     let mut harness = builder().build_eframe(|cc| App::new(cc, launch));
-    wait_for(&mut harness, "These findings are kept");
+    wait_for(&mut harness, "These findings are saved");
     harness.get_by_label_contains("days ago; after 30 days");
-    harness.get_by_label_contains("is it another?");
+    harness.get_by_label_contains("Is it another screen?");
     harness.get_by_label_contains("This is the screen that the profile was measured on").click();
     harness.step();
     press(&mut harness, Key::Space);

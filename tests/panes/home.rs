@@ -151,7 +151,7 @@ fn a_session_that_was_left_goes_on_as_it_was() {
     drop(first);
 
     let mut second = start(true);
-    wait_for(&mut second, "are those of the sitting before");
+    wait_for(&mut second, "the same as in the previous sitting");
     press(&mut second, Key::Space);
     wait_for(&mut second, "2 of 5 are done");
     press(&mut second, Key::Space);
@@ -171,10 +171,10 @@ fn a_session_that_was_left_goes_on_as_it_was() {
 fn a_stimulus_that_does_not_fit_says_so_and_makes_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = harness(request(folder.path(), protocol(0.2, 40.0)));
-    wait_for(&mut harness, "sit closer");
+    wait_for(&mut harness, "Sit closer");
     press(&mut harness, Key::Space);
     harness.run_steps(10);
-    wait_for(&mut harness, "sit closer");
+    wait_for(&mut harness, "Sit closer");
     assert!(!folder.path().join("panes").exists());
 }
 

@@ -38,7 +38,7 @@ impl GeometryPane {
 
     /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> ToolGo {
-        let told = *self.told_cm.get_or_insert_with(|| Platform::look(monitor).width_cm);
+        let told = *self.told_cm.get_or_insert_with(|| Platform::of(monitor).width_cm);
         let viewing = self.viewing(monitor);
         let mut back = false;
         tool(ui, "Size and distance", &mut back, |ui| {

@@ -40,8 +40,8 @@ pub struct Platform {
 }
 
 impl Platform {
-    /// Looks at the system and at the monitor `monitor`.
-    pub fn look(monitor: &Monitor) -> Self {
+    /// What the system reports about a monitor.
+    pub fn of(monitor: &Monitor) -> Self {
         let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
         match () {
             () if !cfg!(target_os = "linux") => Self { window_system: std::env::consts::OS, ..Self::default() },

@@ -1,0 +1,282 @@
+//! What was found about the screen, the window and the stimulus, each in one sentence.
+
+use super::super::{
+    frames::FrameStatistics,
+    request::{Request, stimulus_side_px},
+    trials::Prepared,
+};
+use crate::{
+    app::ui::{Monitor, platform::Platform, today},
+    display::{DisplayProfile, Screen, Viewing, frames::Refresh},
+    experiment::{Condition, FrameCount, Protocol},
+    store::{
+        dataset::SessionPaths,
+        profile,
+        sidecar::{PreflightNote, Sidecar},
+    },
+};
+
+/// Places across a picture at which its light is compared with the field's.
+const SAMPLES: u32 = 64;
+
+/// What was found.
+pub struct Findings {
+    pub notes: Vec<PreflightNote>,
+    /// What the session needs; `None` where it cannot run.
+    pub prepared: Option<Prepared>,
+}
+
+/// The screen of the sitting before.
+pub struct Before {
+    /// In words.
+    profile: String,
+    /// Whether its profile is the one that is in use now.
+    same_profile: bool,
+    size_px: u64,
+}
+
+impl Before {
+    /// From the sidecar of a session that is resumed.
+    pub fn read(request: &Request) -> Option<Self> {
+        let paths = SessionPaths::new(&request.results, &request.protocol, &request.identity);
+        let sidecar = Sidecar::read(&paths.sidecar).ok()??;
+        let sitting = sidecar.sittings.last()?;
+        let display = sitting.display.as_ref()?;
+        let transfer = display["transfer"].as_str()?;
+        Some(Self {
+            profile: format!("{} ({transfer})", display["name"].as_str().unwrap_or("a profile")),
+            same_profile: match display["sha256"].as_str() {
+                Some(hash) => hash == profile::hash(&request.display),
+                None => transfer == request.display.transfers.to_string(),
+            },
+            size_px: sitting.viewing.as_ref()?["stimulus_px"].as_u64()?,
+        })
+    }
+
+    fn note(&self, now_px: u32) -> PreflightNote {
+        let Self { profile, same_profile, size_px } = self;
+        let same = *same_profile && *size_px == u64::from(now_px);
+        let sentence = match same {
+            true => "The display profile and the stimulus size are the same as in the previous sitting.".to_owned(),
+            false => format!(
+                "The previous sitting used the display profile {profile} and a stimulus of {size_px} pixels. Go back and restore them, unless you mean to change them."
+            ),
+        };
+        note("same_as_before", same, sentence)
+    }
+}
+
+fn note(check: &str, ok: bool, sentence: String) -> PreflightNote {
+    PreflightNote { check: check.to_owned(), ok, sentence }
+}
+
+/// Everything but the steps of light, which never change. `scale`: physical pixels a point.
+pub fn all(
+    request: &Request,
+    before: Option<&Before>,
+    monitor: &Monitor,
+    platform: &Platform,
+    frames: &FrameStatistics,
+    window: (u32, u32),
+    scale: f64,
+) -> Findings {
+    let name = monitor.name.as_ref().map_or_else(|| "without a name".to_owned(), |name| format!("{name:?}"));
+    let [width, height] = [monitor.width_px, monitor.height_px];
+    let mut notes = vec![
+        note("monitor", true, format!("Monitor {name}, {width} × {height} pixels.")),
+        full_screen(request.windowed, window, window == (width, height)),
+        note(
+            "scale",
+            true,
+            format!("The system's scale is {scale}. Stimuli are drawn in physical pixels all the same."),
+        ),
+    ];
+    // The mode's own timing is exact; what the window is told is rounded.
+    let reported = platform.refresh_hz.or(monitor.refresh_hz);
+    notes.push(note(
+        "refresh",
+        reported.is_some(),
+        match reported {
+            Some(hz) => format!("The system reports {hz:.3} Hz."),
+            None => {
+                "The system does not report a refresh rate. The measured frame interval is used instead.".to_owned()
+            }
+        },
+    ));
+    let frame_interval = frame_interval(frames);
+    let measured = frames.refresh().filter(|_| frame_interval.ok);
+    notes.push(frame_interval);
+    notes.extend(path_to_the_screen(platform));
+    notes.extend(display_profile(&request.display, monitor, platform));
+    let interval = reported.map(|hz| 1.0 / hz).or(measured.map(Refresh::seconds));
+    let prepared = geometry(request, monitor, window, &mut notes).map(|(viewing, size_px)| Prepared {
+        viewing,
+        size_px,
+        frames: interval.map_or(FrameCount::Frames, FrameCount::Against),
+        refresh_source: match (reported, measured) {
+            (Some(_), _) => "reported",
+            (None, Some(_)) => "measured",
+            (None, None) => "unknown",
+        },
+        window,
+    });
+    if let (Some(before), Some(now)) = (before, &prepared) {
+        notes.push(before.note(now.size_px));
+    }
+    Findings { notes, prepared }
+}
+
+fn full_screen(windowed: bool, (width, height): (u32, u32), whole: bool) -> PreflightNote {
+    let sentence = match (windowed, whole) {
+        (true, _) => format!(
+            "The session runs in a window of {width} × {height} pixels, as requested. Other things on the screen may distract."
+        ),
+        (false, true) => "The window fills the whole screen.".to_owned(),
+        (false, false) => {
+            format!("The window has {width} × {height} pixels; the window system did not give it the whole screen.")
+        }
+    };
+    note("full_screen", whole || windowed, sentence)
+}
+
+fn frame_interval(frames: &FrameStatistics) -> PreflightNote {
+    let (Some(median), Some(slow)) = (frames.quantile(0.5), frames.quantile(0.99)) else {
+        return note("frame_interval", false, "No frames could be measured.".to_owned());
+    };
+    let steady = slow <= 1.5 * median;
+    let sentence = format!(
+        "Frames came every {:.1} ms ({:.1} Hz); 99 % of them within {:.1} ms{}",
+        median * 1e3,
+        1.0 / median,
+        slow * 1e3,
+        if steady { "." } else { ". They are not steady: close other programs." }
+    );
+    note("frame_interval", steady, sentence)
+}
+
+/// Whether codes reach the screen as they are.
+fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
+    let system = platform.window_system;
+    let mut notes = vec![match platform.composited {
+        Some(true) => note(
+            "compositor",
+            false,
+            format!("{system} with a compositor: it shows pictures a frame or more late, and onsets are late by that."),
+        ),
+        Some(false) => note("compositor", true, format!("{system} without a compositor.")),
+        None => note("compositor", false, format!("{system} does not report whether it uses a compositor.")),
+    }];
+    match platform.ramps_straight {
+        Some(true) => {
+            notes.push(note("color_ramps", true, "The graphics card passes codes on unchanged.".to_owned()));
+        }
+        Some(false) => notes.push(note(
+            "color_ramps",
+            false,
+            "The graphics card changes codes by its gamma ramps: a night light, or a calibration that was loaded. Switch it off, or measure the screen with it.".to_owned(),
+        )),
+        None => {}
+    }
+    match (platform.resampled, platform.mode_px, platform.own_px) {
+        (Some(true), Some([w, h]), _) => notes.push(note(
+            "resolution",
+            false,
+            format!("The system scales the picture to {w} × {h} pixels, so stimuli are not shown pixel for pixel. Set the scale to 100 %."),
+        )),
+        (_, Some([w, h]), Some([own_w, own_h])) if [w, h] != [own_w, own_h] => notes.push(note(
+            "resolution",
+            false,
+            format!("The screen receives {w} × {h} pixels and has {own_w} × {own_h}: it scales the picture itself. Choose its native resolution."),
+        )),
+        (Some(false), Some([w, h]), _) => {
+            notes.push(note("resolution", true, format!("The screen is driven pixel for pixel, {w} × {h}.")));
+        }
+        _ => {}
+    }
+    if platform.hdr == Some(false) {
+        notes.push(note("hdr", true, format!("{system} has no high dynamic range.")));
+    }
+    if let Some(variable) = platform.variable_refresh {
+        let sentence = if variable { "The screen can vary its refresh rate." } else { "The refresh rate is fixed." };
+        notes.push(note("variable_refresh", !variable, sentence.to_owned()));
+    }
+    notes
+}
+
+/// Whether the profile is of this screen and still good.
+fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platform) -> Vec<PreflightNote> {
+    let is_measured = display.measured.is_some();
+    let mut notes = vec![note("display_profile", is_measured, format!("Display profile: {}.", display.sentence()))];
+    notes.extend(display.doubt(today()).filter(|_| is_measured).map(|doubt| note("profile_age", false, doubt)));
+    if let Some([width, height]) = display.native_px {
+        let here = platform.own_px.unwrap_or([monitor.width_px, monitor.height_px]);
+        let same = here == [width, height];
+        let sentence = match same {
+            true => format!("The profile's screen has {width} × {height} pixels, and so does this one."),
+            false => format!(
+                "The profile is for a screen of {width} × {height} pixels; this one has {} × {}. Is it another screen?",
+                here[0], here[1]
+            ),
+        };
+        notes.push(note("right_monitor", same, sentence));
+    }
+    notes
+}
+
+/// Screen and distance, and the side of the stimulus in physical pixels; `None` where it does not fit.
+fn geometry(
+    request: &Request,
+    monitor: &Monitor,
+    (width, height): (u32, u32),
+    notes: &mut Vec<PreflightNote>,
+) -> Option<(Viewing, u32)> {
+    let known_cm = request.screen_width_cm.or(request.display.screen_width_cm);
+    let width_cm = known_cm.unwrap_or_else(|| monitor.assumed_width_cm());
+    let viewing = Screen::new(monitor.width_px, monitor.height_px, width_cm)
+        .and_then(|screen| Viewing::new(screen, request.distance_cm));
+    let viewing = match viewing {
+        Ok(viewing) => viewing,
+        Err(error) => {
+            notes.push(note("geometry", false, format!("{error}.")));
+            return None;
+        }
+    };
+    let origin = match known_cm {
+        Some(cm) => format!("The screen is {cm:.1} cm wide."),
+        None => format!("The screen's width is not known; {width_cm:.1} cm is assumed from 96 pixels per inch."),
+    };
+    let (distance, per_degree) = (request.distance_cm, viewing.px_per_degree());
+    let sentence = format!("{origin} At {distance} cm, a degree is {per_degree:.1} pixels.");
+    notes.push(note("physical_size", known_cm.is_some(), sentence));
+    let deg = request.protocol.viewing.window_deg;
+    let size_px = stimulus_side_px(&viewing, deg);
+    let fits = size_px <= width.min(height);
+    let sentence = match fits {
+        true => format!("The {deg}° stimulus is {size_px} × {size_px} pixels and fits."),
+        false => format!(
+            "A {deg}° stimulus needs {size_px} × {size_px} pixels; the window has {width} × {height}. Sit closer, or use a larger screen."
+        ),
+    };
+    notes.push(note("stimulus_fits", fits, sentence));
+    fits.then_some((viewing, size_px))
+}
+
+/// The largest step of any channel's light, in time, between the uniform field and any picture: what an eye must bear.
+pub fn light_steps(protocol: &Protocol, conditions: &[Condition]) -> PreflightNote {
+    let field = protocol.stimulus.field_light(protocol.recovery.level);
+    let largest = conditions
+        .iter()
+        .flat_map(|condition| condition.stimulus.profile(SAMPLES))
+        .flat_map(|light| [0, 1, 2].map(|channel| (light[channel] - field[channel]).abs()))
+        .fold(0.0, f32::max);
+    let percent = 100.0 * largest;
+    let gentle = percent < 95.0;
+    let warning = match gentle {
+        true => "Nothing flickers.",
+        false => "The definition asks for this; it is not for people who do not tolerate sudden light.",
+    };
+    let sentence = format!(
+        "Between field and picture, no place changes by more than {percent:.0} % of the screen's range. {warning}"
+    );
+    note("light_steps", gentle, sentence)
+}

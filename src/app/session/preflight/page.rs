@@ -1,0 +1,138 @@
+//! The page: frames are measured, findings shown, questions asked.
+
+use eframe::egui::{self, Key, RichText, ViewportCommand};
+
+use super::{
+    super::{frames::FrameStatistics, request::Request, trials::Trials},
+    findings::{self, Before, Findings},
+    questions::Questions,
+};
+use crate::{
+    app::ui::{self, Monitor, Step, platform::Platform, theme, window_px},
+    store::sidecar::PreflightNote,
+};
+
+/// How long frames are measured, seconds, after the window has come to rest.
+const MEASURE_S: f64 = 1.0;
+/// And how many at least.
+const MEASURE_FRAMES: u64 = 30;
+/// Longest wait for the window to become full screen, seconds.
+const SETTLE_S: f64 = 0.7;
+
+/// The page.
+pub struct Preflight {
+    request: Request,
+    /// What the interrupted sitting had.
+    before: Option<Before>,
+    since: Option<f64>,
+    frames: FrameStatistics,
+    /// What the system reports about the screen and what is left to ask, once the window has come to rest.
+    platform: Option<(Platform, Questions)>,
+    /// How far light steps between field and picture.
+    light_steps: PreflightNote,
+    /// Why the session could not begin.
+    refused: Option<String>,
+}
+
+impl Preflight {
+    /// For a session; the window is on its way to full screen.
+    pub fn new(request: Request) -> Self {
+        let before = if request.resume { Before::read(&request) } else { None };
+        // A definition that was loaded has its conditions.
+        let conditions = request.protocol.conditions().unwrap_or_default();
+        let light_steps = findings::light_steps(&request.protocol, &conditions);
+        let frames = FrameStatistics::default();
+        Self { request, before, since: None, frames, platform: None, light_steps, refused: None }
+    }
+
+    /// Draws the page.
+    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step<Box<Trials>> {
+        let now = ui.input(|input| input.time);
+        let elapsed = now - *self.since.get_or_insert(now);
+        if elapsed < SETTLE_S + MEASURE_S
+            || (self.frames.count() < MEASURE_FRAMES && elapsed < SETTLE_S + 5.0 * MEASURE_S)
+        {
+            if elapsed > SETTLE_S {
+                self.frames.frame(now);
+            }
+            ui.ctx().request_repaint();
+            ui::page(ui, |ui| {
+                ui.heading("Before the session");
+                ui.label("Measuring the screen…");
+                ui.spinner();
+            });
+            return if ui::escaped(ui) { self.back(ui.ctx()) } else { Step::Stay };
+        }
+        let (platform, mut questions) = self.platform.take().unwrap_or_else(|| {
+            let platform = Platform::of(monitor);
+            let questions = Questions::new(&platform, &self.request.display);
+            (platform, questions)
+        });
+        let window = window_px(ui.ctx());
+        let scale = f64::from(ui.ctx().pixels_per_point());
+        let Findings { mut notes, prepared } =
+            findings::all(&self.request, self.before.as_ref(), monitor, &platform, &self.frames, window, scale);
+        notes.push(self.light_steps.clone());
+        let (begin, back) = self.draw(ui, &notes, &mut questions, prepared.is_some());
+        notes.extend(questions.notes());
+        self.platform = Some((platform, questions));
+        if back {
+            return self.back(ui.ctx());
+        }
+        let Some(prepared) = prepared.filter(|_| begin) else { return Step::Stay };
+        match Trials::begin(ui.ctx(), &self.request, prepared, notes, monitor) {
+            Ok(trials) => Step::Next(Box::new(trials)),
+            Err(error) => {
+                self.refused = Some(error.to_string());
+                Step::Stay
+            }
+        }
+    }
+
+    fn back(&self, ctx: &egui::Context) -> Step<Box<Trials>> {
+        if !self.request.windowed {
+            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+        }
+        Step::Back
+    }
+
+    /// Gives whether the session is to begin, and whether the page is left.
+    fn draw(&self, ui: &mut egui::Ui, notes: &[PreflightNote], questions: &mut Questions, ready: bool) -> (bool, bool) {
+        let escaped = ui::escaped(ui);
+        let proceed = ui::shortcut(ui, Key::Space) || ui::shortcut(ui, Key::Enter);
+        let Request { protocol, identity, .. } = &self.request;
+        ui::page_from(ui, 0.02, |ui| {
+            ui.heading("Before the session");
+            let (subject, session) = (identity.subject(), identity.session());
+            let title = &protocol.title;
+            ui::hint(
+                ui,
+                format!("{title} · participant {subject} · session {session} · Space continues, Esc goes back"),
+            );
+            ui.add_space(8.0);
+            theme::compact(ui);
+            for note in notes {
+                ui.horizontal(|ui| {
+                    ui::tick(ui, note.ok);
+                    ui::paragraph(ui, &note.sentence);
+                });
+            }
+            ui.add_space(8.0);
+            ui.label(RichText::new("Please check these yourself").strong());
+            ui::hint(ui, "No program can detect them. What you do not tick is recorded as not confirmed.");
+            questions.show(ui);
+            ui.add_space(16.0);
+            if let Some(refused) = &self.refused {
+                ui::fault(ui, refused);
+            }
+            let begin = ui::primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
+            ui.add_space(4.0);
+            let back = ui.horizontal(|ui| {
+                let back = ui.button("Back").clicked();
+                ui.label(ui::quiet("Esc"));
+                back
+            });
+            (begin || proceed, back.inner || escaped)
+        })
+    }
+}
