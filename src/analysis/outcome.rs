@@ -66,20 +66,20 @@ pub enum Note {
         category: String,
     },
     /// One subject: nothing can be said about other people.
-    #[error("only one subject: no random intercept, and no inference to other people")]
+    #[error("only one participant: no random intercept, and no inference to other people")]
     OneSubject,
     /// Ratings were not repeated within subjects, or subjects do not differ: the variance between subjects is 0.
-    #[error("the estimated variance between subjects is 0: the mixed model is the model without it")]
+    #[error("the estimated variance between participants is 0: the mixed model is the same as the model without it")]
     NoSubjectVariance,
     /// Every subject keeps to their own category: the variance between subjects, or an effect within them, has no finite
     /// estimate.
     #[error(
-        "the mixed model has no finite estimates: hardly any subject uses more than one category under the same conditions; what is reported ignores that ratings of a subject belong together, and its standard errors are too small"
+        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that the ratings of a participant belong together, and the standard errors are too small"
     )]
     RunawayVariance,
     /// The ratings are separated in a way that leaves no mixed model to fit.
     #[error(
-        "no mixed model could be fitted: what is reported ignores that ratings of a subject belong together, and its standard errors are too small"
+        "no mixed model could be fitted: the results ignore that the ratings of a participant belong together, and the standard errors are too small"
     )]
     NoMixedModel,
     /// The iteration ended before the gradient was small.

@@ -16,10 +16,10 @@ use crate::{
     },
 };
 
-/// Analyse ratings: description, ordinal model, tests, figures and a report.
+/// Analyze ratings: description, ordinal model, tests, figures and a report.
 ///
-/// Reads result files, folders of them, tables of counts, or any CSV whose columns are named. What is wrong with part of
-/// the input is named, the rest is analysed, and the exit status is 1.
+/// Reads result files, folders of them, tables of counts, or any CSV whose columns are named. Faults in part of the
+/// input are named, the rest is analyzed, and the exit status is 1.
 #[derive(clap::Args)]
 #[command(after_help = "Examples: machband analyze results/bangay2003 --out analysis\n          \
     machband analyze ratings.csv --subject id --response score --terms width,num:inv_n --out analysis")]
@@ -36,7 +36,7 @@ pub(super) struct Arguments {
     /// Link of the cumulative model.
     #[arg(long, default_value = "logit", value_parser = ["logit", "probit"])]
     link: String,
-    /// Whether each subject has an intercept of their own; unless given, where there are two subjects or more.
+    /// Whether each participant has an intercept of their own; unless given, where there are two participants or more.
     #[arg(long, value_parser = ["none", "subject"])]
     random: Option<String>,
     /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
@@ -51,7 +51,7 @@ pub(super) struct Arguments {
     /// Test each term for an effect on the spread of the ratings too.
     #[arg(long)]
     scale: bool,
-    /// Write tables and model.json alone.
+    /// Write only tables and model.json.
     #[arg(long)]
     tables_only: bool,
 }
@@ -63,13 +63,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         terms.iter().flatten().flat_map(|term| &term.variables).map(|variable| variable.name().to_owned()).collect();
     let progress = super::spinner("reading");
     let study = arguments.ratings.read(&names, true)?;
-    progress.set_message("analysing");
+    progress.set_message("analyzing");
     let categories = &study.measured.counts.categories;
     if study.source.shape.categories.is_none() && numbers_of(categories).is_none() {
         let shown: Vec<&str> = categories.iter().take(12).map(String::as_str).collect();
         let texts = shown.join(",");
         let message = format!(
-            "--response {}: {texts} are no numbers; expected their order, the lowest first, by --categories {texts}",
+            "--response {}: {texts} are not numbers; expected their order, the lowest first, by --categories {texts}",
             study.source.shape.response
         );
         return Err(UsageError(message).into());

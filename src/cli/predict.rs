@@ -161,10 +161,10 @@ fn tell(comparison: &Comparison) -> anyhow::Result<()> {
     ))?;
     say(&format!("rank correlation of visibility and mean rating: {}", number(comparison.rank_correlation)))?;
     let ceiling = comparison.ceiling.map_or_else(
-        || "noise ceiling unknown: a single subject".to_owned(),
-        |[low, high]| format!("noise ceiling, subjects with each other: {low:.3} to {high:.3}"),
+        || "noise ceiling unknown: a single participant".to_owned(),
+        |[low, high]| format!("noise ceiling, participants with each other: {low:.3} to {high:.3}"),
     );
-    say(&format!("with single subjects, on average: {}; {ceiling}", number(comparison.with_subjects)))
+    say(&format!("with single participants, on average: {}; {ceiling}", number(comparison.with_subjects)))
 }
 
 /// The criterion named, or the default.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::{
     analysis::counts::Counts,
-    report::Study,
+    report::{Study, document::numbers::count},
     store::ratings::{ReadOptions, Source},
 };
 
@@ -67,10 +67,10 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     let unfinished = source.sessions.iter().filter(|session| session.is_unfinished()).count();
     let mut line = format!(
         "{} of {} by {}, from {}",
-        counted(counts.total(), "rating"),
-        counted(counts.conditions.len() as u64, "condition"),
-        counted(counts.subjects.len() as u64, "subject"),
-        counted(source.files.len() as u64, "file")
+        count(counts.total(), "rating"),
+        count(counts.conditions.len() as u64, "condition"),
+        count(counts.subjects.len() as u64, "participant"),
+        count(source.files.len() as u64, "file")
     );
     if !left_out.is_empty() {
         line += &format!("; left out: {}", left_out.join(", "));
@@ -79,10 +79,6 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
         line += &format!("; {unfinished} of {} sessions unfinished", source.sessions.len());
     }
     line
-}
-
-fn counted(n: u64, what: &str) -> String {
-    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 
 /// Everything that was wrong with the input, as the command's failure.

@@ -35,7 +35,7 @@ fn study(experiment: &str, participants: &str) -> tempfile::TempDir {
 fn a_study_is_analysed() {
     let folder = study("bangay2003", "4");
     let said = succeeds(folder.path(), &["analyze", "results", "--out", "a"]);
-    assert!(said.contains("960 ratings of 120 conditions by 4 subjects"), "{said}");
+    assert!(said.contains("960 ratings of 120 conditions by 4 participants"), "{said}");
     assert!(said.contains("48 practice rows"), "{said}");
     let out = folder.path().join("a");
     let (header, cells) = read(&out.join("cells.csv"));
@@ -85,7 +85,7 @@ fn a_study_is_analysed() {
     for kind in ["friedman", "wilcoxon", "likelihood-ratio", "proportional-odds"] {
         assert!(tests.iter().any(|row| row[0] == kind), "{kind}");
     }
-    // 4 subjects and 15 pairs of widths: the least possible corrected probability is 15 · 2/2⁴.
+    // 4 participants and 15 pairs of widths: the least possible corrected probability is 15 · 2/2⁴.
     assert!(tests.iter().any(|row| row[0] == "wilcoxon" && row[11].contains("no p_holm below")));
     let (_, agreement) = read(&out.join("agreement.csv"));
     assert!(agreement.iter().any(|row| row[0] == "krippendorff_alpha_ordinal"));
@@ -184,14 +184,14 @@ fn other_scales_need_their_order() {
 fn one_person_is_described() {
     let folder = study("quick", "1");
     let said = succeeds(folder.path(), &["analyze", "results", "--out", "a"]);
-    assert!(said.contains("24 ratings of 24 conditions by 1 subject, from 1 file"), "{said}");
+    assert!(said.contains("24 ratings of 24 conditions by 1 participant, from 1 file"), "{said}");
     let out = folder.path().join("a");
     assert!(read(&out.join("tests.csv")).1.is_empty());
     assert!(read(&out.join("agreement.csv")).1.is_empty());
     assert!(read(&out.join("cells.csv")).1.iter().all(|row| row[10].is_empty() && row[11].is_empty()));
     let model = json(&out.join("model.json"));
     assert!(model["random"].is_null() && model["coefficients"][0]["p"].is_null(), "{model}");
-    assert!(model["sentences"][0].as_str().unwrap().contains("only one subject"), "{model}");
+    assert!(model["sentences"][0].as_str().unwrap().contains("only one participant"), "{model}");
     let page = fs::read_to_string(out.join("report.html")).unwrap();
     assert!(!page.contains("p &lt; ") && !page.contains("p = "), "a probability from one person");
 }

@@ -152,7 +152,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     let (_folder, data_set) = study(6);
     let (study, results) = read(&data_set);
     let mut window = opened(&data_set);
-    for text in ["tiny: A tiny study", "108 ratings in 6 sessions", "12 practice ratings", "are simulated"] {
+    for text in ["tiny: A tiny study", "108 ratings in 6 sessions", "are simulated"] {
         assert_has(&window, text);
     }
     window.get_by_label("108 ratings of 6 participants.");

@@ -34,7 +34,7 @@ pub struct Exported<'a> {
     pub study: &'a Arc<Study>,
     /// What was made of it.
     pub results: &'a Arc<Results>,
-    /// What the filters left, in words; empty where that is everything.
+    /// What the filters left, as a phrase; empty where that is everything.
     pub filter: String,
     /// The command that does the same without filters.
     pub command: String,

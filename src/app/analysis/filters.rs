@@ -56,7 +56,7 @@ impl Filters {
         )
     }
 
-    /// What is left, in words; empty where nothing is left out.
+    /// What is left, as a phrase; empty where nothing is left out.
     pub fn sentence(&self, counts: &Counts) -> String {
         let mut parts = Vec::new();
         if self.people.contains(&false) {

@@ -5,7 +5,7 @@ use eframe::egui::{self, CollapsingHeader, RichText, ScrollArea};
 use crate::{
     app::ui::{fault, hint, paragraph, theme},
     report::document::numbers::{count, whole},
-    store::ratings::{FileRead, Layout, SessionRead, Source},
+    store::ratings::{Layout, SessionRead, Source},
 };
 
 /// Faults that are listed.
@@ -29,25 +29,12 @@ pub fn show(ui: &mut egui::Ui, source: &Source) {
         (None, None) => "No file".to_owned(),
     };
     paragraph(ui, RichText::new(title).strong());
-    let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
+    let ratings = source.files.iter().map(|file| file.ratings).sum();
     let sessions = match source.sessions.len() as u64 {
         0 => String::new(),
         sessions => format!(" in {}", count(sessions, "session")),
     };
-    hint(ui, format!("{}{sessions}.", count(sum(|file| file.ratings), "rating")));
-    let left_out: Vec<String> = [
-        (sum(|file| file.practice), "practice rating", ""),
-        (sum(|file| file.superseded), "rating", " taken back"),
-        (sum(|file| file.unfinished), "rating", " of unfinished sessions"),
-        (sum(|file| file.faulty), "row", " with a fault"),
-    ]
-    .into_iter()
-    .filter(|(number, ..)| *number > 0)
-    .map(|(number, what, more)| count(number, what) + more)
-    .collect();
-    if !left_out.is_empty() {
-        hint(ui, format!("Left out: {}.", left_out.join(", ")));
-    }
+    hint(ui, format!("{}{sessions}.", count(ratings, "rating")));
     if source.faults.is_empty() {
         return;
     }

@@ -72,7 +72,7 @@ fn series(channel: Channel) -> Series {
         Channel::Blue => (BLUE, Marker::Diamond, Some((30.0, 7.0))),
         Channel::Gray => (BLACK, Marker::Circle, None),
     };
-    Series { color, marker, open: false, dash }
+    Series { color, marker, dash }
 }
 
 /// The axis of encoded values, with lines across the panel.

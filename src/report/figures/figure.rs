@@ -1,4 +1,4 @@
-//! A chart with its words.
+//! A chart with its title and caption.
 
 use super::{
     raster::{self, FigureError, Pixels},

@@ -78,18 +78,15 @@ pub const GRID: Stroke = Stroke::new(Rgb(222, 222, 222), 1.4);
 pub struct Series {
     pub color: Rgb,
     pub marker: Marker,
-    /// An outline instead of a filled shape.
-    pub open: bool,
     pub dash: Dash,
 }
 
 impl Series {
-    /// The series at this place; no two of [`MOST_SERIES`] are alike, even in gray.
+    /// The series at this place; the lines of no two of [`MOST_SERIES`] are alike, even in gray.
     pub fn of(index: usize) -> Self {
         Self {
             color: ON_WHITE[index % ON_WHITE.len()],
             marker: MARKERS[index % MARKERS.len()],
-            open: (index / MARKERS.len()) % 2 == 1,
             dash: DASHES[index % DASHES.len()],
         }
     }

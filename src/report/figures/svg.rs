@@ -157,34 +157,21 @@ impl Svg {
     }
 
     /// The marker of a series.
-    pub fn marker(&mut self, (x, y): Point, radius: f64, series: Series) {
-        let (r, fill) = (radius, if series.open { WHITE } else { series.color });
-        let outline =
-            if series.open { format!(" {}", attributes(Stroke::new(series.color, 2.6))) } else { String::new() };
-        let corners = match series.marker {
-            Marker::Circle => {
-                return self.element(format_args!(
-                    "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{fill}\"{outline}/>",
-                    n(x),
-                    n(y),
-                    n(if series.open { r - 1.0 } else { r })
-                ));
-            }
+    pub fn marker(&mut self, (x, y): Point, radius: f64, Series { color, marker, .. }: Series) {
+        let corners: &[Point] = match marker {
+            Marker::Circle => return self.circle((x, y), radius, color),
             Marker::Cross => {
-                let (s, bold) = (0.85 * r, Stroke::new(series.color, if series.open { 2.6 } else { 4.5 }));
-                self.line(&[(x - s, y - s), (x + s, y + s)], bold);
-                return self.line(&[(x - s, y + s), (x + s, y - s)], bold);
+                let (s, stroke) = (0.85 * radius, Stroke::new(color, 4.5));
+                self.line(&[(x - s, y - s), (x + s, y + s)], stroke);
+                return self.line(&[(x - s, y + s), (x + s, y - s)], stroke);
             }
-            Marker::Square => {
-                let s = 0.88 * r;
-                vec![(-s, -s), (s, -s), (s, s), (-s, s)]
-            }
-            Marker::Triangle => vec![(0.0, -1.2 * r), (1.1 * r, 0.75 * r), (-1.1 * r, 0.75 * r)],
-            Marker::Inverted => vec![(0.0, 1.2 * r), (1.1 * r, -0.75 * r), (-1.1 * r, -0.75 * r)],
-            Marker::Diamond => vec![(0.0, -1.3 * r), (1.05 * r, 0.0), (0.0, 1.3 * r), (-1.05 * r, 0.0)],
+            Marker::Square => &[(-0.88, -0.88), (0.88, -0.88), (0.88, 0.88), (-0.88, 0.88)],
+            Marker::Triangle => &[(0.0, -1.2), (1.1, 0.75), (-1.1, 0.75)],
+            Marker::Inverted => &[(0.0, 1.2), (1.1, -0.75), (-1.1, -0.75)],
+            Marker::Diamond => &[(0.0, -1.3), (1.05, 0.0), (0.0, 1.3), (-1.05, 0.0)],
         };
-        let corners: Vec<Point> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
-        self.element(format_args!("<polygon points=\"{}\" fill=\"{fill}\"{outline}/>", listed(&corners)));
+        let corners: Vec<Point> = corners.iter().map(|(dx, dy)| (x + radius * dx, y + radius * dy)).collect();
+        self.polygon(&corners, color);
     }
 
     /// A sample of a series, 46 wide from the left end `at`, with its name.

@@ -109,13 +109,12 @@ fn places(
     if let Some(factor) = protocol.factors.iter().find(missing) {
         return Err(PredictionError::Factor(factor.name.clone()));
     }
-    let columns: Vec<Column> = counts.factors.iter().map(|factor| Column::new(factor, protocol, conditions)).collect();
+    let columns: Vec<_> = counts.factors.iter().map(|factor| steps(factor, protocol, conditions)).collect();
     let place = |levels: &Vec<Option<u32>>| {
         let mut place = 0;
-        for (column, level) in columns.iter().zip(levels) {
-            match column {
-                Column::Other => {}
-                Column::Parameter { steps } => place += (*steps.get(level.map(|level| level as usize)?)?)?,
+        for (steps, level) in columns.iter().zip(levels) {
+            if let Some(steps) = steps {
+                place += (*steps.get((*level)? as usize)?)?;
             }
         }
         Some(place)
@@ -123,31 +122,23 @@ fn places(
     Ok(counts.conditions.iter().map(place).collect())
 }
 
-/// What a column of the counts says of the stimulus.
-enum Column {
-    /// Nothing.
-    Other,
-    /// A parameter: how many conditions on each of its levels leads; `None` for a value that was not shown.
-    Parameter { steps: Vec<Option<usize>> },
-}
-
-impl Column {
-    fn new(column: &Factor, protocol: &Protocol, conditions: &[Condition]) -> Self {
-        let Some(fixed) = protocol.stimulus.get(&column.name) else { return Self::Other };
-        let factor = protocol.factors.iter().position(|factor| factor.name == column.name);
-        let step = |text: &String| match factor {
-            None => is_same(&fixed, text).then_some(0),
-            Some(f) => {
-                // Conditions are crossed with the last factor fastest.
-                let each: usize = protocol.factors[f + 1..].iter().map(|factor| factor.levels.len()).product();
-                let levels = 0..protocol.factors[f].levels.len();
-                let value = |level: &usize| conditions.get(level * each)?.stimulus.get(&column.name);
-                let found = levels.into_iter().find(|level| value(level).is_some_and(|value| is_same(&value, text)));
-                found.map(|level| level * each)
-            }
-        };
-        Self::Parameter { steps: column.levels.iter().map(step).collect() }
-    }
+/// How many conditions on each level of a column leads, `None` for a value that was not shown; no steps where the column
+/// is no parameter of the stimulus.
+fn steps(column: &Factor, protocol: &Protocol, conditions: &[Condition]) -> Option<Vec<Option<usize>>> {
+    let fixed = protocol.stimulus.get(&column.name)?;
+    let factor = protocol.factors.iter().position(|factor| factor.name == column.name);
+    let step = |text: &String| match factor {
+        None => is_same(&fixed, text).then_some(0),
+        Some(f) => {
+            // Conditions are crossed with the last factor fastest.
+            let each: usize = protocol.factors[f + 1..].iter().map(|factor| factor.levels.len()).product();
+            let value = |level: &usize| conditions.get(level * each)?.stimulus.get(&column.name);
+            let mut levels = 0..protocol.factors[f].levels.len();
+            let found = levels.find(|level| value(level).is_some_and(|value| is_same(&value, text)));
+            found.map(|level| level * each)
+        }
+    };
+    Some(column.levels.iter().map(step).collect())
 }
 
 /// Whether a file's text is this value: numbers may be written in several ways.

@@ -41,9 +41,8 @@ pub(super) fn section(results: &Results) -> Section {
     }
     section.heading("Within participants");
     let Some((kappa, ends)) = results.kappa else {
-        section.text(
-            "As far as the files say, no participant rated a condition twice: nothing can be said about repetition.",
-        );
+        section
+            .text("As far as the files show, no participant rated a condition twice, so repetition cannot be judged.");
         return section;
     };
     section.text(format!(

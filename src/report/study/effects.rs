@@ -32,7 +32,7 @@ pub(super) enum Course {
 /// The test whose probability a sentence may rely on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Evidence {
-    /// In words.
+    /// What it is called.
     pub name: &'static str,
     /// χ².
     pub chi_squared: f64,

@@ -42,13 +42,8 @@ pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Documen
         agreement::section(results),
     ];
     sections.extend(parts.prediction.map(|prediction| {
-        let beside = ["figure4a", "figure4b"].iter().flat_map(|measured| {
-            let pair: Vec<&Figure> = (parts.figures.iter())
-                .filter(|f| f.name.strip_suffix("_predicted").unwrap_or(f.name) == *measured)
-                .collect();
-            if pair.len() == 2 { pair } else { Vec::new() }
-        });
-        vision::section(source, results, prediction, beside)
+        let names = &["figure4a", "figure4b", "figure4a_predicted", "figure4b_predicted"];
+        vision::section(source, results, prediction, figures(names))
     }));
     sections.extend([times::section(results, figures(&["times"])), methods, references::section(&cited)]);
     sections.extend(parts.provenance.map(|provenance| provenance::section(source, results, provenance)));

@@ -1,5 +1,5 @@
-//! What the model of vision predicts: the paper's Figure 4 beside the ratings', how far its order is theirs, and where
-//! it is furthest from them.
+//! What the model of vision predicts: the paper's Figure 4 next to that of the ratings, how far its order is theirs, and
+//! where it is furthest from them.
 
 use super::{names, sittings};
 use crate::{
@@ -18,7 +18,7 @@ use crate::{
 /// Conditions that are named for their distance from the ratings.
 const FURTHEST: usize = 3;
 
-/// The section; `figures` stand side by side, measured and predicted.
+/// The section; `figures` are the measured and the predicted ones.
 pub(super) fn section<'a>(
     source: &Source,
     results: &Results,
