@@ -9,9 +9,8 @@ use std::fmt;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::DVec3;
-use machband::light::{LinearImage, Transfer};
-use machband::shading::raster::{Encoder, Prepared, Rasterizer};
-use machband::shading::{Frame, Lighting, Shade, Shader, Surface, View, shapes};
+use machband::light::Transfer;
+use machband::shading::{Encoder, Frame, Lighting, Prepared, Shade, Shader, Surface, View, shapes};
 
 const SIZE: u32 = 1024;
 const PIXELS: usize = SIZE as usize * SIZE as usize;
@@ -63,13 +62,17 @@ fn shade(shader: Shader) -> Shade {
     if shader == Shader::Exact { Shade { boundary: 0.05, ..shade } } else { shade }
 }
 
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads")
+}
+
 fn bench_codes(bencher: Bencher<'_, '_>, frame: &Frame, shade: &Shade, threads: usize) {
     let prepared = Prepared::new(frame, shade);
     let encoder = Encoder::new(&Transfer::Srgb);
-    let mut rasterizer = Rasterizer::new(threads);
     let mut pixels = vec![1; 4 * PIXELS];
+    let pool = pool(threads);
     bencher.counter(ItemsCount::new(PIXELS)).bench_local(|| {
-        rasterizer.draw_codes(black_box(&prepared), &encoder, black_box(&mut pixels));
+        pool.install(|| black_box(&prepared).codes(&encoder, black_box(&mut pixels)));
     });
 }
 
@@ -87,11 +90,8 @@ mod pixels {
     fn linear_f32_gouraud(bencher: Bencher<'_, '_>, threads: usize) {
         let frame = grid(28, 28, COLOR);
         let prepared = Prepared::new(&frame, &shade(Shader::Gouraud));
-        let mut rasterizer = Rasterizer::new(threads);
-        let mut image = LinearImage::new(SIZE, SIZE);
-        bencher.counter(ItemsCount::new(PIXELS)).bench_local(|| {
-            rasterizer.draw_linear(black_box(&prepared), black_box(&mut image));
-        });
+        let pool = pool(threads);
+        bencher.counter(ItemsCount::new(PIXELS)).bench_local(|| pool.install(|| black_box(&prepared).image()));
     }
 }
 

@@ -1,11 +1,19 @@
-//! The shader `cut`, to be taken: `cut.wgsl` beside this file, and the four numbers that it needs of each edge. Computes
-//! them for two triangles, draws these and compares with the library.
+//! The shader *cut* in your own program: the library's WGSL as it is, and the four numbers that it needs of each edge.
+//! Computes them for two triangles, draws these and compares with the library.
 //!
 //! `cargo run --example cut`
 
 mod offscreen;
 
+use machband::shading::{Reference, Shade, Shader};
 use offscreen::{CORNERS, TRIANGLES};
+
+/// All that the shader is made of.
+const CUT: &str = concat!(
+    include_str!("../src/shading/shaders/curve.wgsl"),
+    include_str!("../src/shading/shaders/strips.wgsl"),
+    include_str!("../src/shading/shaders/cut.wgsl"),
+);
 
 /// A place on the screen, and the light there.
 type Corner = ([f32; 2], f32);
@@ -52,26 +60,22 @@ fn main() {
         }
     }
     let light_of = format!(
-        "fn edge_of(at: u32) -> vec4f {{ return vec4f(constants[at], constants[at + 1u], constants[at + 2u], constants[at + 3u]); }}
+        "fn strip(at: u32, own: f32, others: vec2f) -> f32 {{
+            let c = constants[at];
+            let foot = constants[at + 1u];
+            let reach = vec2f(constants[at + 2u], constants[at + 3u]);
+            return cut_strip(vec3f(c), foot, reach, own, others, {STRIP:?}).x;
+        }}
         fn light_of(w: vec3f, at: u32) -> f32 {{
-            let light = vec3f(constants[at], constants[at + 1u], constants[at + 2u]);
-            return cut(w, light, edge_of(at + 3u), edge_of(at + 7u), edge_of(at + 11u), {STRIP:?});
+            let gouraud = dot(w, vec3f(constants[at], constants[at + 1u], constants[at + 2u]));
+            return gouraud + strip(at + 3u, w.x, w.yz) + strip(at + 7u, w.y, w.zx) + strip(at + 11u, w.z, w.xy);
         }}"
     );
-    let drawn = offscreen::draw(&format!("{}{light_of}", include_str!("cut.wgsl")), &constants, 15);
+    let drawn = offscreen::draw(&format!("{CUT}{light_of}"), 1, &constants, 15);
 
     // The library's own, in f64.
-    use machband::{
-        light::Depth,
-        shading::{boundary, shaders},
-    };
-    let corner = |k: usize| (glam::DVec2::from(CORNERS[k].0.map(f64::from)), f64::from(CORNERS[k].1));
-    let blend = boundary::Blend::new(Depth::Finite(1));
-    offscreen::compare("cut", drawn, |t, w| {
-        let [a, b, c] = TRIANGLES[t].map(corner);
-        let open = |a, b, c| boundary::EdgeConstants { c: 0.0, ..boundary::level(a, b, c) };
-        let shared = boundary::between(a, b, c, corner(TRIANGLES[1 - t][0])).map_or(open(a, b, c), |(ours, _)| ours);
-        let edges = [shared, open(b, c, a), open(c, a, b)];
-        shaders::cut::cut(w, [a.1, b.1, c.1], &edges, f64::from(STRIP), &blend)
-    });
+    let frame = offscreen::frame();
+    let shade = Shade { boundary: f64::from(STRIP), ..Shade::new(Shader::Cut) };
+    let reference = Reference::new(&frame, &shade);
+    offscreen::compare("cut", drawn, |triangle, w| reference.light(triangle, w).x);
 }

@@ -1,5 +1,5 @@
-//! The shader `patch`, to be taken: `patch.wgsl` beside this file, and the 19 numbers that it needs of each triangle.
-//! Computes them for two triangles, draws these and compares with the library.
+//! The shader *patch* in your own program: the library's WGSL as it is, and the twelve numbers that it needs of each
+//! triangle. Computes them for two triangles, draws these and compares with the library.
 //!
 //! Every vertex needs the slope of the light on the screen. Two ways to have it without lighting more than vertices:
 //! fit a plane to the lights of the vertices around (below), or, better, the chain rule through the surface's curvature
@@ -9,6 +9,10 @@
 
 mod offscreen;
 
+use machband::shading::{
+    Channels, Patches,
+    shaders::{Patch, Spread as _},
+};
 use offscreen::{CORNERS, TRIANGLES};
 
 /// The slope of the light at vertex `v`, per pixel right and down: least squares over its neighbors, weighted by
@@ -42,39 +46,34 @@ fn centroid(place: [[f32; 2]; 3]) -> [f32; 2] {
     [0, 1].map(|axis| (place[0][axis] + place[1][axis] + place[2][axis]) / 3.0)
 }
 
-/// The 19 ordinates of a triangle from the places, lights and slopes of its corners: a reduced Clough–Tocher cubic.
+/// The twelve ordinates of a triangle from the places, lights and slopes of its corners, a reduced Clough–Tocher cubic:
+/// the corners' lights, the ordinates toward the next corners and toward those after, and the middles of the parts at the
+/// edges.
 ///
 /// `across` is the centroid of the neighbor at each edge: the slope along the line from centroid to centroid runs
 /// linearly along the edge, so that both triangles agree about it. `None` at borders, creases and silhouettes.
-fn ordinates(place: [[f32; 2]; 3], light: [f32; 3], slope: [[f32; 2]; 3], across: [Option<[f32; 2]>; 3]) -> [f32; 19] {
-    let mut o = [0.0; 19];
+fn ordinates(place: [[f32; 2]; 3], light: [f32; 3], slope: [[f32; 2]; 3], across: [Option<[f32; 2]>; 3]) -> [f32; 12] {
     let toward = |i: usize, j: usize| {
         light[i] + (slope[i][0] * (place[j][0] - place[i][0]) + slope[i][1] * (place[j][1] - place[i][1])) / 3.0
     };
-    for i in 0..3 {
-        o[i] = light[i];
-        o[3 + 2 * i] = toward(i, (i + 1) % 3);
-        o[4 + 2 * i] = toward(i, (i + 2) % 3);
-        o[9 + i] = (o[i] + o[3 + 2 * i] + o[4 + 2 * i]) / 3.0;
-    }
+    let next = [0, 1, 2].map(|i| toward(i, (i + 1) % 3));
+    let previous = [0, 1, 2].map(|i| toward(i, (i + 2) % 3));
+    let near = [0, 1, 2].map(|i| (light[i] + next[i] + previous[i]) / 3.0);
     let own = centroid(place);
-    for k in 0..3 {
+    let middle = [0, 1, 2].map(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         // Where the line between the centroids meets the edge, 0 at corner i and 1 at corner j.
         let crossing = across[k].map_or(0.5, |other| {
             let toward = minus(other, own);
             cross(minus(own, place[i]), toward) / cross(minus(place[j], place[i]), toward)
         });
-        let (i_to_j, j_to_i) = (o[3 + 2 * i], o[4 + 2 * j]);
-        o[12 + k] = (o[9 + i] + o[9 + j]) / 2.0
-            + (1.0 - crossing) * (i_to_j - (o[i] + j_to_i) / 2.0)
-            + crossing * (j_to_i - (i_to_j + o[j]) / 2.0);
-    }
-    for i in 0..3 {
-        o[15 + i] = (o[9 + i] + o[12 + (i + 1) % 3] + o[12 + (i + 2) % 3]) / 3.0;
-    }
-    o[18] = (o[15] + o[16] + o[17]) / 3.0;
-    o
+        let (i_to_j, j_to_i) = (next[i], previous[j]);
+        (near[i] + near[j]) / 2.0
+            + (1.0 - crossing) * (i_to_j - (light[i] + j_to_i) / 2.0)
+            + crossing * (j_to_i - (i_to_j + light[j]) / 2.0)
+    });
+    let [a, b, c, d] = [light, next, previous, middle];
+    [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], d[0], d[1], d[2]]
 }
 
 fn main() {
@@ -88,50 +87,18 @@ fn main() {
     for (t, numbers) in made.iter().enumerate() {
         println!("triangle {t}: {numbers:?}");
     }
-    let light_of = "fn light_of(w: vec3f, at: u32) -> f32 {
-        var o: array<f32, 19>;
-        for (var i = 0u; i < 19u; i++) { o[i] = constants[at + i]; }
-        return patch_light(w, o);
+    let light_of = "fn three(at: u32) -> array<vec3f, 3> {
+        return array(vec3f(constants[at]), vec3f(constants[at + 1u]), vec3f(constants[at + 2u]));
+    }
+    fn light_of(w: vec3f, at: u32) -> f32 {
+        return patch_light(Patch(three(at), three(at + 3u), three(at + 6u), three(at + 9u)), w).x;
     }";
-    let drawn = offscreen::draw(&format!("{}{light_of}", include_str!("patch.wgsl")), made.as_flattened(), 19);
+    let wgsl = concat!(include_str!("../src/shading/shaders/patch.wgsl"), "\n");
+    let drawn = offscreen::draw(&format!("{wgsl}{light_of}"), 0, made.as_flattened(), 12);
 
     // The library's own, in f64, from the same slopes.
-    let frame = frame();
+    let frame = offscreen::frame();
     let vectors = slopes.iter().map(|s| [glam::DVec2::from(s.map(f64::from)); 3]).collect();
-    let patches = machband::shading::Patches::with_gradients(&frame, vectors);
-    offscreen::compare("patch", drawn, |triangle, w| patches.light(triangle, w).x);
-}
-
-/// The two triangles as the library knows them.
-fn frame() -> machband::shading::Frame {
-    use machband::shading::{Across, Frame, FrameTriangle, FrameVertex, Lighting, View};
-    let vertex = |(place, light): ([f32; 2], f32)| FrameVertex {
-        screen: glam::DVec2::from(place.map(f64::from)),
-        depth: 0.5,
-        eye: glam::DVec3::ZERO,
-        normal: glam::DVec3::Z,
-        curvature: glam::DMat3::ZERO,
-        light: glam::DVec3::splat(f64::from(light)),
-        ambient: glam::DVec3::ZERO,
-    };
-    let triangle = |t: usize| FrameTriangle {
-        vertices: TRIANGLES[t].map(|v| v as u32),
-        source: t as u32,
-        normal: glam::DVec3::Z,
-        across: [
-            Across::Triangle { triangle: 1 - t as u32, apex: TRIANGLES[1 - t][0] as u32 },
-            Across::Nothing,
-            Across::Nothing,
-        ],
-    };
-    Frame {
-        width: offscreen::SIZE,
-        height: offscreen::SIZE,
-        background: glam::DVec3::ZERO,
-        vertices: CORNERS.map(vertex).to_vec(),
-        triangles: vec![triangle(0), triangle(1)],
-        lighting: Lighting::standard(),
-        view: View::square(offscreen::SIZE),
-        encoding: None,
-    }
+    let patch = Patch::<f64, 3>::new(&frame, Channels::Color, &Patches::with_gradients(&frame, vectors));
+    offscreen::compare("patch", drawn, |triangle, w| patch.light(triangle, w, [0.0; 3])[0]);
 }

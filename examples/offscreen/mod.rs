@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use glam::{DMat3, DVec2, DVec3};
+use machband::shading::{Across, Frame, FrameTriangle, FrameVertex, Lighting, View};
 use wgpu::util::DeviceExt as _;
 
 /// Side of the picture, pixels.
@@ -25,9 +27,43 @@ struct Vertex { @builtin(position) place: vec4f, @location(0) @interpolate(linea
 @fragment fn fragment(in: Vertex) -> @location(0) vec4f { return vec4f(light_of(in.weights, in.triangle * N)); }
 ";
 
+/// The kite as the library knows it.
+pub fn frame() -> Frame {
+    let vertex = |(place, light): ([f32; 2], f32)| FrameVertex {
+        screen: DVec2::from(place.map(f64::from)),
+        depth: 0.5,
+        eye: DVec3::ZERO,
+        normal: DVec3::Z,
+        curvature: DMat3::ZERO,
+        light: DVec3::splat(f64::from(light)),
+        ambient: DVec3::ZERO,
+    };
+    // The two triangles share their first edge.
+    let triangle = |t: usize| FrameTriangle {
+        vertices: TRIANGLES[t].map(|v| v as u32),
+        source: t as u32,
+        normal: DVec3::Z,
+        across: [
+            Across::Triangle { triangle: 1 - t as u32, apex: TRIANGLES[1 - t][0] as u32 },
+            Across::Nothing,
+            Across::Nothing,
+        ],
+    };
+    Frame {
+        width: SIZE,
+        height: SIZE,
+        background: DVec3::ZERO,
+        vertices: CORNERS.map(vertex).to_vec(),
+        triangles: vec![triangle(0), triangle(1)],
+        lighting: Lighting::standard(),
+        view: View::square(SIZE),
+        encoding: None,
+    }
+}
+
 /// Draws the kite with `shader`, of which every triangle has `count` of the `constants`; one byte a pixel in linear
-/// light, row by row from the top, 0 outside. `None` where there is no graphics adapter.
-pub fn draw(shader: &str, constants: &[f32], count: usize) -> Option<Vec<u8>> {
+/// light, row by row from the top, 0 outside. `depth` is n of the strips. `None` where there is no graphics adapter.
+pub fn draw(shader: &str, depth: u8, constants: &[f32], count: usize) -> Option<Vec<u8>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
     let limits = wgpu::Limits::downlevel_defaults().using_resolution(adapter.limits());
@@ -38,6 +74,7 @@ pub fn draw(shader: &str, constants: &[f32], count: usize) -> Option<Vec<u8>> {
         label: None,
         source: wgpu::ShaderSource::Wgsl(Cow::Owned(source)),
     });
+    let depths = [("DEPTH", f64::from(depth))];
     let format = wgpu::TextureFormat::R8Unorm;
     let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: None,
@@ -58,7 +95,10 @@ pub fn draw(shader: &str, constants: &[f32], count: usize) -> Option<Vec<u8>> {
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some("fragment"),
-            compilation_options: Default::default(),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: if depth > 0 { &depths } else { &[] },
+                ..Default::default()
+            },
             targets: &[Some(format.into())],
         }),
         multiview_mask: None,

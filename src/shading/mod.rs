@@ -14,22 +14,21 @@
 //! | [`draw`] | pictures, on the processor and on a graphics card |
 //! | [`measure`] | the creases that a shader leaves |
 
+mod channels;
 pub mod draw;
 pub mod frame;
 pub mod lighting;
 pub mod measure;
 pub mod mesh;
+mod number;
 pub mod shaders;
 
+pub use channels::Channels;
 #[cfg(feature = "gpu")]
 pub use draw::gpu;
-pub use draw::{Reference, raster};
-pub use frame::{
-    Across, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Patches, Scene, View, boundary, coverage,
-};
-pub use lighting::{
-    Lamp, LampPlace, Lighting, LightingError, Material, Refraction, Specular, Transparency, TransparencyError,
-};
+pub use draw::{Encoder, Prepared, Reference, picture};
+pub use frame::{Across, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Patches, Scene, View, coverage};
+pub use lighting::{Lamp, LampPlace, Lighting, Material, Refraction, Specular, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease};
 pub use mesh::{Edge, EdgeKind, Edges, Mesh, MeshError, Polygons, Surface, Vertex, shapes};
 pub use shaders::{Correction, Shade, Shader};

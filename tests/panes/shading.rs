@@ -10,11 +10,7 @@ use machband::{
         explore::shading::{Comparison, MeshChoice, title},
     },
     light::{CodeImage, Depth, Samples},
-    shading::{
-        Correction, Scene, Shade, Shader, Surface,
-        raster::{Encoder, Prepared, Rasterizer},
-        shapes::Shape,
-    },
+    shading::{Correction, Encoder, Prepared, Scene, Shade, Shader, Surface, shapes::Shape},
     stimulus::Renderer,
 };
 
@@ -131,7 +127,7 @@ fn expected(compared: &Comparison, which: usize, width: u32, height: u32) -> Cod
     let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
     let mut rgba = vec![0; 4 * (width * height) as usize];
     let prepared = Prepared::new(&frame, &compared.sides[which].shade);
-    Rasterizer::new(1).draw_codes(&prepared, &Encoder::new(&compared.transfer), &mut rgba);
+    prepared.codes(&Encoder::new(&compared.transfer), &mut rgba);
     let codes = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     CodeImage { width, height, samples: Samples::Eight(codes) }
 }

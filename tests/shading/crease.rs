@@ -159,26 +159,6 @@ fn patch_leaves_a_thousandth_at_most_and_one_slope_at_a_vertex() {
     }
 }
 
-/// The paper's gradient shader, at the middle of a parallelogram's diagonal: as printed it halves the jump; with its sign
-/// repaired it takes it away.
-#[test]
-fn printed_gradient_halves_the_jump_at_mid_edge() {
-    let [b, c, a, _] = PLACES;
-    let parallelogram = [b, c, a, b + c - a];
-    let middle = |frame: &Frame, shader| {
-        let shade = Shade { depth: Depth::Finite(2), ..Shade::new(shader) };
-        let reference = Reference::new(frame, &shade);
-        crease::jump_at(frame, 0, 0, 0.5, |t, w| reference.light(t, w)).expect("a shared edge").x
-    };
-    let frame = pair(parallelogram, LIGHTS);
-    let gouraud = middle(&frame, Shader::Gouraud);
-    assert!((gouraud - analytic_jump(parallelogram, LIGHTS)).abs() < 1e-9);
-    assert!((middle(&frame, Shader::Gradient) / gouraud - 0.5).abs() < 1e-4);
-    assert!((middle(&frame, Shader::GradientRepaired) / gouraud).abs() < 1e-4);
-    assert!((middle(&frame, Shader::Exact) / gouraud).abs() < 1e-4);
-    assert!(crease::jump_at(&frame, 0, 1, 0.5, |_, _| DVec3::ZERO).is_none());
-}
-
 #[test]
 fn the_picture_shows_edges_by_their_jump_unless_hidden() {
     let frame = pair(PLACES, LIGHTS);

@@ -45,12 +45,12 @@ fn sheet() -> Mesh {
     Mesh::new(&places, &triangles, 180.0).unwrap()
 }
 
-fn coloured() -> Lighting {
+fn colored() -> Lighting {
     let mut lighting = Lighting::standard();
     lighting.material.color = DVec3::new(0.9, 0.5, 0.2);
     lighting.ambient = DVec3::new(0.5, 0.7, 1.0);
     lighting.lamps = vec![
-        Lamp::directional(DVec3::new(-0.4, 0.6, 0.7)).with_intensity(DVec3::new(0.8, 0.8, 0.3)),
+        Lamp { intensity: DVec3::new(0.8, 0.8, 0.3), ..Lamp::directional(DVec3::new(-0.4, 0.6, 0.7)) },
         Lamp {
             place: LampPlace::Point { position: DVec3::new(1.5, -0.5, 2.0), attenuation: [0.5, 0.1, 0.15] },
             intensity: DVec3::new(0.3, 0.5, 0.9),
@@ -67,9 +67,9 @@ fn frames() -> Vec<(&'static str, Frame)> {
     vec![
         ("cube", frame(shapes::cube(), View::square(96).rotated([25.0, -35.0, 0.0]), Lighting::standard())),
         ("blob", frame(shapes::blob(313).unwrap(), View::square(160).rotated([20.0, 30.0, 0.0]), Lighting::standard())),
-        ("sheet", frame(sheet(), wide, coloured())),
+        ("sheet", frame(sheet(), wide, colored())),
         // Most of it outside the window.
-        ("near", frame(shapes::blob(100).unwrap(), View { fill: 4.0, distance: 1.5, ..View::square(120) }, coloured())),
+        ("near", frame(shapes::blob(100).unwrap(), View { fill: 4.0, distance: 1.5, ..View::square(120) }, colored())),
     ]
 }
 
@@ -301,7 +301,7 @@ fn a_region_leaves_the_rest_as_it_is() {
     let Some(mut card) = card(wgpu::Backends::all()) else { return };
     let mut gpu = Gpu::new(&device, wgpu::TextureFormat::Rgba8Unorm).unwrap();
     let view = View::square(SIDE).rotated([30.0, 40.0, 0.0]);
-    let frame = Frame::new(&Surface::new(shapes::cube()), &view, &coloured(), DVec3::splat(0.3));
+    let frame = Frame::new(&Surface::new(shapes::cube()), &view, &colored(), DVec3::splat(0.3));
     let shades = [Shade::new(Shader::Flat), Shade::new(Shader::Patch)];
     let target = device.create_texture(&wgpu::TextureDescriptor {
         label: None,

@@ -3,10 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DMat3, DQuat, DVec3};
-use machband::shading::lighting::{
-    Facets, Microfacets, attenuation, beckmann, fresnel, gaussian, geometry, index_from_reflectance,
-};
-use machband::shading::{Lamp, LampPlace, Lighting, Material, Refraction, Specular, Transparency, TransparencyError};
+use machband::shading::lighting::{Facets, Microfacets, attenuation, beckmann, fresnel, gaussian, geometry};
+use machband::shading::{Lamp, LampPlace, Lighting, Material, Refraction, Specular, Transparency};
 use proptest::prelude::*;
 
 const GLASS: Microfacets = Microfacets { facets: Facets::Beckmann, slope: 0.3, index: DVec3::new(1.5, 1.8, 2.2) };
@@ -142,10 +140,7 @@ fn fresnel_is_the_mean_of_the_two_polarisations() {
     }
     assert_eq!((fresnel(0.0, 1.0), fresnel(0.5, 1.0)), (0.0, 0.0));
     // Glass, as every textbook has it.
-    assert!((fresnel(1.0, 1.5) - 0.04).abs() < 1e-15 && (index_from_reflectance(0.04) - 1.5).abs() < 1e-15);
-    for reflectance in [0.0, 0.02, 0.04, 0.5, 0.95] {
-        assert!((fresnel(1.0, index_from_reflectance(reflectance)) - reflectance).abs() < 1e-14);
-    }
+    assert!((fresnel(1.0, 1.5) - 0.04).abs() < 1e-15);
 }
 
 #[test]
@@ -244,8 +239,16 @@ fn refraction_without_direction_is_said_to_be_so() {
 fn blinns_angle_is_half_of_phongs_in_the_plane() {
     for (lamp, viewer) in [(20.0, 10.0), (20.0, -65.0), (50.0, -40.0), (-70.0, 12.0)] {
         let strength = |specular_model, shininess| {
-            let material = Material { specular: 1.0, diffuse: 0.0, shininess, specular_model, ..Material::standard() };
-            material.reflected(DVec3::Z, leaning(lamp), leaning(viewer)).x
+            let mut lighting = Lighting::standard().with_direction(leaning(lamp));
+            lighting.material = Material {
+                ambient: 0.0,
+                specular: 1.0,
+                diffuse: 0.0,
+                shininess,
+                specular_model,
+                ..Material::standard()
+            };
+            lighting.light(DVec3::ZERO, DVec3::Z, leaning(viewer)).x
         };
         let phong = (lamp + viewer).to_radians();
         for m in [1.0, 5.0, 80.0] {
@@ -262,8 +265,6 @@ fn lamps_weaken_with_distance_and_never_strengthen() {
     assert_eq!(attenuation([0.0, 0.0, 1.0], 4.0), 1.0 / 16.0);
     assert_eq!(attenuation([0.5, 0.25, 0.0], 6.0), 0.5);
     assert_eq!(attenuation([1.0, 0.0, 0.0], 1e9), 1.0);
-    let (to_lamp, arriving) = Lamp::point(DVec3::X).at(DVec3::X);
-    assert_eq!((to_lamp, arriving), (DVec3::ZERO, DVec3::ONE));
     // The same through the whole model: a lamp over a white plane, four times as far, a sixteenth of the diffuse light.
     let mut lighting = Lighting::standard();
     lighting.material.specular = 0.0;
@@ -279,69 +280,13 @@ fn lamps_weaken_with_distance_and_never_strengthen() {
 }
 
 #[test]
-fn colours_act_each_for_itself() {
+fn colors_act_each_for_itself() {
     let mut lighting = Lighting::standard().with_direction(2.0 * DVec3::Z).with_color(DVec3::new(0.0, 1.0, 0.5));
     lighting.material.specular_color = DVec3::new(1.0, 0.0, 0.0);
     lighting.lamps[0].intensity = DVec3::new(1.0, 1.0, 0.0);
     let [r, g, b] = lighting.light(DVec3::ZERO, DVec3::Z, DVec3::Z).to_array();
     // Red: only the highlight. Green: ambient and diffuse. Blue: only ambient, for no lamp shines blue.
     assert!((r - 0.3).abs() < 1e-15 && (g - 0.7).abs() < 1e-15 && (b - 0.05).abs() < 1e-15, "{r} {g} {b}");
-}
-
-#[test]
-fn every_bad_parameter_is_named() {
-    type Spoil = fn(&mut Lighting);
-    fn facets(change: fn(&mut Microfacets)) -> Specular {
-        let mut microfacets = GLASS;
-        change(&mut microfacets);
-        Specular::CookTorrance(microfacets)
-    }
-    fn point(position: DVec3, attenuation: [f64; 3]) -> LampPlace {
-        LampPlace::Point { position, attenuation }
-    }
-    let spoils: [(&str, Spoil); 23] = [
-        ("material.color is [NaN, 1, 1]", |l| l.material.color.x = f64::NAN),
-        ("material.color is [1, 1.5, 1]", |l| l.material.color.y = 1.5),
-        ("material.specular_color", |l| l.material.specular_color.z = -0.1),
-        ("material.ambient is 1.1; expected a number within 0…1", |l| l.material.ambient = 1.1),
-        ("material.diffuse is -0.5", |l| l.material.diffuse = -0.5),
-        ("material.specular is NaN", |l| l.material.specular = f64::NAN),
-        ("material.shininess is 0; expected a finite number above 0", |l| l.material.shininess = 0.0),
-        ("material.shininess is -3", |l| l.material.shininess = -3.0),
-        ("material.shininess is inf", |l| l.material.shininess = f64::INFINITY),
-        ("slope is 0;", |l| l.material.specular_model = facets(|f| f.slope = 0.0)),
-        ("slope is 11", |l| l.material.specular_model = facets(|f| f.slope = 11.0)),
-        ("index is [1.5, 0, 2.2]", |l| l.material.specular_model = facets(|f| f.index.y = 0.0)),
-        ("index is [inf,", |l| l.material.specular_model = facets(|f| f.index.x = f64::INFINITY)),
-        ("c1 is -1", |l| l.material.specular_model = facets(|f| f.facets = Facets::Gaussian { c1: -1.0 })),
-        ("ambient is [1, -1, 1]", |l| l.ambient.y = -1.0),
-        ("lamps[0].direction is [0, 0, 2]; expected a vector of length 1", |l| {
-            l.lamps[0].place = LampPlace::Direction(2.0 * DVec3::Z);
-        }),
-        ("lamps[0].direction is [0, 0, 0]", |l| *l = l.clone().with_direction(DVec3::ZERO)),
-        ("lamps[0].direction is [NaN", |l| l.lamps[0].place = LampPlace::Direction(DVec3::NAN)),
-        ("lamps[0].intensity is [1, inf, 1]", |l| l.lamps[0].intensity.y = f64::INFINITY),
-        ("lamps[1].position is [0, 0, NaN]", |l| l.lamps.push(Lamp::point(DVec3::new(0.0, 0.0, f64::NAN)))),
-        ("attenuation is [0, 0, 0]; expected c1", |l| l.lamps[0].place = point(DVec3::Z, [0.0; 3])),
-        ("attenuation is [1, -0.1, 0]", |l| l.lamps[0].place = point(DVec3::Z, [1.0, -0.1, 0.0])),
-        ("attenuation is [NaN", |l| l.lamps[0].place = point(DVec3::Z, [f64::NAN, 1.0, 1.0])),
-    ];
-    for (message, spoil) in spoils {
-        let mut lighting = Lighting::standard();
-        spoil(&mut lighting);
-        let error = lighting.validate().unwrap_err();
-        assert_eq!(error.faults.len(), 1, "{message}: {error}");
-        assert!(error.to_string().contains(message), "{message}: {error}");
-    }
-    let mut lighting = scene(Specular::Blinn);
-    lighting.material.ambient = 2.0;
-    lighting.ambient.x = -1.0;
-    lighting.lamps[2].intensity.x = -1.0;
-    let names: Vec<_> = lighting.validate().unwrap_err().faults.into_iter().map(|fault| fault.parameter).collect();
-    assert_eq!(names, ["material.ambient", "ambient", "lamps[2].intensity"]);
-    for (name, specular) in MODELS {
-        assert_eq!(scene(specular).validate(), Ok(()), "{name}");
-    }
 }
 
 #[test]
@@ -355,13 +300,6 @@ fn what_is_behind_shows_through() {
     assert!((interpolated(0.25) - DVec3::new(0.4, 0.425, 0.45)).length() < 1e-15);
     assert_eq!(filtered(0.0), front);
     assert!((filtered(0.5) - DVec3::new(0.7, 0.525, 0.6)).length() < 1e-15);
-    assert_eq!(Transparency::default().validate(), Ok(()));
-    assert_eq!(Transparency::Interpolated { k_t: 1.0 }.validate(), Ok(()));
-    let bad = Transparency::Interpolated { k_t: -0.1 }.validate();
-    assert_eq!(bad, Err(TransparencyError::Coefficient(-0.1)));
-    assert!(Transparency::Filtered { k_t: f64::NAN, color }.validate().is_err());
-    let bad = Transparency::Filtered { k_t: 0.5, color: 2.0 * color }.validate().unwrap_err();
-    assert_eq!(bad.to_string(), "transparency colour is [2, 1, 0]; expected red, green and blue, each within 0…1");
 }
 
 fn models() -> impl Strategy<Value = Specular> {
@@ -403,7 +341,7 @@ proptest! {
         let all = own(lighting.lamps.clone());
         prop_assert!((all - sum).abs().max_element() < 1e-14 * (1.0 + all.max_element()));
         // Twice the light in, twice the light out.
-        let twice = own(lighting.lamps.iter().map(|lamp| lamp.with_intensity(2.0 * lamp.intensity)).collect());
+        let twice = own(lighting.lamps.iter().map(|lamp| Lamp { intensity: 2.0 * lamp.intensity, ..*lamp }).collect());
         prop_assert!((twice - 2.0 * all).abs().max_element() < 1e-14 * (1.0 + all.max_element()));
         prop_assert!(all.min_element() >= 0.0);
     }
@@ -464,8 +402,8 @@ proptest! {
     ) {
         let mut lighting = scene(specular);
         lighting.lamps.push(Lamp { place: LampPlace::Direction(l), intensity: DVec3::ONE });
-        let at_lamp = Lamp::point(p);
-        lighting.lamps.push(at_lamp);
+        let place = LampPlace::Point { position: p, attenuation: [1.0, 0.0, 0.0] };
+        lighting.lamps.push(Lamp { place, intensity: DVec3::ONE });
         let light = lighting.light(p, n, v);
         prop_assert!(light.is_finite() && light.min_element() >= 0.0, "{light}");
     }

@@ -5,8 +5,9 @@ use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::Transfer,
     shading::{
-        Across, Creases, Frame, Gradients, Lighting, Patches, Scene, Surface, View, crease,
+        Across, Channels, Creases, Frame, Gradients, Lighting, Patches, Scene, Surface, View, crease,
         frame::Gradient,
+        shaders::{Patch, Spread as _},
         shapes::{self, Shape},
     },
 };
@@ -20,15 +21,22 @@ fn gray_gradient(slope: DVec2) -> Gradient {
     [slope, 0.5 * slope, -2.0 * slope]
 }
 
+/// The light of the patches.
+fn lights(frame: &Frame, patches: &Patches) -> impl Fn(usize, [f64; 3]) -> DVec3 + Sync + use<> {
+    let patch = Patch::<f64, 3>::new(frame, Channels::Color, patches);
+    move |triangle, w| DVec3::from_array(patch.light(triangle, w, [0.0; 3]))
+}
+
 /// Differences between the patches and `truth` over all triangles, in red.
 fn errors(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> Vec<f64> {
+    let light = lights(frame, patches);
     let mut errors = Vec::new();
     for t in 0..frame.triangles.len() {
         let [a, b, c] = frame.corners(t).map(|v| v.screen);
         for i in 0..=8 {
             for j in 0..=8 - i {
                 let w = [f64::from(i) / 8.0, f64::from(j) / 8.0, f64::from(8 - i - j) / 8.0];
-                errors.push((patches.light(t, w).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
+                errors.push((light(t, w).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
             }
         }
     }
@@ -151,16 +159,16 @@ fn slopes_are_continuous_across_edges_at_vertices_and_inside() {
         let gradients = (0..places.len() as u64)
             .map(|v| [0, 1, 2].map(|c| DVec2::new(random(v * 6 + c) - 0.5, random(v * 6 + c + 3) - 0.5) * 0.05));
         let patches = Patches::with_gradients(&frame, gradients.collect());
-        let light = |t: usize, w: [f64; 3]| patches.light(t, w);
-        let (own, gouraud) = (Creases::of_field(&frame, light), Creases::of_gouraud(&frame));
+        let light = lights(&frame, &patches);
+        let (own, gouraud) = (Creases::of_field(&frame, &light), Creases::of_gouraud(&frame));
         assert!(own.max < 1e-6 * gouraud.rms, "seed {seed}: {} beside {}", own.max, gouraud.rms);
         assert!(own.step_rms < 1e-12);
-        for vertex in crease::at_vertices(&frame, light) {
+        for vertex in crease::at_vertices(&frame, &light) {
             assert!(vertex.spread < 1e-6 * gouraud.rms, "seed {seed}: {vertex:?}");
         }
         for t in 0..frame.triangles.len() {
             for k in 0..3 {
-                let (bend, size) = inner_jump(|w| patches.light(t, w), k);
+                let (bend, size) = inner_jump(|w| light(t, w), k);
                 assert!(bend < 1e-6 * size, "seed {seed}, triangle {t}, line {k}: {bend} beside {size}");
             }
         }
@@ -209,7 +217,7 @@ fn cubics_are_those_of_scipy() {
     for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
         vertex.light = light;
     }
-    let patches = Patches::with_gradients(&frame, gradients);
+    let light = lights(&frame, &Patches::with_gradients(&frame, gradients));
     assert!(samples.len() >= 100);
     for (t, first, second, expected) in samples {
         // The frame's corners may go round the other way.
@@ -217,7 +225,7 @@ fn cubics_are_those_of_scipy() {
             let k = triangles[t].iter().position(|own| *own == v).expect("a corner");
             [first, second, 1.0 - first - second][k]
         });
-        let light = patches.light(t, w);
+        let light = light(t, w);
         assert!((light - expected).abs().max_element() < 1e-11, "triangle {t}: {light}, expected {expected}");
     }
 }
@@ -296,10 +304,10 @@ fn near_the_silhouette_nothing_explodes() {
         for turn in 0..12 {
             let view = View::square(400).rotated([30.0 * f64::from(turn), 17.0, 5.0]);
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let patches = Patches::new(&frame, Gradients::Curvature);
+            let light = lights(&frame, &Patches::new(&frame, Gradients::Curvature));
             for t in 0..frame.triangles.len() {
                 for w in [[1.0 / 3.0; 3], [0.6, 0.3, 0.1], [0.1, 0.6, 0.3], [0.3, 0.1, 0.6], [0.0, 0.5, 0.5]] {
-                    let light = patches.light(t, w).x;
+                    let light = light(t, w).x;
                     // The surface's lights are 0.1…1.
                     assert!((-0.1..1.2).contains(&light), "{shape}, turn {turn}, triangle {t}: {light}");
                 }
@@ -348,10 +356,10 @@ fn thin_triangles_give_numbers() {
     let triangles = [[0, 1, 2], [1, 3, 2], [0, 4, 5], [0, 1, 1]];
     let frame = frame(&places, &triangles, |p| gray(random((p.x * 256.0) as u64)));
     for gradients in Gradients::ALL {
-        let patches = Patches::new(&frame, *gradients);
+        let light = lights(&frame, &Patches::new(&frame, *gradients));
         for t in 0..frame.triangles.len() {
             for w in [[1.0 / 3.0; 3], [1.0, 0.0, 0.0], [0.2, 0.5, 0.3]] {
-                assert!(patches.light(t, w).is_finite(), "{gradients}, triangle {t}");
+                assert!(light(t, w).is_finite(), "{gradients}, triangle {t}");
             }
         }
     }
@@ -371,11 +379,11 @@ fn turning_and_stretching_the_screen_changes_nothing() {
         for (v, vertex) in frame.vertices.iter_mut().enumerate() {
             vertex.light = value(v);
         }
-        Patches::with_gradients(&frame, (0..places.len()).map(slope).collect())
+        lights(&frame, &Patches::with_gradients(&frame, (0..places.len()).map(slope).collect()))
     };
     let (before, after) = (patches(&places, &slope), patches(&turned, &|v| slope(v).map(turned_slope)));
     for t in 0..triangles.len() {
         let w = [0.5, 0.3, 0.2];
-        assert!((before.light(t, w) - after.light(t, w)).length() < 1e-12);
+        assert!((before(t, w) - after(t, w)).length() < 1e-12);
     }
 }

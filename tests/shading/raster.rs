@@ -1,11 +1,10 @@
-//! The fast rasteriser against the plain f64 reference: the same pixels, the same light, whatever the threads and bands.
+//! Drawing in lanes of f32 against the f64 reference: the same pixels, the same light, whatever the threads.
 
 use glam::DVec3;
 use machband::light::{Depth, LinearImage, Transfer};
-use machband::shading::raster::{Encoder, Prepared, Rasterizer};
 use machband::shading::{
-    Correction, Frame, Gradients, Lamp, LampPlace, Lighting, Mesh, Reference, Shade, Shader, Specular, Surface, View,
-    coverage, shapes,
+    Correction, Encoder, Frame, Gradients, Lamp, LampPlace, Lighting, Mesh, Prepared, Reference, Shade, Shader,
+    Specular, Surface, View, coverage, shapes,
 };
 
 /// A number within −1…1 that looks random.
@@ -42,7 +41,7 @@ fn brown() -> Lighting {
     Lighting::standard().with_color(DVec3::new(0.9, 0.6, 0.3))
 }
 
-/// Meshes of every kind, wholly, partly and hardly within windows of awkward sizes, in gray, yellow and more colours.
+/// Meshes of every kind, wholly, partly and hardly within windows of awkward sizes, in gray, yellow and more colors.
 fn scenes() -> Vec<(&'static str, Frame)> {
     let yellow = Lighting::standard().with_color(DVec3::new(1.0, 1.0, 0.0));
     let mut yellow_dull = yellow.clone();
@@ -64,7 +63,7 @@ fn scenes() -> Vec<(&'static str, Frame)> {
     scenes
 }
 
-/// Every shader, with depths and widths that take different ways through the rasteriser.
+/// Every shader, with depths and widths that take different ways through the lanes.
 fn shades() -> Vec<Shade> {
     let mut shades = Vec::new();
     for &shader in Shader::ALL {
@@ -94,16 +93,14 @@ fn shades() -> Vec<Shade> {
     shades
 }
 
-fn drawn(frame: &Frame, shade: &Shade, threads: usize, rows: u32) -> LinearImage {
-    let mut image = LinearImage::new(0, 0);
-    Rasterizer::new(threads).draw_linear(&Prepared::with_bands(frame, shade, rows), &mut image);
-    image
+fn drawn(frame: &Frame, shade: &Shade) -> LinearImage {
+    Prepared::new(frame, shade).image()
 }
 
-/// The largest difference between the rasteriser's light and the reference's, relative to full light or to the most
+/// The largest difference between the lanes's light and the reference's, relative to full light or to the most
 /// there is.
 fn error(frame: &Frame, shade: &Shade) -> f32 {
-    let (fast, slow) = (drawn(frame, shade, 1, 16), Reference::new(frame, shade).image());
+    let (fast, slow) = (drawn(frame, shade), Reference::new(frame, shade).image());
     assert_eq!((fast.width, fast.height), (slow.width, slow.height));
     let most = slow.data.iter().fold(1.0, |most: f32, light| most.max(light.abs()));
     // NaN counts as a difference, unless it is in both.
@@ -133,13 +130,12 @@ fn encoded_light_is_the_references() {
 
 #[test]
 fn phong_is_the_references_under_any_lamps() {
-    let white = DVec3::ONE;
     let near = Lamp {
         place: LampPlace::Point { position: DVec3::new(0.5, 0.8, 1.5), attenuation: [0.2, 0.3, 0.4] },
         intensity: DVec3::new(0.8, 0.7, 0.2),
     };
-    let far = Lamp::directional(DVec3::new(-1.0, 0.3, 0.4)).with_intensity(DVec3::new(0.1, 0.5, 0.3));
-    for lamps in [vec![], vec![near], vec![far], vec![near, far], vec![Lamp::point(white)]] {
+    let far = Lamp { intensity: DVec3::new(0.1, 0.5, 0.3), ..Lamp::directional(DVec3::new(-1.0, 0.3, 0.4)) };
+    for lamps in [vec![], vec![near], vec![far], vec![near, far], vec![Lamp { intensity: DVec3::ONE, ..near }]] {
         for distance in [f64::INFINITY, 3.0] {
             for specular_model in [Specular::Phong, Specular::Blinn] {
                 for (specular, shininess) in [(0.0, 0.5), (0.4, 1.0), (0.4, 7.0), (0.4, 64.0), (0.4, 3.5), (0.4, 500.0)]
@@ -174,7 +170,7 @@ fn every_pixel_shows_the_triangle_that_is_seen_there() {
         frame.background = DVec3::splat(-1.0);
         let expected: Vec<f32> =
             coverage::visible(&frame).iter().map(|t| if *t == coverage::NONE { -1.0 } else { *t as f32 }).collect();
-        let image = drawn(&frame, &Shade::new(Shader::Gouraud), 2, 16);
+        let image = drawn(&frame, &Shade::new(Shader::Gouraud));
         let seen: Vec<f32> = image.data.iter().step_by(3).copied().collect();
         assert!(seen == expected, "{name}");
         if name != "cube, huge" && !name.starts_with("ugly, huge") {
@@ -184,16 +180,15 @@ fn every_pixel_shows_the_triangle_that_is_seen_there() {
 }
 
 #[test]
-fn threads_and_bands_do_not_show() {
+fn threads_do_not_show() {
     for (name, frame) in scenes() {
         for shader in [Shader::Gouraud, Shader::Exact, Shader::Cut, Shader::Patch, Shader::Phong] {
             let shade = Shade::new(shader);
-            let one = drawn(&frame, &shade, 1, 16);
-            for (threads, rows) in [(2, 16), (3, 1), (0, 7), (2, 0), (3, 1000)] {
-                let same = drawn(&frame, &shade, threads, rows);
-                let bits = |image: &LinearImage| image.data.iter().map(|l| l.to_bits()).collect::<Vec<_>>();
-                assert!(bits(&one) == bits(&same), "{name}, {shader}, {threads} threads, bands of {rows} rows");
-            }
+            let bits = |threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| drawn(&frame, &shade)).data.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+            };
+            assert!(bits(1) == bits(3), "{name}, {shader}");
         }
     }
 }
@@ -211,12 +206,12 @@ fn codes_are_the_quantizers() {
     for (name, frame) in scenes() {
         let shade = Shade::new(Shader::Exact);
         let prepared = Prepared::new(&frame, &shade);
-        let light = drawn(&frame, &shade, 1, 16);
+        let light = drawn(&frame, &shade);
         let reference = Reference::new(&frame, &shade).image();
         for transfer in &transfers {
             let encoder = Encoder::new(transfer);
             let mut codes = vec![0; (4 * frame.width * frame.height) as usize];
-            Rasterizer::new(2).draw_codes(&prepared, &encoder, &mut codes);
+            prepared.codes(&encoder, &mut codes);
             let code = |light: &f32| encoder.quantizer().code(*light) as u8;
             for ((pixel, light), truth) in codes.chunks(4).zip(light.data.chunks(3)).zip(reference.data.chunks(3)) {
                 let expected: Vec<u8> = light.iter().map(code).chain([255]).collect();
@@ -242,7 +237,7 @@ fn every_code_begins_at_its_threshold() {
             let mut frame = frame(shapes::cube(), [1, 1], 9.0, &Lighting::standard(), DVec3::ZERO);
             frame.vertices.iter_mut().for_each(|vertex| vertex.light = DVec3::splat(f64::from(light)));
             let mut pixel = [0; 4];
-            Rasterizer::new(1).draw_codes(&Prepared::new(&frame, &Shade::new(Shader::Gouraud)), &encoder, &mut pixel);
+            Prepared::new(&frame, &Shade::new(Shader::Gouraud)).codes(&encoder, &mut pixel);
             let code = encoder.quantizer().code(light) as u8;
             assert_eq!(pixel, [code, code, code, 255], "{transfer}, {light}");
         }
@@ -254,18 +249,13 @@ fn pictures_of_another_size_are_no_trouble() {
     let frame = frame(shapes::cube(), [33, 20], 0.9, &brown(), SKY);
     let prepared = Prepared::new(&frame, &Shade::new(Shader::Gouraud));
     let encoder = Encoder::new(&Transfer::Srgb);
-    let mut rasterizer = Rasterizer::new(2);
     let mut whole = vec![7; 4 * 33 * 20 + 5];
-    rasterizer.draw_codes(&prepared, &encoder, &mut whole);
+    prepared.codes(&encoder, &mut whole);
     assert!(whole.ends_with(&[255, 7, 7, 7, 7, 7]), "what lies beyond the picture is left alone");
     let mut part = vec![7; 4 * 33 * 11 + 3];
-    rasterizer.draw_codes(&prepared, &encoder, &mut part);
+    prepared.codes(&encoder, &mut part);
     assert_eq!(part[..4 * 33 * 11], whole[..4 * 33 * 11], "the rows that fit");
-    rasterizer.draw_codes(&prepared, &encoder, &mut []);
-    let mut image = LinearImage::new(5, 900);
-    rasterizer.draw_linear(&prepared, &mut image);
-    assert_eq!((image.width, image.height, image.data.len()), (33, 20, 3 * 33 * 20));
+    prepared.codes(&encoder, &mut []);
     let nothing = Frame { width: 0, height: 0, ..frame };
-    rasterizer.draw_linear(&Prepared::new(&nothing, &Shade::new(Shader::Gouraud)), &mut image);
-    assert!(image.data.is_empty());
+    assert!(drawn(&nothing, &Shade::new(Shader::Gouraud)).data.is_empty());
 }

@@ -1,10 +1,10 @@
 //! The reference shaders, against numbers computed elsewhere and against what must be true of them.
 
 use glam::{DMat3, DVec2, DVec3};
-use machband::light::{Depth, Interpolation};
-use machband::shading::boundary::{self, Blend, EdgeConstants};
+use machband::light::Depth;
 use machband::shading::coverage::{self, Inside};
-use machband::shading::shaders::{exact, fixed, gouraud, quadratic, reweight, vertex};
+use machband::shading::frame::{Bend, bends};
+use machband::shading::shaders::Curve;
 use machband::shading::{
     Across, Correction, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Reference, Shade, Shader, Surface,
     View, shapes,
@@ -151,30 +151,20 @@ fn golden_pair() -> Frame {
     frame(vertices.to_vec(), &[[0, 1, 2], [3, 2, 1]], lighting)
 }
 
-/// Bangay's pseudo-code: the first corner with a weight below b.
-fn fixed_in_order(w: [f64; 3], lights: [DVec3; 3], b: f64, step: &Interpolation) -> DVec3 {
-    match (0..3).find(|k| w[*k] < b) {
-        Some(k) => fixed::in_strip(k, w, lights, b, step),
-        None => gouraud::weighted(w, lights),
-    }
-}
-
 #[test]
 fn shaders_agree_with_numbers_computed_elsewhere() {
     let golden = golden();
     let pair = golden_pair();
-    let corners = pair.corners(0);
-    let (lights, places) = (corners.map(|v| v.light), corners.map(|v| v.screen));
     let close = |name: &str, value: DVec3, expected: f64| {
         let error = (value - DVec3::splat(expected)).abs().max_element();
         assert!(error <= 1e-9, "{name}: {value}, not {expected}");
     };
 
     let shaded = &golden["shaded"]["pair"];
-    let edges = boundary::edge_constants(&pair)[0];
+    let edges = bends(&pair)[0];
     let mut level_frame = pair.clone();
     level_frame.triangles[0].across = [Across::Several; 3];
-    let level = boundary::edge_constants(&level_frame)[0];
+    let level = bends(&level_frame)[0];
     let expected: [f64; 3] = numbers(&shaded["edge_c (A:BC,B:CA,C:AB)"]);
     let expected_level: [f64; 3] = numbers(&shaded["edge_c_flat"]);
     for k in 0..3 {
@@ -185,7 +175,6 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
     let mut compared = 0;
     for (key, depth) in [("n=2,b=0.2", Depth::Finite(2)), ("n=3,b=0.2", Depth::Finite(3))] {
         let b = 0.2;
-        let (step, blend) = (Interpolation::new(depth), Blend::new(depth));
         let light = |w, shader, vertex, reweight| {
             let shade = Shade { vertex, reweight, ..shade(shader, depth, b) };
             Reference::new(&pair, &shade).light(0, w)
@@ -194,38 +183,25 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
             let w: [f64; 3] = numbers(&point["w"]);
             use Correction::{Off, Printed, Repaired};
             use Shader::{Exact, Fixed, Gouraud, Gradient, GradientRepaired, Phong};
-            let normal = gouraud::weighted(w, corners.map(|v| v.normal)).length();
-            let tapered = [0, 1, 2].map(|k| boundary::tapered(k, w, b));
-            let narrowed = [0, 1, 2].map(|k| boundary::narrowed(k, w, b));
             for (name, value) in [
                 ("gouraud", light(w, Gouraud, Off, Off)),
                 ("phong", light(w, Phong, Off, Off)),
                 ("fixed_printed", light(w, Fixed, Off, Off)),
-                ("fixed_pseudocode_order", fixed_in_order(w, lights, b, &step)),
                 ("fixed_corrected_flat_normal", Reference::new(&level_frame, &shade(Exact, depth, b)).light(0, w)),
                 ("grad_printed", light(w, Gradient, Off, Off)),
                 ("grad_half_IA_IF", light(w, GradientRepaired, Off, Off)),
                 ("grad_corrected", light(w, Exact, Off, Off)),
-                ("grad_corrected_minnarrow", exact::exact(w, lights, edges.map(|e| e.c), narrowed, &blend)),
-                ("dA", DVec3::splat(vertex::closeness(0, w, places))),
-                ("dB", DVec3::splat(vertex::closeness(1, w, places))),
-                ("dC", DVec3::splat(vertex::closeness(2, w, places))),
                 ("vertex_printed_over_fixed", light(w, Fixed, Printed, Off)),
                 ("vertex_corrected_over_grad_corrected", light(w, Exact, Repaired, Off)),
-                ("Nlen", DVec3::splat(normal)),
                 ("reweight_printed", light(w, Gouraud, Off, Printed)),
                 ("reweight_corrected", light(w, Gouraud, Off, Repaired)),
             ] {
                 close(&format!("{key} {w:?} {name}"), value, number(&point[name]));
                 compared += 1;
             }
-            assert_eq!(point.as_object().unwrap().len(), 18, "a key is not compared");
-            // One intensity and three go the same way.
-            let red = exact::exact(w, lights.map(|l| l.x), edges.map(|e| e.c.x), tapered, &blend);
-            assert_eq!(red, light(w, Exact, Off, Off).x);
         }
     }
-    assert_eq!(compared, 2 * 12 * 17);
+    assert_eq!(compared, 2 * 12 * 11);
     let face = pair.lighting.light(DVec3::ZERO, DVec3::Z, DVec3::Z);
     close("flat", face, number(&golden["sample"]["flat_face_normal_001"]));
     close("flat", Reference::new(&pair, &Shade::new(Shader::Flat)).light(0, [0.2, 0.3, 0.5]), face.x);
@@ -235,18 +211,23 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
 fn printed_corrections_have_the_faults_they_are_known_for() {
     // A uniform surface gets a dark ring around its vertices under vertex shading: 0.979 and 0.944 at n = 2.
     let places = [DVec2::new(0.0, 0.0), DVec2::new(0.0, 90.0), DVec2::new(90.0, 0.0)];
-    let step = Interpolation::new(Depth::Finite(2));
+    let uniform = frame(places.map(|place| vertex(place, DVec3::ONE)).to_vec(), &[[0, 1, 2]], only_ambient());
     for (b, expected) in [(0.2, 0.979), (0.33, 0.944)] {
-        let darkest = (0..=1000)
-            .map(|i| f64::from(i) / 1000.0)
-            .map(|s| vertex::printed(1.0, [1.0 - s, s, 0.0], [1.0; 3], places, b, &step))
-            .fold(1.0, f64::min);
+        let shade = Shade { vertex: Correction::Printed, ..shade(Shader::Gouraud, Depth::Finite(2), b) };
+        let reference = Reference::new(&uniform, &shade);
+        let along = (0..=1000).map(|i| f64::from(i) / 1000.0).map(|s| reference.light(0, [1.0 - s, s, 0.0]).x);
+        let darkest = along.fold(1.0, f64::min);
         assert!((darkest - expected).abs() < 1.5e-3, "{b}: {darkest}");
     }
-    // Reweighting scales the ambient light: 0.2 → 0.283 in the middle of an edge between normals at 90°.
-    let value = reweight::printed(0.2, [0.0, 0.5, 0.5], 0.5f64.sqrt(), 0.2, &step);
-    assert!((value - 0.2 * 2f64.sqrt()).abs() < 1e-15, "{value}");
-    assert_eq!(reweight::repaired(0.2, 0.2, 0.5f64.sqrt()), 0.2);
+    // Reweighting scales the ambient light: 0.1 → 0.141 in the middle of an edge between normals at 90°.
+    let mut bent = uniform.clone();
+    (bent.vertices[1].normal, bent.vertices[2].normal) = (DVec3::X, DVec3::Y);
+    bent.vertices.iter_mut().for_each(|vertex| vertex.light = vertex.ambient);
+    for (reweight, expected) in [(Correction::Printed, 0.1 * 2f64.sqrt()), (Correction::Repaired, 0.1)] {
+        let shade = Shade { reweight, ..shade(Shader::Gouraud, Depth::Finite(2), 0.2) };
+        let value = Reference::new(&bent, &shade).light(0, [0.0, 0.5, 0.5]).x;
+        assert!((value - expected).abs() < 1e-15, "{value}");
+    }
     // The gradient as printed leaves half of Gouraud's bend in the middle of a parallelogram's edge; repaired, none.
     let pair = frame(
         [(0.0, 0.0, 0.9), (0.0, 80.0, 0.5), (80.0, 0.0, 0.3), (80.0, 80.0, 0.2)]
@@ -271,7 +252,7 @@ fn printed_corrections_have_the_faults_they_are_known_for() {
 #[test]
 fn rest_is_the_integral_of_what_is_left_of_the_blend() {
     for depth in (1..=Depth::MAX_FINITE).map(Depth::Finite).chain([Depth::Infinite]) {
-        let blend = Blend::new(depth);
+        let blend = Curve::<f64>::new(depth);
         assert_eq!((blend.value(0.0), blend.value(1.0), blend.rest(1.0)), (0.0, 1.0, 0.0));
         assert!((blend.rest(0.0) - 0.5).abs() < 1e-15);
         assert!(blend.value(1e-12) < 1e-11 && blend.value(1.0 - 1e-12) > 1.0 - 1e-11);
@@ -336,7 +317,7 @@ fn any_correction() -> impl Strategy<Value = Correction> {
 proptest! {
     #[test]
     fn edge_constants_are_what_the_crossing_says_and_one_for_both_sides(pair in pair()) {
-        let constants = boundary::edge_constants(&pair);
+        let constants = bends(&pair);
         let (ours, theirs) = (constants[0][0], constants[1][2]);
         let expected = crossing_gap(&pair);
         prop_assert!((ours.c - expected).abs().max_element() < 1e-12, "{} not {expected}", ours.c);
@@ -424,38 +405,6 @@ proptest! {
         prop_assert!((change(Shader::Exact) - 0.275 * b * c).max_element() <= 1e-12);
         prop_assert!((change(Shader::Cut) - 0.5 * b * c).max_element() <= 1e-12);
     }
-
-    #[test]
-    fn scan_lines_are_the_weights(
-        a in place(0.0..200.0, 0.0..200.0), b in place(0.0..200.0, 0.0..200.0), c in place(0.0..200.0, 0.0..200.0),
-        lights in [light(), light(), light()],
-    ) {
-        let (b, c) = if Frame::area2(a, b, c) < 0.0 { (c, b) } else { (b, c) };
-        let Some(inside) = Inside::new([a, b, c]) else { return Ok(()) };
-        let mut drawn = std::collections::HashMap::new();
-        gouraud::scan_lines([(a, lights[0]), (b, lights[1]), (c, lights[2])], |x, y, light| {
-            assert!(drawn.insert((x, y), light).is_none(), "({x}, {y}) is drawn twice");
-        });
-        for y in 0..200 {
-            for x in 0..200 {
-                let weights = inside.weights(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
-                let expected = weights.map(|w| gouraud::weighted(w, lights));
-                match (drawn.get(&(x, y)), expected) {
-                    (Some(light), Some(expected)) => {
-                        prop_assert!((*light - expected).abs().max_element() < 1e-10, "({x}, {y}): {light} {expected}");
-                    }
-                    (None, None) => {}
-                    // On an edge, where increments round.
-                    _ => prop_assert!(on_edge([a, b, c], x, y), "({x}, {y}) is drawn by one only"),
-                }
-            }
-        }
-    }
-}
-
-fn on_edge([a, b, c]: [DVec2; 3], x: u32, y: u32) -> bool {
-    let p = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-    [(a, b), (b, c), (c, a)].iter().any(|(from, to)| Frame::area2(p, *from, *to) == 0.0)
 }
 
 /// The light of `pair` at `p`.
@@ -494,6 +443,11 @@ fn largest_second_difference(pair: &Frame, shade: &Shade, s: f64, count: i32) ->
 
 // ---- fields and frames ----
 
+/// Where the weights `w` of a triangle are on the screen.
+fn place_of(frame: &Frame, triangle: usize, w: [f64; 3]) -> DVec2 {
+    frame.corners(triangle).iter().zip(w).map(|(corner, w)| w * corner.screen).sum()
+}
+
 #[test]
 fn a_linear_field_stays_linear() {
     let field = |p: DVec2| DVec3::new(0.1 + 0.003 * p.x + 0.001 * p.y, 0.9 - 0.004 * p.y, 0.5);
@@ -505,7 +459,7 @@ fn a_linear_field_stays_linear() {
             let reference = Reference::new(&grid, &shade);
             for t in 0..grid.triangles.len() {
                 for w in all_weights() {
-                    let p = gouraud::weighted(w, grid.corners(t).map(|v| v.screen));
+                    let p = place_of(&grid, t, w);
                     let error = (reference.light(t, w) - field(p)).abs().max_element();
                     assert!(error < 1e-12, "{shader} {depth} {b} {t} {w:?}: {error}");
                 }
@@ -515,7 +469,7 @@ fn a_linear_field_stays_linear() {
     // Not so what is printed: it flattens the edges.
     let reference = Reference::new(&grid, &shade(Shader::Fixed, Depth::Finite(3), 0.2));
     let w = [0.1, 0.45, 0.45];
-    let p = gouraud::weighted(w, grid.corners(30).map(|v| v.screen));
+    let p = place_of(&grid, 30, w);
     assert!((reference.light(30, w) - field(p)).abs().max_element() > 1e-3);
 }
 
@@ -616,18 +570,19 @@ fn no_strip_is_gouraud_and_wide_strips_are_a_third() {
 
 #[test]
 fn quadratic_goes_through_vertices_and_middles() {
-    // Any quadratic field comes out as it is.
-    let field = |w: [f64; 3]| 0.3 + w[0] * (0.5 - w[1]) + 0.7 * w[1] * w[1] - w[2] * w[0];
-    let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(field);
-    let middles = [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]].map(field);
-    for w in all_weights() {
-        assert!((quadratic::quadratic(w, corners, middles) - field(w)).abs() < 1e-15, "{w:?}");
-    }
     // The middles are lit as Phong's shader lights them.
     let frame = cube([25.0, 35.0, 10.0], &lighting(DVec3::new(0.36, 0.48, 0.8)));
     let light = |shader, w| Reference::new(&frame, &Shade::new(shader)).light(2, w);
     for w in [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0]] {
         assert!((light(Shader::Quadratic, w) - light(Shader::Phong, w)).abs().max_element() < 1e-12);
+    }
+    // Between them it is the quadratic that those six lights settle.
+    let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|w| light(Shader::Quadratic, w));
+    let middles = [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]].map(|w| light(Shader::Quadratic, w));
+    for w in all_weights() {
+        let part =
+            |k: usize| w[k] * (2.0 * w[k] - 1.0) * corners[k] + 4.0 * w[(k + 1) % 3] * w[(k + 2) % 3] * middles[k];
+        assert!((light(Shader::Quadratic, w) - (part(0) + part(1) + part(2))).abs().max_element() < 1e-14, "{w:?}");
     }
 }
 
@@ -755,7 +710,7 @@ fn every_shader_gives_a_light_on_every_frame() {
 fn silhouettes_and_borders_bend_nothing() {
     let cube = cube([25.0, 35.0, 10.0], &lighting(DVec3::new(0.36, 0.48, 0.8)));
     // Three faces of two triangles: six silhouette edges, three between faces, three diagonals.
-    let constants: Vec<(Across, EdgeConstants)> = boundary::edge_constants(&cube)
+    let constants: Vec<(Across, Bend)> = bends(&cube)
         .iter()
         .zip(&cube.triangles)
         .flat_map(|(edges, triangle)| (0..3).map(move |k| (triangle.across[k], edges[k])))

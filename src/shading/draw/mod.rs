@@ -1,9 +1,9 @@
 //! Pictures of frames: on the processor, in threads and in lanes, and on a graphics card.
 
-pub mod cpu;
+mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod reference;
 
-pub use cpu as raster;
+pub use cpu::{Encoder, Prepared, picture};
 pub use reference::Reference;

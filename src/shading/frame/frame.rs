@@ -6,8 +6,10 @@ use super::view::View;
 use crate::{
     light::Transfers,
     shading::{
+        channels::Channels,
         lighting::Lighting,
         mesh::{EdgeKind, Surface},
+        number::Constant,
     },
 };
 
@@ -140,6 +142,22 @@ impl Frame {
     #[must_use]
     pub fn corners(&self, triangle: usize) -> [&FrameVertex; 3] {
         self.triangles[triangle].vertices.map(|v| &self.vertices[v as usize])
+    }
+
+    /// A vector of each corner of each triangle.
+    pub(in crate::shading) fn corner_vectors<T: Constant>(
+        &self,
+        of: impl Fn(&FrameVertex) -> DVec3,
+    ) -> Vec<[[T; 3]; 3]> {
+        (0..self.triangles.len()).map(|t| self.corners(t).map(|v| of(v).to_array().map(T::of))).collect()
+    }
+
+    /// The light of each corner of each triangle, in the channels that are shaded.
+    pub(in crate::shading) fn corner_lights<T: Constant, const C: usize>(
+        &self,
+        channels: Channels,
+    ) -> Vec<[[T; C]; 3]> {
+        (0..self.triangles.len()).map(|t| self.corners(t).map(|v| channels.pick(v.light))).collect()
     }
 
     /// Barycentric weights of a place on the screen with respect to triangle `triangle`.

@@ -1,13 +1,14 @@
-//! A surface seen and lit: where its triangles are on the screen, which of them each pixel shows, and what the shaders
-//! need of the light at edges and vertices.
+//! A surface seen and lit: where its triangles are on the screen, which of them each pixel shows, how its light bends at
+//! edges and slopes at vertices.
 
-pub mod boundary;
+mod bends;
 pub mod coverage;
 mod frame;
 pub mod ordinates;
 mod scene;
 mod view;
 
+pub use bends::{Bend, bends};
 pub use frame::{Across, FARTHEST_PX, Frame, FrameTriangle, FrameVertex};
 pub use ordinates::{ControlPoints, Gradient, Gradients, Patches};
 pub use scene::{Highlight, Scene};

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
-use super::{lamp::Lamp, material::Material};
+use super::{lamp::Lamp, material::Material, reflection::Reflection};
+use crate::shading::channels::Channels;
 
-/// A material under lamps. Its fields may hold anything; [`Lighting::validate`] says what makes no sense.
+/// A material under lamps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lighting {
     /// The surface.
@@ -47,21 +48,12 @@ impl Lighting {
     /// The light that a point at `position` with the unit normal `normal` sends along the unit vector `to_viewer`, of
     /// red, green and blue, linear, in eye space; see the [module](super) for the formula.
     ///
-    /// Finite for every lighting that [`Lighting::validate`] passes: only the ambient light at a zero normal, and
-    /// nothing from a lamp that stands at `position`. A sum of several lamps can exceed 1.
+    /// Finite for every lighting whose numbers make sense: only the ambient light at a zero normal, and nothing from a
+    /// lamp that stands at `position`. A sum of several lamps can exceed 1.
     #[must_use]
     pub fn light(&self, position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
-        let mut sum = self.ambient_light();
-        for lamp in &self.lamps {
-            let (to_lamp, arriving) = lamp.at(position);
-            sum += arriving * self.material.reflected(normal, to_lamp, to_viewer);
-        }
-        sum
-    }
-}
-
-impl Default for Lighting {
-    fn default() -> Lighting {
-        Lighting::standard()
+        let [place, normal, to_viewer] = [position, normal, to_viewer].map(|v| v.to_array());
+        let of_lamp = |lamp| Reflection::new(lamp, &self.material, Channels::Color).light(place, normal, to_viewer);
+        self.ambient_light() + self.lamps.iter().map(|lamp| DVec3::from_array(of_lamp(lamp))).sum::<DVec3>()
     }
 }

@@ -50,41 +50,4 @@ impl Material {
             specular_model: Specular::Phong,
         }
     }
-
-    /// How much of the light from a lamp goes to the viewer, of red, green and blue: k_d·O_d·(N·L) + k_s·O_s·s,
-    /// Shoaff §3.4. All three vectors of unit length: the normal N, L toward the lamp, V toward the viewer.
-    ///
-    /// Nothing for a lamp behind the surface, not even a highlight; nor for a zero N or L.
-    #[must_use]
-    pub fn reflected(&self, normal: DVec3, to_lamp: DVec3, to_viewer: DVec3) -> DVec3 {
-        let cosine = normal.dot(to_lamp);
-        // Written so that NaN reflects nothing.
-        if cosine > 0.0 {
-            let highlight = self.highlight(normal, to_lamp, to_viewer);
-            self.diffuse * cosine * self.color + self.specular * self.specular_color * highlight
-        } else {
-            DVec3::ZERO
-        }
-    }
-
-    /// s: the highlight before k_s and O_s, for N·L > 0.
-    fn highlight(&self, normal: DVec3, to_lamp: DVec3, to_viewer: DVec3) -> DVec3 {
-        match self.specular_model {
-            Specular::Phong => {
-                let mirrored = 2.0 * normal.dot(to_lamp) * normal - to_lamp;
-                DVec3::splat(mirrored.dot(to_viewer).max(0.0).powf(self.shininess))
-            }
-            Specular::Blinn => {
-                let halfway = (to_lamp + to_viewer).normalize_or_zero();
-                DVec3::splat(normal.dot(halfway).max(0.0).powf(self.shininess))
-            }
-            Specular::CookTorrance(facets) => facets.highlight(normal, to_lamp, to_viewer),
-        }
-    }
-}
-
-impl Default for Material {
-    fn default() -> Material {
-        Material::standard()
-    }
 }

@@ -14,7 +14,7 @@ pub struct Microfacets {
     /// [`Facets::Gaussian`] it is in radians.
     pub slope: f64,
     /// η of red, green and blue: the index of refraction of the material over that of the medium around it,
-    /// 0.001…1000. See [`index_from_reflectance`].
+    /// 0.001…1000.
     pub index: DVec3,
 }
 
@@ -106,12 +106,4 @@ pub fn fresnel(cosine: f64, index: f64) -> f64 {
     let across = (g - c) / (g + c);
     let along = (c * (g + c) - 1.0) / (c * (g - c) + 1.0);
     (0.5 * across * across * (1.0 + along * along)).min(1.0)
-}
-
-/// η of a material that reflects the part `reflectance`, 0 up to but not including 1, of light that falls on it at a
-/// right angle: (1 + √F_0)/(1 − √F_0). Shoaff §3.8.1. Gives metals a colour: their reflectance of red, green and blue.
-#[must_use]
-pub fn index_from_reflectance(reflectance: f64) -> f64 {
-    let root = reflectance.sqrt();
-    (1.0 + root) / (1.0 - root)
 }

@@ -13,24 +13,13 @@ pub enum Transparency {
         /// k_t, the transmission coefficient, 0 (opaque) … 1 (invisible).
         k_t: f64,
     },
-    /// Filtered: I_1 + k_t·O_t·I_2, as through coloured glass; the surface's own light stays. Can exceed 1.
+    /// Filtered: I_1 + k_t·O_t·I_2, as through colored glass; the surface's own light stays. Can exceed 1.
     Filtered {
         /// k_t, the transmission coefficient, 0 (opaque) … 1.
         k_t: f64,
-        /// O_t, the transparency colour: of red, green and blue, 0…1.
+        /// O_t, the transparency color: of red, green and blue, 0…1.
         color: DVec3,
     },
-}
-
-/// A transparency that makes no sense.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum TransparencyError {
-    /// A coefficient that is none.
-    #[error("transmission coefficient k_t is {0}; expected a number within 0…1")]
-    Coefficient(f64),
-    /// A colour that is none.
-    #[error("transparency colour is {0}; expected red, green and blue, each within 0…1")]
-    Color(DVec3),
 }
 
 impl Transparency {
@@ -43,24 +32,5 @@ impl Transparency {
             Transparency::Interpolated { k_t } => (1.0 - k_t) * front + k_t * behind,
             Transparency::Filtered { k_t, color } => front + k_t * color * behind,
         }
-    }
-
-    /// Whether coefficient and colour make sense.
-    ///
-    /// # Errors
-    /// When k_t or a component of O_t is outside 0…1 or not a number.
-    pub fn validate(&self) -> Result<(), TransparencyError> {
-        let (k_t, color) = match *self {
-            Transparency::Opaque => (0.0, DVec3::ONE),
-            Transparency::Interpolated { k_t } => (k_t, DVec3::ONE),
-            Transparency::Filtered { k_t, color } => (k_t, color),
-        };
-        if !(0.0..=1.0).contains(&k_t) {
-            return Err(TransparencyError::Coefficient(k_t));
-        }
-        if !color.to_array().iter().all(|c| (0.0..=1.0).contains(c)) {
-            return Err(TransparencyError::Color(color));
-        }
-        Ok(())
     }
 }

@@ -1,18 +1,77 @@
 //! Ours: Gouraud's light, with the corner that it makes at every edge cut off: the slope runs from one side's to the
 //! other's without overshoot.
 
-use crate::shading::boundary::{Blend, EdgeConstants, Intensity};
+use super::{
+    curve::Curve,
+    spread::Spread,
+    strips::{OTHERS, ease},
+};
+use crate::{
+    light::Depth,
+    shading::{
+        channels::Channels,
+        frame::{Bend, Frame, bends},
+        number::{Constant, Number, plus},
+    },
+};
 
-/// L − Σ_k c_k·b'_k·Ψ_n(w_k/b'_k), b' from [`EdgeConstants::cut_width`], Ψ from [`Blend::rest`]. C1 across edges. The
-/// light on an edge itself moves by −c·b'/2. b may go to 1; n = 1 is best.
-#[must_use]
-pub fn cut<V: Intensity>(w: [f64; 3], lights: [V; 3], edges: &[EdgeConstants<V>; 3], b: f64, blend: &Blend) -> V {
-    let mut light = super::gouraud::weighted(w, lights);
-    for (k, edge) in edges.iter().enumerate() {
-        let width = edge.cut_width(k, w, b);
-        if w[k] < width {
-            light = light - edge.c * (width * blend.rest(w[k] / width));
+/// L − Σ_k c_k·b'_k·Ψ_n(w_k/b'_k), Ψ from [`Curve::rest`]. C1 across edges. The light on an edge itself moves by −c·b'/2. b
+/// may go to 1; n = 1 is best.
+///
+/// The width of a strip is b' = `b·φ(σ/(b·m_B))·φ((1−σ)/(b·m_C))`. σ = w_C + w_A·s_A is the point's perpendicular projection
+/// on the edge, so the width does not change perpendicular to the edge, and falls below w_A before the other two edges.
+#[derive(Clone, Debug)]
+pub struct Cut<T, const C: usize> {
+    edges: Vec<[Edge<T, C>; 3]>,
+    strip: T,
+    curve: Curve<T>,
+}
+
+/// What *cut* needs of an edge; see [`Bend`].
+#[derive(Clone, Copy, Debug)]
+struct Edge<T, const C: usize> {
+    /// −c.
+    fall: [T; C],
+    foot: T,
+    /// 1/(b·m) at either end.
+    per_reach: [T; 2],
+}
+
+impl<T: Constant, const C: usize> Cut<T, C> {
+    /// For the triangles of `frame` and strips of width `b`, above 0 and at most 1.
+    pub fn new(frame: &Frame, channels: Channels, b: f64, depth: Depth) -> Self {
+        let b = b.min(1.0);
+        let edge = |bend: Bend| Edge {
+            fall: channels.pick(-bend.c),
+            foot: T::of(bend.foot),
+            per_reach: [bend.start, bend.end].map(|m| T::of(1.0 / (b * m))),
+        };
+        Cut {
+            edges: bends(frame).into_iter().map(|bends| bends.map(edge)).collect(),
+            strip: T::of(b),
+            curve: Curve::new(depth),
         }
     }
-    light
+}
+
+impl<T: Constant, const C: usize> Spread<T, C> for Cut<T, C> {
+    #[inline(always)]
+    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
+        let zero = w[0].of(0.0);
+        let mut light = gouraud;
+        for k in 0..3 {
+            // No strip is wider.
+            if !N::any(w[k].below(zero.all(self.strip))) {
+                continue;
+            }
+            let (i, j) = OTHERS[k];
+            let Edge { fall, foot, per_reach: [per_start, per_end] } = &self.edges[triangle][k];
+            let over = w[k].times(*foot);
+            let (from_start, from_end) = (w[j] + over, w[i] + w[k] - over);
+            let width = (ease(from_start.times(*per_start)) * ease(from_end.times(*per_end))).times(self.strip);
+            let corner = width * self.curve.rest(w[k] / width);
+            light = plus(light, N::select(w[k].below(width), corner, zero), fall);
+        }
+        light
+    }
 }

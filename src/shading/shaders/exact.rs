@@ -1,19 +1,59 @@
-//! Ours: Gouraud's light, with the slope across every edge matched to the neighbour's.
+//! Ours: Gouraud's light, with the slope across every edge matched to the neighbor's.
 
-use crate::shading::boundary::{Blend, Intensity};
+use super::{
+    curve::Curve,
+    spread::Spread,
+    strips::{OTHERS, ease},
+};
+use crate::{
+    light::Depth,
+    shading::{
+        channels::Channels,
+        frame::{Frame, bends},
+        number::{Constant, Number, plus},
+    },
+};
 
-/// L + Σ_k c_k·w_k·(1 − I_n(w_k/b'_k)), `widths` b' from [`tapered`](crate::shading::boundary::tapered).
+/// L + Σ_k c_k·w_k·(1 − I_n(w_k/b'_k)), where b'_k = `b·φ((1−w_i)/2b)·φ((1−w_j)/2b)`: the strip narrows towards the
+/// corners without a kink.
 ///
 /// Cⁿ across the whole of an edge for any two triangles; a linear field stays linear (all c are 0). The strip has no
 /// net change: its slope runs from +c through −0.69c (n = 2) or −0.78c (n = 3) to 0, a bump of at most 0.27·b·c.
-#[must_use]
-pub fn exact<V: Intensity>(w: [f64; 3], lights: [V; 3], c: [V; 3], widths: [f64; 3], blend: &Blend) -> V {
-    let mut light = super::gouraud::weighted(w, lights);
-    for k in 0..3 {
-        // At a corner two strips have neither width nor weight.
-        if w[k] < widths[k] {
-            light = light + c[k] * (w[k] * (1.0 - blend.value(w[k] / widths[k])));
-        }
+#[derive(Clone, Debug)]
+pub struct Exact<T, const C: usize> {
+    /// c of each edge.
+    bends: Vec<[[T; C]; 3]>,
+    strip: T,
+    /// 1/2b.
+    per_corner: T,
+    curve: Curve<T>,
+}
+
+impl<T: Constant, const C: usize> Exact<T, C> {
+    /// For the triangles of `frame` and strips of width `b`, above 0.
+    pub fn new(frame: &Frame, channels: Channels, b: f64, depth: Depth) -> Self {
+        let bends = bends(frame).iter().map(|edges| edges.map(|edge| channels.pick(edge.c))).collect();
+        Exact { bends, strip: T::of(b), per_corner: T::of(0.5 / b), curve: Curve::new(depth) }
     }
-    light
+}
+
+impl<T: Constant, const C: usize> Spread<T, C> for Exact<T, C> {
+    #[inline(always)]
+    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
+        let (zero, one) = (w[0].of(0.0), w[0].of(1.0));
+        let mut light = gouraud;
+        for k in 0..3 {
+            // No strip is wider.
+            if !N::any(w[k].below(one.all(self.strip))) {
+                continue;
+            }
+            let (i, j) = OTHERS[k];
+            let narrowed = ease((one - w[i]).times(self.per_corner)) * ease((one - w[j]).times(self.per_corner));
+            let width = narrowed.times(self.strip);
+            let bump = w[k] * (one - self.curve.value(w[k] / width));
+            // At a corner two strips have neither width nor weight.
+            light = plus(light, N::select(w[k].below(width), bump, zero), &self.bends[triangle][k]);
+        }
+        light
+    }
 }

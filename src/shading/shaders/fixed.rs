@@ -2,34 +2,91 @@
 //! slope along the line from A at the edge, but not C1 across: those lines bend there. It flattens the edges of linear
 //! fields too.
 
+use super::{
+    curve::Curve,
+    spread::Spread,
+    strips::{NARROWEST, OTHERS, by_smallest, least, narrowed},
+};
 use crate::{
-    light::Interpolation,
-    shading::boundary::{Intensity, narrowed, others, smallest},
+    light::Depth,
+    shading::{
+        channels::Channels,
+        frame::Frame,
+        number::{Constant, Number},
+    },
 };
 
 /// Bangay eq. 4, J(t) = t·I_n(t/b')·(I_A − I_E) + I_E, in the strip of the smallest weight t (as the text has it; the
-/// pseudo-code takes the first below b, which jumps), and [`weighted`](super::gouraud::weighted) elsewhere.
-#[must_use]
-pub fn fixed<V: Intensity>(w: [f64; 3], lights: [V; 3], b: f64, step: &Interpolation) -> V {
-    let (k, t) = smallest(w);
-    if t < b { in_strip(k, w, lights, b, step) } else { super::gouraud::weighted(w, lights) }
+/// pseudo-code takes the first below b, which jumps), and Gouraud's light elsewhere.
+#[derive(Clone, Debug)]
+pub struct Fixed<T, const C: usize> {
+    lights: Vec<[[T; C]; 3]>,
+    strip: T,
+    step: Curve<T>,
 }
 
-/// Bangay eq. 4 at a point of the strip opposite corner `k`.
-#[must_use]
-pub fn in_strip<V: Intensity>(k: usize, w: [f64; 3], lights: [V; 3], b: f64, step: &Interpolation) -> V {
-    let on_edge = on_edge(k, w, lights);
-    on_edge + (lights[k] - on_edge) * (w[k] * step.value(across(k, w, b)))
+/// A point in the strip opposite a corner.
+pub(super) struct InStrip<N: Number, const C: usize> {
+    /// How far across the strip, t/b'; 0 at the corners, where the strip has no width.
+    pub across: N,
+    /// I_E: the light where the line from the corner through the point meets the edge. Bangay eq. 3.
+    pub on_edge: [N; C],
+    /// J(t).
+    pub light: [N; C],
 }
 
-/// I_E: the light where the line from corner `k` through the point meets the edge. Bangay eq. 3.
-pub(super) fn on_edge<V: Intensity>(k: usize, w: [f64; 3], lights: [V; 3]) -> V {
-    let (i, j) = others(k);
-    (lights[i] * w[i] + lights[j] * w[j]) * (1.0 / (1.0 - w[k]))
+impl<T: Constant, const C: usize> Fixed<T, C> {
+    /// For the triangles of `frame` and strips of width `b`.
+    pub fn new(frame: &Frame, channels: Channels, b: f64, depth: Depth) -> Self {
+        Fixed { lights: frame.corner_lights(channels), strip: T::of(b), step: Curve::printed(depth) }
+    }
+
+    /// The lights of the corners of `triangle`.
+    pub(super) fn lights(&self, triangle: usize) -> &[[T; C]; 3] {
+        &self.lights[triangle]
+    }
+
+    /// I_n as printed.
+    pub(super) fn step(&self) -> &Curve<T> {
+        &self.step
+    }
+
+    /// `strip(k)` in the strip opposite corner k, Gouraud's light elsewhere.
+    #[inline(always)]
+    pub(super) fn in_strips<N: Number<Constant = T>>(
+        &self,
+        w: [N; 3],
+        gouraud: [N; C],
+        strip: impl Fn(usize) -> [N; C],
+    ) -> [N; C] {
+        by_smallest(w, least(w).below(w[0].all(self.strip)), gouraud, strip)
+    }
+
+    /// A point in the strip opposite corner `k`.
+    #[inline(always)]
+    pub(super) fn in_strip<N: Number<Constant = T>>(&self, triangle: usize, k: usize, w: [N; 3]) -> InStrip<N, C> {
+        let (i, j) = OTHERS[k];
+        let (lights, one) = (&self.lights[triangle], w[k].of(1.0));
+        let across = w[k] / narrowed(w, self.strip).max(w[k].of(NARROWEST));
+        let per_rest = one / (one - w[k]);
+        let rise = w[k] * self.step.value(across);
+        let (mut on_edge, mut light) = ([w[k]; C], [w[k]; C]);
+        for c in 0..C {
+            on_edge[c] = (w[i].times(lights[i][c]) + w[j].times(lights[j][c])) * per_rest;
+            light[c] = on_edge[c] + (w[k].all(lights[k][c]) - on_edge[c]) * rise;
+        }
+        InStrip { across, on_edge, light }
+    }
 }
 
-/// t/b': how far across the strip; 0 at the corners, where the strip has no width.
-pub(super) fn across(k: usize, w: [f64; 3], b: f64) -> f64 {
-    let width = narrowed(k, w, b);
-    if width > 0.0 { w[k] / width } else { 0.0 }
+impl<T: Constant, const C: usize> Spread<T, C> for Fixed<T, C> {
+    #[inline(always)]
+    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
+        self.in_strips(
+            w,
+            gouraud,
+            #[inline(always)]
+            |k| self.in_strip(triangle, k, w).light,
+        )
+    }
 }

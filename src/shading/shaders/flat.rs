@@ -2,12 +2,38 @@
 
 use glam::DVec3;
 
-use crate::shading::frame::Frame;
+use super::spread::Spread;
+use crate::shading::{
+    channels::Channels,
+    frame::Frame,
+    number::{Constant, Number},
+};
 
-/// The light of `triangle`: that at its middle, with the normal of the face.
+/// The light of each triangle: that at its middle, with the normal of the face.
+#[derive(Clone, Debug)]
+pub struct Flat<T, const C: usize>(Vec<[T; C]>);
+
+impl<T: Constant, const C: usize> Flat<T, C> {
+    /// For the triangles of `frame`.
+    pub fn new(frame: &Frame, channels: Channels) -> Self {
+        Flat((0..frame.triangles.len()).map(|t| channels.pick(light(frame, t))).collect())
+    }
+}
+
+/// The light of `triangle`.
 #[must_use]
 pub fn light(frame: &Frame, triangle: usize) -> DVec3 {
     let [a, b, c] = frame.corners(triangle).map(|v| v.eye);
-    let middle = (a + b + c) / 3.0;
-    frame.lit(middle, frame.triangles[triangle].normal)
+    frame.lit((a + b + c) / 3.0, frame.triangles[triangle].normal)
+}
+
+impl<T: Constant, const C: usize> Spread<T, C> for Flat<T, C> {
+    #[inline(always)]
+    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], _: [N; C]) -> [N; C] {
+        let mut light = [w[0]; C];
+        for c in 0..C {
+            light[c] = w[0].all(self.0[triangle][c]);
+        }
+        light
+    }
 }

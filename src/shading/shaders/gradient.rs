@@ -1,9 +1,13 @@
 //! Bangay's second boundary shader, §4.2.1: meant to give the light at an edge the slope between the two triangles'.
 
-use super::fixed;
+use super::{fixed::Fixed, spread::Spread, strips::OTHERS};
 use crate::{
-    light::Interpolation,
-    shading::boundary::{Intensity, others, smallest},
+    light::Depth,
+    shading::{
+        channels::Channels,
+        frame::{Across, Frame},
+        number::{Constant, Number},
+    },
 };
 
 /// Which slope at the edge.
@@ -15,36 +19,62 @@ pub enum Sign {
     Repaired,
 }
 
-/// J(t) = t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope + I_E in the strip of the smallest weight. `apexes[k]` is
-/// the light of the neighbour's vertex D across edge k; at an edge without a neighbour, [`fixed::in_strip`].
-#[must_use]
-pub fn gradient<V: Intensity>(
-    w: [f64; 3],
-    lights: [V; 3],
-    apexes: [Option<V>; 3],
+/// J(t) = t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope + I_E in the strip of the smallest weight; [`Fixed`]'s at an
+/// edge without a neighbor.
+#[derive(Clone, Debug)]
+pub struct Gradient<T, const C: usize> {
+    fixed: Fixed<T, C>,
+    /// The light of the neighbor's vertex D across each edge.
+    apexes: Vec<[Option<[T; C]>; 3]>,
     sign: Sign,
-    b: f64,
-    step: &Interpolation,
-) -> V {
-    let (k, t) = smallest(w);
-    if t >= b {
-        return super::gouraud::weighted(w, lights);
-    }
-    let flattened = fixed::in_strip(k, w, lights, b, step);
-    let Some(apex) = apexes[k] else { return flattened };
-    let beyond = beyond(k, w, lights, apex);
-    let slope = match sign {
-        Sign::Printed => beyond - fixed::on_edge(k, w, lights),
-        Sign::Repaired => lights[k] - beyond,
-    };
-    flattened + slope * (t * step.value(1.0 - fixed::across(k, w, b)) / 2.0)
 }
 
-/// I_F: the light on the neighbour's far edge, Bangay eqs. 5 and 6, with f = 2a/(1+a) from B, or −2a/(1−a) from C if
-/// a = 2w_B/(w_B+w_C) − 1 is negative. Exact only where D mirrors A in the middle of the edge.
-fn beyond<V: Intensity>(k: usize, w: [f64; 3], lights: [V; 3], apex: V) -> V {
-    let (i, j) = others(k);
-    let a = 2.0 * w[i] / (w[i] + w[j]) - 1.0;
-    let (near, f) = if a < 0.0 { (lights[j], -2.0 * a / (1.0 - a)) } else { (lights[i], 2.0 * a / (1.0 + a)) };
-    near * f + apex * (1.0 - f)
+impl<T: Constant, const C: usize> Gradient<T, C> {
+    /// For the triangles of `frame` and strips of width `b`.
+    pub fn new(frame: &Frame, channels: Channels, sign: Sign, b: f64, depth: Depth) -> Self {
+        let apex = |across| match across {
+            Across::Triangle { apex, .. } => Some(channels.pick(frame.vertices[apex as usize].light)),
+            Across::Nothing | Across::Several => None,
+        };
+        let apexes = frame.triangles.iter().map(|triangle| triangle.across.map(apex)).collect();
+        Gradient { fixed: Fixed::new(frame, channels, b, depth), apexes, sign }
+    }
+
+    #[inline(always)]
+    fn in_strip<N: Number<Constant = T>>(&self, triangle: usize, k: usize, w: [N; 3]) -> [N; C] {
+        let strip = self.fixed.in_strip(triangle, k, w);
+        let Some(apex) = &self.apexes[triangle][k] else { return strip.light };
+        let (i, j) = OTHERS[k];
+        let (lights, zero, one) = (self.fixed.lights(triangle), w[k].of(0.0), w[k].of(1.0));
+        // I_F, the light on the neighbor's far edge, Bangay eqs. 5 and 6: with f = 2a/(1+a) from B, or −2a/(1−a) from C if
+        // a = 2w_B/(w_B+w_C) − 1 is negative. Exact only where D mirrors A in the middle of the edge.
+        let a = w[i] * w[i].of(2.0) / (w[i] + w[j]) - one;
+        let nearer_j = a.below(zero);
+        let size = a.max(zero - a);
+        let f = size * size.of(2.0) / (size + one);
+        let fall = w[k] * self.fixed.step().value(one - strip.across) * w[k].of(0.5);
+        let mut light = strip.light;
+        for c in 0..C {
+            let near = N::select(nearer_j, one.all(lights[j][c]), one.all(lights[i][c]));
+            let beyond = near * f + (one - f).times(apex[c]);
+            let slope = match self.sign {
+                Sign::Printed => beyond - strip.on_edge[c],
+                Sign::Repaired => one.all(lights[k][c]) - beyond,
+            };
+            light[c] = light[c] + slope * fall;
+        }
+        light
+    }
+}
+
+impl<T: Constant, const C: usize> Spread<T, C> for Gradient<T, C> {
+    #[inline(always)]
+    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
+        self.fixed.in_strips(
+            w,
+            gouraud,
+            #[inline(always)]
+            |k| self.in_strip(triangle, k, w),
+        )
+    }
 }

@@ -1,16 +1,29 @@
-//! The shaders, one file a family, each with its equation. What light a point of a triangle shows, given its weights
-//! w_A, w_B, w_C on the screen and the lights I_A, I_B, I_C of the corners.
+//! The shaders, one file each, with its equation: what light a point of a triangle shows, given the weights w_A, w_B, w_C
+//! of the corners on the screen and their lights I_A, I_B, I_C.
+//!
+//! Each is written once, for any [`Number`](super::number::Number): as f64 it is the reference, and as several pixels of
+//! f32 it is what draws. Its text for graphics cards is beside it.
 
-pub mod cut;
-pub mod exact;
-pub mod fixed;
+mod curve;
+mod cut;
+mod exact;
+mod fixed;
 pub mod flat;
-pub mod gouraud;
-pub mod gradient;
-pub mod phong;
+mod gouraud;
+mod gradient;
+mod patch;
+mod phong;
 pub mod quadratic;
-pub mod reweight;
+mod reweight;
 mod shade;
-pub mod vertex;
+mod shading;
+mod spread;
+mod strips;
+mod vertex;
 
+pub use curve::Curve;
+pub use patch::Patch;
 pub use shade::{Correction, Shade, Shader};
+pub(crate) use shading::with_shader;
+pub use shading::{Corrected, Plain, Shading};
+pub use spread::Spread;

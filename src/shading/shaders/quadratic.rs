@@ -3,31 +3,45 @@
 
 use glam::DVec3;
 
+use super::{spread::Spread, strips::OTHERS};
 use crate::shading::{
-    boundary::{Intensity, others},
+    channels::Channels,
     frame::Frame,
+    number::{Constant, Number, plus},
 };
 
-/// The quadratic through the lights of the corners and those of the middles, `middles[k]` opposite corner k:
-/// Σ_k w_k(2w_k − 1)·I_k + 4·w_i·w_j·M_k.
-#[must_use]
-pub fn quadratic<V: Intensity>(w: [f64; 3], lights: [V; 3], middles: [V; 3]) -> V {
-    let at = |k: usize| {
-        let (i, j) = others(k);
-        lights[k] * (w[k] * (2.0 * w[k] - 1.0)) + middles[k] * (4.0 * w[i] * w[j])
-    };
-    at(0) + at(1) + at(2)
+/// The quadratic through the lights of the corners and those of the middles, M_k opposite corner k: Gouraud's light and
+/// Σ_k w_i·w_j·4(M_k − (I_i + I_j)/2).
+#[derive(Clone, Debug)]
+pub struct Quadratic<T, const C: usize>(Vec<[[T; C]; 3]>);
+
+impl<T: Constant, const C: usize> Quadratic<T, C> {
+    /// For the triangles of `frame`.
+    pub fn new(frame: &Frame, channels: Channels) -> Self {
+        Quadratic((0..frame.triangles.len()).map(|t| bulges(frame, t).map(|bulge| channels.pick(bulge))).collect())
+    }
 }
 
-/// The lights at the middles of `triangle`'s edges: lit as [`phong`](super::phong) would light them. Both triangles at
-/// an edge get the same.
+/// 4(M_k − (I_i + I_j)/2) of each edge of `triangle`, M_k lit as [`phong`](super::phong) would light it. Both triangles
+/// at an edge get the same.
 #[must_use]
-pub fn middles(frame: &Frame, triangle: usize) -> [DVec3; 3] {
+pub fn bulges(frame: &Frame, triangle: usize) -> [DVec3; 3] {
     let corners = frame.corners(triangle);
-    [0, 1, 2].map(|k| {
-        let (i, j) = others(k);
+    OTHERS.map(|(i, j)| {
         let place = (corners[i].eye + corners[j].eye) / 2.0;
         let normal = (corners[i].normal + corners[j].normal).normalize_or_zero();
-        frame.lit(place, normal)
+        4.0 * (frame.lit(place, normal) - (corners[i].light + corners[j].light) / 2.0)
     })
+}
+
+impl<T: Constant, const C: usize> Spread<T, C> for Quadratic<T, C> {
+    #[inline(always)]
+    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
+        let mut light = gouraud;
+        for k in 0..3 {
+            let (i, j) = OTHERS[k];
+            light = plus(light, w[i] * w[j], &self.0[triangle][k]);
+        }
+        light
+    }
 }

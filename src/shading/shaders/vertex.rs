@@ -1,80 +1,110 @@
 //! Vertex shading, Bangay §4.3: contours around a vertex become arcs instead of polygons.
 
-use glam::DVec2;
-
-use crate::{
-    light::Interpolation,
-    shading::boundary::{Blend, Intensity, others},
+use super::{curve::Curve, strips::OTHERS};
+use crate::shading::{
+    channels::Channels,
+    frame::Frame,
+    number::{Constant, Number, dot, select},
 };
 
-/// d_A, Bangay eq. 7: 1 at corner `k`, 0 at the other two, falling with the square of the distance from the corner on
-/// the screen; negative beyond. 1 at the corner itself.
-///
-/// On the screen, because there distances and weights agree about places: a mesh's own distances would bend the
-/// contours at edges in perspective.
-#[must_use]
-pub fn closeness(k: usize, w: [f64; 3], corners: [DVec2; 3]) -> f64 {
-    let (i, j) = others(k);
-    let (to_i, to_j) = (corners[i] - corners[k], corners[j] - corners[k]);
-    let Some(mix) = mix(w[i], w[j]) else { return 1.0 };
-    let reach = to_i.length() * mix + to_j.length() * (1.0 - mix);
-    // Two corners in one place: no distance to tell them apart.
-    if reach > 0.0 { 1.0 - (to_i * w[i] + to_j * w[j]).length_squared() / (reach * reach) } else { 1.0 }
+/// What vertex shading needs of a triangle: at each corner the steps to the other two on the screen, and the lights.
+#[derive(Clone, Debug)]
+pub struct Fans<T, const C: usize> {
+    steps: [[Step<T>; 2]; 3],
+    lights: [[T; C]; 3],
 }
 
-/// w_B²/(w_B² + w_C²), by which an edge's value gives way to the other's without slope at either; `None` at the corner.
-fn mix(wi: f64, wj: f64) -> Option<f64> {
-    let largest = wi.abs().max(wj.abs());
-    // Scaled, so that squares of tiny weights do not vanish.
-    let (wi, wj) = (wi / largest, wj / largest);
-    (largest > 0.0).then(|| wi * wi / (wi * wi + wj * wj))
-}
+/// From one corner to another: pixels right, pixels down, the distance.
+type Step<T> = [T; 3];
 
-/// As printed: `g·value + (1−g)·d_A·I_A` where w_A > 1 − 2b, g = I_n((1−w_A)/2b); of overlapping regions (b > ¼) the
-/// first, with a jump. It darkens a uniform surface around its vertices.
-#[must_use]
-pub fn printed<V: Intensity>(
-    value: V,
-    w: [f64; 3],
-    lights: [V; 3],
-    corners: [DVec2; 3],
-    b: f64,
-    step: &Interpolation,
-) -> V {
-    let Some(k) = (0..3).find(|&k| w[k] > 1.0 - 2.0 * b) else { return value };
-    let g = step.value((1.0 - w[k]) / (2.0 * b));
-    value * g + lights[k] * (closeness(k, w, corners) * (1.0 - g))
-}
-
-/// Repaired: the light around a vertex goes to that of its neighbours instead of to darkness, I_V = I_e + d_A(I_A −
-/// I_e), I_e mixed from I_B and I_C by squared weights; and it gives way to `value` with ρ = √(1−d_A), which both
-/// triangles at an edge share, over the radius 2·min(b, ¼): value + Σ q·(1 − I_n(ρ/radius))·(I_V − value).
-///
-/// At angles above 120° the radius reaches beyond the opposite edge, where the neighbour knows nothing of it. There
-/// q = I_2(4·w_A), which is 1 for w_A ≥ ¼, ends it with the edge.
-///
-/// Uniform light stays uniform, and C1 across edges stays C1.
-#[must_use]
-pub fn repaired<V: Intensity>(value: V, w: [f64; 3], lights: [V; 3], corners: [DVec2; 3], b: f64, blend: &Blend) -> V {
-    let radius = 2.0 * b.min(0.25);
-    let mut corrected = value;
-    for k in 0..3 {
-        let (i, j) = others(k);
-        // At the corner itself the neighbours have no say, however they are mixed.
-        let mix = mix(w[i], w[j]).unwrap_or(0.5);
-        let d = closeness(k, w, corners);
-        let rho = (1.0 - d).max(0.0).sqrt();
-        if rho < radius {
-            let around = lights[i] * mix + lights[j] * (1.0 - mix);
-            let arc = around + (lights[k] - around) * d;
-            corrected = corrected + (arc - value) * (confined(w[k]) * (1.0 - blend.value(rho / radius)));
+impl<T: Constant, const C: usize> Fans<T, C> {
+    /// Of triangle `triangle`.
+    pub fn new(frame: &Frame, triangle: usize, channels: Channels) -> Self {
+        let corners = frame.corners(triangle);
+        let step = |from: usize, to: usize| {
+            let step = corners[to].screen - corners[from].screen;
+            [step.x, step.y, step.length()].map(T::of)
+        };
+        Fans {
+            steps: [0, 1, 2].map(|k| [step(k, OTHERS[k].0), step(k, OTHERS[k].1)]),
+            lights: corners.map(|v| channels.pick(v.light)),
         }
     }
-    corrected
-}
 
-/// q: 1 from w_A = ¼, 0 with no slope at w_A = 0.
-fn confined(w: f64) -> f64 {
-    let u = (4.0 * w).clamp(0.0, 1.0);
-    u * u * (3.0 - 2.0 * u)
+    /// d_A, Bangay eq. 7: 1 at corner `k`, 0 at the other two, falling with the square of the distance from the corner on
+    /// the screen; negative beyond. 1 at the corner itself. And w_B²/(w_B² + w_C²), by which one edge's value gives way to
+    /// the other's without slope at either; ½ at the corner.
+    ///
+    /// On the screen, because there distances and weights agree about places: a mesh's own distances would bend the
+    /// contours at edges in perspective.
+    #[inline(always)]
+    pub fn closeness<N: Number<Constant = T>>(&self, k: usize, w: [N; 3]) -> (N, N) {
+        let (i, j) = OTHERS[k];
+        let [to_i, to_j] = &self.steps[k];
+        let (zero, one) = (w[k].of(0.0), w[k].of(1.0));
+        // Scaled, so that squares of tiny weights do not vanish.
+        let largest = w[i].max(zero - w[i]).max(w[j].max(zero - w[j]));
+        let (wi, wj) = (w[i] / largest, w[j] / largest);
+        let mix = N::select(zero.below(largest), wi * wi / (wi * wi + wj * wj), w[k].of(0.5));
+        let reach = mix.times(to_i[2]) + (one - mix).times(to_j[2]);
+        let place = [w[i].times(to_i[0]) + w[j].times(to_j[0]), w[i].times(to_i[1]) + w[j].times(to_j[1]), zero];
+        // Two corners in one place: no distance to tell them apart.
+        let far = N::select(zero.below(reach), dot(place, place) / (reach * reach), zero);
+        (one - far, mix)
+    }
+
+    /// As printed: `g·value + (1−g)·d_A·I_A` where w_A > 1 − 2b, g = I_n((1−w_A)/2b); of overlapping regions (b > ¼) the
+    /// first, with a jump. It darkens a uniform surface around its vertices.
+    #[inline(always)]
+    pub fn printed<N: Number<Constant = T>>(&self, value: [N; C], w: [N; 3], b: f64, step: &Curve<T>) -> [N; C] {
+        let one = w[0].of(1.0);
+        let mut corrected = value;
+        // The first corner last: it wins.
+        for k in [2, 1, 0] {
+            let here = one.of(1.0 - 2.0 * b).below(w[k]);
+            if N::any(here) {
+                let g = step.value((one - w[k]) * one.of(0.5 / b));
+                let fall = self.closeness(k, w).0 * (one - g);
+                let mut arc = value;
+                for c in 0..C {
+                    arc[c] = value[c] * g + fall.times(self.lights[k][c]);
+                }
+                corrected = select(here, arc, corrected);
+            }
+        }
+        corrected
+    }
+
+    /// Repaired: the light around a vertex goes to that of its neighbors instead of to darkness, I_V = I_e + d_A(I_A −
+    /// I_e), I_e mixed from I_B and I_C by squared weights; and it gives way to `value` with ρ = √(1−d_A), which both
+    /// triangles at an edge share, over the radius 2·min(b, ¼): value + Σ q·(1 − I_n(ρ/radius))·(I_V − value).
+    ///
+    /// At angles above 120° the radius reaches beyond the opposite edge, where the neighbor knows nothing of it. There
+    /// q = I_2(4·w_A), which is 1 for w_A ≥ ¼, ends it with the edge.
+    ///
+    /// Uniform light stays uniform, and C1 across edges stays C1.
+    #[inline(always)]
+    pub fn repaired<N: Number<Constant = T>>(&self, value: [N; C], w: [N; 3], b: f64, curve: &Curve<T>) -> [N; C] {
+        let (zero, one) = (w[0].of(0.0), w[0].of(1.0));
+        let radius = 2.0 * b.min(0.25);
+        let mut corrected = value;
+        for k in 0..3 {
+            let (i, j) = OTHERS[k];
+            let (closeness, mix) = self.closeness(k, w);
+            let rho = (one - closeness).max(zero).sqrt();
+            let here = rho.below(one.of(radius));
+            if N::any(here) {
+                let u = (w[k] * one.of(4.0)).within(0.0, 1.0);
+                let confined = u * u * (one.of(3.0) - u * one.of(2.0));
+                let share = confined * (one - curve.value(rho * one.of(1.0 / radius)));
+                let share = N::select(here, share, zero);
+                for c in 0..C {
+                    let around = mix.times(self.lights[i][c]) + (one - mix).times(self.lights[j][c]);
+                    let arc = around + (one.all(self.lights[k][c]) - around) * closeness;
+                    corrected[c] = corrected[c] + (arc - value[c]) * share;
+                }
+            }
+        }
+        corrected
+    }
 }

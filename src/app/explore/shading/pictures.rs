@@ -1,6 +1,6 @@
-//! The two pictures of a comparison: drawn by the rasterizer or the graphics card, anew only when something has changed.
+//! The two pictures of a comparison: drawn by the processor or the graphics card, anew only when something has changed.
 
-use std::{num::NonZero, sync::Arc, thread, time::Instant};
+use std::{sync::Arc, time::Instant};
 
 use eframe::{
     egui::{self, Color32, ColorImage, TextureHandle, TextureId},
@@ -14,26 +14,22 @@ use super::{
 use crate::{
     app::ui::pixels::{self, Canvas},
     light::{CodeImage, Samples},
-    shading::{
-        Frame, Surface,
-        raster::{Encoder, Prepared, Rasterizer},
-    },
+    shading::{Encoder, Frame, Prepared, Surface},
     stimulus::Shot,
 };
 
 /// What draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DrawnBy {
-    /// The rasterizer.
+    /// The processor.
     Cpu,
     /// The graphics card.
     Gpu,
 }
 
-/// The rasterizer, and the graphics card where it can draw.
+/// The processor, and the graphics card where it can draw.
 pub struct Drawer {
-    rasterizer: Rasterizer,
-    /// What the rasterizer's pictures are shown on, left and right.
+    /// What the processor's pictures are shown on, left and right.
     canvases: [Canvas; 2],
     gpu: Result<WindowGpu, String>,
     /// What is to draw, if both can.
@@ -41,8 +37,8 @@ pub struct Drawer {
 }
 
 impl Drawer {
-    /// All of the machine's threads, and the window's graphics card if it has one. A card that is a program is no faster
-    /// than the rasterizer, which then goes first.
+    /// The window's graphics card, if it has one. A card that is a program is no faster than the processor, which then
+    /// goes first.
     pub fn new(state: Option<&RenderState>) -> Drawer {
         let gpu = match state {
             Some(state) => WindowGpu::new(state).map_err(|error| error.to_string()),
@@ -50,7 +46,6 @@ impl Drawer {
         };
         let is_fast = gpu.as_ref().is_ok_and(|gpu| !gpu.is_software());
         Drawer {
-            rasterizer: Rasterizer::new(thread::available_parallelism().map_or(1, NonZero::get)),
             canvases: Default::default(),
             gpu,
             wanted: if is_fast { DrawnBy::Gpu } else { DrawnBy::Cpu },
@@ -82,7 +77,7 @@ impl Drawer {
         {
             match gpu.draw(shot) {
                 Ok((picture, ms)) => return Picture { image: Image::Gpu(picture), ms },
-                // From here on the rasterizer draws, and the page says why.
+                // From here on the processor draws, and the page says why.
                 Err(error) => self.gpu = Err(error.to_string()),
             }
         }
@@ -91,7 +86,7 @@ impl Drawer {
             ColorImage::filled([shot.frame.width, shot.frame.height].map(|side| side as usize), Color32::BLACK);
         let encoder = Encoder::new(&shot.transfers.channels()[0]);
         let prepared = Prepared::new(&shot.frame, &shot.shade);
-        self.rasterizer.draw_codes(&prepared, &encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
+        prepared.codes(&encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
         let ms = ms_since(begun);
         let pixels = Arc::new(pixels);
         let texture = self.canvases[which].put(ctx, "shading", pixels.clone());

@@ -3,37 +3,85 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::{
-    lanes::{Lanes, MOST_LANES, Mask},
+    lanes::{Lanes, MOST_LANES},
     outline::{Outline, ROWS},
-    plane::Planes,
-    prepared::Prepared,
+    planes::{Line, Planes},
 };
+use crate::shading::{draw::reference::Reference, frame::Frame, number::Number as _, shaders::Spread};
 
-/// A few neighbouring pixels of a row, of which the first `count` are wanted.
-#[derive(Clone, Copy)]
-pub(super) struct Chunk<S: Simd> {
-    /// How far each is from the row's first pixel.
-    pub steps: Lanes<S>,
-    /// The same for the first of them.
-    pub first: u32,
-    pub count: u32,
-    /// Which are wanted and belong to the row.
-    pub wanted: Mask<S>,
-}
-
-/// A shader: the light along a row of pixels of a triangle.
+/// The light along the rows of triangles.
 pub(super) trait Rows<const C: usize>: Sync {
-    /// What is constant along the row.
+    /// What is constant along a row.
     type Row: Copy;
 
     /// The row of `triangle` whose first pixel is in column `x` of row `y`.
-    fn row<S: Simd>(&self, simd: S, triangle: u32, x: u32, y: u32) -> Self::Row;
+    fn row(&self, triangle: u32, x: u32, y: u32) -> Self::Row;
 
     /// The light of a few of its pixels; whatever it likes for those not wanted.
     fn light<S: Simd>(&self, row: &Self::Row, chunk: Chunk<S>) -> [Lanes<S>; C];
 }
 
-/// Memory that one thread reuses from band to band.
+/// A few neighboring pixels of a row, of which the first `count` are wanted.
+#[derive(Clone, Copy)]
+pub(super) struct Chunk<S: Simd> {
+    /// How far each is from the row's first pixel.
+    steps: Lanes<S>,
+    /// The same for the first of them.
+    first: u32,
+    count: u32,
+}
+
+/// The weights of a triangle's corners, then its light in up to three channels.
+pub(super) type Corners = Planes<6>;
+
+/// A shader in lanes of f32.
+pub(super) struct Fast<'a, R> {
+    /// Of every triangle.
+    pub corners: &'a [Corners],
+    pub shader: &'a R,
+}
+
+impl<const C: usize, R: Spread<f32, C>> Rows<C> for Fast<'_, R> {
+    type Row = (Line<6>, u32);
+
+    #[inline(always)]
+    fn row(&self, triangle: u32, x: u32, y: u32) -> Self::Row {
+        (self.corners[triangle as usize].line(x, y), triangle)
+    }
+
+    #[inline(always)]
+    fn light<S: Simd>(&self, (line, triangle): &Self::Row, chunk: Chunk<S>) -> [Lanes<S>; C] {
+        self.shader.light(*triangle as usize, line.along(0, chunk.steps), line.along(3, chunk.steps))
+    }
+}
+
+/// Triangle, first pixel and row.
+impl Rows<3> for Reference<'_> {
+    type Row = [u32; 3];
+
+    #[inline(always)]
+    fn row(&self, triangle: u32, x: u32, y: u32) -> [u32; 3] {
+        [triangle, x, y]
+    }
+
+    #[inline(always)]
+    fn light<S: Simd>(&self, [triangle, x, y]: &[u32; 3], chunk: Chunk<S>) -> [Lanes<S>; 3] {
+        let mut light = [[0.0; MOST_LANES]; 3];
+        for i in 0..chunk.count {
+            let pixel = self.pixel(*triangle as usize, x + chunk.first + i, *y).as_vec3().to_array();
+            for c in 0..3 {
+                light[c][i as usize] = pixel[c];
+            }
+        }
+        let mut lanes = [chunk.steps; 3];
+        for c in 0..3 {
+            lanes[c] = chunk.steps.loaded(&light[c]);
+        }
+        lanes
+    }
+}
+
+/// Memory that is reused from band to band.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     /// Light, channel by channel, row by row.
@@ -45,101 +93,93 @@ pub(super) struct Scratch {
     spans: Vec<(u32, u32)>,
 }
 
-/// Which rows.
+/// A band to be painted.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Band {
+pub(super) struct Band<'a> {
+    pub frame: &'a Frame,
+    /// Of every triangle.
+    pub outlines: &'a [Option<Outline>],
+    /// Those that reach into it, in the order of the frame.
+    pub triangles: &'a [u32],
+    /// The first row, and the one after the last.
     pub first: u32,
     pub end: u32,
+    pub background: [f32; 3],
 }
 
-impl Band {
-    /// Those of them that a triangle may have.
+impl Band<'_> {
+    /// The rows that a triangle may have.
     #[inline(always)]
-    fn rows(self, outline: &Outline) -> (u32, u32) {
-        let first = if outline.first > self.first { outline.first } else { self.first };
-        (first, if outline.end < self.end { outline.end } else { self.end })
+    fn rows(&self, triangle: u32) -> Option<(&Outline, u32, u32)> {
+        let outline = self.outlines[triangle as usize].as_ref()?;
+        Some((outline, outline.first.max(self.first), outline.end.min(self.end)))
     }
-}
 
-/// A band to be painted, and the triangles that reach into it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Work<'a> {
-    pub prepared: &'a Prepared<'a>,
-    pub band: Band,
-    pub triangles: &'a [u32],
-    /// The vectors to do it with.
-    pub arch: Arch,
-}
+    /// The depths of a triangle.
+    fn depths(&self, triangle: u32) -> Planes<1> {
+        let corners = self.frame.corners(triangle as usize);
+        Planes::new(corners.map(|v| v.screen), corners.map(|v| [v.depth]))
+    }
 
-impl Scratch {
-    /// Finds the spans of `triangles` in `band`, and fills `C` channels with the background.
+    /// Finds the spans of the triangles, and fills `C` channels with the background.
     ///
     /// Returns whether any pixel is covered twice: if not, nothing is hidden and depth need not be looked at.
     #[inline(always)]
-    fn begin<const C: usize>(&mut self, work: Work<'_>) -> bool {
-        let Work { prepared, band, triangles, .. } = work;
-        let width = prepared.width();
-        let pixels = (band.end - band.first) as usize * width as usize;
-        for (light, background) in self.light.iter_mut().zip(prepared.background).take(C) {
+    fn begin<const C: usize>(&self, scratch: &mut Scratch) -> bool {
+        let width = self.frame.width;
+        let (rows, words) = ((self.end - self.first) as usize, width.div_ceil(64) as usize);
+        let pixels = rows * width as usize + MOST_LANES;
+        for (light, background) in scratch.light.iter_mut().zip(self.background).take(C) {
             light.clear();
-            light.resize(pixels + MOST_LANES, background);
+            light.resize(pixels, background);
         }
-        let words = width.div_ceil(64) as usize;
-        self.covered.clear();
-        self.covered.resize((band.end - band.first) as usize * words, 0);
-        self.spans.clear();
+        scratch.covered.clear();
+        scratch.covered.resize(rows * words, 0);
+        scratch.spans.clear();
         let mut twice = 0;
-        for &triangle in triangles {
-            let outline = &prepared.outlines[triangle as usize];
-            let (first, end) = band.rows(outline);
+        for &triangle in self.triangles {
+            let Some((outline, first, end)) = self.rows(triangle) else { continue };
             for block in (first..end).step_by(ROWS) {
-                let (left, right) = outline.spans(block, width);
-                for (i, row) in (block..end).take(ROWS).enumerate() {
-                    let bits = &mut self.covered[(row - band.first) as usize * words..][..words];
-                    twice |= cover(bits, left[i], right[i]);
-                    self.spans.push((left[i], right[i]));
+                for (row, span) in (block..end).zip(outline.spans(block, width)) {
+                    let bits = &mut scratch.covered[(row - self.first) as usize * words..][..words];
+                    twice |= cover(bits, span);
+                    scratch.spans.push(span);
                 }
             }
         }
         if twice != 0 {
-            self.depth.clear();
-            self.depth.resize(pixels + MOST_LANES, f64::INFINITY);
+            scratch.depth.clear();
+            scratch.depth.resize(pixels, f64::INFINITY);
         }
         twice != 0
+    }
+
+    /// Draws the triangles: their light comes to lie in `scratch.light`.
+    pub fn paint<const C: usize, R: Rows<C>>(&self, rows: &R, scratch: &mut Scratch, arch: Arch) {
+        arch.dispatch(Paint { rows, band: self, scratch });
     }
 }
 
 /// Sets the bits from `left` to before `right`; returns those that were set before.
 #[inline(always)]
-fn cover(bits: &mut [u64], left: u32, right: u32) -> u64 {
+fn cover(bits: &mut [u64], (left, right): (u32, u32)) -> u64 {
     if left >= right {
         return 0;
     }
     let (first, last) = ((left / 64) as usize, ((right - 1) / 64) as usize);
-    let (from, to) = (u64::MAX << (left % 64), u64::MAX >> (63 - (right - 1) % 64));
-    if first == last {
-        let twice = bits[first] & from & to;
-        bits[first] |= from & to;
-        return twice;
-    }
-    let mut twice = (bits[first] & from) | (bits[last] & to);
-    bits[first] |= from;
-    bits[last] |= to;
-    for word in &mut bits[first + 1..last] {
-        twice |= *word;
-        *word = u64::MAX;
+    let mut twice = 0;
+    for (word, bits) in (first..).zip(&mut bits[first..=last]) {
+        let from = if word == first { u64::MAX << (left % 64) } else { u64::MAX };
+        let to = if word == last { u64::MAX >> (63 - (right - 1) % 64) } else { u64::MAX };
+        twice |= *bits & from & to;
+        *bits |= from & to;
     }
     twice
 }
 
-/// Draws the triangles of a band: their light comes to lie in `scratch.light`.
-pub(super) fn paint<const C: usize, R: Rows<C>>(shader: &R, work: Work<'_>, scratch: &mut Scratch) {
-    work.arch.dispatch(Paint { shader, work, scratch });
-}
-
 struct Paint<'a, const C: usize, R> {
-    shader: &'a R,
-    work: Work<'a>,
+    rows: &'a R,
+    band: &'a Band<'a>,
     scratch: &'a mut Scratch,
 }
 
@@ -148,30 +188,29 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Paint { shader, work, scratch } = self;
-        let Work { prepared, band, triangles, .. } = work;
-        let width = prepared.width() as usize;
-        let overlap = scratch.begin::<C>(work);
+        let Paint { rows, band, scratch } = self;
+        let width = band.frame.width as usize;
+        let overlap = band.begin::<C>(scratch);
         let Scratch { light: [a, b, c], depth, spans, .. } = scratch;
         let planes = [&mut a[..], &mut b[..], &mut c[..]];
         let mut spans = spans.iter();
-        for &triangle in triangles {
+        for &triangle in band.triangles {
+            let Some((_, first, end)) = band.rows(triangle) else { continue };
             // Zeros, not nothing: a compiler may compute with what is not there, and what lies in its place can be slow.
-            let depths = if overlap { prepared.depths(triangle) } else { Planes::ZERO };
-            let (first, end) = band.rows(&prepared.outlines[triangle as usize]);
+            let depths = if overlap { band.depths(triangle) } else { Planes::ZERO };
             for y in first..end {
                 let Some(&(left, right)) = spans.next() else { return };
                 if left >= right {
                     continue;
                 }
-                let row = shader.row(simd, triangle, left, y);
+                let row = rows.row(triangle, left, y);
                 let from = (y - band.first) as usize * width + left as usize;
                 let mut first = 0;
                 while first < right - left {
                     let rest = right - left - first;
                     let at = from + first as usize;
                     let count = if rest < S::F32_LANES as u32 { rest } else { S::F32_LANES as u32 };
-                    let steps = Lanes::steps(simd) + first as f32;
+                    let steps = Lanes::steps(simd) + Lanes::splat(simd, first as f32);
                     let wanted = if overlap {
                         let nearer = nearer(depths.precise(left + first, y), count, &mut depth[at..]);
                         Lanes::load(simd, &nearer).below(Lanes::splat(simd, 0.0))
@@ -179,11 +218,11 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
                         steps.below(Lanes::splat(simd, (right - left) as f32))
                     };
                     // Hidden pixels are not even shaded.
-                    if !overlap || wanted.any(wanted) {
-                        let values: [Lanes<S>; C] = shader.light(&row, Chunk { steps, first, count, wanted });
+                    if !overlap || Lanes::any(wanted) {
+                        let values: [Lanes<S>; C] = rows.light(&row, Chunk { steps, first, count });
                         for c in 0..C {
                             let pixels = &mut planes[c][at..at + S::F32_LANES];
-                            wanted.select(values[c], Lanes::load(simd, pixels)).store(pixels);
+                            Lanes::select(wanted, values[c], Lanes::load(simd, pixels)).store(pixels);
                         }
                     }
                     first += S::F32_LANES as u32;
@@ -196,7 +235,7 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
 /// −1 for each of `count` pixels at which the triangle is nearer than what was drawn before, 0 for others. Its depths
 /// along the row are `at`, `at + step` …
 #[inline(always)]
-fn nearer((at, step): (f64, f64), count: u32, depth: &mut [f64]) -> [f32; MOST_LANES] {
+fn nearer(([at], [step]): ([f64; 1], [f64; 1]), count: u32, depth: &mut [f64]) -> [f32; MOST_LANES] {
     let mut nearer = [0.0; MOST_LANES];
     let Some(depth) = depth.first_chunk_mut::<MOST_LANES>() else { return nearer };
     for i in 0..MOST_LANES {

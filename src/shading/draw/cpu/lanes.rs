@@ -1,24 +1,15 @@
-//! Several neighbouring pixels at once, with ordinary operators over [`pulp`]'s vectors.
+//! Several neighboring pixels at once, in [`pulp`]'s vectors.
 //!
 //! No operation here is fused or approximate: every machine computes the same bits, whatever the width of its vectors.
 
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, Div, Mul, Sub};
 
 use pulp::Simd;
 
+use crate::shading::number::Number;
+
 /// The most pixels that any machine takes at once.
 pub(super) const MOST_LANES: usize = 16;
-
-/// 0, 1, 2 …: what each lane is away from the first.
-const STEPS: [f32; MOST_LANES] = {
-    let mut steps = [0.0; MOST_LANES];
-    let mut i = 0;
-    while i < MOST_LANES {
-        steps[i] = i as f32;
-        i += 1;
-    }
-    steps
-};
 
 /// A number for each of several pixels.
 #[derive(Clone, Copy)]
@@ -40,10 +31,14 @@ impl<S: Simd> Lanes<S> {
         Lanes { simd, v: simd.splat_f32s(value) }
     }
 
-    /// 0, 1, 2 …
+    /// 0, 1, 2 …: how far each pixel is from the first.
     #[inline(always)]
     pub fn steps(simd: S) -> Self {
-        Lanes { simd, v: bytemuck::cast_slice::<f32, S::f32s>(&Aligned::STEPS.0)[0] }
+        let mut steps = [0.0; MOST_LANES];
+        for (i, step) in steps.iter_mut().enumerate() {
+            *step = i as f32;
+        }
+        Lanes::load(simd, &steps)
     }
 
     /// The first lanes of `slice`, which holds at least as many.
@@ -52,66 +47,22 @@ impl<S: Simd> Lanes<S> {
         Lanes { simd, v: bytemuck::pod_read_unaligned(bytemuck::cast_slice(&slice[..S::F32_LANES])) }
     }
 
+    /// The first lanes of `slice`, as many as this has.
+    #[inline(always)]
+    pub fn loaded(self, slice: &[f32]) -> Self {
+        Self::load(self.simd, slice)
+    }
+
     /// Writes all lanes to the start of `slice`, which holds at least as many.
     #[inline(always)]
     pub fn store(self, slice: &mut [f32]) {
         slice[..S::F32_LANES].copy_from_slice(bytemuck::cast_slice(&[self.v]));
     }
 
+    /// `self` times a constant and another.
     #[inline(always)]
-    pub fn simd(self) -> S {
-        self.simd
-    }
-
-    /// This number for every lane.
-    #[inline(always)]
-    pub fn all(self, value: f32) -> Self {
-        Self::splat(self.simd, value)
-    }
-
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        Lanes { v: self.simd.min_f32s(self.v, other.v), ..self }
-    }
-
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        Lanes { v: self.simd.max_f32s(self.v, other.v), ..self }
-    }
-
-    #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        Lanes { v: self.simd.sqrt_f32s(self.v), ..self }
-    }
-
-    /// Where this is below `other`; nowhere for NaN.
-    #[inline(always)]
-    pub fn below(self, other: Self) -> Mask<S> {
-        Mask { simd: self.simd, m: self.simd.less_than_f32s(self.v, other.v) }
-    }
-}
-
-/// [`STEPS`], where vectors may be.
-#[repr(align(64))]
-struct Aligned([f32; MOST_LANES]);
-
-impl Aligned {
-    const STEPS: &'static Aligned = &Aligned(STEPS);
-}
-
-impl<S: Simd> Mask<S> {
-    /// Whether any is a yes that is also one in `wanted`.
-    #[inline(always)]
-    pub fn any(self, wanted: Self) -> bool {
-        // Masks are lanes of all ones on some machines and bits on others.
-        let both = self.simd.and_m32s(self.m, wanted.m);
-        bytemuck::bytes_of(&both) != &[0; size_of::<f32>() * MOST_LANES][..size_of::<S::m32s>()]
-    }
-
-    /// `yes` where this says so, `no` elsewhere.
-    #[inline(always)]
-    pub fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
-        Lanes { v: self.simd.select_f32s(self.m, yes.v, no.v), ..yes }
+    pub fn along(self, step: f32, at: f32) -> Self {
+        self.times(step) + self.all(at)
     }
 }
 
@@ -125,15 +76,6 @@ macro_rules! operator {
                 Lanes { v: self.simd.$simd(self.v, other.v), ..self }
             }
         }
-
-        impl<S: Simd> $trait<f32> for Lanes<S> {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $method(self, other: f32) -> Self {
-                Lanes { v: self.simd.$simd(self.v, self.simd.splat_f32s(other)), ..self }
-            }
-        }
     };
 }
 
@@ -142,25 +84,76 @@ operator!(Sub, sub, sub_f32s);
 operator!(Mul, mul, mul_f32s);
 operator!(Div, div, div_f32s);
 
-/// An array of what `of` makes of 0, 1 …: like [`std::array::from_fn`], but always inlined, as code for a machine's
-/// vectors must be.
-#[inline(always)]
-pub(super) fn each<S: Simd, const N: usize>(simd: S, of: impl Fn(usize) -> Lanes<S>) -> [Lanes<S>; N] {
-    let mut array = [Lanes::splat(simd, 0.0); N];
-    let mut i = 0;
-    while i < N {
-        array[i] = of(i);
-        i += 1;
+impl<S: Simd> BitAnd for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Mask { m: self.simd.and_m32s(self.m, other.m), ..self }
     }
-    array
 }
 
-/// `to` and `term` together, number by number.
-#[inline(always)]
-pub(super) fn add<S: Simd, const N: usize>(to: [Lanes<S>; N], term: impl Fn(usize) -> Lanes<S>) -> [Lanes<S>; N] {
-    let mut sum = to;
-    for (i, sum) in sum.iter_mut().enumerate() {
-        *sum = *sum + term(i);
+impl<S: Simd> Number for Lanes<S> {
+    type Constant = f32;
+    type Mask = Mask<S>;
+
+    #[inline(always)]
+    fn all(self, value: f32) -> Self {
+        Self::splat(self.simd, value)
     }
-    sum
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Lanes { v: self.simd.min_f32s(self.v, other.v), ..self }
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Lanes { v: self.simd.max_f32s(self.v, other.v), ..self }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Lanes { v: self.simd.sqrt_f32s(self.v), ..self }
+    }
+
+    #[inline(always)]
+    fn below(self, other: Self) -> Mask<S> {
+        Mask { simd: self.simd, m: self.simd.less_than_f32s(self.v, other.v) }
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Mask<S> {
+        Mask { simd: self.simd, m: self.simd.less_than_or_equal_f32s(self.v, other.v) }
+    }
+
+    #[inline(always)]
+    fn any(mask: Mask<S>) -> bool {
+        // Masks are lanes of all ones on some machines and bits on others.
+        bytemuck::bytes_of(&mask.m) != &[0; size_of::<f32>() * MOST_LANES][..size_of::<S::m32s>()]
+    }
+
+    #[inline(always)]
+    fn select(mask: Mask<S>, yes: Self, no: Self) -> Self {
+        Lanes { v: mask.simd.select_f32s(mask.m, yes.v, no.v), ..yes }
+    }
+
+    #[inline(always)]
+    fn each<const I: usize, const O: usize>(inputs: [Self; I], of: impl Fn([f64; I]) -> [f64; O]) -> [Self; O] {
+        let mut numbers = [[0.0; MOST_LANES]; I];
+        for (numbers, input) in numbers.iter_mut().zip(inputs) {
+            input.store(numbers);
+        }
+        let mut results = [[0.0; MOST_LANES]; O];
+        for lane in 0..S::F32_LANES {
+            for (results, result) in results.iter_mut().zip(of(numbers.map(|numbers| f64::from(numbers[lane])))) {
+                results[lane] = result as f32;
+            }
+        }
+        let mut lanes = [inputs[0]; O];
+        for (lanes, results) in lanes.iter_mut().zip(&results) {
+            *lanes = Lanes::load(inputs[0].simd, results);
+        }
+        lanes
+    }
 }

@@ -1,13 +1,15 @@
-//! Which pixels of a row a triangle covers: those whose centre lies inside, or on a left or top edge; exactly the
+//! Which pixels of a row a triangle covers: those whose center lies inside, or on a left or top edge; exactly the
 //! pixels of [`coverage`](crate::shading::coverage).
 
 use glam::DVec2;
+
+use crate::shading::frame::Frame;
 
 /// Rows that are computed at once.
 pub(super) const ROWS: usize = 8;
 
 /// Half a pixel, less far more than f64's rounding and far less than the 2⁻³¹ px by which an edge passes by a pixel's
-/// centre at least: places are multiples of 1/256 px and below 2¹⁵ px.
+/// center at least: places are multiples of 1/256 px and below 2¹⁵ px.
 const NEARLY_HALF: f64 = 0.5 - 1.0 / (1u64 << 33) as f64;
 
 /// Added to a number below 2⁵¹, brings its whole part, rounded to nearest, into the lowest bits.
@@ -19,14 +21,12 @@ pub(super) struct Outline {
     /// The first row, and the one after the last, within the window.
     pub first: u32,
     pub end: u32,
-    /// The side from the top to the bottom.
-    long: Side,
-    /// From the top to the middle corner, and on to the bottom.
-    short: [Side; 2],
-    long_is_left: bool,
+    /// The sides that bound it from the left, at most two, and those from the right.
+    left: [Side; 2],
+    right: [Side; 2],
 }
 
-/// A side as its column at the height of a row's centres: `x + (row − y)·slope`, in pixels from the centre of the first.
+/// A side as its column at the height of a row's centers: `x + (row − y)·slope`, in pixels from the center of the first.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     x: f64,
@@ -34,89 +34,70 @@ struct Side {
     slope: f64,
 }
 
-/// The triangle's corners in order of height.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Heights {
-    pub top: usize,
-    pub middle: usize,
-    pub bottom: usize,
-}
-
-impl Heights {
-    pub fn of(corners: [DVec2; 3]) -> Heights {
-        let mut order = [0, 1, 2];
-        order.sort_by(|a, b| corners[*a].y.total_cmp(&corners[*b].y));
-        let [top, middle, bottom] = order;
-        Heights { top, middle, bottom }
-    }
-}
-
-/// The first pixel whose centre is at `place` or beyond, of at most `count`.
-fn first_centre(place: f64, count: u32) -> u32 {
+/// The first pixel whose center is at `place` or beyond, of at most `count`.
+fn first_center(place: f64, count: u32) -> u32 {
     // Casts from f64 saturate, and take NaN for 0.
     ((place - 0.5).ceil() as u32).min(count)
 }
 
 impl Outline {
-    /// The triangle with these corners in a window of `width` × `height` pixels; `None` if it holds no pixel's centre
-    /// for a simple reason.
+    /// The triangle with these corners in a window of `width` × `height` pixels; `None` if it looks away, or holds no
+    /// pixel's center for a simple reason.
     pub fn new(corners: [DVec2; 3], width: u32, height: u32) -> Option<Outline> {
-        let low = corners[0].min(corners[1]).min(corners[2]);
-        let high = corners[0].max(corners[1]).max(corners[2]);
-        let (first, end) = (first_centre(low.y, height), first_centre(high.y, height));
-        if first >= end || first_centre(low.x, width) >= first_centre(high.x, width) {
+        let [a, b, c] = corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let (first, end) = (first_center(low.y, height), first_center(high.y, height));
+        let is_narrow = first_center(low.x, width) >= first_center(high.x, width);
+        if first >= end || is_narrow || Frame::area2(a, b, c) <= 0.0 {
             return None;
         }
-        let Heights { top, middle, bottom } = Heights::of(corners);
-        let [top, middle, bottom] = [top, middle, bottom].map(|k| corners[k]);
-        // y points down: the middle corner is on the right if the turn to the bottom is positive.
-        let long_is_left = (middle - top).perp_dot(bottom - top) > 0.0;
-        let open = if long_is_left { f64::INFINITY } else { f64::NEG_INFINITY };
-        let short = [Side::new(top, middle, open), Side::new(middle, bottom, open)];
-        Some(Outline { first, end, long: Side::new(top, bottom, open), short, long_is_left })
+        let open = |x| Side { x, y: 0.0, slope: 0.0 };
+        let mut outline = Outline { first, end, left: [open(f64::NEG_INFINITY); 2], right: [open(f64::INFINITY); 2] };
+        let (mut lefts, mut rights) = (0, 0);
+        // Counter-clockwise to the eye and y down: left edges go down. Level ones bound nothing from left or right.
+        for (from, to) in [(b, c), (c, a), (a, b)] {
+            if from.y < to.y {
+                outline.left[lefts] = Side::new(from, to);
+                lefts += 1;
+            } else if to.y < from.y {
+                outline.right[rights] = Side::new(to, from);
+                rights += 1;
+            }
+        }
+        Some(outline)
     }
 
     /// The first pixel and the one after the last of [`ROWS`] rows from `row` on. Rows outside the triangle have any.
     #[inline(always)]
-    pub fn spans(&self, row: u32, width: u32) -> ([u32; ROWS], [u32; ROWS]) {
-        let (mut left, mut right) = ([0.0; ROWS], [0.0; ROWS]);
-        let (long, [upper, lower]) = (&self.long, &self.short);
+    pub fn spans(&self, row: u32, width: u32) -> [(u32, u32); ROWS] {
         let width = f64::from(width);
+        let (mut left, mut right) = ([0; ROWS], [0; ROWS]);
         for i in 0..ROWS {
             let y = f64::from(row) + i as f64;
-            let (long, upper, lower) = (long.at(y), upper.at(y), lower.at(y));
-            // Both short sides bound the triangle: it is convex.
-            let (a, b) = if self.long_is_left {
-                (long, if upper < lower { upper } else { lower })
-            } else {
-                (if upper > lower { upper } else { lower }, long)
-            };
-            left[i] = a;
-            right[i] = b;
+            let [a, b] = [self.left[0].at(y), self.left[1].at(y)];
+            left[i] = center(if a > b { a } else { b }, width);
+            let [a, b] = [self.right[0].at(y), self.right[1].at(y)];
+            right[i] = center(if a < b { a } else { b }, width);
         }
-        let (mut first, mut end) = ([0; ROWS], [0; ROWS]);
+        let mut spans = [(0, 0); ROWS];
         for i in 0..ROWS {
-            first[i] = centre(left[i], width);
-            end[i] = centre(right[i], width);
+            spans[i] = (left[i], right[i]);
         }
-        (first, end)
+        spans
     }
 }
 
 /// The first whole number that `x` does not exceed, within 0…`width`.
 #[inline(always)]
-fn centre(x: f64, width: f64) -> u32 {
+fn center(x: f64, width: f64) -> u32 {
     let x = if x > 0.0 { x } else { 0.0 };
     let x = if x < width { x } else { width };
     ((x + NEARLY_HALF) + TO_WHOLE).to_bits() as u32
 }
 
 impl Side {
-    /// A horizontal side bounds nothing from left or right: it is at `open`.
-    fn new(from: DVec2, to: DVec2, open: f64) -> Side {
-        let down = to.y - from.y;
-        let (x, slope) = if down > 0.0 { (from.x - 0.5, (to.x - from.x) / down) } else { (open, 0.0) };
-        Side { x, y: from.y - 0.5, slope }
+    fn new(top: DVec2, bottom: DVec2) -> Side {
+        Side { x: top.x - 0.5, y: top.y - 0.5, slope: (bottom.x - top.x) / (bottom.y - top.y) }
     }
 
     #[inline(always)]

@@ -1,253 +1,225 @@
-//! A frame made ready for the rasteriser.
+//! A frame made ready to be drawn, and drawn.
 
-use glam::DVec3;
+use pulp::Arch;
+use rayon::prelude::*;
 
 use super::{
-    channels::Channels,
-    cubic::Cubics,
-    gouraud::{Flat, Gouraud},
+    band::{Band, Corners, Fast, Scratch},
+    encoder::Encoder,
     outline::Outline,
-    phong::Phong,
-    pixels::Pixels,
-    plane::{Planes, Slopes},
-    printed::Printed,
-    quadratic::Quadratic,
-    strips::{Cut, Exact},
+    target::{Linear, Target},
 };
-use crate::shading::{
-    Correction, Frame, Patches, Reference, Shade, Shader,
-    boundary::edge_constants,
-    shaders::{flat, gradient::Sign, quadratic},
+use crate::{
+    light::LinearImage,
+    shading::{
+        channels::Channels,
+        draw::reference::Reference,
+        frame::Frame,
+        lighting::Specular,
+        shaders::{Shade, Shading, with_shader},
+    },
 };
 
-/// Rows of a band unless told otherwise.
+/// Rows of a band.
 const BAND_ROWS: u32 = 16;
 
 /// All that one frame needs before its pixels: the outline of every triangle, the shader's constants, and which band
 /// of rows has which triangles.
 #[derive(Clone, Debug)]
 pub struct Prepared<'f> {
-    pub(super) frame: &'f Frame,
-    /// Which of the frame's triangles may have a pixel. Everything else here is about these alone.
-    seen: Vec<u32>,
-    pub(super) outlines: Vec<Outline>,
-    pub(super) background: [f32; 3],
-    pub(super) channels: Channels,
-    pub(super) kind: Kinds<'f>,
-    pub(super) band_rows: u32,
-    /// The triangles of band i are `binned[starts[i]..starts[i + 1]]`, in the order of the frame.
-    starts: Vec<u32>,
-    binned: Vec<u32>,
+    frame: &'f Frame,
+    outlines: Vec<Option<Outline>>,
+    /// The triangles of each band, in the order of the frame.
+    bands: Vec<Vec<u32>>,
+    channels: Channels,
+    shading: Painter<'f>,
 }
 
-/// The constants of every triangle; see [`WeightPlanes`](super::weights::WeightPlanes) for Q.
+/// The way to the light of the pixels.
 #[derive(Clone, Debug)]
-pub(super) enum Kinds<'f> {
-    Gray(Kind<1, 4>),
-    Color(Kind<3, 8>),
-    Pixels(Box<Pixels<'f>>),
-}
-
-#[derive(Clone, Debug)]
-pub(super) enum Kind<const C: usize, const Q: usize> {
-    Flat(Flat<C>),
-    Gouraud(Gouraud<C>),
-    Phong(Phong<C>),
-    Quadratic(Quadratic<C, Q>),
-    Printed(Printed<C, Q>),
-    Exact(Exact<C, Q>),
-    Cut(Cut<C, Q>),
-    Cubics(Cubics<C>),
+enum Painter<'f> {
+    /// In lanes of f32, for one channel.
+    Gray(Vec<Corners>, Box<Shading<f32, 1>>),
+    /// In lanes of f32, for three.
+    Color(Vec<Corners>, Box<Shading<f32, 3>>),
+    /// One by one in f64.
+    Exact(&'f Reference<'f>),
 }
 
 impl<'f> Prepared<'f> {
     /// `frame` ready to be drawn with `shade`.
     #[must_use]
     pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
-        Prepared::with_bands(frame, shade, BAND_ROWS)
-    }
-
-    /// The same with bands of `rows` rows, at least 1. The picture does not depend on it; the time does.
-    #[must_use]
-    pub fn with_bands(frame: &'f Frame, shade: &Shade, rows: u32) -> Self {
-        let (seen, outlines): (Vec<u32>, Vec<Outline>) = (0..frame.triangles.len() as u32)
-            .filter_map(|t| {
-                let corners = frame.corners(t as usize).map(|v| v.screen);
-                Some((t, Outline::new(corners, frame.width, frame.height)?))
-            })
-            .unzip();
-        let (channels, kind) = Made { frame, shade, seen: &seen }.kinds();
-        let background = match channels {
-            Channels::Color => frame.background.as_vec3().to_array(),
-            Channels::Gray(_) => [channels.pick_f32::<1>(frame.background)[0]; 3],
+        let channels = channels(frame);
+        let shading = match channels {
+            Channels::Gray(_) => {
+                Painter::Gray(corners::<1>(frame, channels), Box::new(Shading::new(frame, shade, channels)))
+            }
+            Channels::Color => {
+                Painter::Color(corners::<3>(frame, channels), Box::new(Shading::new(frame, shade, channels)))
+            }
         };
-        let band_rows = rows.max(1);
-        let (starts, binned) = bins(&outlines, frame.height, band_rows);
-        Prepared { frame, seen, outlines, background, channels, kind, band_rows, starts, binned }
+        Prepared::with(frame, channels, shading)
     }
 
-    /// Pixels across.
+    fn with(frame: &'f Frame, channels: Channels, shading: Painter<'f>) -> Self {
+        let outline = |t| Outline::new(frame.corners(t).map(|v| v.screen), frame.width, frame.height);
+        let outlines: Vec<Option<Outline>> = (0..frame.triangles.len()).map(outline).collect();
+        let mut bands = vec![Vec::new(); frame.height.div_ceil(BAND_ROWS) as usize];
+        for (t, outline) in (0..).zip(&outlines) {
+            if let Some(Outline { first, end, .. }) = outline {
+                let reached = (first / BAND_ROWS) as usize..=((end - 1) / BAND_ROWS) as usize;
+                bands[reached].iter_mut().for_each(|triangles| triangles.push(t));
+            }
+        }
+        Prepared { frame, outlines, bands, channels, shading }
+    }
+
+    /// The picture in linear light.
     #[must_use]
-    pub fn width(&self) -> u32 {
-        self.frame.width
+    pub fn image(&self) -> LinearImage {
+        let mut image = LinearImage::new(self.frame.width, self.frame.height);
+        self.draw(Arch::new(), &Linear, &mut image.data);
+        image
     }
 
-    /// Rows.
-    #[must_use]
-    pub fn height(&self) -> u32 {
-        self.frame.height
+    /// Draws codes into `pixels`: red, green, blue and an opaque alpha of every pixel, row by row from the top left,
+    /// 4 · width · height bytes. Of a shorter slice, the rows that fit; bytes beyond are left as they are.
+    pub fn codes(&self, encoder: &Encoder, pixels: &mut [u8]) {
+        self.draw(Arch::new(), encoder, pixels);
     }
 
-    /// The triangles that reach into band `band`.
-    pub(super) fn triangles(&self, band: usize) -> &[u32] {
-        &self.binned[self.starts[band] as usize..self.starts[band + 1] as usize]
-    }
-
-    /// The depths of a triangle.
-    pub(super) fn depths(&self, triangle: u32) -> Planes<1> {
-        let t = self.seen[triangle as usize];
-        Slopes::of_triangle(self.frame, t).planes(self.frame.corners(t as usize).map(|v| [v.depth]))
-    }
-}
-
-/// Sorts triangles into bands: counts, then places. Where each band's begin, and all of them.
-fn bins(outlines: &[Outline], height: u32, rows: u32) -> (Vec<u32>, Vec<u32>) {
-    let of = |outline: &Outline| (outline.first / rows) as usize..=((outline.end - 1) / rows) as usize;
-    let mut next = vec![0u32; height.div_ceil(rows) as usize + 1];
-    for outline in outlines {
-        next[of(outline)].iter_mut().for_each(|count| *count += 1);
-    }
-    let mut sum = 0;
-    for count in &mut next {
-        sum += std::mem::replace(count, sum);
-    }
-    let starts = next.clone();
-    let mut binned = vec![0; sum as usize];
-    for (t, outline) in outlines.iter().enumerate() {
-        for next in &mut next[of(outline)] {
-            binned[*next as usize] = t as u32;
-            *next += 1;
+    fn draw<T: Target>(&self, arch: Arch, target: &T, samples: &mut [T::Sample]) {
+        let row = self.frame.width as usize * T::SAMPLES;
+        if row == 0 {
+            return;
         }
-    }
-    (starts, binned)
-}
-
-/// What the constants are made of.
-#[derive(Clone, Copy)]
-struct Made<'a, 'f> {
-    frame: &'f Frame,
-    shade: &'a Shade,
-    seen: &'a [u32],
-}
-
-impl<'f> Made<'_, 'f> {
-    fn kinds(self) -> (Channels, Kinds<'f>) {
-        if (self.shade.vertex, self.shade.reweight) != (Correction::Off, Correction::Off) {
-            return (Channels::Color, self.pixels());
-        }
-        let frame = self.frame;
-        let all = 0..frame.triangles.len();
-        let vertices = frame.vertices.iter().map(|v| v.light).chain([frame.background]);
-        match self.shade.shader {
-            Shader::Flat => {
-                let faces: Vec<DVec3> = self.seen.iter().map(|t| flat::light(frame, *t as usize)).collect();
-                let channels = Channels::of(faces.iter().copied().chain([frame.background]));
-                self.either(
-                    channels,
-                    |channels| Some(Kind::Flat(flat_kind(&faces, channels))),
-                    |channels| Some(Kind::Flat(flat_kind(&faces, channels))),
-                )
-            }
-            Shader::Phong => {
-                let channels = Channels::of(phong_lights(frame).into_iter());
-                self.either(
-                    channels,
-                    |channels| Phong::new(frame, self.seen, channels).map(Kind::Phong),
-                    |channels| Phong::new(frame, self.seen, channels).map(Kind::Phong),
-                )
-            }
-            Shader::Quadratic => {
-                let middles: Vec<[DVec3; 3]> = all.map(|t| quadratic::middles(frame, t)).collect();
-                let channels = Channels::of(vertices.chain(middles.iter().flatten().copied()));
-                self.either(
-                    channels,
-                    |channels| Some(Kind::Quadratic(Quadratic::new(frame, self.seen, channels, &middles))),
-                    |channels| Some(Kind::Quadratic(Quadratic::new(frame, self.seen, channels, &middles))),
-                )
-            }
-            Shader::Patch => {
-                let patches = Patches::new(frame, self.shade.gradients);
-                let slopes = patches
-                    .gradients()
-                    .iter()
-                    .flat_map(|[r, g, b]| [DVec3::new(r.x, g.x, b.x), DVec3::new(r.y, g.y, b.y)]);
-                let channels = Channels::of(vertices.chain(slopes));
-                self.either(
-                    channels,
-                    |channels| Some(Kind::Cubics(Cubics::new(frame, self.seen, channels, &patches))),
-                    |channels| Some(Kind::Cubics(Cubics::new(frame, self.seen, channels, &patches))),
-                )
-            }
-            _ => self.either(Channels::of(vertices), |channels| self.lit(channels), |channels| self.lit(channels)),
-        }
+        let rows = (samples.len() / row).min(self.frame.height as usize);
+        let bands = samples[..rows * row].par_chunks_mut(row * BAND_ROWS as usize).zip(&self.bands).enumerate();
+        bands.for_each_init(Scratch::default, |scratch, (index, (samples, triangles))| {
+            self.paint(index as u32, triangles, scratch, arch);
+            let light = scratch.light.each_ref().map(|light| &light[..light.len().min(samples.len() / T::SAMPLES)]);
+            arch.dispatch(
+                #[inline(always)]
+                || target.write(light, self.channels, samples),
+            );
+        });
     }
 
-    fn pixels(self) -> Kinds<'f> {
-        let reference = Reference::new(self.frame, self.shade);
-        Kinds::Pixels(Box::new(Pixels { frame: self.frame, reference, seen: self.seen.to_vec() }))
-    }
-
-    /// One channel or three; pixel by pixel where the shader does not know how.
-    fn either(
-        self,
-        channels: Channels,
-        gray: impl FnOnce(Channels) -> Option<Kind<1, 4>>,
-        color: impl FnOnce(Channels) -> Option<Kind<3, 8>>,
-    ) -> (Channels, Kinds<'f>) {
-        let kinds = match channels {
-            Channels::Gray(_) => gray(channels).map(Kinds::Gray),
-            Channels::Color => color(channels).map(Kinds::Color),
+    fn paint(&self, index: u32, triangles: &[u32], scratch: &mut Scratch, arch: Arch) {
+        let (frame, outlines, first) = (self.frame, &self.outlines[..], index * BAND_ROWS);
+        let background = match self.channels {
+            Channels::Color => self.channels.pick(frame.background),
+            Channels::Gray(_) => [self.channels.pick::<f32, 1>(frame.background)[0]; 3],
         };
-        match kinds {
-            Some(kinds) => (channels, kinds),
-            None => (Channels::Color, self.pixels()),
+        let end = (first + BAND_ROWS).min(frame.height);
+        let band = Band { frame, outlines, triangles, first, end, background };
+        match &self.shading {
+            Painter::Gray(corners, shading) => fast(band, corners, shading, scratch, arch),
+            Painter::Color(corners, shading) => fast(band, corners, shading, scratch, arch),
+            Painter::Exact(reference) => band.paint(*reference, scratch, arch),
         }
     }
+}
 
-    /// The shaders that need no light but the vertices'.
-    fn lit<const C: usize, const Q: usize>(self, channels: Channels) -> Option<Kind<C, Q>> {
-        let Made { frame, shade, seen } = self;
-        let (b, depth) = (shade.strip(), shade.depth);
-        let printed = |sign| Kind::Printed(Printed::new(frame, seen, channels, sign, b, depth));
-        Some(match shade.shader {
-            _ if b <= 0.0 => self.gouraud(channels),
-            Shader::Fixed => printed(None),
-            Shader::Gradient => printed(Some(Sign::Printed)),
-            Shader::GradientRepaired => printed(Some(Sign::Repaired)),
-            Shader::Exact => Kind::Exact(Exact::new(frame, seen, channels, &edge_constants(frame), b, depth)),
-            Shader::Cut => Kind::Cut(Cut::new(frame, seen, channels, &edge_constants(frame), b, depth)),
-            _ => self.gouraud(channels),
-        })
-    }
+/// `frame` with `shade` in linear light, drawn the fast way: within 1e-5 of [`Reference::image`].
+#[must_use]
+pub fn picture(frame: &Frame, shade: &Shade) -> LinearImage {
+    Prepared::new(frame, shade).image()
+}
 
-    fn gouraud<const C: usize, const Q: usize>(self, channels: Channels) -> Kind<C, Q> {
-        let planes = |t: &u32| channels.planes(&Slopes::of_triangle(self.frame, *t), self.frame, *t);
-        Kind::Gouraud(Gouraud(self.seen.iter().map(planes).collect()))
+impl Reference<'_> {
+    /// The whole picture, every pixel at its center.
+    #[must_use]
+    pub fn image(&self) -> LinearImage {
+        Prepared::with(self.frame(), Channels::Color, Painter::Exact(self)).image()
     }
 }
 
-fn flat_kind<const C: usize>(faces: &[DVec3], channels: Channels) -> Flat<C> {
-    Flat(faces.iter().map(|light| channels.pick_f32(*light)).collect())
+/// Paints a band with code that is made for its shader.
+fn fast<const C: usize>(
+    band: Band<'_>,
+    corners: &[Corners],
+    shading: &Shading<f32, C>,
+    scratch: &mut Scratch,
+    arch: Arch,
+) {
+    match shading {
+        Shading::Plain(plain) => {
+            with_shader!(plain, shader => band.paint::<C, _>(&Fast { corners, shader }, scratch, arch))
+        }
+        Shading::Corrected(shader) => band.paint(&Fast { corners, shader }, scratch, arch),
+    }
 }
 
-/// Everything that Phong's light is made of.
-fn phong_lights(frame: &Frame) -> Vec<DVec3> {
-    let lighting = &frame.lighting;
-    let material = &lighting.material;
+/// The planes of every triangle.
+fn corners<const C: usize>(frame: &Frame, channels: Channels) -> Vec<Corners> {
+    let planes = |t| {
+        let corners = frame.corners(t);
+        let values = [0, 1, 2].map(|k: usize| {
+            let mut values = [0.0; 6];
+            values[k] = 1.0;
+            values[3..3 + C].copy_from_slice(&channels.pick::<f64, C>(corners[k].light));
+            values
+        });
+        Corners::new(corners.map(|v| v.screen), values)
+    };
+    (0..frame.triangles.len()).map(planes).collect()
+}
+
+/// Which channels are shaded: one where the lights of the vertices, and all that any shader may add to them, are gray.
+fn channels(frame: &Frame) -> Channels {
+    if frame.encoding.as_ref().is_some_and(|transfers| transfers.uniform().is_none()) {
+        return Channels::Color;
+    }
+    let (lighting, material) = (&frame.lighting, &frame.lighting.material);
     let mut lights = vec![frame.background, lighting.ambient_light()];
     for lamp in &lighting.lamps {
         lights.push(lamp.intensity * material.color * material.diffuse);
-        lights.push(lamp.intensity * material.specular_color * material.specular);
+        let highlight = lamp.intensity * material.specular_color * material.specular;
+        lights.push(highlight);
+        if let Specular::CookTorrance(facets) = material.specular_model {
+            lights.push(highlight * facets.index);
+        }
     }
-    lights
+    lights.extend(frame.vertices.iter().flat_map(|v| [v.light, v.ambient]));
+    Channels::of(lights.into_iter())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::{
+        light::Depth,
+        shading::{Correction, Lighting, Shader, Surface, View, shapes},
+    };
+
+    #[test]
+    fn vectors_of_any_width_make_the_same_picture() {
+        let mut machines = vec![("none", Arch::Scalar)];
+        #[cfg(target_arch = "x86_64")]
+        machines.extend(pulp::x86::V3::try_new().map(|v3| ("AVX2", Arch::V3(v3))));
+        let lighting = Lighting::standard().with_color(DVec3::new(0.9, 0.6, 0.3));
+        for mesh in [shapes::cube(), shapes::torus(16, 8), shapes::blob(200).unwrap()] {
+            let view = View { width: 190, height: 150, ..View::square(1).rotated([20.0, 40.0, 10.0]) };
+            let frame = Frame::new(&Surface::new(mesh), &view, &lighting, DVec3::ZERO);
+            for shader in Shader::ALL {
+                for (n, vertex) in [(1, Correction::Off), (3, Correction::Repaired), (7, Correction::Printed)] {
+                    let shade = Shade { depth: Depth::Finite(n), vertex, reweight: vertex, ..Shade::new(*shader) };
+                    let prepared = Prepared::new(&frame, &shade);
+                    let bits = |arch| {
+                        let mut light = vec![0.0f32; 3 * 190 * 150];
+                        prepared.draw(arch, &Linear, &mut light);
+                        light.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+                    };
+                    let own = bits(Arch::new());
+                    for (name, arch) in &machines {
+                        assert!(bits(*arch) == own, "{shade:?}, {name}");
+                    }
+                }
+            }
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! The shaders' twin on a graphics card, in WGSL.
+//! The shaders on a graphics card, in WGSL.
 //!
 //! [`Gpu`] draws a [`Frame`](super::Frame) into a texture of somebody's device, with one draw; [`Offscreen`] has a
 //! device of its own, and gives an image. Constants of triangles and edges are the CPU's, computed once a frame; the
@@ -9,16 +9,16 @@
 //! codes are closer together than f32 tells apart. Where a shader jumps (printed vertex shading with b > ¼), a pixel
 //! on the very jump may fall on either side.
 //!
-//! The WGSL is in `wgsl/`, a file an idea. `interpolation`, `boundary` with *exact* and *cut*, and `patch` can be taken
-//! as they are.
+//! The WGSL of each shader is beside its Rust, in `shaders/`, and what is around the shaders in `wgsl/`. *exact* and
+//! *cut*, with `curve` and `strips`, and *patch* can be taken as they are.
 
+mod card;
 mod device;
 mod offscreen;
 mod pack;
 mod pipeline;
-mod twin;
 
+pub use card::{Gpu, GpuFrame, Region};
 pub use device::{GpuError, limits};
-pub use offscreen::{Offscreen, Timing};
+pub use offscreen::Offscreen;
 pub use pipeline::WGSL;
-pub use twin::{Gpu, GpuFrame, Region};

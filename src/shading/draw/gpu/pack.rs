@@ -5,11 +5,9 @@ use glam::{DVec2, DVec3};
 use crate::{
     light::{Bits, Transfer, quantize::reference_code},
     shading::{
-        Across, Frame, FrameVertex, Lamp, LampPlace, Patches, Shade, Shader, Specular,
-        boundary::{self, EdgeConstants},
-        frame::ControlPoints,
-        lighting::{Facets, Microfacets},
-        shaders::{flat, quadratic},
+        frame::{Across, Bend, ControlPoints, Frame, FrameVertex, Patches, bends},
+        lighting::{Facets, Lamp, LampPlace, Microfacets, Specular},
+        shaders::{Shade, Shader, flat, quadratic},
     },
 };
 
@@ -186,14 +184,11 @@ pub fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
         Shader::Gouraud | Shader::Phong | Shader::Fixed => Vec::new(),
         Shader::Flat => triangles.flat_map(|t| [four(flat::light(frame, t), 0.0); 3]).collect(),
         Shader::Quadratic => {
-            triangles.flat_map(|t| quadratic::middles(frame, t).map(|light| four(light, 0.0))).collect()
+            triangles.flat_map(|t| quadratic::bulges(frame, t).map(|bulge| four(bulge, 0.0))).collect()
         }
         Shader::Gradient | Shader::GradientRepaired => triangles.flat_map(|t| apexes(frame, t)).collect(),
-        Shader::Exact => {
-            let edges = boundary::edge_constants(frame);
-            edges.iter().flatten().map(|edge| four(edge.c, 0.0)).collect()
-        }
-        Shader::Cut => boundary::edge_constants(frame).iter().flat_map(cut).collect(),
+        Shader::Exact => bends(frame).iter().flatten().map(|edge| four(edge.c, 0.0)).collect(),
+        Shader::Cut => bends(frame).iter().flat_map(cut).collect(),
         Shader::Patch => {
             let patches = Patches::new(frame, shade.gradients);
             triangles.flat_map(|t| ordinates(patches.control_points(t))).collect()
@@ -202,7 +197,7 @@ pub fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
 }
 
 /// c and foot of the three edges, then their reaches.
-fn cut(edges: &[EdgeConstants; 3]) -> [[f32; 4]; 6] {
+fn cut(edges: &[Bend; 3]) -> [[f32; 4]; 6] {
     let [a, b, c] = edges.map(|edge| four(edge.c, edge.foot));
     let [d, e, f] = edges.map(|edge| [edge.start as f32, edge.end as f32, 0.0, 0.0]);
     [a, b, c, d, e, f]

@@ -8,18 +8,27 @@ use super::{
 };
 use crate::{
     light::{Depth, Transfer},
-    shading::{Correction, Frame, Shade, Shader, Specular, lighting::Facets},
+    shading::{
+        frame::Frame,
+        lighting::{Facets, Specular},
+        shaders::{Correction, Shade, Shader},
+    },
 };
 
 /// The whole of the WGSL.
 pub const WGSL: &str = concat!(
     include_str!("wgsl/bindings.wgsl"),
-    include_str!("wgsl/interpolation.wgsl"),
-    include_str!("wgsl/boundary.wgsl"),
-    include_str!("wgsl/patch.wgsl"),
-    include_str!("wgsl/vertex.wgsl"),
+    include_str!("../../shaders/curve.wgsl"),
+    include_str!("../../shaders/strips.wgsl"),
+    include_str!("../../shaders/fixed.wgsl"),
+    include_str!("../../shaders/gradient.wgsl"),
+    include_str!("../../shaders/exact.wgsl"),
+    include_str!("../../shaders/cut.wgsl"),
+    include_str!("../../shaders/patch.wgsl"),
+    include_str!("../../shaders/vertex.wgsl"),
+    include_str!("../../shaders/reweight.wgsl"),
     include_str!("wgsl/lighting.wgsl"),
-    include_str!("wgsl/shaders.wgsl"),
+    include_str!("wgsl/light.wgsl"),
     include_str!("wgsl/transfer.wgsl"),
     include_str!("wgsl/main.wgsl"),
 );

@@ -79,26 +79,13 @@ fn along(gradient: &Gradient, step: DVec2) -> DVec3 {
     DVec3::from_array(gradient.map(|g| g.dot(step)))
 }
 
-/// The ordinates of the part at edge k, row by row from the edge; see [`super::Patches::cubic`].
-pub(super) fn cubic(b: &ControlPoints, k: usize) -> [DVec3; 10] {
+/// The ten Bézier ordinates of the cubic that holds where weight `k` is the smallest, row by row from edge k.
+///
+/// With i = k+1, j = k+2 (mod 3) and u = w_i − w_k, v = w_j − w_k, s = 3·w_k, so that u + v + s = 1, the light is
+/// u³b₀ + 3u²v·b₁ + 3uv²·b₂ + v³b₃ + 3s(u²b₄ + 2uv·b₅ + v²b₆) + 3s²(u·b₇ + v·b₈) + s³b₉.
+#[must_use]
+pub fn third_of(b: &ControlPoints, k: usize) -> [DVec3; 10] {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let row = [i, EDGE + 2 * i, EDGE + 2 * j + 1, j, NEAR + i, MIDDLE + k, NEAR + j, FAR + i, FAR + j, CENTROID];
     row.map(|at| b[at])
-}
-
-/// The light at the barycentric weights `w` of a triangle with the ordinates `b`.
-#[must_use]
-pub fn value(b: &ControlPoints, w: [f64; 3]) -> DVec3 {
-    let k = if w[0] <= w[1] && w[0] <= w[2] {
-        0
-    } else if w[1] <= w[2] {
-        1
-    } else {
-        2
-    };
-    let (u, v, s) = (w[(k + 1) % 3] - w[k], w[(k + 2) % 3] - w[k], 3.0 * w[k]);
-    let c = cubic(b, k);
-    let edge = u * u * (u * c[0] + 3.0 * v * c[1]) + v * v * (3.0 * u * c[2] + v * c[3]);
-    let near = u * u * c[4] + 2.0 * u * v * c[5] + v * v * c[6];
-    edge + s * (3.0 * near + s * (3.0 * (u * c[7] + v * c[8]) + s * c[9]))
 }

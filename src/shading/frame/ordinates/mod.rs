@@ -5,5 +5,5 @@ mod curvature;
 mod patches;
 mod ring;
 
-pub use clough_tocher::{ControlPoints, Gradient, value};
+pub use clough_tocher::{ControlPoints, Gradient, third_of};
 pub use patches::{Gradients, Patches};

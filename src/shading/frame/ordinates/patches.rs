@@ -11,11 +11,11 @@
 //!
 //! Given true gradients, fields up to quadratic ones come out exactly; with those of [`Gradients::Ring`], linear ones.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::{
-    clough_tocher::{self, ControlPoints, Gradient, value},
+    clough_tocher::{self, ControlPoints, Gradient},
     curvature, ring,
 };
 use crate::{
@@ -85,25 +85,10 @@ impl Patches {
         Patches { gradients, control }
     }
 
-    /// The light of triangle `triangle` of the frame at the barycentric weights `w`.
-    #[must_use]
-    pub fn light(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
-        value(&self.control[triangle], w)
-    }
-
     /// The Bézier ordinates of triangle `triangle` of the frame; see [`ControlPoints`].
     #[must_use]
     pub fn control_points(&self, triangle: usize) -> &ControlPoints {
         &self.control[triangle]
-    }
-
-    /// The ten Bézier ordinates of the cubic that holds where weight `k` of triangle `triangle` is the smallest.
-    ///
-    /// With i = k+1, j = k+2 (mod 3) and u = w_i − w_k, v = w_j − w_k, s = 3·w_k, so that u + v + s = 1, the light is
-    /// u³b₀ + 3u²v·b₁ + 3uv²·b₂ + v³b₃ + 3s(u²b₄ + 2uv·b₅ + v²b₆) + 3s²(u·b₇ + v·b₈) + s³b₉.
-    #[must_use]
-    pub fn cubic(&self, triangle: usize, k: usize) -> [DVec3; 10] {
-        clough_tocher::cubic(&self.control[triangle], k)
     }
 
     /// The gradient at each of [`Frame::vertices`]; zero at those of no triangle that is drawn.

@@ -1,4 +1,4 @@
-// Corrections on top of any shader: vertex shading, Bangay §4.3, and intensity reweighting, Bangay §4.4.
+// Vertex shading, Bangay §4.3: on top of any shader.
 
 const PRINTED = 1u;
 const REPAIRED = 2u;
@@ -53,7 +53,7 @@ fn vertex_printed(value: vec3f, corners: vec3u, w: vec3f, b: f32) -> vec3f {
     return value;
 }
 
-// Repaired: toward the neighbours' light instead of darkness.
+// Repaired: toward the neighbors' light instead of darkness.
 fn vertex_repaired(value: vec3f, corners: vec3u, w: vec3f, b: f32) -> vec3f {
     let radius = 2.0 * min(b, 0.25);
     var corrected = value;
@@ -63,28 +63,11 @@ fn vertex_repaired(value: vec3f, corners: vec3u, w: vec3f, b: f32) -> vec3f {
         let far = farness(a, mixed);
         let rho = sqrt(max(far, 0.0));
         if rho < radius {
-            let neighbours = mix(a.j, a.i, mixed);
-            let arc = neighbours + (a.own - neighbours) * (1.0 - far);
+            let neighbors = mix(a.j, a.i, mixed);
+            let arc = neighbors + (a.own - neighbors) * (1.0 - far);
             // Beyond the opposite edge, which wide angles reach, nobody goes on with it: it ends there.
             corrected += (arc - value) * (smoothstep(0.0, 0.25, w[k]) * (1.0 - blend(rho / radius)));
         }
     }
     return corrected;
-}
-
-// Bangay eq. 9 as printed, `normal` the length of the interpolated normal.
-fn reweight_printed(value: vec3f, normal: f32, w: vec3f, b: f32) -> vec3f {
-    let k = smallest(w);
-    let others = vec2f(w[(k + 1u) % 3u], w[(k + 2u) % 3u]);
-    let width = min(b, min((1.0 - others.x) / 2.0, (1.0 - others.y) / 2.0));
-    var inside = 1.0;
-    if w[k] < width {
-        inside = interpolation(w[k] / width);
-    }
-    return value / max(normal + (1.0 - normal) * inside, 1e-3);
-}
-
-// Repaired: over the whole triangle, and sparing the ambient light.
-fn reweight_repaired(value: vec3f, normal: f32, ambient: vec3f) -> vec3f {
-    return ambient + (value - ambient) / max(normal, 1e-3);
 }

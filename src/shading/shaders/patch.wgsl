@@ -17,18 +17,18 @@ fn patch_light(p: Patch, w: vec3f) -> vec3f {
     let far_a = (near_a + p.middle[1] + p.middle[2]) / 3.0;
     let far_b = (near_b + p.middle[2] + p.middle[0]) / 3.0;
     let far_c = (near_c + p.middle[0] + p.middle[1]) / 3.0;
-    let centre = (far_a + far_b + far_c) / 3.0;
+    let center = (far_a + far_b + far_c) / 3.0;
     // The third of the triangle that holds the pixel is at the edge opposite the smallest weight.
     if w.x <= w.y && w.x <= w.z {
         let edge = edge_cubic(p.light[1], p.next[1], p.previous[2], p.light[2], w.yz - w.x);
-        return third_light(edge, near_b, p.middle[0], near_c, far_b, far_c, centre, w.yz - w.x, 3.0 * w.x);
+        return third_light(edge, near_b, p.middle[0], near_c, far_b, far_c, center, w.yz - w.x, 3.0 * w.x);
     }
     if w.y <= w.z {
         let edge = edge_cubic(p.light[2], p.next[2], p.previous[0], p.light[0], w.zx - w.y);
-        return third_light(edge, near_c, p.middle[1], near_a, far_c, far_a, centre, w.zx - w.y, 3.0 * w.y);
+        return third_light(edge, near_c, p.middle[1], near_a, far_c, far_a, center, w.zx - w.y, 3.0 * w.y);
     }
     let edge = edge_cubic(p.light[0], p.next[0], p.previous[1], p.light[1], w.xy - w.z);
-    return third_light(edge, near_a, p.middle[2], near_b, far_a, far_b, centre, w.xy - w.z, 3.0 * w.z);
+    return third_light(edge, near_a, p.middle[2], near_b, far_a, far_b, center, w.xy - w.z, 3.0 * w.z);
 }
 
 // u³b₀ + 3u²v·b₁ + 3uv²·b₂ + v³b₃.
@@ -44,10 +44,10 @@ fn third_light(
     near_j: vec3f,
     far_i: vec3f,
     far_j: vec3f,
-    centre: vec3f,
+    center: vec3f,
     uv: vec2f,
     s: f32,
 ) -> vec3f {
     let near = uv.x * uv.x * near_i + 2.0 * uv.x * uv.y * middle + uv.y * uv.y * near_j;
-    return edge + s * (3.0 * near + s * (3.0 * (uv.x * far_i + uv.y * far_j) + s * centre));
+    return edge + s * (3.0 * near + s * (3.0 * (uv.x * far_i + uv.y * far_j) + s * center));
 }

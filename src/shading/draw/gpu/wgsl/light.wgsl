@@ -1,6 +1,6 @@
 // The light of a pixel, by the shader chosen, then the corrections.
 
-// The CPU's order.
+// The order of `Shader::ALL`.
 const FLAT = 0u;
 const GOURAUD = 1u;
 const PHONG = 2u;
@@ -43,10 +43,9 @@ fn shaded(t: Corner, w: vec3f) -> vec3f {
             return light_at(place, normalized(normal));
         }
         case QUADRATIC: {
-            // Through the corners, and row 1 the middles of the edges.
-            let own = w * (2.0 * w - 1.0);
-            let middle = 4.0 * w.yzx * w.zxy;
-            return gouraud(t, own) + t.a1.rgb * middle.x + t.b1.rgb * middle.y + t.c1.rgb * middle.z;
+            // Row 1: how far the middle of each edge bulges, four times.
+            let bulge = w.yzx * w.zxy;
+            return gouraud(t, w) + t.a1.rgb * bulge.x + t.b1.rgb * bulge.y + t.c1.rgb * bulge.z;
         }
         case FIXED, GRADIENT, GRADIENT_REPAIRED: {
             return printed(t, w, b);
@@ -129,10 +128,4 @@ fn ambient_at(triangle: u32, w: vec3f) -> vec3f {
     let b = vertices[corners.y].ambient.rgb;
     let c = vertices[corners.z].ambient.rgb;
     return a * w.x + b * w.y + c * w.z;
-}
-
-// The corner with the smallest weight; the first of equals.
-fn smallest(w: vec3f) -> u32 {
-    let k = select(0u, 1u, w.y < w.x);
-    return select(k, 2u, w.z < w[k]);
 }

@@ -114,17 +114,6 @@ impl Gpu {
         frame: &GpuFrame,
         region: Option<Region>,
     ) {
-        self.render_timed(encoder, view, frame, region, None);
-    }
-
-    pub(super) fn render_timed(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        frame: &GpuFrame,
-        region: Option<Region>,
-        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
-    ) {
         let target = view.texture().size();
         let Some(region) = cropped(region, target) else { return };
         let load = match region {
@@ -145,7 +134,6 @@ impl Gpu {
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
                 stencil_ops: None,
             }),
-            timestamp_writes,
             ..Default::default()
         });
         pass.set_bind_group(0, &frame.bindings, &[]);

@@ -2,12 +2,11 @@
 
 use glam::DVec3;
 
-use super::plane::{Planes, Slopes};
-use crate::shading::Frame;
+use super::number::Constant;
 
 /// Which channels are shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Channels {
+pub enum Channels {
     /// Red, green and blue.
     Color,
     /// One that stands for those that have any light; the others are dark. Gray pictures are so, and yellow ones.
@@ -39,18 +38,8 @@ impl Channels {
     }
 
     /// The `C` channels of `light` that are shaded.
-    pub fn pick<const C: usize>(self, light: DVec3) -> [f64; C] {
+    pub fn pick<T: Constant, const C: usize>(self, light: DVec3) -> [T; C] {
         let (light, first) = (light.to_array(), self.first());
-        std::array::from_fn(|c| light[(first + c) % 3])
-    }
-
-    /// The same in f32.
-    pub fn pick_f32<const C: usize>(self, light: DVec3) -> [f32; C] {
-        self.pick(light).map(|light| light as f32)
-    }
-
-    /// The planes through the lights of the corners of triangle `t`.
-    pub fn planes<const C: usize>(self, slopes: &Slopes, frame: &Frame, t: u32) -> Planes<C> {
-        slopes.planes(frame.corners(t as usize).map(|v| self.pick(v.light)))
+        std::array::from_fn(|c| T::of(light[(first + c) % 3]))
     }
 }

@@ -1,0 +1,118 @@
+//! How the light bends at the edges of triangles, Bangay §4: what each edge must know of both its triangles.
+//!
+//! Corners are A, B, C; the edge opposite A runs from B to C and D is the neighbor's apex across it. All places are
+//! those on the **screen**.
+
+use glam::{DVec2, DVec3};
+
+use super::frame::{Across, Frame};
+
+/// Least m of [`Bend`]: how near to a corner the foot of an apex is taken to be at least, in edge lengths.
+const LEAST_REACH: f64 = 1.0 / 16.0;
+
+/// What a triangle must know of one of its edges. Computed once a frame by [`bends`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bend {
+    /// c = I_BC(X) − I_AD(X), X where the lines AD and BC cross on the screen: how far the light at the edge lies above
+    /// a straight way from A to D. Raising the slope of the light along w_A by c on both sides makes it one slope. For a
+    /// parallelogram (I_B + I_C − I_A − I_D)/2. Equal bit for bit on both sides of an edge; zero where there is nothing
+    /// to be smooth with; see [`level`] for [`Across::Several`].
+    pub c: DVec3,
+    /// s_A: where the perpendicular from the triangle's own apex meets the edge; 0 at corner k+1, 1 at corner k+2.
+    pub foot: f64,
+    /// m at corner k+1: max(s_A, s_D, 1/16).
+    pub start: f64,
+    /// m at corner k+2: max(1−s_A, 1−s_D, 1/16).
+    pub end: f64,
+}
+
+/// A corner: where it is on the screen, and its light.
+pub type Corner = (DVec2, DVec3);
+
+/// Where the perpendicular from `p` meets the line from `b` (0) to `c` (1); 0 if they are one place.
+fn foot(p: DVec2, b: DVec2, c: DVec2) -> f64 {
+    let along = c - b;
+    let length2 = along.length_squared();
+    if length2 > 0.0 { (p - b).dot(along) / length2 } else { 0.0 }
+}
+
+/// How much lighter the apex is than the edge's line at its foot: a = I_A − I_BC(s_A).
+fn excess(apex: DVec3, s: f64, b: DVec3, c: DVec3) -> DVec3 {
+    apex - (b * (1.0 - s) + c * s)
+}
+
+/// The constants of the edge from `b` to `c` of the triangle with apex `a`, and of its mirror image, the same edge of
+/// the triangle with apex `d`:
+/// `c = −(h_D·a_A + h_A·a_D)/(h_A + h_D)`, h the heights over the edge. `None` if either has no height, or they lie on
+/// one side.
+#[must_use]
+pub fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend)> {
+    // Twice the areas: heights in units of the edge.
+    let (ha, hd) = (Frame::area2(a.0, b.0, c.0), Frame::area2(d.0, c.0, b.0));
+    if !(ha > 0.0 && hd > 0.0) {
+        return None;
+    }
+    let (sa, sd) = (foot(a.0, b.0, c.0), foot(d.0, b.0, c.0));
+    let (aa, ad) = (excess(a.1, sa, b.1, c.1), excess(d.1, sd, b.1, c.1));
+    let bend = (aa * hd + ad * ha) * (-1.0 / (ha + hd));
+    let start = sa.max(sd).max(LEAST_REACH);
+    let end = (1.0 - sa).max(1.0 - sd).max(LEAST_REACH);
+    Some((Bend { c: bend, foot: sa, start, end }, Bend { c: bend, foot: 1.0 - sd, start: end, end: start }))
+}
+
+/// The constants of an edge at which every triangle is to arrive with no slope across: `c = I_BC(s_A) − I_A`. What
+/// edges of three triangles and more get.
+#[must_use]
+pub fn level(a: Corner, b: Corner, c: Corner) -> Bend {
+    let s = foot(a.0, b.0, c.0);
+    let (start, end) = reach(s);
+    Bend { c: excess(a.1, s, b.1, c.1) * -1.0, foot: s, start, end }
+}
+
+fn reach(s: f64) -> (f64, f64) {
+    (s.max(LEAST_REACH), (1.0 - s).max(LEAST_REACH))
+}
+
+/// The constants of every edge of every triangle of `frame`; edge k is opposite corner k. Computed from the side of the
+/// triangle that comes first, so that both sides have the same.
+#[must_use]
+pub fn bends(frame: &Frame) -> Vec<[Bend; 3]> {
+    let corner = |v: u32| (frame.vertices[v as usize].screen, frame.vertices[v as usize].light);
+    let mut bends: Vec<[Bend; 3]> = Vec::with_capacity(frame.triangles.len());
+    for triangle in &frame.triangles {
+        let corners = triangle.vertices.map(corner);
+        bends.push([0, 1, 2].map(|k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let level = level(corners[k], corners[i], corners[j]);
+            match triangle.across[k] {
+                Across::Several => level,
+                // That across a triangle follows, when both sides are there.
+                Across::Nothing | Across::Triangle { .. } => Bend { c: DVec3::ZERO, ..level },
+            }
+        }));
+    }
+    for (t, triangle) in frame.triangles.iter().enumerate() {
+        for k in 0..3 {
+            let Across::Triangle { triangle: u, apex } = triangle.across[k] else { continue };
+            let Some(their_edge) = edge_back(frame, t, u as usize, apex) else { continue };
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let [a, b, c] = [k, i, j].map(|k| corner(triangle.vertices[k]));
+            if t < u as usize
+                && let Some((ours, theirs)) = between(a, b, c, corner(apex))
+            {
+                bends[t][k] = ours;
+                bends[u as usize][their_edge] = theirs;
+            }
+        }
+    }
+    bends
+}
+
+/// Which edge of triangle `u`, opposite its vertex `apex`, has triangle `t` across it.
+fn edge_back(frame: &Frame, t: usize, u: usize, apex: u32) -> Option<usize> {
+    let theirs = frame.triangles.get(u)?;
+    (0..3).find(|&k| {
+        theirs.vertices[k] == apex
+            && matches!(theirs.across[k], Across::Triangle { triangle, .. } if triangle as usize == t)
+    })
+}

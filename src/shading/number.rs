@@ -1,0 +1,184 @@
+//! What the shaders compute with: one pixel in f64, or several neighboring pixels at once in f32.
+
+use std::ops::{Add, BitAnd, Div, Mul, Sub};
+
+/// A constant of a triangle, in the precision of the pixels.
+pub trait Constant: Copy + Send + Sync {
+    /// `value`, rounded.
+    fn of(value: f64) -> Self;
+}
+
+impl Constant for f64 {
+    #[inline(always)]
+    fn of(value: f64) -> f64 {
+        value
+    }
+}
+
+impl Constant for f32 {
+    #[inline(always)]
+    fn of(value: f64) -> f32 {
+        value as f32
+    }
+}
+
+/// A number for each of several pixels, or for one.
+///
+/// Functions of numbers are always inlined: the vectors of the machine are known only where the loop over the pixels is.
+pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
+    /// What is the same for all pixels.
+    type Constant: Constant;
+    /// A yes or no for each pixel.
+    type Mask: Copy + BitAnd<Output = Self::Mask>;
+
+    /// `value` for as many pixels as this has.
+    fn all(self, value: Self::Constant) -> Self;
+
+    /// The smaller of two.
+    fn min(self, other: Self) -> Self;
+
+    /// The larger of two.
+    fn max(self, other: Self) -> Self;
+
+    /// The square root.
+    fn sqrt(self) -> Self;
+
+    /// Where this is below `other`; nowhere for NaN.
+    fn below(self, other: Self) -> Self::Mask;
+
+    /// Where this is below `other` or equal; nowhere for NaN.
+    fn at_most(self, other: Self) -> Self::Mask;
+
+    /// Whether any pixel has a yes.
+    fn any(mask: Self::Mask) -> bool;
+
+    /// `yes` where the mask says so, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// What `of` makes of each pixel's numbers in f64: for functions that no vector has.
+    fn each<const I: usize, const O: usize>(inputs: [Self; I], of: impl Fn([f64; I]) -> [f64; O]) -> [Self; O];
+
+    /// `value` for as many pixels as this has.
+    #[inline(always)]
+    fn of(self, value: f64) -> Self {
+        self.all(Self::Constant::of(value))
+    }
+
+    /// This times a constant.
+    #[inline(always)]
+    fn times(self, factor: Self::Constant) -> Self {
+        self * self.all(factor)
+    }
+
+    /// This within `low`…`high`.
+    #[inline(always)]
+    fn within(self, low: f64, high: f64) -> Self {
+        self.max(self.of(low)).min(self.of(high))
+    }
+}
+
+impl Number for f64 {
+    type Constant = f64;
+    type Mask = bool;
+
+    #[inline]
+    fn all(self, value: f64) -> f64 {
+        value
+    }
+
+    fn min(self, other: f64) -> f64 {
+        f64::min(self, other)
+    }
+
+    fn max(self, other: f64) -> f64 {
+        f64::max(self, other)
+    }
+
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+
+    fn below(self, other: f64) -> bool {
+        self < other
+    }
+
+    fn at_most(self, other: f64) -> bool {
+        self <= other
+    }
+
+    fn any(mask: bool) -> bool {
+        mask
+    }
+
+    fn select(mask: bool, yes: f64, no: f64) -> f64 {
+        if mask { yes } else { no }
+    }
+
+    fn each<const I: usize, const O: usize>(inputs: [f64; I], of: impl Fn([f64; I]) -> [f64; O]) -> [f64; O] {
+        of(inputs)
+    }
+}
+
+/// Σ w_k·values_k.
+#[inline(always)]
+pub fn weighted<N: Number, const C: usize>(w: [N; 3], values: &[[N::Constant; C]; 3]) -> [N; C] {
+    let mut sum = [w[0]; C];
+    for c in 0..C {
+        sum[c] = w[0].times(values[0][c]) + w[1].times(values[1][c]) + w[2].times(values[2][c]);
+    }
+    sum
+}
+
+/// `to` and `amount` times `of`, channel by channel.
+#[inline(always)]
+pub fn plus<N: Number, const C: usize>(to: [N; C], amount: N, of: &[N::Constant; C]) -> [N; C] {
+    let mut sum = to;
+    for c in 0..C {
+        sum[c] = to[c] + amount.times(of[c]);
+    }
+    sum
+}
+
+/// `yes` where the mask says so, `no` elsewhere, channel by channel.
+#[inline(always)]
+pub fn select<N: Number, const C: usize>(mask: N::Mask, yes: [N; C], no: [N; C]) -> [N; C] {
+    let mut chosen = no;
+    for c in 0..C {
+        chosen[c] = N::select(mask, yes[c], no[c]);
+    }
+    chosen
+}
+
+/// The scalar product.
+#[inline(always)]
+pub fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The unit vector along `v`, zero for zero, and its length.
+#[inline(always)]
+pub fn unit<N: Number>(v: [N; 3]) -> ([N; 3], N) {
+    let length = dot(v, v).sqrt();
+    let per_length = length.of(1.0) / length.max(length.of(1e-30));
+    ([v[0] * per_length, v[1] * per_length, v[2] * per_length], length)
+}
+
+/// A vector that is the same for all pixels; `like` says for how many.
+#[inline(always)]
+pub fn all<N: Number>(like: N, v: &[N::Constant; 3]) -> [N; 3] {
+    [like.all(v[0]), like.all(v[1]), like.all(v[2])]
+}
+
+/// x^`exponent` by squaring, `exponent` at least 1.
+#[inline(always)]
+pub fn power<N: Number>(x: N, exponent: u32) -> N {
+    let (mut result, mut square, mut rest) = (x, x, exponent - 1);
+    while rest > 0 {
+        if rest & 1 == 1 {
+            result = result * square;
+        }
+        square = square * square;
+        rest >>= 1;
+    }
+    result
+}

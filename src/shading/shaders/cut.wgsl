@@ -1,0 +1,12 @@
+// Ours, *cut*; needs curve.wgsl and strips.wgsl: what one edge adds, −c·b'·Ψ_n(t/b'). `foot` is where the triangle's apex stands over the edge, `reach`
+// how far the feet of both apexes are from its ends, as a part of its length.
+fn cut_strip(c: vec3f, foot: f32, reach: vec2f, t: f32, others: vec2f, b: f32) -> vec3f {
+    // The pixel's own foot, from either end.
+    let along = vec2f(others.y + t * foot, others.x + t * (1.0 - foot));
+    let width = b * ease(along.x / (b * reach.x)) * ease(along.y / (b * reach.y));
+    if t < width {
+        return -c * (width * rest(t / width));
+    }
+    return vec3f(0.0);
+}
+
