@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::{
     light::{LinearImage, Transfer, Transfers},
-    shading::{Creases, Frame, Reference, Scene, Shade, Shader, coverage::Inside},
+    shading::{Creases, Frame, Reference, Scene, Shade, Shader},
 };
 
 /// A shader, and whether it accounts for gamma.
@@ -144,13 +144,15 @@ impl Shot<'_> {
             if across.iter().all(|a| *a > 0.0) || across.iter().all(|a| *a < 0.0) {
                 continue;
             }
-            let Some(inside) = Inside::new(corners.map(|v| v.screen)) else { continue };
             // Only the places that the triangle can cover.
             let along = corners.map(|v| (v.screen - from).dot(line) / line.length_squared() * count as f64);
             let (low, high) = along.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), a| (l.min(*a), h.max(*a)));
             for (i, found) in nearest.iter_mut().enumerate().take((high as usize).saturating_add(1)).skip(low as usize)
             {
-                let Some(w) = inside.weights(from.lerp(to, (i as f64 + 0.5) / count as f64)) else { continue };
+                let w = self.frame.weights(triangle, from.lerp(to, (i as f64 + 0.5) / count as f64));
+                if !w.iter().all(|w| *w >= 0.0) {
+                    continue;
+                }
                 let depth = w[0] * corners[0].depth + w[1] * corners[1].depth + w[2] * corners[2].depth;
                 if found.is_none_or(|(other, ..)| depth < other) {
                     *found = Some((depth, triangle, w));

@@ -1,27 +1,20 @@
 //! The shaders on graphics cards, software ones here, held against the plain f64 reference.
-
 use glam::DVec3;
+
+use crate::offscreen::{self, Offscreen};
 use machband::{
     light::{Bits, Depth, LinearImage, Quantizer, Transfer, TransferTable},
     shading::{
         Correction, Frame, FrameVertex, Gradients, Lamp, LampPlace, Lighting, Mesh, Reference, Shade, Shader, Specular,
         Surface, View, coverage,
-        gpu::{Gpu, GpuError, Offscreen, Region},
+        gpu::{self, Gpu, GpuError},
         lighting::{Facets, Microfacets},
         shapes,
     },
 };
 
-/// The card of a kind, or nothing where there is none and none is required.
 fn card(backend: wgpu::Backends) -> Option<Offscreen> {
-    match Offscreen::new(Some(backend)) {
-        Ok(card) => Some(card),
-        Err(fault) => {
-            assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "{fault}, and one is required");
-            println!("SKIPPED: {fault}");
-            None
-        }
-    }
+    Offscreen::new(backend, gpu::limits)
 }
 
 /// A wavy sheet: open, both sides seen, folds of it hidden by others.
@@ -111,7 +104,7 @@ fn coverage_agrees(backend: wgpu::Backends) {
         assert!(covered > ours.len() / 6, "{name}: {covered} pixels only");
         let wrong: Vec<_> = ours.iter().zip(theirs).enumerate().filter(|(_, (a, b))| **a != *b).collect();
         println!("{name}: {} of {covered} covered pixels differ", wrong.len());
-        assert!(wrong.is_empty(), "{} {name}: {:?}", card.adapter_name(), &wrong[..wrong.len().min(20)]);
+        assert!(wrong.is_empty(), "{} {name}: {:?}", card.name, &wrong[..wrong.len().min(20)]);
     }
 }
 
@@ -178,7 +171,7 @@ fn shaders_agree(backend: wgpu::Backends) {
                 ));
             }
         }
-        println!("{} {name}: at most {most} apart, {differ} of {codes} codes differ", card.adapter_name());
+        println!("{} {name}: at most {most} apart, {differ} of {codes} codes differ", card.name);
     }
     assert!(faults.is_empty(), "{} faults\n{}", faults.len(), faults.join("\n"));
 }
@@ -201,7 +194,7 @@ fn lights_agree(backend: wgpu::Backends) {
             let shade = Shade::new(Shader::Phong);
             let light = Reference::new(&frame, &shade).image();
             let (most, _, at) = compare(&mut card, &frame, &light, &shade, &Transfer::Srgb);
-            assert!(most <= 1, "{} {name} {model:?}: {most} at {at}", card.adapter_name());
+            assert!(most <= 1, "{} {name} {model:?}: {most} at {at}", card.name);
         }
     }
 }
@@ -222,8 +215,8 @@ fn transfers_agree(backend: wgpu::Backends) {
         Transfer::gog(2.2, 1.05, -0.05).unwrap(),
     ] {
         let (most, count, _) = compare(&mut card, frame, &light, &shade, &transfer);
-        println!("{} {transfer}: at most {most} apart, {count} codes differ", card.adapter_name());
-        assert!(most <= 1, "{} {transfer}: {most}", card.adapter_name());
+        println!("{} {transfer}: at most {most} apart, {count} codes differ", card.name);
+        assert!(most <= 1, "{} {transfer}: {most}", card.name);
     }
 }
 
@@ -249,11 +242,6 @@ on_both! {
 }
 
 #[test]
-fn no_card_is_an_error() {
-    assert!(matches!(Offscreen::new(Some(wgpu::Backends::empty())), Err(GpuError::NoAdapter(_))));
-}
-
-#[test]
 fn too_much_is_an_error() {
     let Some(mut card) = card(wgpu::Backends::all()) else { return };
     let surface = Surface::new(shapes::cube());
@@ -274,72 +262,9 @@ fn too_much_is_an_error() {
     assert_eq!(card.image(&empty, &shade, &Transfer::Srgb).unwrap().bytes(), Some(&[][..]));
 }
 
-/// A device of somebody else's.
-fn device(limits: wgpu::Limits) -> Option<(wgpu::Device, wgpu::Queue)> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
-    let Ok(adapter) = adapter else {
-        assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
-        println!("SKIPPED: no graphics adapter");
-        return None;
-    };
-    let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
-    Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
-}
-
 #[test]
 fn a_device_without_storage_is_an_error() {
-    let Some((device, _)) = device(wgpu::Limits::downlevel_webgl2_defaults()) else { return };
+    let limits = wgpu::Limits::downlevel_webgl2_defaults();
+    let Some((_, device, _)) = offscreen::device(wgpu::Backends::all(), |_| limits) else { return };
     assert!(matches!(Gpu::new(&device, wgpu::TextureFormat::Rgba8Unorm), Err(GpuError::NoStorage(0))));
-}
-
-/// The window's way: two shaders side by side in a texture, on a device that has no more than OpenGL ES 3.1 has.
-#[test]
-fn a_region_leaves_the_rest_as_it_is() {
-    const SIDE: u32 = 64; // a row of 256 bytes
-    let Some((device, queue)) = device(wgpu::Limits::downlevel_defaults()) else { return };
-    let Some(mut card) = card(wgpu::Backends::all()) else { return };
-    let mut gpu = Gpu::new(&device, wgpu::TextureFormat::Rgba8Unorm).unwrap();
-    let view = View::square(SIDE).rotated([30.0, 40.0, 0.0]);
-    let frame = Frame::new(&Surface::new(shapes::cube()), &view, &colored(), DVec3::splat(0.3));
-    let shades = [Shade::new(Shader::Flat), Shade::new(Shader::Patch)];
-    let target = device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    let codes = device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: u64::from(4 * SIDE * SIDE),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let whole = target.create_view(&wgpu::TextureViewDescriptor::default());
-    // The right part reaches beyond the texture, as a divider at its edge does.
-    let right = Region { x: 25, y: 0, width: SIDE, height: SIDE };
-    for (shade, region) in shades.iter().zip([None, Some(right)]) {
-        let uploaded = gpu.upload(&frame, shade, &Transfer::Srgb).unwrap();
-        gpu.render(&mut encoder, &whole, &uploaded, region);
-    }
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIDE), rows_per_image: None };
-    let destination = wgpu::TexelCopyBufferInfo { buffer: &codes, layout };
-    encoder.copy_texture_to_buffer(target.as_image_copy(), destination, target.size());
-    queue.submit([encoder.finish()]);
-    codes.slice(..).map_async(wgpu::MapMode::Read, |result| result.unwrap());
-    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-    let bytes = codes.slice(..).get_mapped_range().unwrap();
-    let alone = shades.map(|shade| card.image(&frame, &shade, &Transfer::Srgb).unwrap());
-    for y in 0..SIDE {
-        for x in 0..SIDE {
-            let at = 4 * (y * SIDE + x) as usize;
-            let expected = alone[usize::from(x >= 25)].pixel(x, y);
-            assert_eq!([bytes[at], bytes[at + 1], bytes[at + 2]].map(u16::from), expected, "{x}, {y}");
-        }
-    }
 }

@@ -58,7 +58,7 @@ fn shapes_have_the_triangles_they_promise() {
     assert_eq!(shapes::torus(24, 12).triangles.len(), 576);
     for (shape, vertices, least) in [(Shape::Blob, 3, 4), (Shape::Sphere, 11, 12), (Shape::Torus, 500_001, 12)] {
         let message = shapes::mesh(shape, vertices).unwrap_err().to_string();
-        assert_eq!(message, format!("a {shape} with {vertices} vertices is not to be had; expected {least}…500000"));
+        assert_eq!(message, format!("a {shape} cannot have {vertices} vertices; expected {least}…500000"));
     }
 }
 

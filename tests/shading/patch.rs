@@ -22,14 +22,14 @@ fn gray_gradient(slope: DVec2) -> Gradient {
 }
 
 /// The light of the patches.
-fn lights(frame: &Frame, patches: &Patches) -> impl Fn(usize, [f64; 3]) -> DVec3 + Sync + use<> {
+fn spread(frame: &Frame, patches: &Patches) -> impl Fn(usize, [f64; 3]) -> DVec3 + Sync + use<> {
     let patch = Patch::<f64, 3>::new(frame, Channels::Color, patches);
     move |triangle, w| DVec3::from_array(patch.light(triangle, w, [0.0; 3]))
 }
 
 /// Differences between the patches and `truth` over all triangles, in red.
 fn errors(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> Vec<f64> {
-    let light = lights(frame, patches);
+    let light = spread(frame, patches);
     let mut errors = Vec::new();
     for t in 0..frame.triangles.len() {
         let [a, b, c] = frame.corners(t).map(|v| v.screen);
@@ -159,7 +159,7 @@ fn slopes_are_continuous_across_edges_at_vertices_and_inside() {
         let gradients = (0..places.len() as u64)
             .map(|v| [0, 1, 2].map(|c| DVec2::new(random(v * 6 + c) - 0.5, random(v * 6 + c + 3) - 0.5) * 0.05));
         let patches = Patches::with_gradients(&frame, gradients.collect());
-        let light = lights(&frame, &patches);
+        let light = spread(&frame, &patches);
         let (own, gouraud) = (Creases::of_field(&frame, &light), Creases::of_gouraud(&frame));
         assert!(own.max < 1e-6 * gouraud.rms, "seed {seed}: {} beside {}", own.max, gouraud.rms);
         assert!(own.step_rms < 1e-12);
@@ -217,7 +217,7 @@ fn cubics_are_those_of_scipy() {
     for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
         vertex.light = light;
     }
-    let light = lights(&frame, &Patches::with_gradients(&frame, gradients));
+    let light = spread(&frame, &Patches::with_gradients(&frame, gradients));
     assert!(samples.len() >= 100);
     for (t, first, second, expected) in samples {
         // The frame's corners may go round the other way.
@@ -304,7 +304,7 @@ fn near_the_silhouette_nothing_explodes() {
         for turn in 0..12 {
             let view = View::square(400).rotated([30.0 * f64::from(turn), 17.0, 5.0]);
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let light = lights(&frame, &Patches::new(&frame, Gradients::Curvature));
+            let light = spread(&frame, &Patches::new(&frame, Gradients::Curvature));
             for t in 0..frame.triangles.len() {
                 for w in [[1.0 / 3.0; 3], [0.6, 0.3, 0.1], [0.1, 0.6, 0.3], [0.3, 0.1, 0.6], [0.0, 0.5, 0.5]] {
                     let light = light(t, w).x;
@@ -356,7 +356,7 @@ fn thin_triangles_give_numbers() {
     let triangles = [[0, 1, 2], [1, 3, 2], [0, 4, 5], [0, 1, 1]];
     let frame = frame(&places, &triangles, |p| gray(random((p.x * 256.0) as u64)));
     for gradients in Gradients::ALL {
-        let light = lights(&frame, &Patches::new(&frame, *gradients));
+        let light = spread(&frame, &Patches::new(&frame, *gradients));
         for t in 0..frame.triangles.len() {
             for w in [[1.0 / 3.0; 3], [1.0, 0.0, 0.0], [0.2, 0.5, 0.3]] {
                 assert!(light(t, w).is_finite(), "{gradients}, triangle {t}");
@@ -379,7 +379,7 @@ fn turning_and_stretching_the_screen_changes_nothing() {
         for (v, vertex) in frame.vertices.iter_mut().enumerate() {
             vertex.light = value(v);
         }
-        lights(&frame, &Patches::with_gradients(&frame, (0..places.len()).map(slope).collect()))
+        spread(&frame, &Patches::with_gradients(&frame, (0..places.len()).map(slope).collect()))
     };
     let (before, after) = (patches(&places, &slope), patches(&turned, &|v| slope(v).map(turned_slope)));
     for t in 0..triangles.len() {

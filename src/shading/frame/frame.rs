@@ -6,7 +6,6 @@ use super::view::View;
 use crate::{
     light::Transfers,
     shading::{
-        channels::Channels,
         lighting::Lighting,
         mesh::{EdgeKind, Surface},
         number::Constant,
@@ -77,7 +76,7 @@ pub enum Across {
         /// Its third vertex D, an index into [`Frame::vertices`].
         apex: u32,
     },
-    /// Nothing to be smooth with: the border of the surface, a crease, or a silhouette (the neighbour looks away, or
+    /// Nothing to be smooth with: the border of the surface, a crease, or a silhouette (the neighbor looks away, or
     /// lies on the same side of the edge on the screen).
     Nothing,
     /// More than one triangle.
@@ -87,23 +86,20 @@ pub enum Across {
 /// Steps of a pixel in which vertices are placed.
 const STEPS: f64 = 256.0;
 
-/// Farthest from the window's corner that a vertex may fall, in pixels: what 1/256 of a pixel and 32 bits allow.
-pub const FARTHEST_PX: f64 = 16_384.0;
-
 impl Frame {
     /// `surface` in `view` under `lighting`, before `background`. A closed surface shows its outside only; one with
     /// a border shows both.
     #[must_use]
     pub fn new(surface: &Surface, view: &View, lighting: &Lighting, background: DVec3) -> Frame {
         let mesh = &surface.mesh;
-        let (centre, radius) = mesh.bounds();
+        let (center, radius) = mesh.bounds();
         let scale = if radius > 0.0 { 1.0 / radius } else { 1.0 };
         let rotation = view.rotation;
         let open = surface.edges.edges.iter().any(|edge| edge.kind == EdgeKind::Border);
         let mut vertices = Vec::with_capacity(mesh.vertices.len() * if open { 2 } else { 1 });
         for side in if open { &[1.0, -1.0][..] } else { &[1.0] } {
             for (vertex, curvature) in mesh.vertices.iter().zip(&surface.curvature) {
-                let eye = rotation * ((vertex.position - centre) * scale);
+                let eye = rotation * ((vertex.position - center) * scale);
                 let normal = rotation * vertex.normal * *side;
                 let (screen, depth) = view.project(eye);
                 vertices.push(FrameVertex {
@@ -144,20 +140,17 @@ impl Frame {
         self.triangles[triangle].vertices.map(|v| &self.vertices[v as usize])
     }
 
+    /// What `of` makes of each triangle.
+    pub(in crate::shading) fn each_triangle<R>(&self, of: impl Fn(usize) -> R) -> Vec<R> {
+        (0..self.triangles.len()).map(of).collect()
+    }
+
     /// A vector of each corner of each triangle.
     pub(in crate::shading) fn corner_vectors<T: Constant>(
         &self,
         of: impl Fn(&FrameVertex) -> DVec3,
     ) -> Vec<[[T; 3]; 3]> {
-        (0..self.triangles.len()).map(|t| self.corners(t).map(|v| of(v).to_array().map(T::of))).collect()
-    }
-
-    /// The light of each corner of each triangle, in the channels that are shaded.
-    pub(in crate::shading) fn corner_lights<T: Constant, const C: usize>(
-        &self,
-        channels: Channels,
-    ) -> Vec<[[T; C]; 3]> {
-        (0..self.triangles.len()).map(|t| self.corners(t).map(|v| channels.pick(v.light))).collect()
+        self.each_triangle(|t| self.corners(t).map(|v| of(v).to_array().map(T::of)))
     }
 
     /// Barycentric weights of a place on the screen with respect to triangle `triangle`.
@@ -170,7 +163,7 @@ impl Frame {
     }
 
     /// The same frame with the vertices' lights encoded for a display: what a renderer that knows nothing of gamma
-    /// interpolates. Its picture holds encoded values and is quantised without a transfer function.
+    /// interpolates. Its picture holds encoded values and is quantized without a transfer function.
     #[must_use]
     pub fn encoded(mut self, transfers: &Transfers) -> Frame {
         let encode = |light| encode(transfers, light);

@@ -5,11 +5,15 @@ mod bends;
 pub mod coverage;
 mod frame;
 pub mod ordinates;
+mod outline;
+mod planes;
 mod scene;
 mod view;
 
 pub use bends::{Bend, bends};
-pub use frame::{Across, FARTHEST_PX, Frame, FrameTriangle, FrameVertex};
+pub use frame::{Across, Frame, FrameTriangle, FrameVertex};
 pub use ordinates::{ControlPoints, Gradient, Gradients, Patches};
+pub use outline::Outline;
+pub use planes::Planes;
 pub use scene::{Highlight, Scene};
 pub use view::View;

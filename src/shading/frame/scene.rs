@@ -28,7 +28,7 @@ named! {
     }
 }
 
-/// A surface of one colour, turned before one lamp.
+/// A surface of one color, turned before one lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
     /// Degrees about x, then y, then z; see [`View::rotated`].
@@ -47,7 +47,7 @@ pub struct Scene {
     pub highlight: Highlight,
     /// m, the exponent of the highlight. Small mirrors have the slope √(2/(m + 2)), as sharp as Blinn's.
     pub shininess: f64,
-    /// Light around the surface, in its colour.
+    /// Light around the surface, in its color.
     pub background: f64,
     /// How much of the smaller side of the window the bounding sphere fills.
     pub fill: f64,
@@ -80,7 +80,7 @@ impl Scene {
     pub fn lighting(&self) -> Lighting {
         let mut lighting = Lighting::standard();
         lighting.material.color = self.color;
-        // The highlight too has the colour: a yellow stimulus has no blue anywhere.
+        // The highlight too has the color: a yellow stimulus has no blue anywhere.
         lighting.material.specular_color = self.color;
         lighting.material.ambient = self.ambient;
         lighting.material.diffuse = self.diffuse;

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec2, DVec3};
 /// A window of pixels, and the mesh turned before it.
 ///
 /// Eye space: x right, y up, z toward the eye; the mesh's bounding sphere is the unit sphere around the origin.
-/// On the screen: physical pixels, x right, y **down**, pixel centres at halves.
+/// On the screen: physical pixels, x right, y **down**, pixel centers at halves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Pixels across.
@@ -16,7 +16,7 @@ pub struct View {
     pub rotation: DMat3,
     /// How much of the smaller side of the window the bounding sphere fills.
     pub fill: f64,
-    /// Distance of the eye from the mesh's centre in radii of the bounding sphere, above 1; infinite for a parallel
+    /// Distance of the eye from the mesh's center in radii of the bounding sphere, above 1; infinite for a parallel
     /// projection.
     pub distance: f64,
 }

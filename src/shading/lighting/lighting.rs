@@ -32,7 +32,7 @@ impl Lighting {
         self
     }
 
-    /// The same with the diffuse colour O_d.
+    /// The same with the diffuse color O_d.
     #[must_use]
     pub fn with_color(mut self, color: DVec3) -> Lighting {
         self.material.color = color;

@@ -7,9 +7,9 @@ use super::microfacets::Microfacets;
 /// What a surface does with light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// O_d, the diffuse colour: of red, green and blue, 0…1.
+    /// O_d, the diffuse color: of red, green and blue, 0…1.
     pub color: DVec3,
-    /// O_s, the specular colour: of red, green and blue, 0…1. White for plastics; the metal's colour for metals.
+    /// O_s, the specular color: of red, green and blue, 0…1. White for plastics; the metal's color for metals.
     pub specular_color: DVec3,
     /// k_a, how much of the ambient light is reflected, 0…1.
     pub ambient: f64,

@@ -85,7 +85,7 @@ pub fn geometry(nh: f64, nv: f64, nl: f64, vh: f64) -> f64 {
     (2.0 * nh * nv.min(nl) / vh).clamp(0.0, 1.0)
 }
 
-/// The part F of unpolarised light that a smooth surface reflects, 0…1, `cosine` = L·H within 0…1:
+/// The part F of unpolarized light that a smooth surface reflects, 0…1, `cosine` = L·H within 0…1:
 /// F = ½·(g−c)²/(g+c)²·(1 + \[c(g+c)−1\]²/\[c(g−c)+1\]²), g² = η² + c² − 1. All of it beyond the critical angle.
 ///
 /// η = η_t/η_i, `index`, is the index of the reflecting medium over that of the medium with the light. Shoaff prints

@@ -141,21 +141,6 @@ fn shared_edges(frame: &Frame) -> Vec<SharedEdge> {
     of_triangles.flatten().filter(|edge| edge.triangles[0] < edge.triangles[1]).collect()
 }
 
-/// The jump of the slope at one point of edge `k` of triangle `triangle`, the edge parted s : 1 − s from corner k+1: the
-/// slope normal to the edge into this triangle plus that into the other, of red, green and blue, in linear light per
-/// pixel. None where the edge is not shared. `light` as for [`Creases::of_field`].
-#[must_use]
-pub fn jump_at(
-    frame: &Frame,
-    triangle: usize,
-    k: usize,
-    s: f64,
-    light: impl Fn(usize, [f64; 3]) -> DVec3,
-) -> Option<DVec3> {
-    let edge = shared_edge(frame, triangle, k)?;
-    Some(edge.one_sided(frame, 0, s, STEP, &light).1 + edge.one_sided(frame, 1, s, STEP, &light).1)
-}
-
 /// At how many points along an edge the slopes are compared.
 const POINTS: usize = 6;
 

@@ -8,6 +8,6 @@ mod creases;
 mod picture;
 mod vertices;
 
-pub use creases::{Creases, EdgeCrease, NOISE, jump_at};
+pub use creases::{Creases, EdgeCrease, NOISE};
 pub use picture::picture;
 pub use vertices::{VertexCrease, at_vertices};

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::creases::{Creases, EdgeCrease};
 use crate::light::{LinearImage, Transfer};
-use crate::shading::frame::Frame;
+use crate::shading::frame::{Frame, coverage};
 
 /// Half the width of a line, in pixels.
 const HALF_WIDTH: f64 = 1.0;
@@ -23,7 +23,7 @@ const MAP: [[f64; 3]; 5] =
 /// drawn.
 #[must_use]
 pub fn picture(frame: &Frame, creases: &Creases, full: f64) -> LinearImage {
-    let seen = Seen::of(frame);
+    let seen = Seen { width: frame.width.into(), height: frame.height.into(), triangles: coverage::visible(frame) };
     let mut image = LinearImage::from_fn(frame.width, frame.height, |x, y| {
         linear(if seen.triangle(i64::from(x), i64::from(y)).is_some() { SURFACE } else { GROUND })
     });
@@ -52,26 +52,19 @@ fn color(share: f64) -> [f64; 3] {
 fn draw(image: &mut LinearImage, frame: &Frame, seen: &Seen, edge: &EdgeCrease, color: [f32; 3]) {
     let [a, b] = edge.ends.map(|v| frame.vertices[v as usize].screen);
     let reach = DVec2::splat(HALF_WIDTH + 1.0);
-    for_pixels(frame, a.min(b) - reach, a.max(b) + reach, |x, y, centre| {
-        let along = ((centre - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-        let nearest = a + along * (b - a);
-        let cover = (HALF_WIDTH + 0.5 - centre.distance(nearest)).clamp(0.0, 1.0) as f32;
-        if cover > 0.0 && seen.near(nearest, edge.triangles) {
-            let under = image.pixel(x, y);
-            image.set_pixel(x, y, [0, 1, 2].map(|c| under[c] + cover * (color[c] - under[c])));
-        }
-    });
-}
-
-/// The pixels of the frame whose centres lie between `low` and `high`.
-fn for_pixels(frame: &Frame, low: DVec2, high: DVec2, mut visit: impl FnMut(u32, u32, DVec2)) {
+    let (low, high) = (a.min(b) - reach, a.max(b) + reach);
     // A cast saturates; NaN is 0.
-    let range = |low: f64, high: f64, size: u32| {
-        ((low - 0.5).ceil().max(0.0) as u32).min(size)..((high - 0.5).floor() + 1.0).clamp(0.0, f64::from(size)) as u32
-    };
-    for y in range(low.y, high.y, frame.height) {
-        for x in range(low.x, high.x, frame.width) {
-            visit(x, y, DVec2::new(f64::from(x), f64::from(y)) + 0.5);
+    let pixels = |low: f64, high: f64, size: u32| (low.max(0.0) as u32).min(size)..(high.max(0.0) as u32).min(size);
+    for y in pixels(low.y, high.y, frame.height) {
+        for x in pixels(low.x, high.x, frame.width) {
+            let center = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+            let along = ((center - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+            let nearest = a + along * (b - a);
+            let cover = (HALF_WIDTH + 0.5 - center.distance(nearest)).clamp(0.0, 1.0) as f32;
+            if cover > 0.0 && seen.near(nearest, edge.triangles) {
+                let under = image.pixel(x, y);
+                image.set_pixel(x, y, [0, 1, 2].map(|c| under[c] + cover * (color[c] - under[c])));
+            }
         }
     }
 }
@@ -84,30 +77,10 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(frame: &Frame) -> Seen {
-        let pixels = frame.width as usize * frame.height as usize;
-        let (mut triangles, mut nearest) = (vec![u32::MAX; pixels], vec![f64::INFINITY; pixels]);
-        for t in 0..frame.triangles.len() {
-            let corners = frame.corners(t);
-            let [a, b, c] = corners.map(|v| v.screen);
-            for_pixels(frame, a.min(b).min(c), a.max(b).max(c), |x, y, centre| {
-                let w = frame.weights(t, centre);
-                if w.iter().all(|w| *w >= 0.0) {
-                    let depth: f64 = w.iter().zip(corners).map(|(w, v)| w * v.depth).sum();
-                    let at = y as usize * frame.width as usize + x as usize;
-                    if depth < nearest[at] {
-                        (nearest[at], triangles[at]) = (depth, t as u32);
-                    }
-                }
-            });
-        }
-        Seen { width: frame.width.into(), height: frame.height.into(), triangles }
-    }
-
     fn triangle(&self, x: i64, y: i64) -> Option<u32> {
         let inside = (0..self.width).contains(&x) && (0..self.height).contains(&y);
         let found = inside.then(|| self.triangles[(y * self.width + x) as usize])?;
-        (found != u32::MAX).then_some(found)
+        (found != coverage::NONE).then_some(found)
     }
 
     /// Whether one of `triangles` is in front close to `place`.

@@ -90,7 +90,7 @@ impl Polygons {
 pub(super) const MOST: usize = (u32::MAX / 3) as usize;
 
 impl Mesh {
-    /// The mesh of `triangles` over `positions` (the sites). Each vertex's normal is the normalised sum of the unit
+    /// The mesh of `triangles` over `positions` (the sites). Each vertex's normal is the normalized sum of the unit
     /// normals of the faces around it, Shoaff §4.1; faces that meet at an edge at more than `crease_deg` degrees do not
     /// share normals there. 180 makes every vertex smooth, 0 none but those within a plane.
     ///

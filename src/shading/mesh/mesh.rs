@@ -40,13 +40,13 @@ impl Mesh {
         self.triangles[triangle].map(|v| self.vertices[v as usize].position)
     }
 
-    /// Centre and radius of a sphere around the mesh: the middle of its bounding box, and the farthest vertex from it.
+    /// Center and radius of a sphere around the mesh: the middle of its bounding box, and the farthest vertex from it.
     #[must_use]
     pub fn bounds(&self) -> (DVec3, f64) {
         let used = || self.triangles.iter().flatten().map(|v| self.vertices[*v as usize].position);
         let (low, high) =
             used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-        let centre = low + (high - low) / 2.0;
-        (centre, used().map(|p| p.distance(centre)).fold(0.0, f64::max))
+        let center = low + (high - low) / 2.0;
+        (center, used().map(|p| p.distance(center)).fold(0.0, f64::max))
     }
 }

@@ -14,7 +14,7 @@ use crate::{
     },
 };
 
-/// L + Σ_k c_k·w_k·(1 − I_n(w_k/b'_k)), where b'_k = `b·φ((1−w_i)/2b)·φ((1−w_j)/2b)`: the strip narrows towards the
+/// L + Σ_k c_k·w_k·(1 − I_n(w_k/b'_k)), where b'_k = `b·φ((1−w_i)/2b)·φ((1−w_j)/2b)`: the strip narrows toward the
 /// corners without a kink.
 ///
 /// Cⁿ across the whole of an edge for any two triangles; a linear field stays linear (all c are 0). The strip has no

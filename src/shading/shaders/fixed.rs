@@ -38,7 +38,8 @@ pub(super) struct InStrip<N: Number, const C: usize> {
 impl<T: Constant, const C: usize> Fixed<T, C> {
     /// For the triangles of `frame` and strips of width `b`.
     pub fn new(frame: &Frame, channels: Channels, b: f64, depth: Depth) -> Self {
-        Fixed { lights: frame.corner_lights(channels), strip: T::of(b), step: Curve::printed(depth) }
+        let lights = frame.each_triangle(|t| frame.corners(t).map(|v| channels.pick(v.light)));
+        Fixed { lights, strip: T::of(b), step: Curve::printed(depth) }
     }
 
     /// The lights of the corners of `triangle`.

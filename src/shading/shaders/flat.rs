@@ -16,7 +16,7 @@ pub struct Flat<T, const C: usize>(Vec<[T; C]>);
 impl<T: Constant, const C: usize> Flat<T, C> {
     /// For the triangles of `frame`.
     pub fn new(frame: &Frame, channels: Channels) -> Self {
-        Flat((0..frame.triangles.len()).map(|t| channels.pick(light(frame, t))).collect())
+        Flat(frame.each_triangle(|t| channels.pick(light(frame, t))))
     }
 }
 

@@ -25,5 +25,5 @@ pub use curve::Curve;
 pub use patch::Patch;
 pub use shade::{Correction, Shade, Shader};
 pub(crate) use shading::with_shader;
-pub use shading::{Corrected, Plain, Shading};
+pub use shading::{Plain, Shading};
 pub use spread::Spread;

@@ -21,7 +21,7 @@ type Cubic<T> = [T; 10];
 impl<T: Constant, const C: usize> Patch<T, C> {
     /// For the triangles of `frame`.
     pub fn new(frame: &Frame, channels: Channels, patches: &Patches) -> Self {
-        Patch((0..frame.triangles.len()).map(|t| thirds(channels, patches.control_points(t))).collect())
+        Patch(frame.each_triangle(|t| thirds(channels, patches.control_points(t))))
     }
 }
 

@@ -18,7 +18,7 @@ pub struct Quadratic<T, const C: usize>(Vec<[[T; C]; 3]>);
 impl<T: Constant, const C: usize> Quadratic<T, C> {
     /// For the triangles of `frame`.
     pub fn new(frame: &Frame, channels: Channels) -> Self {
-        Quadratic((0..frame.triangles.len()).map(|t| bulges(frame, t).map(|bulge| channels.pick(bulge))).collect())
+        Quadratic(frame.each_triangle(|t| bulges(frame, t).map(|bulge| channels.pick(bulge))))
     }
 }
 

@@ -22,7 +22,7 @@ named! {
         Gradient = "gradient",
         /// The same with the sign of its slope repaired, (I_A − I_F)/2.
         GradientRepaired = "gradient-repaired",
-        /// Ours: the slope across every edge matched to its neighbour's.
+        /// Ours: the slope across every edge matched to its neighbor's.
         Exact = "exact",
         /// Ours: the corner at every edge cut.
         Cut = "cut",

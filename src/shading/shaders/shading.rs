@@ -86,91 +86,68 @@ impl<T: Constant, const C: usize> Plain<T, C> {
     }
 }
 
-impl<T: Constant, const C: usize> Spread<T, C> for Plain<T, C> {
-    #[inline(always)]
-    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
-        with_shader!(self, shader => shader.light(triangle, w, gouraud))
-    }
+/// A shader with its options: its light first, then vertex shading, then reweighting.
+#[derive(Clone, Debug)]
+pub struct Shading<T, const C: usize> {
+    /// The shader.
+    pub plain: Plain<T, C>,
+    /// Bangay's corrections, if any is made.
+    pub corrections: Option<Corrections<T, C>>,
 }
 
-/// A shader with Bangay's corrections: its light first, then vertex shading, then reweighting.
+/// Bangay's corrections.
 #[derive(Clone, Debug)]
-pub struct Corrected<T, const C: usize> {
-    plain: Plain<T, C>,
+pub struct Corrections<T, const C: usize> {
     vertex: Correction,
     reweight: Correction,
     /// Width of the paper's strips, also on *cut*, whose own may be wider.
     strip: f64,
     printed: Curve<T>,
     curve: Curve<T>,
-    triangles: Vec<Corners<T, C>>,
-}
-
-#[derive(Clone, Debug)]
-struct Corners<T, const C: usize> {
-    fans: Fans<T, C>,
-    normals: [[T; 3]; 3],
-    ambients: [[T; C]; 3],
-}
-
-impl<T: Constant, const C: usize> Corrected<T, C> {
-    /// `plain`, corrected as `shade` says.
-    #[must_use]
-    pub fn new(frame: &Frame, shade: &Shade, channels: Channels, plain: Plain<T, C>) -> Self {
-        let corners = |t| Corners {
-            fans: Fans::new(frame, t, channels),
-            normals: frame.corners(t).map(|v| v.normal.to_array().map(T::of)),
-            ambients: frame.corners(t).map(|v| channels.pick(v.ambient)),
-        };
-        Corrected {
-            plain,
-            vertex: shade.vertex,
-            reweight: shade.reweight,
-            strip: shade.strip().min(1.0 / 3.0),
-            printed: Curve::printed(shade.depth),
-            curve: Curve::new(shade.depth),
-            triangles: (0..frame.triangles.len()).map(corners).collect(),
-        }
-    }
-}
-
-impl<T: Constant, const C: usize> Spread<T, C> for Corrected<T, C> {
-    #[inline(always)]
-    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
-        let Corners { fans, normals, ambients } = &self.triangles[triangle];
-        let value = self.plain.light(triangle, w, gouraud);
-        let value = match self.vertex {
-            Correction::Off => value,
-            Correction::Printed => fans.printed(value, w, self.strip, &self.printed),
-            Correction::Repaired => fans.repaired(value, w, self.strip, &self.curve),
-        };
-        let normal = weighted(w, normals);
-        let length = dot(normal, normal).sqrt();
-        match self.reweight {
-            Correction::Off => value,
-            Correction::Printed => reweight::printed(value, w, length, T::of(self.strip), &self.printed),
-            Correction::Repaired => reweight::repaired(value, weighted(w, ambients), length),
-        }
-    }
-}
-
-/// A shader with its options.
-#[derive(Clone, Debug)]
-pub enum Shading<T, const C: usize> {
-    /// Without corrections.
-    Plain(Plain<T, C>),
-    /// With some.
-    Corrected(Corrected<T, C>),
+    fans: Vec<Fans<T, C>>,
+    normals: Vec<[[T; 3]; 3]>,
+    ambients: Vec<[[T; C]; 3]>,
 }
 
 impl<T: Constant, const C: usize> Shading<T, C> {
     /// The shader of `shade` for the triangles of `frame`, in the channels that are shaded.
     #[must_use]
     pub fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
-        let plain = Plain::new(frame, shade, channels);
-        match (shade.vertex, shade.reweight) {
-            (Correction::Off, Correction::Off) => Shading::Plain(plain),
-            _ => Shading::Corrected(Corrected::new(frame, shade, channels, plain)),
+        let is_plain = (shade.vertex, shade.reweight) == (Correction::Off, Correction::Off);
+        Shading {
+            plain: Plain::new(frame, shade, channels),
+            corrections: (!is_plain).then(|| Corrections::new(frame, shade, channels)),
+        }
+    }
+}
+
+impl<T: Constant, const C: usize> Corrections<T, C> {
+    fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
+        Corrections {
+            vertex: shade.vertex,
+            reweight: shade.reweight,
+            strip: shade.strip().min(1.0 / 3.0),
+            printed: Curve::printed(shade.depth),
+            curve: Curve::new(shade.depth),
+            fans: frame.each_triangle(|t| Fans::new(frame, t, channels)),
+            normals: frame.corner_vectors(|v| v.normal),
+            ambients: frame.each_triangle(|t| frame.corners(t).map(|v| channels.pick(v.ambient))),
+        }
+    }
+
+    #[inline(always)]
+    fn corrected<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], value: [N; C]) -> [N; C] {
+        let value = match self.vertex {
+            Correction::Off => value,
+            Correction::Printed => self.fans[triangle].printed(value, w, self.strip, &self.printed),
+            Correction::Repaired => self.fans[triangle].repaired(value, w, self.strip, &self.curve),
+        };
+        let normal = weighted(w, &self.normals[triangle]);
+        let length = dot(normal, normal).sqrt();
+        match self.reweight {
+            Correction::Off => value,
+            Correction::Printed => reweight::printed(value, w, length, T::of(self.strip), &self.printed),
+            Correction::Repaired => reweight::repaired(value, weighted(w, &self.ambients[triangle]), length),
         }
     }
 }
@@ -178,9 +155,10 @@ impl<T: Constant, const C: usize> Shading<T, C> {
 impl<T: Constant, const C: usize> Spread<T, C> for Shading<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
-        match self {
-            Shading::Plain(plain) => plain.light(triangle, w, gouraud),
-            Shading::Corrected(corrected) => corrected.light(triangle, w, gouraud),
+        let value = with_shader!(&self.plain, shader => shader.light(triangle, w, gouraud));
+        match &self.corrections {
+            Some(corrections) => corrections.corrected(triangle, w, value),
+            None => value,
         }
     }
 }

@@ -24,7 +24,7 @@ pub fn least<N: Number>(w: [N; 3]) -> N {
     w[0].min(w[1]).min(w[2])
 }
 
-/// The width of the strip with the smallest weight as Bangay's pseudo-code narrows it towards the corners: `min(b,
+/// The width of the strip with the smallest weight as Bangay's pseudo-code narrows it toward the corners: `min(b,
 /// (1−w_i)/2, (1−w_j)/2)`. It has a kink at w = 1 − 2b.
 #[inline(always)]
 pub fn narrowed<N: Number>(w: [N; 3], b: N::Constant) -> N {

@@ -75,7 +75,7 @@ impl WindowGpu {
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.gpu.render(&mut encoder, &view, &uploaded, None);
+        self.gpu.render(&mut encoder, &view, &uploaded);
         queue.submit([encoder.finish()]);
         device.poll(wgpu::PollType::wait_indefinitely()).map_err(|fault| GpuError::Driver(fault.to_string()))?;
         let ms = begun.elapsed().as_secs_f64() * 1e3;

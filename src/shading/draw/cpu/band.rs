@@ -2,12 +2,13 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::{
-    lanes::{Lanes, MOST_LANES},
-    outline::{Outline, ROWS},
-    planes::{Line, Planes},
+use super::lanes::{Lanes, MOST_LANES};
+use crate::shading::{
+    draw::reference::Reference,
+    frame::{Frame, Outline, Planes, coverage},
+    number::Number as _,
+    shaders::Spread,
 };
-use crate::shading::{draw::reference::Reference, frame::Frame, number::Number as _, shaders::Spread};
 
 /// The light along the rows of triangles.
 pub(super) trait Rows<const C: usize>: Sync {
@@ -42,16 +43,29 @@ pub(super) struct Fast<'a, R> {
 }
 
 impl<const C: usize, R: Spread<f32, C>> Rows<C> for Fast<'_, R> {
-    type Row = (Line<6>, u32);
+    /// Triangle, the numbers at the first pixel, and the steps to the next.
+    type Row = (u32, [f32; 6], [f32; 6]);
 
     #[inline(always)]
     fn row(&self, triangle: u32, x: u32, y: u32) -> Self::Row {
-        (self.corners[triangle as usize].line(x, y), triangle)
+        let (precise, right) = self.corners[triangle as usize].at(x, y);
+        let (mut at, mut step) = ([0.0; 6], [0.0; 6]);
+        for q in 0..6 {
+            (at[q], step[q]) = (precise[q] as f32, right[q] as f32);
+        }
+        (triangle, at, step)
     }
 
     #[inline(always)]
-    fn light<S: Simd>(&self, (line, triangle): &Self::Row, chunk: Chunk<S>) -> [Lanes<S>; C] {
-        self.shader.light(*triangle as usize, line.along(0, chunk.steps), line.along(3, chunk.steps))
+    fn light<S: Simd>(&self, (triangle, at, step): &Self::Row, chunk: Chunk<S>) -> [Lanes<S>; C] {
+        let (mut w, mut gouraud) = ([chunk.steps; 3], [chunk.steps; C]);
+        for k in 0..3 {
+            w[k] = chunk.steps.along(step[k], at[k]);
+        }
+        for c in 0..C {
+            gouraud[c] = chunk.steps.along(step[3 + c], at[3 + c]);
+        }
+        self.shader.light(*triangle as usize, w, gouraud)
     }
 }
 
@@ -115,12 +129,6 @@ impl Band<'_> {
         Some((outline, outline.first.max(self.first), outline.end.min(self.end)))
     }
 
-    /// The depths of a triangle.
-    fn depths(&self, triangle: u32) -> Planes<1> {
-        let corners = self.frame.corners(triangle as usize);
-        Planes::new(corners.map(|v| v.screen), corners.map(|v| [v.depth]))
-    }
-
     /// Finds the spans of the triangles, and fills `C` channels with the background.
     ///
     /// Returns whether any pixel is covered twice: if not, nothing is hidden and depth need not be looked at.
@@ -139,13 +147,16 @@ impl Band<'_> {
         let mut twice = 0;
         for &triangle in self.triangles {
             let Some((outline, first, end)) = self.rows(triangle) else { continue };
-            for block in (first..end).step_by(ROWS) {
-                for (row, span) in (block..end).zip(outline.spans(block, width)) {
+            outline.each_span(
+                first..end,
+                width,
+                #[inline(always)]
+                |row, span| {
                     let bits = &mut scratch.covered[(row - self.first) as usize * words..][..words];
                     twice |= cover(bits, span);
                     scratch.spans.push(span);
-                }
-            }
+                },
+            );
         }
         if twice != 0 {
             scratch.depth.clear();
@@ -197,7 +208,7 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
         for &triangle in band.triangles {
             let Some((_, first, end)) = band.rows(triangle) else { continue };
             // Zeros, not nothing: a compiler may compute with what is not there, and what lies in its place can be slow.
-            let depths = if overlap { band.depths(triangle) } else { Planes::ZERO };
+            let depths = if overlap { coverage::depths(band.frame, triangle as usize) } else { Planes::ZERO };
             for y in first..end {
                 let Some(&(left, right)) = spans.next() else { return };
                 if left >= right {
@@ -212,7 +223,7 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
                     let count = if rest < S::F32_LANES as u32 { rest } else { S::F32_LANES as u32 };
                     let steps = Lanes::steps(simd) + Lanes::splat(simd, first as f32);
                     let wanted = if overlap {
-                        let nearer = nearer(depths.precise(left + first, y), count, &mut depth[at..]);
+                        let nearer = nearer(depths.at(left + first, y), count, &mut depth[at..]);
                         Lanes::load(simd, &nearer).below(Lanes::splat(simd, 0.0))
                     } else {
                         steps.below(Lanes::splat(simd, (right - left) as f32))

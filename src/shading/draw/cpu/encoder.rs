@@ -2,7 +2,7 @@
 
 use crate::light::{Bits, ChannelQuantizer, Transfer};
 
-/// A transfer function prepared for the rasteriser's pixels.
+/// A transfer function prepared for the rasterizer's pixels.
 ///
 /// The codes are those of [`ChannelQuantizer::code`], bit for bit: an f32's upper bits find, in a table, the code of the
 /// smallest number that begins with them and the one threshold that may follow; the lower bits decide.

@@ -12,8 +12,6 @@
 mod band;
 mod encoder;
 mod lanes;
-mod outline;
-mod planes;
 mod prepared;
 mod target;
 

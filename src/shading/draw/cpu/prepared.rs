@@ -6,7 +6,6 @@ use rayon::prelude::*;
 use super::{
     band::{Band, Corners, Fast, Scratch},
     encoder::Encoder,
-    outline::Outline,
     target::{Linear, Target},
 };
 use crate::{
@@ -14,7 +13,7 @@ use crate::{
     shading::{
         channels::Channels,
         draw::reference::Reference,
-        frame::Frame,
+        frame::{Frame, Outline},
         lighting::Specular,
         shaders::{Shade, Shading, with_shader},
     },
@@ -64,7 +63,7 @@ impl<'f> Prepared<'f> {
 
     fn with(frame: &'f Frame, channels: Channels, shading: Painter<'f>) -> Self {
         let outline = |t| Outline::new(frame.corners(t).map(|v| v.screen), frame.width, frame.height);
-        let outlines: Vec<Option<Outline>> = (0..frame.triangles.len()).map(outline).collect();
+        let outlines = frame.each_triangle(outline);
         let mut bands = vec![Vec::new(); frame.height.div_ceil(BAND_ROWS) as usize];
         for (t, outline) in (0..).zip(&outlines) {
             if let Some(Outline { first, end, .. }) = outline {
@@ -144,12 +143,10 @@ fn fast<const C: usize>(
     scratch: &mut Scratch,
     arch: Arch,
 ) {
-    match shading {
-        Shading::Plain(plain) => {
-            with_shader!(plain, shader => band.paint::<C, _>(&Fast { corners, shader }, scratch, arch))
-        }
-        Shading::Corrected(shader) => band.paint(&Fast { corners, shader }, scratch, arch),
+    if shading.corrections.is_some() {
+        return band.paint(&Fast { corners, shader: shading }, scratch, arch);
     }
+    with_shader!(&shading.plain, shader => band.paint::<C, _>(&Fast { corners, shader }, scratch, arch));
 }
 
 /// The planes of every triangle.
@@ -164,7 +161,7 @@ fn corners<const C: usize>(frame: &Frame, channels: Channels) -> Vec<Corners> {
         });
         Corners::new(corners.map(|v| v.screen), values)
     };
-    (0..frame.triangles.len()).map(planes).collect()
+    frame.each_triangle(planes)
 }
 
 /// Which channels are shaded: one where the lights of the vertices, and all that any shader may add to them, are gray.

@@ -31,21 +31,8 @@ pub struct GpuFrame {
     background: wgpu::Color,
 }
 
-/// A rectangle of a texture, physical pixels from its top left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Region {
-    /// Left side.
-    pub x: u32,
-    /// Upper side.
-    pub y: u32,
-    /// Pixels across.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-}
-
 impl Gpu {
-    /// What draws into textures of `format` with `device`. The colours it writes are encoded: the format must be one
+    /// What draws into textures of `format` with `device`. The colors it writes are encoded: the format must be one
     /// that keeps them as they are, such as Rgba8Unorm, not one ending in Srgb.
     ///
     /// # Errors
@@ -105,22 +92,10 @@ impl Gpu {
         })
     }
 
-    /// Draws `frame` into `view`, its top left at the texture's: all of it, or `region` only, in which case the rest
-    /// of the texture stays as it is.
-    pub fn render(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        frame: &GpuFrame,
-        region: Option<Region>,
-    ) {
-        let target = view.texture().size();
-        let Some(region) = cropped(region, target) else { return };
-        let load = match region {
-            Some(_) => wgpu::LoadOp::Load,
-            None => wgpu::LoadOp::Clear(frame.background),
-        };
-        let depth = self.depth_for(target);
+    /// Draws `frame` into `view`, its top left at the texture's.
+    pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView, frame: &GpuFrame) {
+        let load = wgpu::LoadOp::Clear(frame.background);
+        let depth = self.depth_for(view.texture().size());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shading"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -137,11 +112,6 @@ impl Gpu {
             ..Default::default()
         });
         pass.set_bind_group(0, &frame.bindings, &[]);
-        if let Some(Region { x, y, width, height }) = region {
-            pass.set_scissor_rect(x, y, width, height);
-            pass.set_pipeline(&self.pipelines.background);
-            pass.draw(0..3, 0..1);
-        }
         if frame.corners > 0 {
             pass.set_viewport(0.0, 0.0, frame.width as f32, frame.height as f32, 0.0, 1.0);
             pass.set_pipeline(&frame.pipeline);
@@ -188,12 +158,4 @@ impl Gpu {
             }
         }
     }
-}
-
-/// `region` as far as it is on the target; nothing if none of it is.
-fn cropped(region: Option<Region>, target: wgpu::Extent3d) -> Option<Option<Region>> {
-    let Some(Region { x, y, width, height }) = region else { return Some(None) };
-    let width = width.min(target.width.saturating_sub(x));
-    let height = height.min(target.height.saturating_sub(y));
-    (width > 0 && height > 0).then_some(Some(Region { x, y, width, height }))
 }

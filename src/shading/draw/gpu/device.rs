@@ -6,9 +6,6 @@ const STORAGE_BUFFERS: u32 = 4;
 /// Why a card does not draw.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
-    /// There is no card, nor a program that acts as one.
-    #[error("no graphics adapter was found ({0}); expected one with Vulkan, Metal, Direct3D 12 or OpenGL")]
-    NoAdapter(String),
     /// The card, or the device that was made of it, cannot read what the shaders read.
     #[error("the graphics device gives a shader {0} storage buffers; expected at least {STORAGE_BUFFERS}")]
     NoStorage(u32),

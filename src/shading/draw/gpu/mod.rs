@@ -1,8 +1,8 @@
 //! The shaders on a graphics card, in WGSL.
 //!
-//! [`Gpu`] draws a [`Frame`](super::Frame) into a texture of somebody's device, with one draw; [`Offscreen`] has a
-//! device of its own, and gives an image. Constants of triangles and edges are the CPU's, computed once a frame; the
-//! vertex stage hands them to the pixels of its triangle, where everything is f32, and encodes for the display.
+//! [`Gpu`] draws a [`Frame`](crate::shading::Frame) into a texture of any device, with one draw. The constants of triangles
+//! and edges come from the processor, computed once a frame; the vertex stage hands them to the pixels of its triangle,
+//! where everything is f32, and encodes for the display.
 //!
 //! Which triangle a pixel shows is as on the CPU, because vertices lie on the steps of 1/256 pixel that cards have. Its
 //! codes are within one of the CPU's at 8 bits, as long as the display's exponent is not above 3: beyond, the darkest
@@ -14,11 +14,9 @@
 
 mod card;
 mod device;
-mod offscreen;
 mod pack;
 mod pipeline;
 
-pub use card::{Gpu, GpuFrame, Region};
+pub use card::{Gpu, GpuFrame};
 pub use device::{GpuError, limits};
-pub use offscreen::Offscreen;
 pub use pipeline::WGSL;

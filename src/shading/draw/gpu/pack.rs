@@ -17,7 +17,6 @@ pub struct Globals {
     size: [f32; 2],
     boundary: f32,
     distance: f32,
-    background: [f32; 4],
     ambient: [f32; 4],
     diffuse: [f32; 4],
     specular: [f32; 4],
@@ -71,7 +70,6 @@ pub fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
         size: [frame.width as f32, frame.height as f32],
         boundary: shade.strip().clamp(0.0, 1.0) as f32,
         distance: if frame.view.distance.is_finite() { frame.view.distance as f32 } else { 0.0 },
-        background: four(background(frame, transfer), 1.0),
         ambient: four(frame.lighting.ambient_light(), 0.0),
         diffuse: four(material.diffuse * material.color, material.shininess),
         specular: four(material.specular * material.specular_color, facets.slope),
@@ -203,13 +201,13 @@ fn cut(edges: &[Bend; 3]) -> [[f32; 4]; 6] {
     [a, b, c, d, e, f]
 }
 
-/// The ordinates from which the others follow, beside the corners' lights: towards the next corners, towards those
+/// The ordinates from which the others follow, beside the corners' lights: toward the next corners, toward those
 /// after, and the middles.
 fn ordinates(points: &ControlPoints) -> [[f32; 4]; 9] {
     [3, 5, 7, 4, 6, 8, 12, 13, 14].map(|at| four(points[at], 0.0))
 }
 
-/// The light of the neighbour's apex across each edge, and 1 if there is one.
+/// The light of the neighbor's apex across each edge, and 1 if there is one.
 fn apexes(frame: &Frame, triangle: usize) -> [[f32; 4]; 3] {
     frame.triangles[triangle].across.map(|across| match across {
         Across::Triangle { apex, .. } => four(frame.vertices[apex as usize].light, 1.0),

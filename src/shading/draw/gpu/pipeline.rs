@@ -10,7 +10,7 @@ use crate::{
     light::{Depth, Transfer},
     shading::{
         frame::Frame,
-        lighting::{Facets, Specular},
+        lighting::{Facets, Microfacets, Specular},
         shaders::{Correction, Shade, Shader},
     },
 };
@@ -36,65 +36,36 @@ pub const WGSL: &str = concat!(
 /// How depth is kept.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// What the WGSL is made for: its overrides.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Variant {
-    shader: u32,
-    depth: u32,
-    vertex: u32,
-    reweight: u32,
-    transfer: u32,
-    specular: u32,
-    rows: u32,
-}
+/// The WGSL's overrides: what it is made for.
+type Overrides = [(&'static str, u32); 7];
 
-impl Variant {
-    fn new(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Variant {
-        let correction = |correction| position(Correction::ALL, correction);
-        Variant {
-            shader: position(Shader::ALL, shade.shader),
-            depth: match shade.depth {
-                Depth::Finite(n) => u32::from(n.clamp(1, Depth::MAX_FINITE)),
-                Depth::Infinite => 0,
-            },
-            vertex: correction(shade.vertex),
-            reweight: correction(shade.reweight),
-            transfer: match transfer {
-                Transfer::Linear => 0,
-                Transfer::Srgb => 1,
-                Transfer::Gamma(_) => 2,
-                // The card has no arithmetic of its own for gain and offset.
-                Transfer::Gog(_) | Transfer::Table(_) => 3,
-            },
-            specular: match frame.lighting.material.specular_model {
-                Specular::Phong => 0,
-                Specular::Blinn => 1,
-                Specular::CookTorrance(facets) => match facets.facets {
-                    Facets::Gaussian { .. } => 2,
-                    Facets::Beckmann => 3,
-                },
-            },
-            rows: pack::rows(shade.shader),
-        }
-    }
-
-    /// The shader alone, for what does not depend on the rest.
-    const fn any() -> Variant {
-        Variant { shader: 0, depth: 1, vertex: 0, reweight: 0, transfer: 0, specular: 0, rows: 0 }
-    }
-
-    fn constants(self) -> [(&'static str, f64); 7] {
-        [
-            ("SHADER", self.shader),
-            ("DEPTH", self.depth),
-            ("VERTEX", self.vertex),
-            ("REWEIGHT", self.reweight),
-            ("TRANSFER", self.transfer),
-            ("SPECULAR", self.specular),
-            ("ROWS", self.rows),
-        ]
-        .map(|(name, value)| (name, f64::from(value)))
-    }
+fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Overrides {
+    let depth = match shade.depth {
+        Depth::Finite(n) => u32::from(n.clamp(1, Depth::MAX_FINITE)),
+        Depth::Infinite => 0,
+    };
+    let transfer = match transfer {
+        Transfer::Linear => 0,
+        Transfer::Srgb => 1,
+        Transfer::Gamma(_) => 2,
+        // The card has no arithmetic of its own for gain and offset.
+        Transfer::Gog(_) | Transfer::Table(_) => 3,
+    };
+    let specular = match frame.lighting.material.specular_model {
+        Specular::Phong => 0,
+        Specular::Blinn => 1,
+        Specular::CookTorrance(Microfacets { facets: Facets::Gaussian { .. }, .. }) => 2,
+        Specular::CookTorrance(Microfacets { facets: Facets::Beckmann, .. }) => 3,
+    };
+    [
+        ("SHADER", position(Shader::ALL, shade.shader)),
+        ("DEPTH", depth),
+        ("VERTEX", position(Correction::ALL, shade.vertex)),
+        ("REWEIGHT", position(Correction::ALL, shade.reweight)),
+        ("TRANSFER", transfer),
+        ("SPECULAR", specular),
+        ("ROWS", pack::rows(shade.shader)),
+    ]
 }
 
 /// The place of `value` in its enum, as the WGSL numbers them.
@@ -109,16 +80,8 @@ pub struct Pipelines {
     layout: wgpu::PipelineLayout,
     /// Of the buffers.
     pub bindings: wgpu::BindGroupLayout,
-    /// Fills the window.
-    pub background: wgpu::RenderPipeline,
     format: wgpu::TextureFormat,
-    made: HashMap<Variant, wgpu::RenderPipeline>,
-}
-
-impl std::fmt::Debug for Variant {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_map().entries(self.constants()).finish()
-    }
+    made: HashMap<Overrides, wgpu::RenderPipeline>,
 }
 
 impl Pipelines {
@@ -137,9 +100,7 @@ impl Pipelines {
                 bind_group_layouts: &[Some(&bindings)],
                 ..Default::default()
             });
-            let entries = ("place_background", "shade_background");
-            let background = pipeline(device, &module, &layout, format, entries, Variant::any());
-            Pipelines { module, layout, bindings, background, format, made: HashMap::new() }
+            Pipelines { module, layout, bindings, format, made: HashMap::new() }
         })
     }
 
@@ -151,14 +112,46 @@ impl Pipelines {
         shade: &Shade,
         transfer: &Transfer,
     ) -> Result<wgpu::RenderPipeline, GpuError> {
-        let variant = Variant::new(frame, shade, transfer);
-        if let Some(made) = self.made.get(&variant) {
+        let overrides = overrides(frame, shade, transfer);
+        if let Some(made) = self.made.get(&overrides) {
             return Ok(made.clone());
         }
-        let entries = ("place_corner", "shade_pixel");
-        let made = guarded(device, || pipeline(device, &self.module, &self.layout, self.format, entries, variant))?;
-        self.made.insert(variant, made.clone());
+        let made = guarded(device, || self.pipeline(device, &overrides))?;
+        self.made.insert(overrides, made.clone());
         Ok(made)
+    }
+
+    fn pipeline(&self, device: &wgpu::Device, overrides: &Overrides) -> wgpu::RenderPipeline {
+        let constants = overrides.map(|(name, value)| (name, f64::from(value)));
+        let options =
+            wgpu::PipelineCompilationOptions { constants: &constants, zero_initialize_workgroup_memory: false };
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("shading"),
+            layout: Some(&self.layout),
+            vertex: wgpu::VertexState {
+                module: &self.module,
+                entry_point: Some("place_corner"),
+                compilation_options: options.clone(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Less),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &self.module,
+                entry_point: Some("shade_pixel"),
+                compilation_options: options.clone(),
+                targets: &[Some(self.format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
     }
 }
 
@@ -174,49 +167,4 @@ fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
         ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
         count: None,
     }
-}
-
-/// A pipeline between two entry points. The background's writes no depth.
-fn pipeline(
-    device: &wgpu::Device,
-    module: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    format: wgpu::TextureFormat,
-    (vertex, fragment): (&str, &str),
-    variant: Variant,
-) -> wgpu::RenderPipeline {
-    let constants = variant.constants();
-    let compilation_options =
-        || wgpu::PipelineCompilationOptions { constants: &constants, zero_initialize_workgroup_memory: false };
-    let (write, compare) = match vertex {
-        "place_background" => (false, wgpu::CompareFunction::Always),
-        _ => (true, wgpu::CompareFunction::Less),
-    };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(fragment),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(vertex),
-            compilation_options: compilation_options(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(write),
-            depth_compare: Some(compare),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(fragment),
-            compilation_options: compilation_options(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

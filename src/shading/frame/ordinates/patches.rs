@@ -2,7 +2,7 @@
 //!
 //! Every vertex has its light and a slope of the light on the screen, the gradient. A reduced Clough–Tocher cubic
 //! joins them: each triangle is split at its centroid into three, each with a cubic, and along an edge the slope
-//! toward the neighbour's centroid runs linearly. Both triangles at an edge then agree about light and slope along all
+//! toward the neighbor's centroid runs linearly. Both triangles at an edge then agree about light and slope along all
 //! of it, and all triangles at a vertex about both there.
 //!
 //! Like every smooth curve through given points it can run a little beyond the lights of the vertices, as a highlight

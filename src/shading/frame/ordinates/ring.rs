@@ -8,10 +8,10 @@ use crate::shading::frame::Frame;
 
 /// For each vertex, the vertices that it shares a drawn triangle with, each once.
 pub(super) struct Ring {
-    /// Where each vertex's neighbours begin and end.
+    /// Where each vertex's neighbors begin and end.
     begin: Vec<u32>,
     end: Vec<u32>,
-    neighbours: Vec<u32>,
+    neighbors: Vec<u32>,
 }
 
 impl Ring {
@@ -25,32 +25,32 @@ impl Ring {
         }
         // Every triangle gives each of its corners two; those named before take no room.
         let mut end = begin.clone();
-        let mut neighbours = vec![0; begin.last().copied().unwrap_or(0) as usize];
+        let mut neighbors = vec![0; begin.last().copied().unwrap_or(0) as usize];
         for triangle in &frame.triangles {
             for k in 0..3 {
                 let v = triangle.vertices[k] as usize;
                 for other in [triangle.vertices[(k + 1) % 3], triangle.vertices[(k + 2) % 3]] {
-                    if !neighbours[begin[v] as usize..end[v] as usize].contains(&other) {
-                        neighbours[end[v] as usize] = other;
+                    if !neighbors[begin[v] as usize..end[v] as usize].contains(&other) {
+                        neighbors[end[v] as usize] = other;
                         end[v] += 1;
                     }
                 }
             }
         }
-        Ring { begin, end, neighbours }
+        Ring { begin, end, neighbors }
     }
 
-    /// Offset on the screen and difference in light of every neighbour of `vertex` that lies elsewhere.
+    /// Offset on the screen and difference in light of every neighbor of `vertex` that lies elsewhere.
     fn differences<'a>(&'a self, frame: &'a Frame, vertex: usize) -> impl Iterator<Item = (DVec2, DVec3)> + 'a {
         let own = &frame.vertices[vertex];
-        self.neighbours[self.begin[vertex] as usize..self.end[vertex] as usize]
+        self.neighbors[self.begin[vertex] as usize..self.end[vertex] as usize]
             .iter()
             .map(|other| &frame.vertices[*other as usize])
             .map(move |other| (other.screen - own.screen, other.light - own.light))
             .filter(|(offset, _)| offset.length_squared() > 0.0)
     }
 
-    /// The equations of the plane through `vertex` that fits its neighbours best, weighted 1/d².
+    /// The equations of the plane through `vertex` that fits its neighbors best, weighted 1/d².
     pub fn plane(&self, frame: &Frame, vertex: usize) -> Equations {
         let mut sum = Equations::default();
         for (offset, light) in self.differences(frame, vertex) {
@@ -112,7 +112,7 @@ impl Equations {
     }
 }
 
-/// The quadric through each vertex that fits its neighbours best, weighted 1/d²; the plane where they do not settle one.
+/// The quadric through each vertex that fits its neighbors best, weighted 1/d²; the plane where they do not settle one.
 pub(super) fn quadric(frame: &Frame, ring: &Ring) -> Vec<Gradient> {
     (0..frame.vertices.len())
         .into_par_iter()

@@ -17,7 +17,7 @@ pub enum HullError {
 /// than twice as many as there are points. In time O(N log N).
 ///
 /// Points are inserted one by one. Each cuts the triangle under it in three; then edges are flipped as long as a
-/// neighbour's plane has the new point outside. With points on a sphere this always reaches the hull. The order makes
+/// neighbor's plane has the new point outside. With points on a sphere this always reaches the hull. The order makes
 /// it fast: rounds of doubling size, each through the points from one to the next, so that the triangle under a point
 /// is a few steps away from the last.
 ///

@@ -28,7 +28,7 @@ named! {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
     /// The shape cannot have so many or so few vertices.
-    #[error("a {shape} with {vertices} vertices is not to be had; expected {least}…{most}", most = MOST_VERTICES)]
+    #[error("a {shape} cannot have {vertices} vertices; expected {least}…{most}", most = MOST_VERTICES)]
     Vertices {
         /// Which shape.
         shape: Shape,

@@ -17,7 +17,7 @@ pub fn cube() -> Mesh {
 
 /// Shoaff's truncated pyramid (§4.1), closed by a base: V1…V8 are sites 0…7, 12 triangles.
 ///
-/// Its normals are Shoaff's: the normalised sum of the three *plane equations* around a vertex, (−1, −1, 3)/√11 at V1.
+/// Its normals are Shoaff's: the normalized sum of the three *plane equations* around a vertex, (−1, −1, 3)/√11 at V1.
 /// They are not of unit length there: z − 1 = 0, −y + z − 2 = 0, −x + z − 2 = 0. The average of unit normals, as
 /// elsewhere, would be along (−1, −1, 1 + √2 + 1).
 #[must_use]

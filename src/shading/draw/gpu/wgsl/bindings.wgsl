@@ -7,8 +7,6 @@ struct Globals {
     boundary: f32,
     // Distance of the eye from the origin of eye space; 0 for a parallel projection.
     distance: f32,
-    // Encoded light where there is no surface.
-    background: vec4f,
     // k_a·I_a·O_d.
     ambient: vec4f,
     // k_d·O_d; in w, m of Phong's and Blinn's highlight.

@@ -84,7 +84,7 @@ fn gouraud(t: Corner, w: vec3f) -> vec3f {
     return t.a0.rgb * w.x + t.b0.rgb * w.y + t.c0.rgb * w.z;
 }
 
-// *fixed* and *gradient*, in the strip of the smallest weight. The latter's row 1: the light of the neighbour's apex
+// *fixed* and *gradient*, in the strip of the smallest weight. The latter's row 1: the light of the neighbor's apex
 // across each edge, w = 1 if there is one.
 fn printed(t: Corner, w: vec3f, b: f32) -> vec3f {
     if min(w.x, min(w.y, w.z)) >= b {

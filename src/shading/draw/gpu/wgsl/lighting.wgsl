@@ -101,7 +101,7 @@ fn distribution(normal: vec3f, halfway: vec3f, nh: f32) -> f32 {
     return exp(-tangent * tangent) / (slope * slope * cosine2 * cosine2);
 }
 
-// F, the part of unpolarised light that is reflected at the cosine L·H.
+// F, the part of unpolarized light that is reflected at the cosine L·H.
 fn fresnel(cosine: f32, index: f32) -> f32 {
     let c = min(cosine, 1.0);
     let g2 = index * index - 1.0 + c * c;

@@ -80,14 +80,3 @@ fn shade_pixel(corner: Corner) -> @location(0) vec4f {
     let c = dot(corner.slopes.zw, offset);
     return vec4f(encoded(pixel_light(corner, vec3f(1.0 - b - c, b, c))), 1.0);
 }
-
-// The background fills what its scissor leaves of the window.
-@vertex
-fn place_background(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index & 2u) * 2.0 - 1.0, 1.0, 1.0);
-}
-
-@fragment
-fn shade_background() -> @location(0) vec4f {
-    return globals.background;
-}

@@ -1,28 +1,18 @@
 //! Numbers that change by a constant from pixel to pixel and from row to row of a triangle.
 
+use super::frame::Frame;
 use glam::DVec2;
-use pulp::Simd;
-
-use super::lanes::Lanes;
-use crate::shading::frame::Frame;
 
 /// `Q` such numbers of one triangle. Found anew for every row in f64, so that long thin triangles lose nothing; along
 /// the row f32 is enough.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Planes<const Q: usize> {
+pub struct Planes<const Q: usize> {
     /// A corner, from the center of the first pixel.
     origin: DVec2,
     /// The numbers there.
     at: [f64; Q],
     right: [f64; Q],
     down: [f64; Q],
-}
-
-/// The numbers along a row: at its first pixel, and the step to the next.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Line<const Q: usize> {
-    at: [f32; Q],
-    step: [f32; Q],
 }
 
 impl<const Q: usize> Planes<Q> {
@@ -44,35 +34,12 @@ impl<const Q: usize> Planes<Q> {
 
     /// The numbers at the center of pixel `x` of `row`, and the steps to the next pixel.
     #[inline(always)]
-    pub fn precise(&self, x: u32, row: u32) -> ([f64; Q], [f64; Q]) {
+    pub fn at(&self, x: u32, row: u32) -> ([f64; Q], [f64; Q]) {
         let (x, y) = (f64::from(x) - self.origin.x, f64::from(row) - self.origin.y);
         let mut at = [0.0; Q];
         for q in 0..Q {
             at[q] = self.at[q] + self.right[q] * x + self.down[q] * y;
         }
         (at, self.right)
-    }
-
-    /// The numbers along `row` from the center of pixel `x` on.
-    #[inline(always)]
-    pub fn line(&self, x: u32, row: u32) -> Line<Q> {
-        let (precise, right) = self.precise(x, row);
-        let (mut at, mut step) = ([0.0; Q], [0.0; Q]);
-        for q in 0..Q {
-            (at[q], step[q]) = (precise[q] as f32, right[q] as f32);
-        }
-        Line { at, step }
-    }
-}
-
-impl<const Q: usize> Line<Q> {
-    /// `N` of the numbers, from the `first` on, `steps` pixels on.
-    #[inline(always)]
-    pub fn along<S: Simd, const N: usize>(&self, first: usize, steps: Lanes<S>) -> [Lanes<S>; N] {
-        let mut lanes = [steps; N];
-        for i in 0..N {
-            lanes[i] = steps.along(self.step[first + i], self.at[first + i]);
-        }
-        lanes
     }
 }

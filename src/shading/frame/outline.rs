@@ -1,12 +1,13 @@
-//! Which pixels of a row a triangle covers: those whose center lies inside, or on a left or top edge; exactly the
-//! pixels of [`coverage`](crate::shading::coverage).
+//! Which pixels a triangle covers.
+
+use std::ops::Range;
 
 use glam::DVec2;
 
-use crate::shading::frame::Frame;
+use super::frame::Frame;
 
 /// Rows that are computed at once.
-pub(super) const ROWS: usize = 8;
+const ROWS: usize = 8;
 
 /// Half a pixel, less far more than f64's rounding and far less than the 2⁻³¹ px by which an edge passes by a pixel's
 /// center at least: places are multiples of 1/256 px and below 2¹⁵ px.
@@ -15,9 +16,10 @@ const NEARLY_HALF: f64 = 0.5 - 1.0 / (1u64 << 33) as f64;
 /// Added to a number below 2⁵¹, brings its whole part, rounded to nearest, into the lowest bits.
 const TO_WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// A triangle as rows of pixels.
+/// A triangle as rows of pixels: those whose center lies inside, or on a left or top edge, as graphics cards have it.
+/// Exact.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Outline {
+pub struct Outline {
     /// The first row, and the one after the last, within the window.
     pub first: u32,
     pub end: u32,
@@ -67,23 +69,23 @@ impl Outline {
         Some(outline)
     }
 
-    /// The first pixel and the one after the last of [`ROWS`] rows from `row` on. Rows outside the triangle have any.
+    /// Calls `of` with each of `rows`, which must be the triangle's, its first pixel and the one after the last.
     #[inline(always)]
-    pub fn spans(&self, row: u32, width: u32) -> [(u32, u32); ROWS] {
+    pub fn each_span(&self, rows: Range<u32>, width: u32, mut of: impl FnMut(u32, (u32, u32))) {
         let width = f64::from(width);
-        let (mut left, mut right) = ([0; ROWS], [0; ROWS]);
-        for i in 0..ROWS {
-            let y = f64::from(row) + i as f64;
-            let [a, b] = [self.left[0].at(y), self.left[1].at(y)];
-            left[i] = center(if a > b { a } else { b }, width);
-            let [a, b] = [self.right[0].at(y), self.right[1].at(y)];
-            right[i] = center(if a < b { a } else { b }, width);
+        for block in rows.clone().step_by(ROWS) {
+            let (mut left, mut right) = ([0; ROWS], [0; ROWS]);
+            for i in 0..ROWS {
+                let y = f64::from(block) + i as f64;
+                let [a, b] = [self.left[0].at(y), self.left[1].at(y)];
+                left[i] = center(if a > b { a } else { b }, width);
+                let [a, b] = [self.right[0].at(y), self.right[1].at(y)];
+                right[i] = center(if a < b { a } else { b }, width);
+            }
+            for (i, row) in (block..rows.end).take(ROWS).enumerate() {
+                of(row, (left[i], right[i]));
+            }
         }
-        let mut spans = [(0, 0); ROWS];
-        for i in 0..ROWS {
-            spans[i] = (left[i], right[i]);
-        }
-        spans
     }
 }
 
