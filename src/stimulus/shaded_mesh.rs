@@ -14,7 +14,7 @@ use super::{
 use crate::{
     light::{Depth, LinearImage, Transfer, names::serde_as_text},
     shading::{
-        Correction, Frame, Gradients, Mesh, Scene, Shade, Shader, Surface,
+        Correction, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface,
         shapes::{self, Shape, ShapeError},
     },
 };
@@ -152,7 +152,9 @@ impl ShadedMesh {
 
 impl Area for ShadedMesh {
     fn linear(&self, size: u32) -> LinearImage {
-        self.frame(size).map_or_else(|| LinearImage::new(size, size), |frame| self.shot(&frame).image())
+        // In f64, not in the faster lanes of f32: the bytes of a stimulus are recorded with its ratings.
+        self.frame(size)
+            .map_or_else(|| LinearImage::new(size, size), |frame| Reference::new(&frame, &self.shade()).image())
     }
 
     fn profile(&self, size: u32) -> Vec<[f32; 3]> {

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::{
     light::{LinearImage, Transfer, Transfers},
-    shading::{Creases, Frame, Reference, Scene, Shade, Shader},
+    shading::{Creases, Frame, Reference, Scene, Shade, Shader, picture},
 };
 
 /// A shader, and whether it accounts for gamma.
@@ -107,7 +107,7 @@ impl Shot<'_> {
     /// either into codes.
     #[must_use]
     pub fn image(&self) -> LinearImage {
-        Reference::new(&self.frame, &self.shade).image()
+        picture(&self.frame, &self.shade)
     }
 
     /// The light that the display sends, no less than black and no more than white.

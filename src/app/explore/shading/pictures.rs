@@ -45,11 +45,7 @@ impl Drawer {
             None => Err("no graphics adapter".to_owned()),
         };
         let is_fast = gpu.as_ref().is_ok_and(|gpu| !gpu.is_software());
-        Drawer {
-            canvases: Default::default(),
-            gpu,
-            wanted: if is_fast { DrawnBy::Gpu } else { DrawnBy::Cpu },
-        }
+        Drawer { canvases: Default::default(), gpu, wanted: if is_fast { DrawnBy::Gpu } else { DrawnBy::Cpu } }
     }
 
     /// What draws.
