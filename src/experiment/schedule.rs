@@ -236,38 +236,3 @@ fn limit_runs(
     }
     Err(ScheduleError::MaxRun { max_run })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// MATH: every level in every place equally often, every ordered pair of neighbours equally often.
-    #[test]
-    fn williams_squares_are_balanced() {
-        for levels in 2..=9 {
-            let rows = if levels % 2 == 0 { levels } else { 2 * levels };
-            let mut place = vec![vec![0; levels]; levels];
-            let mut follows = vec![vec![0; levels]; levels];
-            for row in 0..rows as u64 {
-                let sequence = williams_row(levels, row);
-                for (i, level) in sequence.iter().enumerate() {
-                    place[i][*level] += 1;
-                }
-                for pair in sequence.windows(2) {
-                    follows[pair[0]][pair[1]] += 1;
-                }
-            }
-            assert!(place.iter().flatten().all(|n| *n == rows / levels), "{levels}: {place:?}");
-            for (a, row) in follows.iter().enumerate() {
-                for (b, n) in row.iter().enumerate() {
-                    assert_eq!(*n, if a == b { 0 } else { rows / levels }, "{levels}: {follows:?}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_generator_is_chacha8() {
-        assert_eq!(ChaCha8Rng::seed_from_u64(42).next_u64(), 12_578_764_544_318_200_737);
-    }
-}

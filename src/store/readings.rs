@@ -9,7 +9,8 @@ use super::{
     FileFault, FileFaults, StoreError,
     fault::io,
     file::write_whole,
-    text::{self, position},
+    table::{Content, each_row},
+    text,
 };
 use crate::display::photometer::{Channel, Reading, ReadingFault, Readings};
 
@@ -125,71 +126,63 @@ struct Row {
     luminance_at: (usize, usize),
 }
 
-/// What a table of readings looks like.
-struct Shape {
-    separator: u8,
-    /// Fields of the header.
-    fields: usize,
-    /// Indices of [`COLUMNS`].
-    columns: [usize; 3],
-}
-
 fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let shape = shape(file, text)?;
-    let mut reader = csv::ReaderBuilder::new().delimiter(shape.separator).flexible(true).from_reader(text.as_bytes());
-    let mut faults = Vec::new();
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        match record {
-            Ok(record) => match row(text, &shape, &record) {
-                Ok(row) => rows.push(row),
-                Err(found) => faults.extend(found),
-            },
-            Err(error) => {
-                let message = format!("is no CSV: {error}; expected rows of cells");
-                faults.push(Found { kind: Kind::Whole, position: None, message });
+    // Spreadsheets of half the world separate by semicolons, since the comma is their decimal point.
+    let first = text.lines().next().unwrap_or_default();
+    let separator = if first.contains(';') && !first.contains(',') { b';' } else { b',' };
+    let (mut rows, mut faults) = (Vec::new(), Vec::new());
+    let mut columns: Option<[Option<usize>; 3]> = None;
+    let mut width = 0;
+    let read = each_row(Content::Memory(text.as_bytes()), separator, |row| {
+        let cells: Vec<&str> =
+            row.record.iter().map(|cell| std::str::from_utf8(cell).unwrap_or_default().trim()).collect();
+        match columns {
+            None => {
+                width = cells.len();
+                let index = |column: &str| cells.iter().position(|name| name.eq_ignore_ascii_case(column));
+                columns = Some(COLUMNS.map(index));
             }
+            Some([Some(channel), Some(level), Some(luminance)]) if cells.len() <= width => {
+                match reading(&cells, [channel, level, luminance], separator, |cell| row.place(cell)) {
+                    Ok(row) => rows.push(row),
+                    Err(found) => faults.extend(found),
+                }
+            }
+            // More fields than the header names: which of them are the reading cannot be known.
+            Some([Some(_), Some(_), Some(_)]) => {
+                let why = if separator == b',' { " (a decimal comma?)" } else { "" };
+                let message = format!("{} fields; expected {width}{why}", cells.len());
+                faults.push(Found { kind: Kind::Fields, position: Some(row.place(0)), message });
+            }
+            Some(_) => {}
         }
+    });
+    let found = columns.unwrap_or_default();
+    let missing: Vec<&str> =
+        COLUMNS.into_iter().zip(found).filter(|(_, index)| index.is_none()).map(|(name, _)| name).collect();
+    if !missing.is_empty() {
+        let message = format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
+        return Err(FileFaults(vec![FileFault::at(file, (1, 1), message)]));
+    }
+    if let Err(error) = read {
+        faults.push(Found { kind: Kind::Whole, position: None, message: format!("{error}; expected rows of cells") });
     }
     if faults.is_empty() { Ok(rows) } else { Err(told(file, faults)) }
 }
 
-fn shape(file: &str, text: &str) -> Result<Shape, FileFaults> {
-    let header = text.lines().next().unwrap_or_default();
-    // Spreadsheets of half the world separate by semicolons, since the comma is their decimal point.
-    let separator = if header.contains(';') && !header.contains(',') { ';' } else { ',' };
-    let names: Vec<String> =
-        header.split(separator).map(|name| name.trim().trim_matches('"').to_ascii_lowercase()).collect();
-    let index = |column: &str| names.iter().position(|name| name == column);
-    match COLUMNS.map(index) {
-        [Some(channel), Some(level), Some(luminance)] => {
-            Ok(Shape { separator: separator as u8, fields: names.len(), columns: [channel, level, luminance] })
-        }
-        found => {
-            let missing: Vec<&str> =
-                COLUMNS.into_iter().zip(found).filter(|(_, index)| index.is_none()).map(|(name, _)| name).collect();
-            let message =
-                format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
-            Err(FileFaults(vec![FileFault { file: file.to_owned(), position: Some((1, 1)), message }]))
-        }
-    }
-}
-
-fn row(text: &str, shape: &Shape, record: &csv::StringRecord) -> Result<Row, Vec<Found>> {
-    let start = record.position().map_or(0, |position| position.byte() as usize);
-    // The reader's position may be before line ends that it passed over.
-    let start = start + text[start..].len() - text[start..].trim_start_matches(['\r', '\n']).len();
-    let place = |column: usize| position(text, start + cell_start(&text[start..], column, shape.separator));
-    if record.len() > shape.fields {
-        return Err(vec![too_many(record.len(), shape, place(0).0)]);
-    }
+/// The reading of a row; `place` says where a cell stands.
+fn reading(
+    cells: &[&str],
+    columns: [usize; 3],
+    separator: u8,
+    place: impl Fn(usize) -> (usize, usize),
+) -> Result<Row, Vec<Found>> {
     let mut faults = Vec::new();
     let mut channel = None;
     let mut numbers = [None; 2];
-    for (index, (column, name)) in shape.columns.into_iter().zip(COLUMNS).enumerate() {
-        let Some(cell) = record.get(column).map(str::trim).filter(|cell| !cell.is_empty()) else {
-            let position = Some(place(column.min(record.len())));
+    for (index, (column, name)) in columns.into_iter().zip(COLUMNS).enumerate() {
+        let Some(cell) = cells.get(column).copied().filter(|cell| !cell.is_empty()) else {
+            let position = Some(place(column.min(cells.len())));
             let message = format!("{name} is empty; expected a value");
             faults.push(Found { kind: Kind::Empty(index), position, message });
             continue;
@@ -197,12 +190,13 @@ fn row(text: &str, shape: &Shape, record: &csv::StringRecord) -> Result<Row, Vec
         let wrong = if index == 0 {
             cell.parse::<Channel>().map(|known| channel = Some(known)).err().map(|error| error.to_string())
         } else {
-            numbers[index - 1] = number(cell, shape.separator);
-            numbers[index - 1].is_none().then(|| format!("{name} {cell:?} is no number; expected one such as 0.5"))
+            let number = if separator == b';' { cell.replace(',', ".").parse() } else { cell.parse() };
+            numbers[index - 1] = number.ok();
+            numbers[index - 1].is_none().then(|| format!("{name} {cell:?} is not a number; expected one such as 0.5"))
         };
         faults.extend(wrong.map(|message| Found { kind: Kind::Cell(index), position: Some(place(column)), message }));
     }
-    let [_, level_at, luminance_at] = shape.columns;
+    let [_, level_at, luminance_at] = columns;
     match (channel, numbers) {
         (Some(channel), [Some(level), Some(luminance_cd_m2)]) => Ok(Row {
             reading: Reading { channel, level, luminance_cd_m2 },
@@ -211,33 +205,4 @@ fn row(text: &str, shape: &Shape, record: &csv::StringRecord) -> Result<Row, Vec
         }),
         _ => Err(faults),
     }
-}
-
-/// More fields than the header names: which of them are the reading cannot be known.
-fn too_many(fields: usize, shape: &Shape, line: usize) -> Found {
-    let why = if shape.separator == b',' { " (a decimal comma?)" } else { "" };
-    let message = format!("{fields} fields; expected {}{why}", shape.fields);
-    Found { kind: Kind::Fields, position: Some((line, 1)), message }
-}
-
-fn number(cell: &str, separator: u8) -> Option<f64> {
-    if separator == b';' { cell.replace(',', ".").parse().ok() } else { cell.parse().ok() }
-}
-
-/// Byte at which a cell of a row begins.
-fn cell_start(row: &str, column: usize, separator: u8) -> usize {
-    let mut quoted = false;
-    let mut passed = 0;
-    for (at, byte) in row.bytes().enumerate() {
-        if passed == column {
-            return at;
-        }
-        match byte {
-            b'"' => quoted = !quoted,
-            b'\n' | b'\r' if !quoted => return at,
-            _ if byte == separator && !quoted => passed += 1,
-            _ => {}
-        }
-    }
-    row.len()
 }

@@ -181,9 +181,9 @@ fn every_fault_of_a_file_is_told_with_its_place() {
         found,
         [
             "r.csv:3:1: channel \"violet\" is not known; expected r, g, b or gray",
-            "r.csv:3:8: level \"half\" is no number; expected one such as 0.5",
+            "r.csv:3:8: level \"half\" is not a number; expected one such as 0.5",
             "r.csv:4:7: luminance_cd_m2 is empty; expected a value",
-            "r.csv:6:5: luminance_cd_m2 \"x\" is no number; expected one such as 0.5",
+            "r.csv:6:5: luminance_cd_m2 \"x\" is not a number; expected one such as 0.5",
         ]
     );
     let found = faults("channel,level,luminance_cd_m2\nr,0,0.3\nr,1.5,20\nr,1,-2\nr,0.25,NaN\n");

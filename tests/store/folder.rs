@@ -5,26 +5,27 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::Command,
-    time::Duration,
 };
 
 use jiff::Timestamp;
 use machband::{
-    experiment::{
-        FrameCount, Identity, OrderedLogit, Phase, Protocol, Rating, RowContext, Seconds, Session, SessionOptions,
-        TrialRecord, columns, simulate,
-    },
+    experiment::{Identity, Phase, Protocol, Rating, Seconds, TrialRecord, columns},
     light::Depth,
     store::{
         StoreError, check,
         dataset::{SessionPaths, free_participant},
         definition,
-        results::{self, ResultFile},
+        results::ResultFile,
         session::{Interrupted, SessionStore},
-        sidecar::{Sidecar, Sitting},
+        sidecar::Sidecar,
     },
 };
 use proptest::prelude::*;
+
+use crate::{
+    common::{self, everything},
+    recording::{self, SEED, sitting},
+};
 
 /// Two practice and four main trials; the colour with commas needs quotes, `tanh_k` a column of its own.
 const TEXT: &str = "schema = 1\nname = \"small-one\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4]\ntanh_k = [5, 7.5]\n[design]\npractice = 2\n";
@@ -42,42 +43,16 @@ fn paths(results: &Path) -> SessionPaths {
     SessionPaths::new(results, &small(), &someone())
 }
 
-fn sitting() -> Sitting {
-    Sitting { started_at: Timestamp::now().to_string(), ..Sitting::default() }
-}
-
 fn create(results: &Path) -> Result<SessionStore, StoreError> {
-    SessionStore::create(results, &small(), &someone(), 7, sitting())
+    recording::create(results, &small(), &someone())
 }
 
 fn resume(results: &Path) -> Result<(SessionStore, Interrupted), StoreError> {
-    SessionStore::resume(results, &small(), &someone(), Some(7), sitting())
+    SessionStore::resume(results, &small(), &someone(), Some(SEED), sitting())
 }
 
-/// Rates up to `limit` of the trials that are left; ends the session if none is.
 fn rate(store: &mut SessionStore, found: Option<&Interrupted>, limit: usize) -> Result<(), StoreError> {
-    let (protocol, identity) = (small(), someone());
-    let schedule = machband::experiment::Schedule::new(&protocol, &identity, 7).unwrap();
-    let resumed = found.map(|found| found.resumed.clone()).unwrap_or_default();
-    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
-    let sitting = found.map_or(1, |found| found.sitting);
-    let start = Duration::from_secs_f64(found.map_or(0.0, |found| found.elapsed_s));
-    let mut left = limit;
-    let observer = OrderedLogit::default();
-    let rated = simulate(&mut session, &observer, &identity, start, |response| {
-        if left == 0 {
-            return Err(None);
-        }
-        left -= 1;
-        let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting };
-        store.append(&TrialRecord::new(&context, response, Timestamp::UNIX_EPOCH + response.onset)).map_err(Some)
-    });
-    match rated {
-        Ok(()) => store.finish(true, Timestamp::now().to_string(), None),
-        Err(None) => Ok(()),
-        Err(Some(error)) => Err(error),
-    }
+    recording::rate(store, (&small(), &someone()), found, limit, false)
 }
 
 /// A session of so many rows, closed.
@@ -88,7 +63,7 @@ fn session_of(rows: usize) -> tempfile::TempDir {
 }
 
 fn rows(csv: &Path) -> Vec<TrialRecord> {
-    results::parse(csv.to_str().unwrap(), &fs::read(csv).unwrap(), &columns(&small())).unwrap_or_else(|e| panic!("{e}"))
+    common::rows(csv, &small())
 }
 
 fn assert_whole(results: &Path) {
@@ -99,21 +74,6 @@ fn assert_whole(results: &Path) {
     let said = check::check(csv.to_str().unwrap()).unwrap().sentence;
     assert!(said.contains(&format!("{TRIALS} of {TRIALS} planned")), "{said}");
     assert_eq!(SessionStore::exists(results, &small(), &someone()), Some(true));
-}
-
-/// Every file below a folder and what is in it.
-fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).into_iter().flatten() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(everything(&path))
-        } else {
-            found.push((path.clone(), fs::read(path).unwrap()))
-        }
-    }
-    found.sort();
-    found
 }
 
 mod layout {

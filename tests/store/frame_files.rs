@@ -6,7 +6,7 @@ use machband::{
     display::frames::Refresh,
     experiment::{
         Effect, Event, FrameCount, Identity, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
-        Shown, State, TRAILING, TrialRecord, columns,
+        Shown, State, TRAILING, TrialRecord,
     },
     report::Study,
     store::{
@@ -16,11 +16,12 @@ use machband::{
         definition,
         frames::{self, FrameFile, FrameRow, HEADER},
         ratings::ReadOptions,
-        results,
         session::SessionStore,
         sidecar::{Sidecar, Sitting},
     },
 };
+
+use crate::common;
 
 const DEFINITION: &str = "schema = 1\nname = \"few\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.2]\ntanh_k = [2, 3]\n[recovery]\nduration_s = 0.1\n";
 
@@ -177,7 +178,7 @@ fn frames_stand_beside_the_rows_and_are_not_taken_for_data() {
 }
 
 fn read(csv: &Path) -> Vec<TrialRecord> {
-    results::parse("rows", &fs::read(csv).unwrap(), &columns(&protocol())).unwrap()
+    common::rows(csv, &protocol())
 }
 
 #[test]

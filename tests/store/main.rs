@@ -10,5 +10,6 @@ mod folder;
 mod frame_files;
 mod fuzz_corpus;
 mod reading;
+mod recording;
 mod session;
 mod verify;

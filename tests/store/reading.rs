@@ -4,26 +4,20 @@ use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
-    time::Duration,
 };
 
-use jiff::Timestamp;
 use machband::{
-    experiment::{
-        FrameCount, Identity, OrderedLogit, Phase, Protocol, RatingRow, Resumed, RowContext, Schedule, Session,
-        SessionOptions, TrialRecord, TrialResponse, columns, simulate,
-    },
+    experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord},
     report::{Study, tables},
     store::{
         FileFaults,
         dataset::SessionPaths,
         definition,
         ratings::{self, Layout, ReadOptions, Source},
-        results,
-        session::SessionStore,
-        sidecar::Sitting,
     },
 };
+
+use crate::{common, recording};
 
 /// Three practice and twelve main trials; the colour needs quotes, `tanh_k` a column of its own.
 const TEXT: &str = "schema = 1\nname = \"small-one\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4, 0.8]\ntanh_k = [5, 7.5]\n[design]\npractice = 3\nrepetitions = 2\n";
@@ -74,32 +68,12 @@ fn small() -> Protocol {
     definition::parse("small.toml", TEXT).unwrap()
 }
 
-/// A finished session, or one that ends after so many trials; gives its file.
+/// A finished session, or one that ends after so many trials; gives its file. Every fourth rating is taken back.
 fn session(results: &Path, protocol: &Protocol, subject: &str, limit: usize) -> PathBuf {
     let identity = Identity::new(subject, "1").unwrap();
-    let schedule = Schedule::new(protocol, &identity, 7).unwrap();
-    let sitting = Sitting { started_at: Timestamp::UNIX_EPOCH.to_string(), ..Sitting::default() };
-    let mut store = SessionStore::create(results, protocol, &identity, 7, sitting).unwrap();
-    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(protocol.clone(), schedule.clone(), &Resumed::default(), options);
-    let mut left = limit;
-    let observer = OrderedLogit::default();
-    let _: Result<(), ()> = simulate(&mut session, &observer, &identity, Duration::ZERO, |response| {
-        left = left.checked_sub(1).ok_or(())?;
-        append(&mut store, protocol, &schedule, &identity, response);
-        // Every fourth rating is taken back.
-        if response.trial % 4 == 3 {
-            let again = TrialResponse { attempt: 2, rating: 3 - response.rating, ..response.clone() };
-            append(&mut store, protocol, &schedule, &identity, &again);
-        }
-        Ok(())
-    });
+    let mut store = recording::create(results, protocol, &identity).unwrap();
+    recording::rate(&mut store, (protocol, &identity), None, limit, true).unwrap();
     SessionPaths::new(results, protocol, &identity).csv
-}
-
-fn append(store: &mut SessionStore, protocol: &Protocol, schedule: &Schedule, who: &Identity, what: &TrialResponse) {
-    let context = RowContext { protocol, schedule, identity: who, sitting: 1 };
-    store.append(&TrialRecord::new(&context, what, Timestamp::UNIX_EPOCH + what.onset)).unwrap();
 }
 
 /// A folder with finished sessions of these participants, and their files.
@@ -114,7 +88,7 @@ fn expected(files: &[PathBuf], details: bool) -> Vec<String> {
     let protocol = small();
     let mut last = BTreeMap::new();
     for file in files {
-        for row in results::parse("x", &fs::read(file).unwrap(), &columns(&protocol)).unwrap() {
+        for row in common::rows(file, &protocol) {
             if row.phase == Phase::Main {
                 last.insert((row.subject_id.clone(), row.trial), row);
             }
@@ -498,96 +472,62 @@ mod faults {
     /// Each kind of bad cell, row or file: its message, its place, and how many of 24 ratings are left.
     #[test]
     fn each_kind_has_its_message_and_the_rest_counts() {
-        // Line 18 is trial 11 of the main phase, rated once.
-        let cell = |column: &'static str, cell: &'static str| move |file: &Path| set(file, 18, column, cell);
         type Damage = Box<dyn Fn(&Path)>;
-        let cases: Vec<(Damage, &str, u64)> = vec![
-            (Box::new(cell("rating", "4")), "S1.csv:18:85: rating is \"4\"; expected a rating from 0 to 3", 23),
-            (Box::new(cell("rating", "")), "S1.csv:18:85: rating is empty; expected a rating from 0 to 3", 23),
-            (Box::new(cell("phase", "mian")), "S1.csv:18:33: phase is \"mian\"; expected practice or main", 23),
+        // Line 18 is trial 11 of the main phase, rated once.
+        let cell =
+            |column: &'static str, cell: &'static str| -> Damage { Box::new(move |file| set(file, 18, column, cell)) };
+        let text = |change: fn(String) -> String| -> Damage { Box::new(move |file| edit(file, change)) };
+        let bytes = |bytes: &'static [u8]| -> Damage { Box::new(move |file| fs::write(file, bytes).unwrap()) };
+        let interrupted = "as after an interrupted writing; expected a whole row (it is left out)";
+        let names = "expected one of row_id, experiment, subject_id, session_id, phase, block,";
+        let cases: [(Damage, String, u64); 21] = [
+            (cell("rating", "4"), "18:85: rating is \"4\"; expected a rating from 0 to 3".into(), 23),
+            (cell("rating", ""), "18:85: rating is empty; expected a rating from 0 to 3".into(), 23),
+            (cell("phase", "mian"), "18:33: phase is \"mian\"; expected practice or main".into(), 23),
+            (cell("trial", "0"), "18:40: trial is \"0\"; expected the number of a trial, from 1".into(), 23),
+            (cell("attempt", "x"), "18:43: attempt is \"x\"; expected the number of an attempt, from 1".into(), 23),
+            (cell("subject_id", ""), "18:28: subject_id is empty; expected a participant".into(), 23),
+            (cell("session_id", ""), "18:31: session_id is empty; expected a session".into(), 23),
+            (cell("experiment", "ü,x"), "18:18: experiment is \"ü,x\"; expected small-one, as in the".into(), 23),
             (
-                Box::new(cell("trial", "0")),
-                "S1.csv:18:40: trial is \"0\"; expected the number of a trial, from 1 to 1000000",
+                text(|text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1)),
+                "18:1: the row has 30 cells; expected 29, as the header has".into(),
                 23,
             ),
             (
-                Box::new(cell("attempt", "x")),
-                "S1.csv:18:43: attempt is \"x\"; expected the number of an attempt, from 1 to 1000000",
+                text(|text| text[..text.len() - 30].to_owned()),
+                format!("19:1: the last row is cut in the middle, {interrupted}"),
                 23,
             ),
-            (Box::new(cell("subject_id", "")), "S1.csv:18:28: subject_id is empty; expected a participant", 23),
-            (Box::new(cell("session_id", "")), "S1.csv:18:31: session_id is empty; expected a session", 23),
+            (text(|text| text + "S1_1_ma"), format!("20:1: the last row is cut in the middle, {interrupted}"), 24),
+            (text(|text| text + &"\0".repeat(5000)), format!("20:1: the last row has zero bytes, {interrupted}"), 24),
             (
-                Box::new(cell("experiment", "ü,other")),
-                "S1.csv:18:18: experiment is \"ü,other\"; expected small-one, as in the first row",
-                23,
-            ),
-            (
-                Box::new(|file| edit(file, |text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1))),
-                "S1.csv:18:1: the row has 30 cells; expected 29, as the header has",
-                23,
-            ),
-            (
-                Box::new(|file| edit(file, |text| text[..text.len() - 30].to_owned())),
-                "S1.csv:19:1: the last row is cut in the middle, as after an interrupted writing; expected a whole row (it is left out)",
-                23,
-            ),
-            (
-                Box::new(|file| edit(file, |text| text + "S1_1_ma")),
-                "S1.csv:20:1: the last row is cut in the middle, as after an interrupted writing; expected a whole row (it is left out)",
-                24,
-            ),
-            (
-                Box::new(|file| edit(file, |text| text + &"\0".repeat(5000))),
-                "S1.csv:20:1: the last row has zero bytes, as after an interrupted writing; expected a whole row (it is left out)",
-                24,
-            ),
-            (
-                Box::new(|file| edit(file, |text| text.replace(",rating,", ",ratings,"))),
-                "S1.csv:1:1: the column rating is missing; expected one of row_id, experiment, subject_id, session_id, phase, block, trial, attempt, repetition, stimulus, width, depth, orientation_deg, low, high, color, ratings, response_time_s, onset_s, recovery_s, frames, dropped_frames, started_at, sitting, seed, tanh_k, stimulus_s, late_onset, response_uncertainty_s; did you mean ratings?",
+                text(|text| text.replace(",rating,", ",ratings,")),
+                format!("1:1: the column rating is missing; {names}"),
                 12,
             ),
             (
-                Box::new(|file| edit(file, |text| text.replace(",trial,", ",number,"))),
-                "S1.csv:1:1: the column trial is missing; expected one of row_id,",
+                text(|text| text.replace(",trial,", ",number,")),
+                format!("1:1: the column trial is missing; {names}"),
                 12,
             ),
-            (Box::new(|file| fs::write(file, "").unwrap()), "S1.csv:1:1: the file is empty; expected a header row", 12),
-            (
-                Box::new(|file| fs::write(file, "\u{feff}\r\n").unwrap()),
-                "S1.csv:1:1: the file is empty; expected a header row",
-                12,
-            ),
-            (
-                Box::new(|file| fs::write(file, b"row_id,\xe9,").unwrap()),
-                "S1.csv:1:8: the header is not UTF-8 text; expected CSV in UTF-8",
-                12,
-            ),
-            (
-                Box::new(|file| fs::write(file, b"PK\x03\x04\0\0").unwrap()),
-                "S1.csv:1:1: is not a CSV file: there are zero bytes in its first line; expected a header row",
-                12,
-            ),
-            (
-                Box::new(|file| fs::write(file, b"\xff\xfer\0o\0").unwrap()),
-                "S1.csv:1:1: is UTF-16 text; expected CSV in UTF-8",
-                12,
-            ),
-            (
-                Box::new(|file| fs::write(file, vec![b'x'; 2_000_000]).unwrap()),
-                "S1.csv:1:1: the first row has more than 65,000 bytes; expected a header row",
-                12,
-            ),
+            (bytes(b""), "1:1: the file is empty; expected a header row".into(), 12),
+            (bytes(b"\xef\xbb\xbf\r\n"), "1:1: the file is empty; expected a header row".into(), 12),
+            (bytes(b"row_id,\xe9,"), "1:8: the header is not UTF-8 text; expected CSV in UTF-8".into(), 12),
+            (bytes(b"PK\x03\x04\0\0"), "1:1: is not a CSV file: there are zero bytes in its first line".into(), 12),
+            (bytes(b"\xff\xfer\0o\0"), "1:1: is UTF-16 text; expected CSV in UTF-8".into(), 12),
+            (bytes(&[b'x'; 2_000_000]), "1:1: the first row has more than 65,000 bytes; expected a".into(), 12),
             (
                 Box::new(|file| fs::write(file.with_extension("json"), "{").unwrap()),
-                "S1.json:1:1: is no sidecar of a session: EOF while parsing an object at line 1 column 1",
+                "1:1: is no sidecar of a session: EOF while parsing an object at line 1 column 1".into(),
                 24,
             ),
         ];
         for (change, expected, left) in cases {
             let (said, counted) = damaged(change);
             assert_eq!(said.len(), 1, "{said:#?}");
-            assert!(said[0].starts_with(expected), "{}\nexpected\n{expected}", said[0]);
+            let found = said[0].trim_start_matches("S1.csv:").trim_start_matches("S1.json:");
+            assert!(found.starts_with(&expected), "{found}\nexpected\n{expected}");
             assert_eq!(counted, left, "{said:?}");
         }
     }

@@ -3,22 +3,17 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output},
 };
 
 use machband::store::{sidecar::Sidecar, verify};
 
-fn machband(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_machband")).current_dir(folder).args(arguments).output().unwrap()
-}
+use crate::common::{machband, session_csv, succeeds, text};
 
 /// One session of `quick` by the simulated observer.
 fn recorded() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
-    let done = machband(folder.path(), &["simulate", "quick", "--seed", "5"]);
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    let csv = folder.path().join("results/quick/data/subject-S001_session-1_task-quick_data.csv");
-    assert!(csv.exists());
+    succeeds(folder.path(), &["simulate", "quick", "--seed", "5"]);
+    let csv = session_csv(&folder.path().join("results"), "quick", "S001");
     (folder, csv)
 }
 
@@ -42,9 +37,7 @@ fn an_untouched_session_is_proved() {
     assert_eq!((found.rows, found.rated, found.sealed), (28, (28, 28), true));
     // All of 4 widths × 3 depths × 2 orientations.
     assert_eq!(found.pictures, 24);
-    let said = machband(folder.path(), &["verify", "results"]);
-    assert!(said.status.success());
-    let said = String::from_utf8(said.stdout).unwrap();
+    let said = succeeds(folder.path(), &["verify", "results"]);
     assert!(said.contains("as it was recorded") && said.contains("1 sessions: nothing is wrong"), "{said}");
 }
 
@@ -156,7 +149,7 @@ fn everything_that_is_touched_is_named() {
         }
         let said = machband(folder.path(), &["verify", "results"]);
         assert_eq!(said.status.code(), Some(1), "{what}");
-        let lines = String::from_utf8(said.stderr).unwrap();
+        let lines = text(&said.stderr);
         assert!(
             lines.lines().count() >= faults.len() && lines.lines().all(|line| line.starts_with("error: ")),
             "{what}: {lines}"

@@ -68,24 +68,10 @@ pub fn read<T: Send>(
         .collect();
     let read: Vec<(T, FileRead, Vec<FileFault>)> = (selection.inputs.par_iter().enumerate())
         .map(|(file, input)| {
-            let read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
-            let (faults, met) = (RowFaults::default(), HashSet::new());
-            let mut reading = FileReader {
-                selection: &selection,
-                input,
-                file,
-                trials: &trials,
-                read,
-                faults,
-                met,
-                recent: 0,
-                elsewhere: (0, 0),
-            };
+            let mut reader = FileReader::new(&selection, &trials, &unfinished, file);
             let mut found = new(&selection.shape);
-            let read = each_row(input, |row, cells| {
-                reading.take(row, cells, |rating| add(&mut found, rating), &unfinished);
-            });
-            let (read, faults) = reading.finish(read.err());
+            let read = each_row(input, |row, cells| reader.take(row, cells, |rating| add(&mut found, rating)));
+            let (read, faults) = reader.finish(read.err());
             (found, read, faults)
         })
         .collect();
@@ -178,9 +164,11 @@ fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
 /// A file whose rows are handed on.
 struct FileReader<'a> {
     selection: &'a Selection,
-    input: &'a Input,
-    file: usize,
     trials: &'a Trials,
+    /// Participant and session of sessions that are left out.
+    unfinished: &'a HashSet<(&'a str, &'a str)>,
+    file: usize,
+    input: &'a Input,
     read: FileRead,
     faults: RowFaults,
     /// Trials that stand in the file twice and were met, by session.
@@ -191,36 +179,36 @@ struct FileReader<'a> {
     elsewhere: (u64, usize),
 }
 
-/// Why a row does not count.
-enum Omitted {
-    Faulty(RowFault),
-    Practice,
-    Superseded,
-    Unfinished,
-}
+impl<'a> FileReader<'a> {
+    fn new(
+        selection: &'a Selection,
+        trials: &'a Trials,
+        unfinished: &'a HashSet<(&'a str, &'a str)>,
+        file: usize,
+    ) -> Self {
+        let input = &selection.inputs[file];
+        let read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
+        let (faults, met, recent, elsewhere) = (RowFaults::default(), HashSet::new(), 0, (0, 0));
+        Self { selection, trials, unfinished, file, input, read, faults, met, recent, elsewhere }
+    }
 
-impl FileReader<'_> {
     fn take(
         &mut self,
         row: &Row<'_>,
         cells: Result<Cells<'_>, RowFault>,
         add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
-        unfinished: &HashSet<(&str, &str)>,
     ) {
         self.read.rows += 1;
-        let counted = cells.map_err(Omitted::Faulty).and_then(|cells| self.rating(row, &cells, add, unfinished));
-        match counted {
+        match cells.map_err(Some).and_then(|cells| self.rating(row, &cells, add)) {
             Ok(count) => {
                 self.read.counted += 1;
                 self.read.ratings += count;
             }
-            Err(Omitted::Practice) => self.read.practice += 1,
-            Err(Omitted::Superseded) => self.read.superseded += 1,
-            Err(Omitted::Unfinished) => self.read.unfinished += 1,
-            Err(Omitted::Faulty(fault)) => {
+            Err(Some(fault)) => {
                 self.read.faulty += 1;
                 self.fault(row, fault);
             }
+            Err(None) => {}
         }
     }
 
@@ -231,24 +219,23 @@ impl FileReader<'_> {
     }
 
     /// Hands on a row that counts; gives how many trials it stands for.
+    ///
+    /// # Errors
+    /// What is wrong with it; nothing where it is left out for another reason, and counted there.
     fn rating(
         &mut self,
         row: &Row<'_>,
         cells: &Cells<'_>,
         mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
-        unfinished: &HashSet<(&str, &str)>,
-    ) -> Result<u64, Omitted> {
+    ) -> Result<u64, Option<RowFault>> {
         let (input, own_scale) = (self.input, self.selection.own_scale);
         let columns = &input.columns;
         let fault = |found: CellFault| row::fault(input, cells, found);
-        let wrong = |found: CellFault| Omitted::Faulty(fault(found));
+        let wrong = |found: CellFault| Some(fault(found));
         if let Some(own) = &columns.record {
             let experiment = self.selection.experiment.as_deref();
             let identity = row::identity(cells, columns.subject, own, experiment).map_err(wrong)?;
             self.check(&identity, row_id(cells, own))?;
-            if unfinished.contains(&(identity.subject, identity.session)) {
-                return Err(Omitted::Unfinished);
-            }
         }
         let subject = row::present(cells, columns.subject, "a participant").map_err(wrong)?;
         let rating = row::rating(cells, columns, own_scale).map_err(wrong)?;
@@ -271,34 +258,35 @@ impl FileReader<'_> {
             *value = cells.optional(column);
         }
         add(&RatingRow { subject, values, rating, count, place, response_time_s })
-            .map_err(|message| Omitted::Faulty(RowFault { cell: Some(columns.response), message }))?;
+            .map_err(|message| Some(RowFault { cell: Some(columns.response), message }))?;
         Ok(count)
     }
 
     /// Whether a row of a result file counts.
-    fn check(&mut self, row: &Identity<'_>, row_id: &str) -> Result<(), Omitted> {
+    fn check(&mut self, row: &Identity<'_>, row_id: &str) -> Result<(), Option<RowFault>> {
         let named = Identity::named(row_id).filter(|named| named != row);
-        let mut statuses = [None; 2];
-        for (status, identity) in statuses.iter_mut().zip([named, Some(*row)]) {
-            let Some(identity) = identity else { continue };
+        let mut status = Status::Counts;
+        for identity in named.iter().chain([row]) {
             let Some(session) = self.trials.find(identity.subject, identity.session, self.recent) else { continue };
             self.recent = session;
             let is_new = |trial| self.met.insert((session, trial));
-            *status = Some(self.trials.sessions[session].status(identity.trial, self.file, is_new));
-        }
-        for status in statuses {
-            if let Some(Status::Repeated(file)) = status {
-                if file != self.file {
-                    self.elsewhere = (self.elsewhere.0 + 1, file);
-                }
-                return Err(Omitted::Faulty(self.repeated(row_id, file)));
+            status = self.trials.sessions[session].status(identity.trial, self.file, is_new);
+            if let Status::Repeated(file) = status {
+                self.elsewhere = (self.elsewhere.0 + u64::from(file != self.file), file);
+                return Err(Some(self.repeated(row_id, file)));
             }
         }
-        match statuses[1] {
-            _ if !row.trial.is_main() => Err(Omitted::Practice),
-            Some(Status::Superseded) => Err(Omitted::Superseded),
-            _ => Ok(()),
-        }
+        let left_out = if !row.trial.is_main() {
+            &mut self.read.practice
+        } else if status == Status::Superseded {
+            &mut self.read.superseded
+        } else if self.unfinished.contains(&(row.subject, row.session)) {
+            &mut self.read.unfinished
+        } else {
+            return Ok(());
+        };
+        *left_out += 1;
+        Err(None)
     }
 
     fn repeated(&self, row_id: &str, file: usize) -> RowFault {
