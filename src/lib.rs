@@ -1,4 +1,4 @@
-//! machband: measure, analyse, generate and predict the visibility of Mach bands.
+//! machband: measure, analyze, generate and predict the visibility of Mach bands.
 //!
 //! **Scope.** Full-screen rating experiments on luminance ramps (width, continuity depth, orientation), their exact
 //! stimulus images, their data; shaders of meshes without the bands. **Not in scope**: reaction-time or threshold paradigms in general, other modalities,

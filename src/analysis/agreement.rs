@@ -108,16 +108,6 @@ fn add_coincidences(shares: &[Share], weights: &[u8], coincidences: &mut [f64], 
     }
 }
 
-/// How much a disagreement weighs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum KappaWeights {
-    /// By the distance of the categories.
-    Linear,
-    /// By its square.
-    Quadratic,
-}
-
 /// First against second ratings: how often each pair of categories occurred.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Retest {
@@ -145,9 +135,9 @@ impl Retest {
         self.counts.iter().sum()
     }
 
-    /// Cohen's weighted κ (1968): 1 perfect agreement, 0 what chance gives. None without pairs, or where all ratings
-    /// are the same category.
-    pub fn kappa(&self, weights: KappaWeights) -> Option<f64> {
+    /// Cohen's κ (1968) with quadratic weights: 1 perfect agreement, 0 what chance gives. None without pairs, or where all
+    /// ratings are the same category.
+    pub fn kappa(&self) -> Option<f64> {
         let k = self.categories;
         let row = |i: usize| self.counts[i * k..(i + 1) * k].iter().sum::<u64>() as f64;
         let column = |j: usize| (0..k).map(|i| self.counts[i * k + j]).sum::<u64>() as f64;
@@ -155,8 +145,7 @@ impl Retest {
         let (mut observed, mut expected) = (0.0, 0.0);
         for i in 0..k {
             for j in 0..k {
-                let distance = i.abs_diff(j) as f64;
-                let weight = if weights == KappaWeights::Linear { distance } else { distance * distance };
+                let weight = (i.abs_diff(j) as f64).powi(2);
                 observed += weight * self.counts[i * k + j] as f64;
                 expected += weight * row(i) * column(j) / n;
             }

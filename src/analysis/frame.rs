@@ -4,8 +4,10 @@ use std::collections::BTreeSet;
 
 use super::{
     counts::{CountRow, Counts},
-    outcome::{ModelError, Note},
-    terms::{Terms, Variable},
+    ordinal::{
+        ModelError, Note,
+        terms::{Terms, Variable},
+    },
 };
 
 /// What a variable of a term means in a table.
@@ -154,7 +156,7 @@ fn renumber(rows: &mut [CountRow], field: impl Fn(&mut CountRow) -> &mut u32) ->
     present
 }
 
-/// Merges the categories that have no ratings into their neighbours, and says so.
+/// Merges the categories that have no ratings into their neighbors, and says so.
 fn used_categories(counts: &Counts, rows: &mut [CountRow], notes: &mut Vec<Note>) -> Result<Vec<String>, ModelError> {
     let used: BTreeSet<u8> = rows.iter().map(|row| row.rating).collect();
     let used: Vec<u8> = used.into_iter().collect();

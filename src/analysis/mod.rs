@@ -7,7 +7,7 @@
 //!   `statsmodels` has the same signs; its thresholds are the first one and the logarithms of the differences.
 //! - Levels and categories come in natural order, numbers ascending with `inf` last, texts by their bytes. The first
 //!   level is the baseline of treatment contrasts; coefficients are named as in R (`width0.05`, `width0.05:depth2`).
-//! - Standard errors come from the observed information of the likelihood that was maximised: for a mixed model its
+//! - Standard errors come from the observed information of the likelihood that was maximized: for a mixed model its
 //!   Laplace or Gauss–Hermite approximation. The log-likelihood has no constant for the order of the ratings.
 //! - What the data cannot answer is a [`Note`] of a model, or a [`ModelError`] where nothing can be said.
 //!
@@ -16,35 +16,19 @@
 
 pub mod agreement;
 pub mod bootstrap;
-mod clm;
-mod clmm;
 pub mod counts;
-mod design;
-mod estimates;
-mod fitting;
 mod frame;
-mod kernel;
 mod levels;
-mod link;
-mod mixed;
-mod model;
-mod outcome;
+mod ordinal;
 pub mod power;
-mod predictions;
-pub mod quadrature;
 pub mod rank_tests;
 pub mod results;
-mod standard;
 pub mod summary;
-mod term_tests;
-pub mod terms;
 pub mod times;
 
-pub use estimates::fit;
 pub use levels::{number_of, numbers_of};
-pub use link::Link;
-pub use model::{Coefficient, Model, ModelSpec, Random, RandomEffect, SubjectMode, Threshold};
-pub use outcome::{ModelError, Note};
-pub use predictions::{Prediction, predictions};
-pub use results::{Options, Results, analyse};
-pub use term_tests::{ModelReport, Part, TermTest, fit_with_tests, proportional_odds, scale_tests, term_tests};
+pub use ordinal::{
+    Coefficient, Link, Model, ModelError, ModelReport, ModelSpec, Note, Part, Prediction, Random, RandomEffect,
+    SubjectMode, TermTest, Threshold, fit, fit_with_tests, quadrature, scale_tests, terms,
+};
+pub use results::{Options, Results, analyze};

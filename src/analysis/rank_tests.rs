@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::{counts::Counts, summary::category_values, term_tests::chi_squared_tail};
+use super::{counts::Counts, ordinal::chi_squared_tail, summary::category_values};
 
 /// Subjects' mean ratings at each level of a factor, over everything else. With equally many ratings everywhere these
 /// rank as the sums do.

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::{
     Link, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, TermTest,
-    agreement::{Alpha, KappaWeights, mean_over_subjects, ordinal_alpha},
+    agreement::{Alpha, mean_over_subjects, ordinal_alpha},
     bootstrap::{Bootstrap, Interval},
     counts::Measured,
     fit_with_tests,
@@ -120,10 +120,10 @@ impl Results {
     }
 }
 
-/// Analyses a study.
+/// Analyzes a study.
 ///
 /// There is always a description; where there is no model, the reason is in its place.
-pub fn analyse(measured: Measured, options: &Options) -> Results {
+pub fn analyze(measured: Measured, options: &Options) -> Results {
     let counts = &measured.counts;
     let people = counts.subjects.len();
     let spec = model_spec(&measured, options);
@@ -158,7 +158,7 @@ pub fn analyse(measured: Measured, options: &Options) -> Results {
         .map(|((group, retest), times)| SubjectResults {
             group,
             retests: retest.pairs(),
-            kappa: retest.kappa(KappaWeights::Quadratic),
+            kappa: retest.kappa(),
             times: times.quartiles(),
         })
         .collect();

@@ -105,7 +105,7 @@ fn groups(
         .map(|(group, (tally, shares))| {
             let means = || weights.iter().map(|weights| resampled_mean(shares, weights)).collect();
             let interval = bootstrap.and_then(|bootstrap| bootstrap.interval(shares.len(), means()));
-            Group { names: name(group), summary: summarise(tally, &values, shares.len(), interval) }
+            Group { names: name(group), summary: summarize(tally, &values, shares.len(), interval) }
         })
         .collect()
 }
@@ -118,7 +118,7 @@ fn resampled_mean(shares: &[Share], weights: &[u8]) -> f64 {
     sum / n
 }
 
-fn summarise(tally: &[u64], values: &[f64], subjects: usize, interval: Option<Interval>) -> Summary {
+fn summarize(tally: &[u64], values: &[f64], subjects: usize, interval: Option<Interval>) -> Summary {
     let n: u64 = tally.iter().sum();
     let share = |count: u64| count as f64 / n as f64;
     Summary {

@@ -5,7 +5,7 @@ use std::{path::PathBuf, time::Duration};
 use super::{UsageError, ratings::RatingOptions};
 use crate::{
     analysis::{
-        Link, ModelError, Options, Random, analyse, bootstrap::Bootstrap, numbers_of, quadrature, terms::Terms,
+        Link, ModelError, Options, Random, analyze, bootstrap::Bootstrap, numbers_of, quadrature, terms::Terms,
     },
     report::{
         Provenance, Written,
@@ -89,7 +89,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             ..Bootstrap::default()
         },
     };
-    let results = analyse(study.measured.clone(), &options);
+    let results = analyze(study.measured.clone(), &options);
     if let Err(error) = &results.model
         && is_usage(error)
     {

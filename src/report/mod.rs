@@ -1,6 +1,6 @@
 //! Floor 5: from files to what a reader of a study sees.
 //!
-//! [`Study`] is what was read, [`analyse`](crate::analysis::analyse) makes results of it. [`study`] says which blocks of
+//! [`Study`] is what was read, [`analyze`](crate::analysis::analyze) makes results of it. [`study`] says which blocks of
 //! a [`document`](mod@document) they become, with their sentences and [`figures`]; [`skins`] show these. [`tables`] are
 //! the results as CSV and JSON, and [`write_all`] writes everything into a folder.
 

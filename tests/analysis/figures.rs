@@ -6,7 +6,7 @@ use std::{
 };
 
 use machband::{
-    analysis::{Options, Results, analyse, counts::MeasuredBuilder, terms::Terms},
+    analysis::{Options, Results, analyze, counts::MeasuredBuilder, terms::Terms},
     experiment::RatingRow,
     report::figures::{self, Figure},
 };
@@ -94,7 +94,7 @@ fn results(
             }
         }
     }
-    analyse(builder.finish(), options)
+    analyze(builder.finish(), options)
 }
 
 /// A number that looks random, the same in every run.
@@ -332,7 +332,7 @@ fn odd_studies_are_drawn() {
         ("30 levels", results(&[("a", &many), ("b", &many)], 3, 1, &no_model(), rating), 5),
         ("40 words", results(&[("b", &words), ("a", &["1", "2"])], 3, 1, &no_model(), rating), 5),
         ("60 angles", results(&[("orientation_deg", &fine)], 3, 1, &no_model(), rating), 5),
-        ("nothing", analyse(MeasuredBuilder::new(&["width"]).finish(), &model), 0),
+        ("nothing", analyze(MeasuredBuilder::new(&["width"]).finish(), &model), 0),
     ];
     for (what, results, expected) in &studies {
         let figures = figures::all(results);

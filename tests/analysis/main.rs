@@ -1,6 +1,7 @@
 //! Ratings in; models, tests, figures and the report out.
 
 mod figures;
+mod golden;
 mod ordinal;
 mod ordinal_faults;
 mod ordinal_recovery;

@@ -1,39 +1,20 @@
 //! Ordinal models against R's `ordinal` and `statsmodels`, on simulated data. The values and the scripts that made
 //! them, with versions, are in `tests/golden/ordinal` and `scripts/golden_ordinal.*`.
 
-use std::{collections::BTreeMap, fs, path::PathBuf};
+use std::collections::BTreeMap;
 
 use machband::analysis::{
-    Coefficient, Link, Model, ModelSpec, Part, Random, TermTest,
-    counts::{Counts, CountsBuilder},
-    fit, proportional_odds, scale_tests, term_tests,
-    terms::Terms,
+    Coefficient, Link, Model, ModelSpec, Part, Random, fit, fit_with_tests, scale_tests, terms::Terms,
 };
+
+use crate::golden::{counts, read};
 
 type Record = BTreeMap<String, String>;
 
-fn read(name: &str) -> (Vec<String>, Vec<Record>) {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ordinal").join(name);
-    let text = fs::read_to_string(&path).unwrap();
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
-    let header: Vec<String> = reader.headers().unwrap().iter().map(ToOwned::to_owned).collect();
-    let records = reader
-        .records()
-        .map(|record| header.iter().cloned().zip(record.unwrap().iter().map(ToOwned::to_owned)).collect());
-    let records = records.collect();
-    (header, records)
-}
-
-fn counts(name: &str) -> Counts {
-    let (header, records) = read(&format!("data_{name}.csv"));
-    let factors: Vec<&str> =
-        header.iter().map(String::as_str).filter(|n| !["subject", "rating", "count"].contains(n)).collect();
-    let mut builder = CountsBuilder::new(&factors);
-    for record in records {
-        let values: Vec<&str> = factors.iter().map(|factor| record[*factor].as_str()).collect();
-        builder.add(&record["subject"], &values, &record["rating"], record["count"].parse().unwrap()).unwrap();
-    }
-    builder.finish()
+/// The records of a file, by the names of its columns.
+fn records(file: &str) -> Vec<Record> {
+    let (header, rows) = read(file);
+    rows.into_iter().map(|row| header.iter().cloned().zip(row).collect()).collect()
 }
 
 fn spec(record: &Record) -> ModelSpec {
@@ -81,7 +62,7 @@ fn fits(records: &[Record]) -> impl Iterator<Item = &[Record]> {
 
 /// Compares every value of a file; the greatest differences of every fit go to the test's output.
 fn compare(file: &str, fewest: usize) {
-    let (_, records) = read(file);
+    let records = records(file);
     let mut compared = 0;
     for records in fits(&records) {
         let first = &records[0];
@@ -129,12 +110,11 @@ fn estimates_errors_and_likelihoods_are_those_of_statsmodels() {
 
 #[test]
 fn likelihood_ratio_tests_are_those_of_r() {
-    let (_, records) = read("tests.csv");
+    let records = records("tests.csv");
     for records in fits(&records) {
         let (counts, spec) = (counts(&records[0]["data"]), spec(&records[0]));
-        let mut tests: Vec<TermTest> = term_tests(&counts, &spec).unwrap();
-        tests.extend(proportional_odds(&counts, &spec).unwrap());
-        tests.extend(scale_tests(&counts, &spec).unwrap());
+        let report = fit_with_tests(&counts, &spec).unwrap();
+        let tests = [report.terms, report.proportional_odds, scale_tests(&counts, &spec).unwrap()].concat();
         let mut worst: f64 = 0.0;
         for record in records {
             let location = record["test"] == "location";

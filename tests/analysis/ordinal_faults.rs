@@ -3,7 +3,7 @@
 use machband::analysis::{
     Link, Model, ModelError, ModelSpec, Note, Random,
     counts::{Counts, CountsBuilder},
-    fit, fit_with_tests, proportional_odds, scale_tests, term_tests,
+    fit, fit_with_tests, scale_tests,
     terms::Terms,
 };
 use rand::{RngExt, SeedableRng};
@@ -156,7 +156,7 @@ fn terms_that_say_the_same_are_named_and_left_out() {
     assert_eq!(other.notes, [Note::Aliased { column: "width0.4".into() }]);
     let names: Vec<&str> = other.coefficients.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["width", "width0.2"]);
-    let tests = term_tests(&counts, &spec("width,num:width,depth", Random::None)).unwrap();
+    let tests = fit_with_tests(&counts, &spec("width,num:width,depth", Random::None)).unwrap().terms;
     assert_eq!((tests[1].df, tests[1].p), (0, None));
 }
 
@@ -227,7 +227,8 @@ fn no_small_table_breaks_a_model() {
         let terms = ["width", "width,depth", "num:width,num:inv_n", "width*depth", ""][rng.random_range(0..5)];
         let random = if rng.random() { Random::Subject } else { Random::None };
         let spec = ModelSpec { link, quadrature: rng.random_range(1..6), ..spec(terms, random) };
-        let Ok(model) = fit(&counts, &spec) else { continue };
+        let Ok(report) = fit_with_tests(&counts, &spec) else { continue };
+        let model = &report.model;
         models += 1;
         let what = format!("{spec:?} {model:?} {counts:?}");
         let noted = !model.notes.is_empty();
@@ -239,9 +240,8 @@ fn no_small_table_breaks_a_model() {
             assert!(coefficient.estimate.abs() < 1e3 && coefficient.se.is_some() || noted, "{what}");
             assert!(coefficient.se.is_none_or(|se| se.is_finite() && se > 0.0), "{what}");
         }
-        for tests in [term_tests(&counts, &spec), proportional_odds(&counts, &spec), scale_tests(&counts, &spec)] {
-            assert!(tests.unwrap().iter().all(|test| test.p.is_none_or(|p| (0.0..=1.0).contains(&p))), "{what}");
-        }
+        let tests = [&report.terms[..], &report.proportional_odds, &scale_tests(&counts, &spec).unwrap()].concat();
+        assert!(tests.iter().all(|test| test.p.is_none_or(|p| (0.0..=1.0).contains(&p))), "{what}");
     }
     assert!(models > 250 && separated > 30 && boundary > 20, "{models} {separated} {boundary}");
 }

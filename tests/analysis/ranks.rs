@@ -1,33 +1,13 @@
 //! Rank tests and agreement against SciPy, `krippendorff` and scikit-learn; the values and the script that made them,
 //! with versions, are in `tests/golden/ordinal/ranks.csv` and `scripts/golden_ordinal.py`.
 
-use std::{fs, path::PathBuf};
-
 use machband::analysis::{
-    agreement::{KappaWeights, Retest, ordinal_alpha},
+    agreement::{Retest, ordinal_alpha},
     bootstrap::Bootstrap,
-    counts::{Counts, CountsBuilder},
     rank_tests::{PMethod, SubjectMeans, friedman, pairs, wilcoxon},
 };
 
-fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ordinal").join(name);
-    let text = fs::read_to_string(&path).unwrap();
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
-    let header = reader.headers().unwrap().iter().map(ToOwned::to_owned).collect();
-    let rows = reader.records().map(|record| record.unwrap().iter().map(ToOwned::to_owned).collect()).collect();
-    (header, rows)
-}
-
-fn counts(name: &str) -> Counts {
-    let (header, rows) = read(&format!("data_{name}.csv"));
-    let last = header.len() - 2;
-    let mut builder = CountsBuilder::new(&header[1..last]);
-    for row in rows {
-        builder.add(&row[0], &row[1..last], &row[last], row[last + 1].parse().unwrap()).unwrap();
-    }
-    builder.finish()
-}
+use crate::golden::{counts, read};
 
 fn close(found: f64, expected: &str, what: &[String]) {
     let expected: f64 = expected.parse().unwrap();
@@ -93,9 +73,8 @@ fn agreement_is_that_of_krippendorff_and_scikit_learn() {
         assert!(retest.add(first, (first + (i * 5) % 3).saturating_sub(1).min(4)));
     }
     assert!(!retest.add(5, 0));
-    for row in rows.iter().filter(|row| row[0] == "kappa") {
-        let weights = if row[2] == "linear" { KappaWeights::Linear } else { KappaWeights::Quadratic };
-        close(retest.kappa(weights).unwrap(), &row[3], row);
+    for row in rows.iter().filter(|row| row[0] == "kappa" && row[2] == "quadratic") {
+        close(retest.kappa().unwrap(), &row[3], row);
     }
-    assert_eq!(Retest::new(4).kappa(KappaWeights::Linear), None);
+    assert_eq!(Retest::new(4).kappa(), None);
 }

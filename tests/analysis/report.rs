@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use machband::{
     analysis::{
-        Options, Random, Results, analyse,
+        Options, Random, Results, analyze,
         bootstrap::Bootstrap,
         counts::{Measured, MeasuredBuilder},
         terms::Terms,
@@ -92,7 +92,7 @@ fn options() -> Options {
 }
 
 fn results(people: usize, depths: &[&str], reversed: bool) -> Results {
-    analyse(ratings(people, depths, reversed), &options())
+    analyze(ratings(people, depths, reversed), &options())
 }
 
 fn page(source: &Source, results: &Results) -> String {
@@ -436,7 +436,7 @@ fn who_answers_all_alike_is_named() {
             }
         }
     }
-    let results = analyse(builder.finish(), &options());
+    let results = analyze(builder.finish(), &options());
     let cautions = study::summary(&source(&["width"]), &results).cautions;
     assert!(
         cautions.iter().any(|caution| caution == "ben used one category only: all 30 ratings are 2."),
@@ -456,7 +456,7 @@ fn who_answers_all_alike_is_named() {
 #[test]
 fn what_a_model_leaves_open_is_told() {
     let sentences = |options: &Options| {
-        let results = analyse(ratings(6, &DEPTHS, false), options);
+        let results = analyze(ratings(6, &DEPTHS, false), options);
         assert_well_formed(&page(&source(&["width", "depth", "shader"]), &results));
         summary(&results)
     };
@@ -478,7 +478,7 @@ fn what_a_model_leaves_open_is_told() {
         let row = RatingRow { subject, values: &["1"], rating: "2", count: 5, place: None, response_time_s: None };
         builder.add(&row).unwrap();
     }
-    let results = analyse(builder.finish(), &options());
+    let results = analyze(builder.finish(), &options());
     let caution = &study::summary(&source(&["width"]), &results).cautions[0];
     assert_eq!(caution, "There is no model: every rating is 2; expected at least two different ones.");
 }
@@ -498,7 +498,7 @@ fn names_are_text_and_never_markup() {
             }
         }
     }
-    let results = analyse(builder.finish(), &options());
+    let results = analyze(builder.finish(), &options());
     let mut source = source(&[nasty[0], nasty[1]]);
     let mut protocol = definition::open("quick").unwrap();
     protocol.title = nasty[0].repeat(9);
@@ -555,7 +555,7 @@ fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
                 RatingRow { subject: "S1", values: &values, rating, count: 3, place: None, response_time_s: None };
             builder.add(&row).unwrap();
         }
-        analyse(builder.finish(), &options())
+        analyze(builder.finish(), &options())
     };
     why(Some(&protocol), &rated("1", &["0", "1", "2"]), "the scale has 3 categories");
     why(Some(&protocol), &rated("1", &["1"]), "the scale has 1 category;");
@@ -634,7 +634,7 @@ proptest! {
             builder.add(&row).unwrap();
         }
         let bootstrap = Bootstrap { replicates: 20, ..Bootstrap::default() };
-        let results = analyse(builder.finish(), &Options { scale: true, bootstrap, ..Options::default() });
+        let results = analyze(builder.finish(), &Options { scale: true, bootstrap, ..Options::default() });
         let page = page(&source(&["one", "two_deg"]), &results);
         assert_well_formed(&page);
         assert_offline(&page);

@@ -1,10 +1,7 @@
 //! Power planning: held against R, against Whitehead's formula and against what must be so; and `machband plan` as a
 //! user's script sees it.
 
-use std::{
-    path::Path,
-    process::{Command, Output, Stdio},
-};
+use std::{path::Path, process::Output};
 
 use machband::{
     analysis::{
@@ -14,6 +11,8 @@ use machband::{
     experiment::{OrderedLogit, Protocol},
     store::definition,
 };
+
+use crate::common::{command, fails, text};
 
 const DESIGN: &str = include_str!("../golden/power.toml");
 
@@ -189,22 +188,14 @@ fn the_truth_is_what_the_term_adds_to_the_predictor() {
 }
 
 fn run(folder: &Path, arguments: &[&str], threads: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_machband"))
-        .arg("plan")
-        .args(arguments)
-        .current_dir(folder)
-        .env("RAYON_NUM_THREADS", threads)
-        .env_remove("DISPLAY")
-        .stdin(Stdio::null())
-        .output()
-        .unwrap()
+    command(folder, &[&["plan"], arguments].concat()).env("RAYON_NUM_THREADS", threads).output().unwrap()
 }
 
 fn succeeds(folder: &Path, arguments: &[&str], threads: &str) -> String {
     let output = run(folder, arguments, threads);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && said.is_empty(), "{arguments:?}: {said}");
-    String::from_utf8(output.stdout).unwrap()
+    let errors = text(&output.stderr);
+    assert!(output.status.success() && errors.is_empty(), "{arguments:?}: {errors}");
+    text(&output.stdout)
 }
 
 #[test]
@@ -253,19 +244,28 @@ fn the_table_the_sentences_and_the_csv_say_the_same() {
     let (power, alarms) = (share(0, "power"), share(2, "false_alarms"));
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
     assert!(said.contains("true effect, logits") && said.contains("false alarms"), "{said}");
-    let sentence =
-        format!("With 3 participants the effect of shader (3 logits between gouraud and cut) is found in {power} % (");
+    let sentence = format!(
+        "shader (3 logits between gouraud and cut): 3 participants are enough for a power of 80 % by the mixed model, {power} % ("
+    );
     assert!(said.contains(&sentence), "{sentence}\n{said}");
-    assert!(said.contains("mesh has no effect on this observer: what is found are false alarms"), "{said}");
-    assert!(said.contains("Friedman's test of mesh cannot find anything with 3 participants"), "{said}");
+    assert!(
+        said.contains("mesh has no effect on this observer. The rate of false alarms, expected to be 5 %"),
+        "{said}"
+    );
+    assert!(said.contains("With 3 participants, Friedman's test of mesh cannot find anything"), "{said}");
     // An effect that nobody can see: every rating is 0, and there is no model.
     let blind = ["quick", "--participants", "1,2", "--studies", "9", "--effect", "depth=-900", "--effect", "lapse=0"];
     let said = succeeds(folder.path(), &blind, "2");
-    assert!(said.contains("none has a power of 80 % by the mixed model, the most is 0 % (0–33.6 %) with"), "{said}");
+    assert!(
+        said.contains(
+            "no number tried is enough for a power of 80 % by the mixed model; the highest is 0 % (0–33.6 %) with"
+        ),
+        "{said}"
+    );
     assert!(said.contains("With 2 participants, 9 of 9 studies had no test of width by the mixed model"), "{said}");
     // Nothing is asked of it and nothing of it is a factor: no power at all.
     let said = succeeds(folder.path(), &["shaders", "--participants", "2", "--studies", "5"], "2");
-    assert!(said.contains("Nothing has an effect on this observer; --effect asks for one"), "{said}");
+    assert!(said.contains("Nothing has an effect on this observer. Add one with --effect, such as"), "{said}");
     assert!(!said.contains("power  "), "{said}");
 }
 
@@ -291,13 +291,11 @@ fn wrong_usage_is_named() {
         (&["quick", "--participants", "2", "--alpha", "0"], "expected a number between 0 and 1"),
         (&["quick"], "--participants"),
     ] {
-        let output = run(folder.path(), arguments, "1");
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{arguments:?}: {said}");
-        assert!(said.starts_with("error: ") && said.contains(expected), "{arguments:?}: {said}");
+        let errors = fails(folder.path(), &[&["plan"], arguments].concat(), 2);
+        assert!(errors.contains(expected), "{arguments:?}: {errors}");
     }
     std::fs::write(folder.path().join("bad.toml"), "schema = 1\noblique = \"much\"\n").unwrap();
-    let output = run(folder.path(), &["quick", "--participants", "2", "--observer-file", "bad.toml"], "1");
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.code() == Some(1) && said.starts_with("error: bad.toml:2:"), "{said}");
+    let bad = ["plan", "quick", "--participants", "2", "--observer-file", "bad.toml"];
+    let errors = fails(folder.path(), &bad, 1);
+    assert!(errors.starts_with("error: bad.toml:2:"), "{errors}");
 }

@@ -1,18 +1,16 @@
 //! `machband shade`, as a user types it.
 
-use std::{
-    fs,
-    path::Path,
-    process::{Command, Output},
-};
+use std::{fs, path::Path, process::Output};
 
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{Reference, Scene, Shade, Shader, Surface, shapes},
 };
 
+use crate::common::{machband, succeeds};
+
 fn shade(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_machband")).arg("shade").args(arguments).current_dir(folder).output().unwrap()
+    machband(folder, &[&["shade"], arguments].concat())
 }
 
 fn metrics(folder: &Path, arguments: &[&str]) -> serde_json::Value {
@@ -124,9 +122,7 @@ fn metrics_say_how_visible_the_bands_are() {
     let shaded = metrics(folder.path(), &[&scene[..], &shown].concat());
     assert_ne!(number(&shaded, "visibility"), number(&patch, "visibility"));
     let predict = ["predict", "--kind", "shaded-mesh", "--shader", "patch", "--window", "5", "--white", "250"];
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_machband")).args(predict).current_dir(folder.path()).output().unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
+    let text = succeeds(folder.path(), &predict);
     let mut table = csv::Reader::from_reader(text.as_bytes());
     let at = table.headers().unwrap().iter().position(|name| name == "visibility").unwrap();
     let predicted: f64 = table.records().next().unwrap().unwrap()[at].parse().unwrap();

@@ -9,7 +9,7 @@ use std::{
 use eframe::egui::{self, Key};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
-    analysis::{Options, Results, analyse},
+    analysis::{Options, Results, analyze},
     app::{App, Launch},
     report::{
         Study,
@@ -40,7 +40,7 @@ fn study(participants: usize) -> (tempfile::TempDir, PathBuf) {
 
 fn read(data_set: &Path) -> (Study, Results) {
     let study = Study::read(&[data_set.to_owned()], &ReadOptions { details: true, ..ReadOptions::default() }).unwrap();
-    let results = analyse(study.measured.clone(), &Options::default());
+    let results = analyze(study.measured.clone(), &Options::default());
     (study, results)
 }
 
@@ -205,7 +205,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     window.get_by_label("36 ratings of 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
     let second = whole.measured.counts.subjects.iter().position(|name| name == "S002").unwrap() as u32;
     let left = study.measured.filtered(|subject| subject != second, |levels| levels[0] != Some(1));
-    assert_document(&mut window, &study, &analyse(left, &Options::default()));
+    assert_document(&mut window, &study, &analyze(left, &Options::default()));
 
     let out = folder.path().join("out");
     type_into(&mut window, "Export to the folder", out.to_str().unwrap());

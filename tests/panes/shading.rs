@@ -3,7 +3,7 @@
 use std::{io::BufReader, path::Path};
 
 use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Vec2};
-use egui_kittest::{Harness, kittest::Queryable as _};
+use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{
         App, Launch,
@@ -14,26 +14,20 @@ use machband::{
     stimulus::Renderer,
 };
 
-type Window = Harness<'static, App>;
+use crate::window::{Window, builder, choose, click, has_graphics, type_into, value};
 
-fn harness(scale: f32) -> egui_kittest::HarnessBuilder<App> {
-    Harness::builder().with_size([1000.0, 800.0]).with_pixels_per_point(scale).with_step_dt(1.0 / 60.0)
-}
-
-/// The page, opened from Home.
+/// The page, opened from Home, where it is drawn.
 fn open() -> Window {
-    opened(harness(1.0).build_eframe(|cc| App::new(cc, Launch::default())))
+    opened(builder([1000.0, 800.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())))
 }
 
 /// The same with pixels; `None` where there is no graphics adapter.
 fn open_with_pixels(scale: f32) -> Option<Window> {
-    let instance = eframe::wgpu::Instance::new(eframe::wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    if pollster::block_on(instance.enumerate_adapters(eframe::wgpu::Backends::all())).is_empty() {
-        assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
-        eprintln!("SKIPPED: no graphics adapter");
+    if !has_graphics() {
         return None;
     }
-    let mut window = opened(harness(scale).wgpu().build_eframe(|cc| App::new(cc, Launch::default())));
+    let builder = builder([1000.0, 800.0], 1.0 / 60.0).with_pixels_per_point(scale);
+    let mut window = opened(builder.wgpu().build_eframe(|cc| App::new(cc, Launch::default())));
     if window.query_by_label("Drawn by").is_some() {
         choose(&mut window, "Drawn by", "CPU");
     }
@@ -43,51 +37,10 @@ fn open_with_pixels(scale: f32) -> Option<Window> {
 fn opened(mut window: Window) -> Window {
     window.set_render_cursor(false);
     window.run_steps(3);
-    window.get_by_label("Shading demo…").scroll_to_me();
-    window.run_steps(3);
-    window.get_by_label("Shading demo…").click();
-    window.run_steps(4);
+    click(&mut window, "Shading demo…");
     window.remove_cursor();
     window.run_steps(4);
     window
-}
-
-fn value(window: &Window, label: &str) -> String {
-    window.get_by_label(label).value().unwrap_or_default()
-}
-
-/// Picks an entry of a list.
-fn choose(window: &mut Window, label: &str, entry: &str) {
-    scroll_to(window, label);
-    window.get_by_label(label).click();
-    window.run_steps(3);
-    let entries: Vec<_> = window.query_all_by_label(entry).collect();
-    // The list is drawn last, above the page.
-    entries.last().unwrap_or_else(|| panic!("{label} has no {entry:?}")).scroll_to_me();
-    window.run_steps(30);
-    window.query_all_by_label(entry).last().unwrap().click();
-    window.run_steps(3);
-    window.remove_cursor();
-    // Until the list has faded.
-    window.run_steps(20);
-}
-
-/// Scrolls there, and waits until the page rests.
-fn scroll_to(window: &mut Window, label: &str) {
-    window.query_all_by_label(label).last().unwrap_or_else(|| panic!("no {label}")).scroll_to_me();
-    window.run_steps(30);
-}
-
-fn type_into(window: &mut Window, label: &str, text: &str) {
-    let field = |window: &Window| {
-        window.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().focus();
-    };
-    field(window);
-    window.step();
-    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
-    window.step();
-    window.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().type_text(text);
-    window.run_steps(2);
 }
 
 fn picture(window: &Window) -> Rect {
@@ -184,9 +137,7 @@ fn the_card_draws_what_the_cpu_draws_within_a_code() {
         window.get_by_label_contains("Drawn by the CPU: ");
         return;
     }
-    scroll_to(&mut window, "Drawn by");
-    window.get_by_label("Drawn by").click();
-    window.run_steps(3);
+    click(&mut window, "Drawn by");
     let backends = [", Vulkan", ", Gl", ", Metal", ", Dx12"];
     let card = backends.iter().find_map(|backend| window.query_by_label_contains(backend)).expect("the card's name");
     card.click();
@@ -279,16 +230,14 @@ fn a_file_that_is_no_mesh_says_so_and_leaves_the_mesh() {
     std::fs::write(&bad, "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 9\n").unwrap();
     for path in [folder.path().join("none.obj"), bad] {
         type_into(&mut window, "OBJ file", &path.display().to_string());
-        window.get_by_label("Open the file").click();
-        window.run_steps(3);
+        click(&mut window, "Open the file");
         window.get_by_label_contains("expected");
         assert_eq!(value(&window, "Mesh"), mesh);
     }
     let good = folder.path().join("good.obj");
     std::fs::write(&good, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").unwrap();
     type_into(&mut window, "OBJ file", &good.display().to_string());
-    window.get_by_label("Open the file").click();
-    window.run_steps(3);
+    click(&mut window, "Open the file");
     assert!(window.query_by_label_contains("cannot be opened").is_none());
     assert_eq!(value(&window, "Mesh"), "good.obj");
 }
@@ -324,16 +273,12 @@ fn the_exported_file_is_the_view() {
     let folder = tempfile::tempdir().unwrap();
     let Some(mut window) = open_with_pixels(1.0) else { return };
     for (i, show) in ["Split", "Difference", "Creases", "Predicted bands"].into_iter().enumerate() {
-        window.get_by_label(show).click();
-        window.run_steps(3);
+        click(&mut window, show);
         await_prediction(&mut window);
         let shown = pixels(&mut window);
         let path = folder.path().join(format!("view-{i}.png"));
-        scroll_to(&mut window, "Export to");
         type_into(&mut window, "Export to", &path.display().to_string());
-        scroll_to(&mut window, "Export PNG");
-        window.get_by_label("Export PNG").click();
-        window.run_steps(3);
+        click(&mut window, "Export PNG");
         window.get_by_label_contains("Written to");
         let (width, pixels, parameters) = read(&path);
         let wrong = shown.iter().zip(&pixels).enumerate().filter(|(i, (shown, file))| {
@@ -346,24 +291,17 @@ fn the_exported_file_is_the_view() {
         assert_eq!(parameters["transfer"], "srgb");
         // A second time: not without asking.
         let before = std::fs::metadata(&path).unwrap().modified().unwrap();
-        window.get_by_label("Export PNG").click();
-        window.run_steps(3);
+        click(&mut window, "Export PNG");
         window.get_by_label_contains("already exists");
         assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), before);
-        window.get_by_label("Overwrite it").click();
-        window.run_steps(3);
+        click(&mut window, "Overwrite it");
         window.get_by_label_contains("Written to");
     }
 }
 
 #[test]
 fn everything_has_a_name_and_fits_a_small_window() {
-    let mut window = opened(
-        Harness::builder()
-            .with_size([760.0, 560.0])
-            .with_pixels_per_point(1.0)
-            .build_eframe(|cc| App::new(cc, Launch::default())),
-    );
+    let mut window = opened(builder([760.0, 560.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())));
     for label in ["Preset", "Left shader", "Right shader", "Mesh", "Turn about x", "Light, degrees upward", "Diffuse"] {
         let rect = window.get_by_label(label).rect();
         assert!(rect.left() >= 0.0 && rect.right() <= 300.0, "{label}: {rect:?}");

@@ -1,16 +1,15 @@
 //! What is tested, and how large the effect is that a test should find.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use serde::Serialize;
 
-use super::{
-    super::{
-        design::Design,
-        frame::{Frame, Resolved},
+use super::{error::PlanError, scenario::Scenario};
+use crate::analysis::{
+    frame::{Frame, Resolved},
+    ordinal::{
+        Design, Span,
         terms::{Term, Terms},
     },
-    PlanError,
-    scenario::Scenario,
 };
 
 /// How an effect is looked for.
@@ -115,9 +114,9 @@ impl<'a> Layout<'a> {
 
     /// The part of the predictor that only this term of the model can say.
     fn of_term(&self, term: &Term) -> Result<Hypothesis, PlanError> {
-        let whole = Span::of(&self.matrix(self.terms)?);
-        let rest = Span::of(&self.matrix(&self.terms.without(term))?);
-        if whole.0.len() == rest.0.len() {
+        let whole = self.span(self.terms)?;
+        let rest = self.span(&self.terms.without(term))?;
+        if whole.basis.len() == rest.basis.len() {
             return Err(PlanError::Untestable { term: term.to_string() });
         }
         let part = whole.project(&self.predictors) - rest.project(&self.predictors);
@@ -158,8 +157,12 @@ impl<'a> Layout<'a> {
         })
     }
 
-    fn matrix(&self, terms: &Terms) -> Result<DMatrix<f64>, PlanError> {
-        Ok(Design::new(self.frame, terms)?.matrix(&self.scenario.conditions()))
+    /// What a constant and these terms can say.
+    fn span(&self, terms: &Terms) -> Result<Span, PlanError> {
+        let design = Design::new(self.frame, terms)?.matrix(&self.scenario.conditions());
+        let mut span = Span::with_constant(design.nrows());
+        design.column_iter().for_each(|column| _ = span.add(column));
+        Ok(span)
     }
 
     /// The conditions where a part of the predictor is largest and smallest; none where it is the same everywhere.
@@ -185,34 +188,5 @@ impl<'a> Layout<'a> {
             above: name(above),
             below: name(below),
         }
-    }
-}
-
-/// An orthonormal basis of a constant and the columns of a design.
-struct Span(Vec<DVector<f64>>);
-
-impl Span {
-    fn of(design: &DMatrix<f64>) -> Self {
-        let constant = DVector::from_element(design.nrows(), 1.0);
-        let mut span = Self(Vec::new());
-        for column in std::iter::once(constant).chain(design.column_iter().map(|column| column.clone_owned())) {
-            // Twice, as one pass loses orthogonality where columns are nearly dependent.
-            let once = &column - span.project(&column);
-            let rest = &once - span.project(&once);
-            // The tolerance of the models: a dependent column is left out.
-            if rest.norm() > 1e-7 * column.norm() {
-                span.0.push(rest.normalize());
-            }
-        }
-        span
-    }
-
-    /// The part of a vector within the span.
-    fn project(&self, vector: &DVector<f64>) -> DVector<f64> {
-        let mut part = DVector::zeros(vector.len());
-        for direction in &self.0 {
-            part.axpy(direction.dot(vector), direction, 1.0);
-        }
-        part
     }
 }

@@ -2,7 +2,7 @@
 
 use statrs::function::beta::beta_reg;
 
-use super::super::bootstrap::Interval;
+use crate::analysis::bootstrap::Interval;
 
 /// The exact interval of Clopper & Pearson (1934), Biometrika 26, 404, for `found` out of `all`: it covers the true
 /// proportion with probability `level` or more.

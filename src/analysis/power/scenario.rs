@@ -5,14 +5,14 @@ use std::collections::HashMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rand_distr::{Distribution as _, StandardNormal};
 
-use super::{
-    super::{
+use super::error::PlanError;
+use crate::{
+    analysis::{
         counts::{CountRow, Counts, CountsBuilder},
         levels,
     },
-    PlanError,
+    experiment::{Condition, OrderedLogit, Protocol, RATING_MAX},
 };
-use crate::experiment::{Condition, OrderedLogit, Protocol, RATING_MAX};
 
 /// An effect that the observer's own parameters do not have: what a level of a factor adds to the linear predictor.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,18 +1,11 @@
-//! One simulated study, analysed.
+//! One simulated study, analyzed.
 
-use nalgebra::DVector;
-
-use super::{
-    super::{
-        ModelSpec,
-        counts::Counts,
-        fitting::{Fitted, fit_counts},
-        mixed::MixedEnd,
-        rank_tests::{SubjectMeans, friedman},
-        standard,
-        term_tests::without_terms,
-    },
-    hypothesis::{Hypothesis, Test},
+use super::hypothesis::{Hypothesis, Test};
+use crate::analysis::{
+    ModelSpec,
+    counts::Counts,
+    ordinal::{finite_product, fit_counts, predictors, without_terms},
+    rank_tests::{SubjectMeans, friedman},
 };
 
 /// What one study says about one hypothesis.
@@ -29,7 +22,8 @@ pub(super) fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothes
     // Without standard errors, which no likelihood-ratio test needs.
     let fitted = fit_counts(counts, spec, false).ok();
     let tests = fitted.as_ref().and_then(|fitted| without_terms(fitted).ok());
-    let predictors = (fitted.as_ref()).filter(|_| tests.is_some()).map(|fitted| predictors(fitted, counts));
+    let conditions: Vec<u32> = (0..counts.conditions.len() as u32).collect();
+    let predictors = (fitted.as_ref()).filter(|_| tests.is_some()).map(|fitted| predictors(fitted, &conditions));
     let outcome = |hypothesis: &Hypothesis| match (hypothesis.test, hypothesis.factor) {
         (Test::Friedman, Some(factor)) => {
             Outcome { p: friedman(&SubjectMeans::new(counts, factor)).map(|test| test.p), estimate: None }
@@ -37,32 +31,9 @@ pub(super) fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothes
         _ => Outcome {
             p: (tests.iter().flatten()).find(|test| test.term == hypothesis.term).and_then(|test| test.p),
             estimate: (hypothesis.contrast.as_ref().zip(predictors.as_ref()))
-                .map(|(contrast, predictors)| dot(contrast, predictors))
+                .map(|(contrast, predictors)| finite_product(contrast.iter(), predictors.iter()))
                 .filter(|estimate| !estimate.is_nan()),
         },
     };
     hypotheses.iter().map(outcome).collect()
-}
-
-/// The fitted linear predictor of every condition, thresholds apart.
-fn predictors(fitted: &Fitted, counts: &Counts) -> DVector<f64> {
-    let mixed = fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedEnd::Runaway);
-    let parameters = mixed.map_or(&fitted.clm.parameters, |mixed| &mixed.parameters);
-    let thresholds = fitted.frame.categories.len() - 1;
-    let back = standard::back(&fitted.standards.0, &fitted.standards.1, thresholds, parameters.len());
-    let mut coefficients = (back * parameters).rows(thresholds, fitted.x.columns.len()).clone_owned();
-    if let Some(direction) = fitted.direction() {
-        for column in (0..coefficients.len()).filter(|column| fitted.is_infinite(thresholds + column)) {
-            coefficients[column] = direction[thresholds + column] * f64::INFINITY;
-        }
-    }
-    let conditions: Vec<u32> = (0..counts.conditions.len() as u32).collect();
-    let x = fitted.x.matrix(&conditions);
-    DVector::from_iterator(x.nrows(), x.row_iter().map(|row| dot(&row.transpose(), &coefficients)))
-}
-
-/// The scalar product, where nothing of something infinite is nothing.
-fn dot(weights: &DVector<f64>, values: &DVector<f64>) -> f64 {
-    let pairs = weights.iter().zip(values.iter());
-    pairs.filter(|(weight, _)| weight.abs() > 1e-12).map(|(weight, value)| weight * value).sum()
 }

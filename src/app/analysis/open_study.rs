@@ -12,7 +12,7 @@ use super::{
     source,
 };
 use crate::{
-    analysis::{Options, Results, analyse},
+    analysis::{Options, Results, analyze},
     app::ui::{
         Field, fault, heading, hint, quiet, theme,
         work::{Progress, Work},
@@ -343,7 +343,7 @@ impl Outcome {
         if measured.counts.total() == 0 {
             return None;
         }
-        let results = Arc::new(analyse(measured, &query.options));
+        let results = Arc::new(analyze(measured, &query.options));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
         Some(Self { query, results, figures, document })

@@ -24,7 +24,7 @@ impl Study {
     /// Reads files, and folders of them.
     ///
     /// # Errors
-    /// Where there is nothing to analyse at all. What is wrong with part of the input is in [`Source::faults`].
+    /// Where there is nothing to analyze at all. What is wrong with part of the input is in [`Source::faults`].
     pub fn read(paths: &[PathBuf], how: &ReadOptions) -> Result<Self, FileFaults> {
         let new = |shape: &Shape| {
             let mut builder = MeasuredBuilder::new(&shape.factors);

@@ -1,4 +1,4 @@
-//! Columns centred and scaled for the search, and the way back: numbers far from 0, such as years, would make the
+//! Columns centered and scaled for the search, and the way back: numbers far from 0, such as years, would make the
 //! information matrix too ill-conditioned for exact derivatives.
 
 use nalgebra::{DMatrix, DVector};
@@ -11,12 +11,12 @@ pub(super) struct Standard {
 }
 
 impl Standard {
-    /// Centres and scales the columns of a matrix.
+    /// Centers and scales the columns of a matrix.
     pub fn of(x: DMatrix<f64>) -> (DMatrix<f64>, Self) {
         Self::with(x, true)
     }
 
-    /// Only scales them: the centre of a column of a scale would divide the thresholds too.
+    /// Only scales them: the center of a column of a scale would divide the thresholds too.
     pub fn scaled(x: DMatrix<f64>) -> (DMatrix<f64>, Self) {
         Self::with(x, false)
     }
@@ -40,7 +40,7 @@ impl Standard {
     }
 }
 
-/// The matrix that takes θ, β, ζ (and what follows) of standardised columns to those of the data.
+/// The matrix that takes θ, β, ζ (and what follows) of standardized columns to those of the data.
 pub(super) fn back(location: &Standard, scale: &Standard, thresholds: usize, size: usize) -> DMatrix<f64> {
     let mut back = DMatrix::identity(size, size);
     for column in 0..location.scales.len() {

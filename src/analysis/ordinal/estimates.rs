@@ -4,27 +4,27 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{
     clm::End,
-    counts::Counts,
     design::Design,
-    fitting::{Fitted, fit_frame},
-    mixed::{MixedEnd, MixedFit},
+    fitting::{Fitted, fit_counts},
     model::{Coefficient, Model, ModelSpec, Random, RandomEffect, SubjectMode, Threshold},
-    outcome::{ModelError, Note},
+    notes::{ModelError, Note},
+    search::{MixedEnd, MixedFit},
     standard,
 };
+use crate::analysis::counts::Counts;
 
 /// Fits a model.
 ///
 /// # Errors
 /// Data or terms about which nothing can be said. Everything else that is wrong with the data is a note of the model.
 pub fn fit(counts: &Counts, spec: &ModelSpec) -> Result<Model, ModelError> {
-    Ok(report(&fit_frame(counts, spec)?))
+    Ok(report(&fit_counts(counts, spec, true)?))
 }
 
 /// The model that a fit means, on the scale of the data.
 pub(super) fn report(fitted: &Fitted) -> Model {
     let mut notes = fitted.notes.clone();
-    let mixed = fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedEnd::Runaway);
+    let mixed = ended(fitted);
     note_design(fitted, &mut notes);
     note_separation(fitted, &mut notes);
     note_mixed(fitted, &mut notes);
@@ -36,7 +36,7 @@ pub(super) fn report(fitted: &Fitted) -> Model {
     if stalled {
         notes.push(Note::NotConverged { gradient });
     }
-    let (estimates, covariance) = estimates(fitted, mixed);
+    let (estimates, covariance) = (estimates(fitted), covariance(fitted));
     if covariance.is_none() {
         notes.push(Note::Flat);
     }
@@ -107,39 +107,70 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, se: Option<f64>) -> RandomEf
     }
 }
 
-/// Estimates and covariance of all parameters on the scale of the data; what has no finite estimate is infinite, with
-/// NaN for its covariances.
-fn estimates(fitted: &Fitted, mixed: Option<&MixedFit>) -> (DVector<f64>, Option<DMatrix<f64>>) {
-    let thresholds = fitted.frame.categories.len() - 1;
-    let (parameters, information) = match mixed {
-        Some(mixed) if mixed.end != MixedEnd::Boundary => (mixed.parameters.clone(), mixed.information.clone()),
-        _ => (fitted.clm.parameters.clone(), finite_part(fitted, &fitted.clm.information)),
+/// The fit with a random intercept, where it has an end.
+fn ended<'a>(fitted: &'a Fitted) -> Option<&'a MixedFit> {
+    fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedEnd::Runaway)
+}
+
+/// The estimates of the search, and the matrix that takes them to the scale of the data.
+fn found<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) {
+    let parameters = match ended(fitted) {
+        Some(mixed) if mixed.end != MixedEnd::Boundary => &mixed.parameters,
+        _ => &fitted.clm.parameters,
     };
-    let size = parameters.len();
-    let back = standard::back(&fitted.standards.0, &fitted.standards.1, thresholds, size);
-    let free: Vec<usize> = (0..size).filter(|&index| !fitted.is_infinite(index)).collect();
-    let covariance = information.cholesky().map(|factor| {
-        let inverse = factor.inverse();
-        let mut whole = DMatrix::zeros(size, size);
-        for (row, &i) in free.iter().enumerate() {
-            for (column, &j) in free.iter().enumerate() {
-                whole[(i, j)] = inverse[(row, column)];
-            }
-        }
-        let mut covariance = &back * whole * back.transpose();
-        for index in (0..size).filter(|&index| fitted.is_infinite(index)) {
-            covariance.row_mut(index).fill(f64::NAN);
-            covariance.column_mut(index).fill(f64::NAN);
-        }
-        covariance
-    });
+    let thresholds = fitted.frame.categories.len() - 1;
+    let (location, scale) = &fitted.standards;
+    (parameters, standard::back(location, scale, thresholds, parameters.len()))
+}
+
+/// Estimates of all parameters on the scale of the data; infinite where there is no finite one.
+fn estimates(fitted: &Fitted) -> DVector<f64> {
+    let (parameters, back) = found(fitted);
     let mut estimates = back * parameters;
-    if let Some(direction) = fitted.direction() {
-        for index in (0..size).filter(|&index| fitted.is_infinite(index)) {
-            estimates[index] = direction[index] * f64::INFINITY;
+    for (index, direction) in fitted.infinite() {
+        estimates[index] = direction * f64::INFINITY;
+    }
+    estimates
+}
+
+/// Covariance of all parameters on the scale of the data; NaN for those without a finite estimate.
+fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
+    let (parameters, back) = found(fitted);
+    let information = match ended(fitted) {
+        Some(mixed) if mixed.end != MixedEnd::Boundary => mixed.information.clone(),
+        _ => finite_part(fitted, &fitted.clm.information),
+    };
+    let inverse = information.cholesky()?.inverse();
+    let size = parameters.len();
+    let free: Vec<usize> = (0..size).filter(|&index| !fitted.is_infinite(index)).collect();
+    let mut whole = DMatrix::zeros(size, size);
+    for (row, &i) in free.iter().enumerate() {
+        for (column, &j) in free.iter().enumerate() {
+            whole[(i, j)] = inverse[(row, column)];
         }
     }
-    (estimates, covariance)
+    let mut covariance = &back * whole * back.transpose();
+    for (index, _) in fitted.infinite() {
+        covariance.row_mut(index).fill(f64::NAN);
+        covariance.column_mut(index).fill(f64::NAN);
+    }
+    Some(covariance)
+}
+
+/// The linear predictor of each of these conditions, thresholds apart.
+pub(in crate::analysis) fn predictors(fitted: &Fitted, conditions: &[u32]) -> Vec<f64> {
+    let estimates = estimates(fitted);
+    let coefficients = estimates.rows(fitted.frame.categories.len() - 1, fitted.x.columns.len());
+    let x = fitted.x.matrix(conditions);
+    x.row_iter().map(|row| finite_product(row.iter(), coefficients.iter())).collect()
+}
+
+/// The scalar product, where nothing of something infinite is nothing.
+pub(in crate::analysis) fn finite_product<'a>(
+    weights: impl Iterator<Item = &'a f64>,
+    values: impl Iterator<Item = &'a f64>,
+) -> f64 {
+    weights.zip(values).filter(|(weight, _)| weight.abs() > 1e-12).map(|(weight, value)| weight * value).sum()
 }
 
 /// The information of the parameters that have a finite estimate.
@@ -162,17 +193,15 @@ fn note_design(fitted: &Fitted, notes: &mut Vec<Note>) {
 }
 
 fn note_separation(fitted: &Fitted, notes: &mut Vec<Note>) {
-    let Some(direction) = fitted.direction() else { return };
     let thresholds = fitted.frame.categories.len() - 1;
-    for index in fitted.infinite_thresholds() {
-        let threshold = fitted.frame.categories[index..index + 2].join("|");
-        notes.push(Note::SeparatedThreshold { threshold });
-    }
-    for column in (0..fitted.x.columns.len()).filter(|column| fitted.is_infinite(thresholds + column)) {
-        notes.push(Note::Separation {
-            coefficient: fitted.x.columns[column].name.clone(),
-            term: fitted.term_name(&fitted.x, column),
-            positive: direction[thresholds + column] > 0.0,
+    for (index, direction) in fitted.infinite() {
+        notes.push(match index.checked_sub(thresholds) {
+            None => Note::SeparatedThreshold { threshold: fitted.frame.categories[index..index + 2].join("|") },
+            Some(column) => Note::Separation {
+                coefficient: fitted.x.columns[column].name.clone(),
+                term: fitted.term_name(&fitted.x, column),
+                positive: direction > 0.0,
+            },
         });
     }
 }

@@ -1,4 +1,4 @@
-//! What a model may say besides numbers: notes on what was recognised in the data, and errors where nothing can be
+//! What a model may say besides numbers: notes on what was recognized in the data, and errors where nothing can be
 //! said.
 
 use serde::Serialize;
@@ -16,7 +16,7 @@ pub enum Note {
         /// Ratings left out.
         ratings: u64,
     },
-    /// A category that nobody used: it has no probability to estimate and is merged with its neighbours.
+    /// A category that nobody used: it has no probability to estimate and is merged with its neighbors.
     #[error("no rating is {category}: the category is left out of the scale")]
     EmptyCategory {
         /// The category.

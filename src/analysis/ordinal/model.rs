@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use serde::{Serialize, Serializer};
 
-use super::{link::Link, outcome::Note, terms::Terms};
+use super::{link::Link, notes::Note, terms::Terms};
 
 /// Whether subjects differ by a random intercept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

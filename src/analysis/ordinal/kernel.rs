@@ -1,11 +1,11 @@
 //! The inner loops of a mixed model: one subject's observations at one value of the random effect.
 //!
-//! With the logit link, e^(θ − xβ − σu) is a product, so that a subject's exponentials are taken once for all nodes and
-//! all steps to the mode; a division an observation is left, and logarithms are taken of products.
+//! With the logit link, e^(θ − xβ − σu) is a product: a subject's exponentials are taken once for all nodes and all steps
+//! to the mode, and logarithms are taken of products.
 
 use super::{
     clm::category_bounds,
-    link::{Link, Shift},
+    link::{Link, Shift, normal_shift},
 };
 
 /// Equal ratings of a subject in one design row.
@@ -95,62 +95,9 @@ impl Subject {
         self.upper.iter().zip(&self.lower).zip(&self.count).map(|((upper, lower), count)| (*upper, *lower, *count))
     }
 
-    /// Σ count g′ and Σ count g″ at u.
-    pub fn slope(&self, point: &Point, u: f64) -> (f64, f64) {
-        let shift = point.sigma * u;
-        let (mut g1, mut g2) = (0.0, 0.0);
-        match point.link {
-            Link::Logit => {
-                let (up, down) = (shift.exp(), (-shift).exp());
-                for (upper, lower, count) in self.bounds() {
-                    let odds = Odds::new(upper * up, lower * down);
-                    g1 += count * (odds.above - odds.below);
-                    g2 -= count * odds.densities();
-                }
-            }
-            Link::Probit => {
-                for (upper, lower, count) in self.bounds() {
-                    let slope = point.link.slope(upper - shift, lower - shift);
-                    g1 += count * slope.0;
-                    g2 += count * slope.1;
-                }
-            }
-        }
-        (g1, g2)
-    }
-
-    /// Σ count log p and Σ count g′ at u; leaves ∂g/∂a and ∂g/∂b of every observation in `slopes`, without what the
-    /// width of the category adds ([`Self::width`]).
-    pub fn first(&self, point: &Point, u: f64, slopes: &mut [(f64, f64)]) -> (f64, f64) {
-        let shift = point.sigma * u;
-        let mut g1 = 0.0;
-        match point.link {
-            Link::Logit => {
-                let (up, down) = (shift.exp(), (-shift).exp());
-                let mut log_p = LogProduct::default();
-                for ((upper, lower, count), slope) in self.bounds().zip(slopes) {
-                    let odds = Odds::new(upper * up, lower * down);
-                    log_p.add(odds.p, count);
-                    g1 += count * (odds.above - odds.below);
-                    *slope = (odds.above, -odds.below);
-                }
-                (self.constant + log_p.finish(), g1)
-            }
-            Link::Probit => {
-                let mut log_p = 0.0;
-                for ((upper, lower, count), slope) in self.bounds().zip(slopes) {
-                    let first = point.link.first(upper - shift, lower - shift);
-                    log_p += count * first.0;
-                    g1 += count * (first.1 + first.2);
-                    *slope = (first.1, first.2);
-                }
-                (log_p, g1)
-            }
-        }
-    }
-
-    /// All derivatives at u, with the same omission as [`Self::first`].
-    pub fn shift(&self, point: &Point, u: f64, shifts: &mut Vec<Shift>) -> ShiftSums {
+    /// Sums of all derivatives at u; leaves those of every observation in `shifts`, without what the width of its category
+    /// adds ([`Self::width`]).
+    pub fn at(&self, point: &Point, u: f64, shifts: &mut Vec<Shift>) -> ShiftSums {
         shifts.clear();
         let by = point.sigma * u;
         let (up, down) = (by.exp(), (-by).exp());
@@ -164,7 +111,7 @@ impl Subject {
                     odds.shift()
                 }
                 Link::Probit => {
-                    let shift = point.link.shift(upper - by, lower - by);
+                    let shift = normal_shift(upper - by, lower - by);
                     sums.log_p += count * shift.log_p;
                     shift
                 }
@@ -203,11 +150,6 @@ impl Odds {
     fn new(upper: f64, lower: f64) -> Self {
         let p = 1.0 / ((1.0 + upper) * (1.0 + lower));
         Self { above: upper * (1.0 + lower) * p, below: lower * (1.0 + upper) * p, p }
-    }
-
-    #[inline]
-    fn densities(self) -> f64 {
-        self.above * (1.0 - self.above) + self.below * (1.0 - self.below)
     }
 
     fn shift(self) -> Shift {
@@ -256,5 +198,45 @@ impl LogProduct {
 
     fn finish(self) -> f64 {
         self.sum + self.product.ln()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums of one observation between the thresholds `b` and `a`.
+    fn sums(link: Link, a: f64, b: f64, u: f64) -> (ShiftSums, Shift) {
+        let thresholds = [b, a];
+        let widths = widths(&thresholds);
+        let point = Point { link, thresholds: &thresholds, sigma: 1.0, location: &[0.0], widths: &widths };
+        let mut subject = Subject::default();
+        subject.set(&point, &[Observation { row: 0, category: 1, count: 1.0 }]);
+        let mut shifts = Vec::new();
+        (subject.at(&point, u, &mut shifts), shifts[0])
+    }
+
+    #[test]
+    fn derivatives_are_the_differences_of_the_level_below() {
+        let h = 1e-5;
+        for link in [Link::Logit, Link::Probit] {
+            for (a, b) in [(0.3, -0.9), (2.5, 2.4), (-3.0, -4.5), (6.0, -6.0), (7.0, 5.5)] {
+                let close = |found: f64, of: &dyn Fn(f64) -> f64, what: &str| {
+                    let expected = (of(h) - of(-h)) / (2.0 * h);
+                    let apart = (found - expected).abs();
+                    assert!(apart < 2e-5 * (1.0 + expected.abs()), "{link} {a} {b}, {what}: {found}, not {expected}");
+                };
+                let (all, one) = sums(link, a, b, 0.2);
+                assert!((all.log_p - link.cell(a - 0.2, b - 0.2).log_p).abs() < 1e-12);
+                // The effect lowers both bounds.
+                close(-all.g1, &|h| sums(link, a, b, 0.2 + h).0.log_p, "g1");
+                close(-all.g2, &|h| sums(link, a, b, 0.2 + h).0.g1, "g2");
+                close(-all.g3, &|h| sums(link, a, b, 0.2 + h).0.g2, "g3");
+                close(one.g1_a, &|h| sums(link, a + h, b, 0.2).0.g1, "g1 by a");
+                close(one.g1_b, &|h| sums(link, a, b + h, 0.2).0.g1, "g1 by b");
+                close(one.g2_a, &|h| sums(link, a + h, b, 0.2).0.g2, "g2 by a");
+                close(one.g2_b, &|h| sums(link, a, b + h, 0.2).0.g2, "g2 by b");
+            }
+        }
     }
 }

@@ -7,14 +7,15 @@
 use nalgebra::DMatrix;
 
 use super::{
-    frame::{Frame, Resolved},
-    outcome::ModelError,
+    notes::ModelError,
+    span::Span,
     terms::{Term, Terms, Variable},
 };
+use crate::analysis::frame::{Frame, Resolved};
 
 /// One column of a design matrix.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Column {
+pub(in crate::analysis) struct Column {
     /// R's name of the coefficient.
     pub name: String,
     /// Index of the term in [`Design::terms`].
@@ -25,7 +26,7 @@ pub(super) struct Column {
 
 /// The columns of some terms.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Design {
+pub(in crate::analysis) struct Design {
     pub terms: Terms,
     pub columns: Vec<Column>,
     /// Columns that were left out because others say the same.
@@ -48,12 +49,6 @@ impl Design {
     /// No columns.
     pub fn empty() -> Self {
         Self { terms: Terms::default(), columns: Vec::new(), dropped: Vec::new() }
-    }
-
-    /// Names of the columns.
-    #[cfg(test)]
-    pub fn names(&self) -> Vec<String> {
-        self.columns.iter().map(|column| column.name.clone()).collect()
     }
 
     /// A row for each of these conditions.
@@ -79,14 +74,11 @@ impl Design {
     pub fn independent_of(&self, other: &Self, frame: &Frame) -> Self {
         let conditions = frame.conditions();
         let (theirs, ours) = (other.matrix(&conditions), self.matrix(&conditions));
-        let first = theirs.ncols();
-        let mut both = theirs.resize_horizontally(first + ours.ncols(), 0.0);
-        both.columns_mut(first, ours.ncols()).copy_from(&ours);
-        let kept = independent_columns(&both);
-        let (columns, dropped): (Vec<_>, Vec<_>) =
-            self.columns.iter().cloned().enumerate().partition(|(index, _)| kept.contains(&(first + index)));
-        let plain = |columns: Vec<(usize, Column)>| columns.into_iter().map(|(_, column)| column).collect();
-        Self { terms: self.terms.clone(), columns: plain(columns), dropped: plain(dropped) }
+        let mut span = Span::with_constant(conditions.len());
+        theirs.column_iter().for_each(|column| _ = span.add(column));
+        let mut kept = ours.column_iter().map(|column| span.add(column));
+        let (columns, dropped) = self.columns.iter().cloned().partition(|_| kept.next() == Some(true));
+        Self { terms: self.terms.clone(), columns, dropped }
     }
 }
 
@@ -135,32 +127,6 @@ fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result
     })
 }
 
-/// Indices of the columns that are not linear combinations of an intercept and the columns before them, to R's
-/// tolerance: what remains of a dependent column is shorter than 1e-7 of it.
-pub(super) fn independent_columns(x: &DMatrix<f64>) -> Vec<usize> {
-    const TOLERANCE: f64 = 1e-7;
-    let rows = x.nrows();
-    let mut basis = vec![nalgebra::DVector::from_element(rows, 1.0 / (rows as f64).sqrt())];
-    let mut kept = Vec::new();
-    for (index, column) in x.column_iter().enumerate() {
-        let length = column.norm();
-        let mut rest = column.clone_owned();
-        // Twice, because one pass of Gram and Schmidt loses orthogonality where columns are nearly dependent.
-        for _ in 0..2 {
-            for direction in &basis {
-                let along = direction.dot(&rest);
-                rest.axpy(-along, direction, 1.0);
-            }
-        }
-        let left = rest.norm();
-        if length > 0.0 && left >= TOLERANCE * length {
-            kept.push(index);
-            basis.push(rest / left);
-        }
-    }
-    kept
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -176,7 +142,7 @@ mod tests {
         let counts = builder.finish();
         let terms = Terms::parse(terms).unwrap();
         let (frame, _) = Frame::new(&counts, &[&terms]).unwrap();
-        Design::new(&frame, &terms).unwrap().names()
+        Design::new(&frame, &terms).unwrap().columns.into_iter().map(|column| column.name).collect()
     }
 
     /// Names from `colnames(model.matrix(~ ..., data))[-1]`, R 4.2.2.
@@ -188,20 +154,5 @@ mod tests {
         assert_eq!(columns("a:b"), ["ax:b1", "ay:b1", "az:b1", "ax:b2", "ay:b2", "az:b2"]);
         assert_eq!(columns("num:b,a:num:b"), ["b", "b:ay", "b:az"]);
         assert_eq!(columns("num:inv_n,depth"), ["inv_n", "depth2", "depth4", "depthinf"]);
-    }
-
-    #[test]
-    fn a_column_that_follows_from_others_is_found() {
-        let x = DMatrix::from_row_slice(
-            4,
-            4,
-            &[
-                0.0, 0.0, 1.0, 5.0, //
-                1.0, 1.0, 0.0, 5.0, //
-                0.0, 0.0, 1.0, 5.0, //
-                3.0, 0.0, 1.0, 5.0,
-            ],
-        );
-        assert_eq!(independent_columns(&x), [0, 1]);
     }
 }

@@ -4,16 +4,16 @@ use serde::Serialize;
 
 use super::{
     clm::End,
-    counts::Counts,
     design::Design,
     estimates,
-    fitting::{Fitted, clm_data, fit_clm, fit_frame, fit_terms},
-    mixed::MixedEnd,
+    fitting::{Fitted, clm_data, fit_clm, fit_counts, fit_terms},
     model::{Model, ModelSpec, Random},
-    outcome::ModelError,
-    predictions::{self, Prediction},
+    notes::ModelError,
+    predictions::{Prediction, predictions},
+    search::MixedEnd,
     terms::{Term, Terms},
 };
+use crate::analysis::counts::Counts;
 
 /// Which part of a model a test is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -55,33 +55,24 @@ pub struct ModelReport {
     pub predictions: Vec<Prediction>,
 }
 
-/// Fits a model once and makes its tests and predictions: [`fit`](super::fit), [`term_tests`], [`proportional_odds`] and
-/// [`predictions`](super::predictions()).
+/// Fits a model, and makes its tests and predictions.
 ///
 /// # Errors
 /// As [`fit`](super::fit).
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
-    let full = fit_frame(counts, spec)?;
+    let full = fit_counts(counts, spec, true)?;
     let model = estimates::report(&full);
     Ok(ModelReport {
         terms: without_terms(&full)?,
         proportional_odds: nominal_tests(&full)?,
-        predictions: predictions::of_fitted(&full, &model),
+        predictions: predictions(&full, &model),
         model,
     })
 }
 
 /// Likelihood-ratio tests against the model without each term. A term that is part of an interaction of the model is
 /// not tested: the model without it would be the same one (R's `drop1`).
-///
-/// # Errors
-/// As [`fit`](super::fit).
-pub fn term_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
-    without_terms(&fit_frame(counts, spec)?)
-}
-
-/// [`term_tests`] of a model that is fitted.
-pub(super) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
+pub(in crate::analysis) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let mut tests = Vec::new();
     for part in [Part::Location, Part::Scale] {
         let terms = if part == Part::Location { &full.spec.terms } else { &full.spec.scale };
@@ -108,20 +99,13 @@ fn comparable(one: &Fitted, other: &Fitted) -> bool {
     fine(one) && fine(other) && one.mixed.is_some() == other.mixed.is_some()
 }
 
-/// Tests of proportional odds: each term in turn has an effect of its own at every threshold, against the one common
-/// effect (R's `nominal_test`). The random intercept is left out: this is a check of the scale, not of the effects. A test
-/// of more than 300 parameters, as of a term with 30 levels on a scale of 101, is not made and has no ratio.
-///
-/// # Errors
-/// As [`fit`](super::fit).
-pub fn proportional_odds(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
-    nominal_tests(&fit_frame(counts, &ModelSpec { random: Random::None, ..spec.clone() })?)
-}
-
 /// Parameters up to which proportional odds are tested: a threshold of its own for each level needs their product, and a
 /// fit grows with its cube. A scale of 101 steps has no use for it.
 const MOST_NOMINAL: usize = 300;
 
+/// Tests of proportional odds: each term in turn has an effect of its own at every threshold, against the one common
+/// effect (R's `nominal_test`). The random intercept is left out: this is a check of the scale, not of the effects. A test
+/// of more than [`MOST_NOMINAL`] parameters is not made and has no ratio.
 fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let mut tests = Vec::new();
     for term in &full.spec.terms {
@@ -146,7 +130,7 @@ fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
 /// As [`fit`](super::fit).
 pub fn scale_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
     let spec = ModelSpec { random: Random::None, ..spec.clone() };
-    let full = fit_frame(counts, &spec)?;
+    let full = fit_counts(counts, &spec, true)?;
     let mut tests = Vec::new();
     for term in full.spec.terms.iter().filter(|term| !full.spec.scale.has(term)) {
         let mut spec = full.spec.clone();
@@ -167,6 +151,6 @@ impl TermTest {
 }
 
 /// P(χ² > x).
-pub(super) fn chi_squared_tail(x: f64, df: usize) -> f64 {
+pub(in crate::analysis) fn chi_squared_tail(x: f64, df: usize) -> f64 {
     if x <= 0.0 { 1.0 } else { statrs::function::gamma::gamma_ur(df as f64 / 2.0, x / 2.0) }
 }

@@ -104,62 +104,6 @@ impl Link {
             }
         }
     }
-
-    /// Log-probability, ∂g/∂a and ∂g/∂b.
-    #[inline]
-    pub(super) fn first(self, a: f64, b: f64) -> (f64, f64, f64) {
-        match self {
-            Self::Logit => {
-                let logit = Logistic::new(a, b);
-                (logit.log_p, logit.a.above + logit.q, -logit.b.below - logit.q)
-            }
-            Self::Probit => {
-                let p = normal_between(a, b);
-                (p.ln(), normal_density(a) / p, -normal_density(b) / p)
-            }
-        }
-    }
-
-    /// g′ and g″.
-    #[inline]
-    pub(super) fn slope(self, a: f64, b: f64) -> (f64, f64) {
-        match self {
-            Self::Logit => {
-                let (a, b) = (Tails::new(a), Tails::new(b));
-                (a.above - b.below, -a.density() - b.density())
-            }
-            Self::Probit => {
-                let p = normal_between(a, b);
-                let (fa, fb) = (normal_density(a) / p, normal_density(b) / p);
-                let g1 = fa - fb;
-                (g1, -times(a, fa) + times(b, fb) - g1 * g1)
-            }
-        }
-    }
-
-    /// Everything about a shift.
-    #[inline]
-    pub(super) fn shift(self, a: f64, b: f64) -> Shift {
-        match self {
-            Self::Logit => {
-                let logit = Logistic::new(a, b);
-                let (fa, fb) = (logit.a.density(), logit.b.density());
-                let (slope_a, slope_b) = (logit.a.slope(), logit.b.slope());
-                Shift {
-                    log_p: logit.log_p,
-                    a: logit.a.above + logit.q,
-                    b: -logit.b.below - logit.q,
-                    g2: -fa - fb,
-                    g3: -slope_a - slope_b,
-                    g1_a: -fa,
-                    g1_b: -fb,
-                    g2_a: -slope_a,
-                    g2_b: -slope_b,
-                }
-            }
-            Self::Probit => normal_shift(a, b),
-        }
-    }
 }
 
 /// The logistic distribution at a point: below it, and above it.
@@ -180,11 +124,6 @@ impl Tails {
 
     fn density(self) -> f64 {
         self.below * self.above
-    }
-
-    /// The derivative of the density.
-    fn slope(self) -> f64 {
-        self.density() * (self.above - self.below)
     }
 }
 
@@ -229,7 +168,8 @@ fn times(bound: f64, density: f64) -> f64 {
     if bound.is_finite() { bound * density } else { 0.0 }
 }
 
-fn normal_shift(a: f64, b: f64) -> Shift {
+/// [`Shift`] with the probit link.
+pub(super) fn normal_shift(a: f64, b: f64) -> Shift {
     let p = normal_between(a, b);
     let (fa, fb) = (normal_density(a) / p, normal_density(b) / p);
     // First and second derivatives of the density, over p.
@@ -290,17 +230,6 @@ mod tests {
                 close(cell.aa, difference(&|a, b| link.cell(a, b).a, true), &what);
                 close(cell.ab, difference(&|a, b| link.cell(a, b).a, false), &what);
                 close(cell.bb, difference(&|a, b| link.cell(a, b).b, false), &what);
-                let shift = link.shift(a, b);
-                let g1 = |a, b| link.slope(a, b).0;
-                let g2 = |a, b| link.slope(a, b).1;
-                assert_eq!((shift.log_p, shift.a, shift.b), link.first(a, b));
-                close(g1(a, b), shift.a + shift.b, &what);
-                close(g2(a, b), shift.g2, &what);
-                close(shift.g1_a, difference(&g1, true), &what);
-                close(shift.g1_b, difference(&g1, false), &what);
-                close(shift.g2_a, difference(&g2, true), &what);
-                close(shift.g2_b, difference(&g2, false), &what);
-                close(shift.g3, shift.g2_a + shift.g2_b, &what);
             }
         }
     }

@@ -140,7 +140,7 @@ impl ClmData {
                 let count = self.counts[(row, k)];
                 if count > 0.0 {
                     let (a, b) = category_bounds(&bounds, k);
-                    sum += count * if a > b { self.link.first(a, b).0 } else { f64::NEG_INFINITY };
+                    sum += count * if a > b { self.link.cell(a, b).log_p } else { f64::NEG_INFINITY };
                 }
             }
         }

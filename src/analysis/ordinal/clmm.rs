@@ -2,7 +2,7 @@
 //!
 //! A subject's likelihood is the integral over u, by Laplace's approximation (one node) or adaptive Gauss–Hermite
 //! quadrature around the mode (Liu & Pierce 1994). Its gradient is analytic, including how the mode and the curvature
-//! there move with the parameters: it is the gradient of the number that is maximised, not of the exact integral.
+//! there move with the parameters: it is the gradient of the number that is maximized, not of the exact integral.
 
 use std::ops::Range;
 
@@ -106,7 +106,7 @@ impl ClmmData {
         for (index, range) in self.subjects.iter().enumerate() {
             let observations = &self.observations[range.clone()];
             work.subject.set(&point, observations);
-            let u = mode(&point, &work.subject, modes.u[index])?;
+            let u = mode(&point, &work.subject, modes.u[index], &mut work.shifts)?;
             let (value, curvature) = self.subject(&point, observations, u, &mut sums, &mut work)?;
             (modes.u[index], modes.curvature[index]) = (u, curvature);
             loglik += value;
@@ -130,7 +130,7 @@ impl ClmmData {
         work: &mut Work,
     ) -> Option<(f64, f64)> {
         let sigma = point.sigma;
-        let at = work.subject.shift(point, u, &mut work.shifts);
+        let at = work.subject.at(point, u, &mut work.shifts);
         let h = at.log_p - 0.5 * u * u;
         let curvature = 1.0 - sigma * sigma * at.g2;
         let spread = curvature.sqrt().recip();
@@ -175,10 +175,9 @@ impl ClmmData {
         }
         let mut sums = NodeSums::default();
         work.means.resize(work.shifts.len(), (0.0, 0.0));
-        work.slopes.resize(work.shifts.len(), (0.0, 0.0));
         for node in &self.nodes {
             let value = u + spread * node.z;
-            let (log_p, g1) = work.subject.first(point, value, &mut work.slopes);
+            let ShiftSums { log_p, g1, .. } = work.subject.at(point, value, &mut work.at_node);
             let weight = node.weight * (log_p - 0.5 * value * value - h).exp();
             // A node too far out has no weight, and maybe no finite derivatives.
             if weight == 0.0 || weight.is_nan() {
@@ -189,9 +188,9 @@ impl ClmmData {
             sums.slope += weight * slope_u;
             sums.slope_z += weight * slope_u * node.z;
             sums.sigma -= weight * value * g1;
-            for (mean, slope) in work.means.iter_mut().zip(&work.slopes) {
-                mean.0 += weight * slope.0;
-                mean.1 += weight * slope.1;
+            for (mean, shift) in work.means.iter_mut().zip(&work.at_node) {
+                mean.0 += weight * shift.a;
+                mean.1 += weight * shift.b;
             }
         }
         let total = sums.total;
@@ -264,18 +263,18 @@ struct Sums {
 #[derive(Default)]
 struct Work {
     subject: Subject,
-    /// Derivatives at the mode.
+    /// Derivatives at the mode, and at one node.
     shifts: Vec<Shift>,
-    /// ∂g/∂a and ∂g/∂b at one node, and their means over the nodes.
-    slopes: Vec<(f64, f64)>,
+    at_node: Vec<Shift>,
+    /// Means of ∂g/∂a and ∂g/∂b over the nodes.
     means: Vec<(f64, f64)>,
 }
 
 /// The mode of a subject's log-integrand, which is concave: Newton's method, halved while the slope grows.
-fn mode(point: &Point, subject: &Subject, start: f64) -> Option<f64> {
+fn mode(point: &Point, subject: &Subject, start: f64, shifts: &mut Vec<Shift>) -> Option<f64> {
     let sigma = point.sigma;
-    let slope_at = |u: f64| {
-        let (g1, g2) = subject.slope(point, u);
+    let mut slope_at = |u: f64| {
+        let ShiftSums { g1, g2, .. } = subject.at(point, u, shifts);
         (-sigma * g1 - u, sigma * sigma * g2 - 1.0)
     };
     let mut u = start;

@@ -1,30 +1,29 @@
 //! `machband plan`
 
 mod effects;
-mod telling;
+mod findings;
 
 use std::path::PathBuf;
 
 use indicatif::ProgressBar;
 
-use super::{UsageError, progress_style};
+use super::{UsageError, progress_style, say};
 use crate::{
     analysis::{
-        Link,
         power::{ModelChoice, Plan, Power, Sampling},
         quadrature::MOST_NODES,
         terms::Terms,
     },
     store::{definition, observer, write_file},
 };
-use telling::Telling;
+use findings::Findings;
 
-/// Find how many participants a study needs: its power, by simulation.
+/// Find how many participants a study needs, by simulating its power.
 ///
-/// Simulates studies with the ordered-logit observer of `simulate` and analyses each as `analyze` would. Reports, for each
-/// number of participants and each effect, the share of studies that find it, with exact 95 % intervals (Clopper and
-/// Pearson): by the likelihood-ratio test of the term in the ordinal mixed model, and by Friedman's test on each
-/// participant's means. Where there is no effect to be found, the share is that of false alarms, and is called so.
+/// Simulates studies with the ordered-logit observer of `simulate` and analyzes each as `analyze` would. For each number
+/// of participants and each effect, reports the share of studies that find it, with exact 95 % intervals (Clopper and
+/// Pearson): by the likelihood-ratio test of the term in the ordinal mixed model, and by Friedman's test of each
+/// participant's means. Where there is no effect to find, the share is the rate of false alarms, and is called that.
 #[derive(clap::Args)]
 #[command(
     after_help = "Effects: NAME=VALUE sets a parameter of the observer: depth, fall, narrow, oblique, contrast, \
@@ -37,29 +36,29 @@ use telling::Telling;
 pub(super) struct Arguments {
     /// Built-in definition or path of a .toml file.
     experiment: String,
-    /// Participants of each study; several numbers to compare.
+    /// Participants in each study; several numbers to compare.
     #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
     participants: Vec<u32>,
-    /// An effect to be found: NAME=VALUE or FACTOR:LEVEL=LOGITS; may stand several times.
+    /// An effect to find: NAME=VALUE or FACTOR:LEVEL=LOGITS; can be repeated.
     #[arg(long = "effect", value_name = "NAME=VALUE")]
     effects: Vec<String>,
     /// Studies simulated for each number of participants.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     studies: u32,
-    /// An effect is found where p is below this.
+    /// An effect is found if p is below this.
     #[arg(long, value_name = "P", default_value_t = 0.05, value_parser = proportion)]
     alpha: f64,
     /// The power that is enough.
     #[arg(long, value_name = "P", default_value_t = 0.8, value_parser = proportion)]
     target: f64,
-    /// Seed of all ratings.
+    /// Seed of the simulated ratings.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Parameters of the observer; the documented default is experiments/observers/paper.toml.
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
-    /// Terms of the model: factors by name, numbers with num:, interactions with : or *; unless given, every factor that
-    /// varies.
+    /// Terms of the model: factors by name, numbers with num:, interactions with : or * [default: every factor that
+    /// varies].
     #[arg(long, value_name = "T,…")]
     terms: Option<String>,
     /// Link of the cumulative model.
@@ -68,7 +67,7 @@ pub(super) struct Arguments {
     /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
     quadrature: u16,
-    /// The table as CSV.
+    /// CSV file to write the table to.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
 }
@@ -83,7 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let terms = arguments.terms.as_deref().map(Terms::parse).transpose();
     let model = ModelChoice {
         terms: terms.map_err(|error| UsageError(error.to_string()))?,
-        link: if arguments.link == "probit" { Link::Probit } else { Link::Logit },
+        link: arguments.link.parse().map_err(UsageError)?,
         quadrature: arguments.quadrature.into(),
     };
     let plan = Plan::new(&protocol, &observer, &shifts, &model).map_err(|error| UsageError(error.to_string()))?;
@@ -92,7 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     participants.sort_unstable();
     participants.dedup();
     let powers = simulate(&plan, &participants, &sampling);
-    let telling = Telling {
+    let findings = Findings {
         protocol: &protocol,
         observer: [vec![name], arguments.effects.clone()].concat().join(" "),
         plan: &plan,
@@ -100,12 +99,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         target: arguments.target,
         powers: &powers,
     };
-    let (table, sentences) = (telling.table(), telling.sentences());
-    let lines = [telling.heading(), String::new()].into_iter().chain(table).chain([String::new()]).chain(sentences);
-    lines.into_iter().try_for_each(|line| super::say(&line))?;
+    findings.lines().iter().try_for_each(|line| say(line))?;
     // Last, so that a path that cannot be written costs no result.
     if let Some(path) = &arguments.out {
-        write_file(path, &telling.csv().csv())?;
+        write_file(path, &findings.csv())?;
     }
     Ok(())
 }

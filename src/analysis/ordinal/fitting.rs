@@ -2,44 +2,43 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::{
     clm::{ClmData, ClmFit, End},
     clmm::ClmmData,
-    counts::Counts,
     design::Design,
-    frame::Frame,
     kernel::Observation,
     link::Link,
-    mixed::{self, MixedFit},
     model::{ModelSpec, Random},
-    outcome::{ModelError, Note},
+    notes::{ModelError, Note},
     quadrature,
+    search::{self, MixedFit},
     standard::Standard,
     terms::{Terms, Variable},
 };
+use crate::analysis::{counts::Counts, frame::Frame};
 
 /// Everything about a fit that the tests need again.
-pub(super) struct Fitted<'a> {
-    pub frame: Frame<'a>,
-    pub spec: ModelSpec,
-    pub notes: Vec<Note>,
-    pub x: Design,
-    pub scale: Design,
-    pub clm: ClmFit,
-    /// Standardisation of the location and of the scale.
-    pub standards: (Standard, Standard),
-    pub mixed: Option<MixedFit>,
+pub(in crate::analysis) struct Fitted<'a> {
+    pub(super) frame: Frame<'a>,
+    pub(super) spec: ModelSpec,
+    pub(super) notes: Vec<Note>,
+    pub(super) x: Design,
+    pub(super) scale: Design,
+    pub(super) clm: ClmFit,
+    /// Standardization of the location and of the scale.
+    pub(super) standards: (Standard, Standard),
+    pub(super) mixed: Option<MixedFit>,
 }
 
-/// Fits a model, with another baseline where the first has no finite estimates.
-pub(super) fn fit_frame<'a>(counts: &'a Counts, spec: &ModelSpec) -> Result<Fitted<'a>, ModelError> {
-    fit_counts(counts, spec, true)
-}
-
-/// [`fit_frame`], with or without the standard errors of a mixed model, which take as long as its estimates.
-pub(super) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
+/// Fits a model, with another baseline where the first has no finite estimates. The standard errors of a mixed model,
+/// which take as long as its estimates, only with `errors`.
+pub(in crate::analysis) fn fit_counts<'a>(
+    counts: &'a Counts,
+    spec: &ModelSpec,
+    errors: bool,
+) -> Result<Fitted<'a>, ModelError> {
     if spec.random == Random::Subject && !(1..=quadrature::MOST_NODES).contains(&spec.quadrature) {
         return Err(ModelError::Quadrature { nodes: spec.quadrature, most: quadrature::MOST_NODES });
     }
@@ -157,28 +156,28 @@ fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
     let data =
         ClmmData { link: fitted.spec.link, categories: frame.categories.len(), x, observations, subjects, nodes };
     let free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
-    if fitted.infinite_thresholds().next().is_some() {
+    if fitted.has_infinite_threshold() {
         return None;
     }
     let tolerance = 1e-9 * (data.ratings() / 1e4).max(1.0);
-    mixed::fit(&data, &fitted.clm.parameters, &free, tolerance, errors)
+    search::fit(&data, &fitted.clm.parameters, &free, tolerance, errors)
 }
 
 impl Fitted<'_> {
-    pub fn direction(&self) -> Option<&DVector<f64>> {
-        match &self.clm.end {
-            End::Separated(direction) => Some(direction),
-            _ => None,
-        }
+    /// The parameters that have no finite estimate, each with the direction in which it runs away.
+    pub fn infinite(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let direction = if let End::Separated(direction) = &self.clm.end { direction.as_slice() } else { &[] };
+        direction.iter().copied().enumerate().filter(|(_, element)| *element != 0.0)
     }
 
     /// Whether a parameter has no finite estimate.
     pub fn is_infinite(&self, index: usize) -> bool {
-        self.direction().is_some_and(|direction| direction.get(index).is_some_and(|element| *element != 0.0))
+        self.infinite().any(|(infinite, _)| infinite == index)
     }
 
-    pub fn infinite_thresholds(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.frame.categories.len() - 1).filter(|&index| self.is_infinite(index))
+    /// Whether a threshold has no finite estimate.
+    fn has_infinite_threshold(&self) -> bool {
+        self.infinite().any(|(index, _)| index < self.frame.categories.len() - 1)
     }
 
     pub fn term_name(&self, design: &Design, column: usize) -> String {
@@ -199,7 +198,9 @@ impl Fitted<'_> {
 /// Where thresholds run away because all ratings at a factor's first level are the same extreme, the frame with
 /// another baseline.
 fn rebased<'a>(fitted: &Fitted<'a>) -> Option<(Frame<'a>, Note)> {
-    fitted.infinite_thresholds().next()?;
+    if !fitted.has_infinite_threshold() {
+        return None;
+    }
     let frame = &fitted.frame;
     let mut rebased = frame.clone();
     for variable in fitted.spec.terms.iter().flat_map(|term| &term.variables) {

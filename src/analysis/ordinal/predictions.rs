@@ -4,16 +4,15 @@ use nalgebra::DVector;
 use serde::Serialize;
 
 use super::{
-    bootstrap::Interval,
     clm::category_bounds,
-    counts::Counts,
-    estimates,
-    fitting::{Fitted, fit_frame},
-    levels,
-    model::{Model, ModelSpec},
-    outcome::ModelError,
+    estimates::finite_product,
+    fitting::Fitted,
+    model::{Coefficient, Model},
 };
-use crate::light::normal::Z_95;
+use crate::{
+    analysis::{bootstrap::Interval, levels},
+    light::normal::Z_95,
+};
 
 /// The ratings of one condition that a model expects; of a mixed model, from a subject in the middle (u = 0).
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -28,16 +27,8 @@ pub struct Prediction {
     pub interval: Option<Interval>,
 }
 
-/// A model's predictions for every condition it was fitted on.
-///
-/// # Errors
-/// As [`fit`](super::fit).
-pub fn predictions(counts: &Counts, spec: &ModelSpec) -> Result<Vec<Prediction>, ModelError> {
-    let fitted = fit_frame(counts, spec)?;
-    Ok(of_fitted(&fitted, &estimates::report(&fitted)))
-}
-
-pub(super) fn of_fitted(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
+/// A model's predictions for every condition that it was fitted on.
+pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
     let values: Vec<f64> = levels::numbers_of(&model.categories)
         .unwrap_or_else(|| (0..model.categories.len()).map(|index| index as f64).collect());
     let conditions = fitted.frame.conditions();
@@ -49,9 +40,8 @@ pub(super) fn of_fitted(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
 }
 
 fn predict(fitted: &Fitted, model: &Model, values: &[f64], condition: u32, x: &[f64], z: &[f64]) -> Prediction {
-    let effect = |coefficients: &[super::Coefficient], row: &[f64]| -> f64 {
-        // A level that is not there must not bring its infinity.
-        coefficients.iter().zip(row).filter(|(_, x)| **x != 0.0).map(|(c, x)| c.estimate * x).sum()
+    let effect = |coefficients: &[Coefficient], row: &[f64]| {
+        finite_product(row.iter(), coefficients.iter().map(|coefficient| &coefficient.estimate))
     };
     let (location, scale) = (effect(&model.coefficients, x), effect(&model.scale, z).exp());
     let bounds: Vec<f64> = model.thresholds.iter().map(|threshold| (threshold.estimate - location) / scale).collect();
@@ -91,24 +81,23 @@ fn mean_gradient(model: &Model, values: &[f64], bounds: &[f64], scale: f64, x: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Link, counts::CountsBuilder, terms::Terms};
+    use crate::analysis::{Link, ModelSpec, counts::CountsBuilder, fit_with_tests, terms::Terms};
 
-    fn counts() -> Counts {
+    fn predict(spec: &ModelSpec) -> Vec<Prediction> {
         let mut builder = CountsBuilder::new(&["width"]);
         for (width, tally) in [("0.1", [5, 3, 2, 1]), ("0.4", [2, 4, 6, 3]), ("0.8", [1, 1, 5, 9])] {
             for (rating, count) in tally.into_iter().enumerate() {
                 builder.add("S1", &[width], &rating.to_string(), count).unwrap();
             }
         }
-        builder.finish()
+        fit_with_tests(&builder.finish(), spec).unwrap().predictions
     }
 
     /// A model without terms has the proportions of the ratings, and the binomial error of the mean.
     #[test]
     fn a_model_without_terms_predicts_the_proportions_at_hand() {
         for link in [Link::Logit, Link::Probit] {
-            let spec = ModelSpec { link, ..ModelSpec::new(Terms::default()) };
-            let prediction = &predictions(&counts(), &spec).unwrap()[0];
+            let prediction = &predict(&ModelSpec { link, ..ModelSpec::new(Terms::default()) })[0];
             let n = 42.0;
             let expected = [8.0 / n, 8.0 / n, 13.0 / n, 13.0 / n];
             let mean: f64 = expected.iter().enumerate().map(|(k, p)| k as f64 * p).sum();
@@ -125,9 +114,8 @@ mod tests {
 
     #[test]
     fn predictions_follow_the_terms() {
-        let spec =
-            ModelSpec { scale: Terms::parse("width").unwrap(), ..ModelSpec::new(Terms::parse("width").unwrap()) };
-        let predictions = predictions(&counts(), &spec).unwrap();
+        let width = Terms::parse("width").unwrap();
+        let predictions = predict(&ModelSpec { scale: width.clone(), ..ModelSpec::new(width) });
         assert_eq!(predictions.iter().map(|p| p.names[0].as_str()).collect::<Vec<_>>(), ["0.1", "0.4", "0.8"]);
         assert!(predictions.windows(2).all(|pair| pair[0].mean < pair[1].mean));
         for prediction in &predictions {

@@ -1,0 +1,189 @@
+//! A plan: what is tested in the studies of a definition, and how often they find it.
+
+use rayon::prelude::*;
+
+use super::{
+    error::PlanError,
+    hypothesis::{Hypothesis, Layout, Test},
+    proportion::clopper_pearson,
+    scenario::{Scenario, Shift},
+    trial::{self, Outcome},
+};
+use crate::{
+    analysis::{
+        Link, ModelError, ModelSpec, Random,
+        bootstrap::Interval,
+        frame::Frame,
+        ordinal::{chi_squared_tail, quadrature::MOST_NODES, terms::Terms},
+    },
+    experiment::{OrderedLogit, Protocol},
+};
+
+/// How studies are analyzed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelChoice {
+    /// Terms of the model; None for the main effects of all factors with two levels or more.
+    pub terms: Option<Terms>,
+    /// The link.
+    pub link: Link,
+    /// Quadrature nodes; 1 is Laplace's approximation.
+    pub quadrature: usize,
+}
+
+/// How much is simulated, and what counts as found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Studies for each number of participants.
+    pub studies: u32,
+    /// An effect is found where p is below this.
+    pub alpha: f64,
+    /// Seed of all ratings.
+    pub seed: u64,
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self { studies: 200, alpha: 0.05, seed: 1 }
+    }
+}
+
+/// A definition, an observer and a model: everything but how many people.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    scenario: Scenario,
+    spec: ModelSpec,
+    hypotheses: Vec<Hypothesis>,
+}
+
+/// How often one hypothesis was accepted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Power {
+    /// Participants of each study.
+    pub participants: u32,
+    /// Index into [`Plan::hypotheses`].
+    pub hypothesis: usize,
+    /// Studies.
+    pub studies: usize,
+    /// Studies in which p is below α.
+    pub found: usize,
+    /// Studies in which there was no test: no model, or the same ratings everywhere. They count as not found.
+    pub untested: usize,
+    /// Median over studies of the estimated effect, on the scale of the link; the same contrast as [`Effect::logits`].
+    /// Infinite where in half of the studies or more the ratings are separated.
+    pub estimate: Option<f64>,
+}
+
+impl Power {
+    /// Share of studies that found it.
+    pub fn share(&self) -> f64 {
+        self.found as f64 / self.studies.max(1) as f64
+    }
+
+    /// Its exact 95 % interval (Clopper & Pearson).
+    pub fn interval(&self) -> Interval {
+        clopper_pearson(self.found, self.studies, 0.95)
+    }
+}
+
+impl Plan {
+    /// Lays out what will be simulated and tested.
+    ///
+    /// # Errors
+    /// Terms, factors or levels that the definition does not have; nothing to test.
+    pub fn new(
+        protocol: &Protocol,
+        observer: &OrderedLogit,
+        shifts: &[Shift],
+        model: &ModelChoice,
+    ) -> Result<Self, PlanError> {
+        if !(1..=MOST_NODES).contains(&model.quadrature) {
+            return Err(ModelError::Quadrature { nodes: model.quadrature, most: MOST_NODES }.into());
+        }
+        let scenario = Scenario::new(protocol, observer, shifts)?;
+        let varied = scenario.empty.factors.iter().filter(|factor| factor.levels.len() > 1);
+        let varied: Vec<&str> = varied.map(|factor| factor.name.as_str()).collect();
+        let terms = model.terms.clone().unwrap_or_else(|| Terms::factors(&varied));
+        if terms.is_empty() {
+            return Err(PlanError::NothingVaries);
+        }
+        let outline = scenario.outline();
+        let (frame, _) = Frame::new(&outline, &[&terms])?;
+        let hypotheses = Layout::new(&scenario, &frame, &terms).hypotheses()?;
+        let spec = ModelSpec {
+            link: model.link,
+            random: Random::Subject,
+            quadrature: model.quadrature,
+            ..ModelSpec::new(terms)
+        };
+        Ok(Self { scenario, spec, hypotheses })
+    }
+
+    /// What is tested.
+    pub fn hypotheses(&self) -> &[Hypothesis] {
+        &self.hypotheses
+    }
+
+    /// The model.
+    pub fn spec(&self) -> &ModelSpec {
+        &self.spec
+    }
+
+    /// The observer.
+    pub fn observer(&self) -> &OrderedLogit {
+        self.scenario.observer()
+    }
+
+    /// The least p that Friedman's test can have with so many participants, who all agree; none for other tests.
+    pub fn least_p(&self, power: &Power) -> Option<f64> {
+        let factor = self.hypotheses[power.hypothesis].factor?;
+        let df = self.scenario.empty.factors[factor].levels.len() - 1;
+        Some(chi_squared_tail(f64::from(power.participants) * df as f64, df))
+    }
+
+    /// Ratings that each participant gives.
+    pub fn ratings(&self) -> u64 {
+        self.scenario.ratings()
+    }
+
+    /// Simulates and analyzes studies for each number of participants, on all threads of the pool. `progress` is told the
+    /// participants of each study that is done. Friedman's test needs two participants and is left out for one.
+    pub fn run(&self, participants: &[u32], sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Power> {
+        let pieces: Vec<(u32, u32)> =
+            participants.iter().flat_map(|people| (0..sampling.studies).map(|study| (*people, study))).collect();
+        let outcomes: Vec<Vec<Outcome>> = (pieces.par_iter())
+            .map(|&(people, study)| {
+                let counts = self.scenario.study(people, study, sampling.seed);
+                let outcomes = trial::outcomes(&counts, &self.spec, &self.hypotheses);
+                progress(people.into());
+                outcomes
+            })
+            .collect();
+        let mut powers = Vec::new();
+        for (people, outcomes) in participants.iter().zip(outcomes.chunks(sampling.studies.max(1) as usize)) {
+            let tested = (0..self.hypotheses.len())
+                .filter(|index| *people > 1 || self.hypotheses[*index].test != Test::Friedman);
+            powers.extend(tested.map(|index| power(*people, index, outcomes, sampling.alpha)));
+        }
+        powers
+    }
+}
+
+/// Counts the outcomes of a hypothesis.
+fn power(participants: u32, hypothesis: usize, outcomes: &[Vec<Outcome>], alpha: f64) -> Power {
+    let all = || outcomes.iter().map(|outcomes| outcomes[hypothesis]);
+    Power {
+        participants,
+        hypothesis,
+        studies: outcomes.len(),
+        found: all().filter(|outcome| outcome.p.is_some_and(|p| p < alpha)).count(),
+        untested: all().filter(|outcome| outcome.p.is_none()).count(),
+        estimate: median(all().filter_map(|outcome| outcome.estimate).collect()),
+    }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let (low, high) = (values.get(values.len().checked_sub(1)? / 2)?, values.get(values.len() / 2)?);
+    // Half the sum of two infinite values is infinite, and of two opposite ones nothing.
+    Some(if low == high { *low } else { (low + high) / 2.0 }).filter(|median| !median.is_nan())
+}

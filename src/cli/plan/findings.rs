@@ -1,0 +1,267 @@
+//! What a plan found: a table and sentences for the terminal, and the table as CSV.
+
+use crate::{
+    analysis::power::{Effect, Hypothesis, Plan, Power, Sampling, Test},
+    experiment::Protocol,
+    report::tables::{Table, number},
+};
+
+/// The powers of a plan, and what they depend on.
+pub(super) struct Findings<'a> {
+    pub protocol: &'a Protocol,
+    /// The observer and the effects that it was given: `paper oblique=0.3`.
+    pub observer: String,
+    pub plan: &'a Plan,
+    pub sampling: Sampling,
+    /// The power that is enough.
+    pub target: f64,
+    /// In the order of the plan.
+    pub powers: &'a [Power],
+}
+
+impl Findings<'_> {
+    /// What is printed, line by line.
+    pub fn lines(&self) -> Vec<String> {
+        let (spec, Sampling { studies, alpha, seed }) = (self.plan.spec(), self.sampling);
+        let heading = format!(
+            "{}, observer {}: {} ratings from each participant, {studies} studies for each number of participants, seed {seed}; \
+             {} model of {}, alpha {alpha}",
+            self.protocol.name,
+            self.observer,
+            self.plan.ratings(),
+            spec.link,
+            spec.terms
+        );
+        [vec![heading, String::new()], self.table(), vec![String::new()], self.sentences()].concat()
+    }
+
+    fn hypothesis(&self, power: &Power) -> &Hypothesis {
+        &self.plan.hypotheses()[power.hypothesis]
+    }
+
+    /// One line for each number of participants and each test. Columns without any content are left out.
+    fn table(&self) -> Vec<String> {
+        let rows: Vec<_> = self.powers.iter().map(|power| self.cells(power)).collect();
+        let columns = (0..8).map(|column| {
+            let head = rows.first().map(|row| row[column].0.to_owned());
+            head.into_iter().chain(rows.iter().map(|row| row[column].1.clone())).collect::<Vec<String>>()
+        });
+        let used = columns.filter(|column| column[1..].iter().any(|cell| !cell.is_empty()));
+        let padded: Vec<Vec<String>> = used.map(|column| pad(&column)).collect();
+        let line = |row: usize| padded.iter().map(|column| column[row].as_str()).collect::<Vec<_>>().join("  ");
+        (0..=rows.len()).map(|row| line(row).trim_end().to_owned()).collect()
+    }
+
+    fn cells(&self, power: &Power) -> [(&'static str, String); 8] {
+        let Hypothesis { term, effect, .. } = self.hypothesis(power);
+        let interval = power.interval();
+        let share = format!("{:.1} %", 100.0 * power.share());
+        let [found, false_alarms] = if effect.is_some() { [share, String::new()] } else { [String::new(), share] };
+        let truth = |effect: &Effect| {
+            let levels = format!("{} over {}", effect.above, effect.below);
+            effect.logits.map_or(levels.clone(), |logits| format!("{logits:.2}: {levels}"))
+        };
+        [
+            ("participants", power.participants.to_string()),
+            ("term", term.clone()),
+            ("test", self.test(power).to_owned()),
+            ("true effect, logits", effect.as_ref().map_or("none".to_owned(), truth)),
+            ("power", found),
+            ("false alarms", false_alarms),
+            ("95 % interval", format!("{:.1}–{:.1} %", 100.0 * interval.low, 100.0 * interval.high)),
+            ("median estimate", power.estimate.map_or_else(String::new, |estimate| format!("{estimate:.2}"))),
+        ]
+    }
+
+    fn test(&self, power: &Power) -> &'static str {
+        match self.hypothesis(power).test {
+            Test::Friedman => "Friedman's test",
+            Test::LikelihoodRatio if power.participants == 1 => "the ordinal model",
+            Test::LikelihoodRatio => "the mixed model",
+        }
+    }
+
+    /// A sentence for each term and factor, then remarks.
+    fn sentences(&self) -> Vec<String> {
+        let indices: Vec<usize> = (0..self.plan.hypotheses().len()).collect();
+        let term = |index: usize| &self.plan.hypotheses()[index].term;
+        let mut sentences: Vec<String> =
+            indices.chunk_by(|l, r| term(*l) == term(*r)).filter_map(|tests| self.sentence(tests)).collect();
+        for power in self.powers {
+            if let Some(least) = self.plan.least_p(power).filter(|least| *least >= self.sampling.alpha) {
+                sentences.push(format!(
+                    "With {}, Friedman's test of {} cannot find anything: the least p that it can have is {least:.3}.",
+                    people(power.participants),
+                    self.hypothesis(power).term
+                ));
+            }
+        }
+        for powers in self.powers.chunk_by(|l, r| l.participants == r.participants) {
+            let untested = powers.iter().rev().filter(|power| power.untested > 0);
+            if let Some(power) = untested.max_by_key(|power| power.untested) {
+                sentences.push(format!(
+                    "With {}, {} of {} studies had no test of {} by {}; they count as not found.",
+                    people(power.participants),
+                    power.untested,
+                    power.studies,
+                    self.hypothesis(power).term,
+                    self.test(power)
+                ));
+            }
+        }
+        sentences.extend(self.remarks());
+        sentences
+    }
+
+    /// All tests of one effect in one sentence.
+    fn sentence(&self, tests: &[usize]) -> Option<String> {
+        let powers = |test: &usize| self.powers.iter().filter(|power| power.hypothesis == *test).collect::<Vec<_>>();
+        let powers: Vec<Vec<&Power>> = tests.iter().map(powers).filter(|powers| !powers.is_empty()).collect();
+        let Hypothesis { term, effect, .. } = self.hypothesis(powers.first()?.first()?);
+        let clauses = |clause: &dyn Fn(&[&Power]) -> String| {
+            powers.iter().map(|powers| clause(powers)).collect::<Vec<_>>().join("; ")
+        };
+        Some(match effect {
+            None => format!(
+                "{term} has no effect on this observer. The rate of false alarms, expected to be {}, is {}.",
+                percent(self.sampling.alpha),
+                clauses(&|powers| self.false_alarms(powers))
+            ),
+            Some(Effect { logits, above, below }) => {
+                let logits = logits.map_or_else(String::new, |logits| format!("{} logits ", rounded(logits, 2)));
+                format!("{term} ({logits}between {above} and {below}): {}.", clauses(&|powers| self.fewest(powers)))
+            }
+        })
+    }
+
+    /// How many participants are enough for one test.
+    fn fewest(&self, powers: &[&Power]) -> String {
+        let enough =
+            format!("enough for a power of {} by {}", percent(self.target), self.test(powers[powers.len() - 1]));
+        // More people can only help: a number is enough if all larger ones are enough too.
+        let short = powers.iter().rposition(|power| power.share() < self.target);
+        match (
+            powers.get(short.map_or(0, |last| last + 1)),
+            powers.iter().max_by(|l, r| l.share().total_cmp(&r.share())),
+        ) {
+            (Some(power), _) => {
+                let are = if power.participants == 1 { "is" } else { "are" };
+                format!("{} {are} {enough}, {}", people(power.participants), with_interval(power))
+            }
+            (None, Some(most)) => {
+                let (share, people) = (with_interval(most), people(most.participants));
+                format!("no number tried is {enough}; the highest is {share} with {people}")
+            }
+            (None, None) => String::new(),
+        }
+    }
+
+    fn false_alarms(&self, powers: &[&Power]) -> String {
+        let by = self.test(powers[powers.len() - 1]);
+        if let [power] = powers {
+            return format!("{} by {by}", with_interval(power));
+        }
+        let shares = || powers.iter().map(|power| power.share());
+        let (least, most) = (shares().fold(1.0, f64::min), shares().fold(0.0, f64::max));
+        let to = if least < most { format!(" to {}", percent(most)) } else { String::new() };
+        format!("{}{to} by {by}", percent(least))
+    }
+
+    /// What limits the findings.
+    fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        if self.plan.hypotheses().iter().all(|hypothesis| hypothesis.effect.is_none()) {
+            let factor = self.protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
+            let example = factor.and_then(|factor| Some(format!("{}:{}=0.5", factor.name, factor.levels.last()?)));
+            let example = example.map_or_else(String::new, |example| format!(", such as --effect {example}"));
+            remarks.push(format!("Nothing has an effect on this observer. Add one with --effect{example}."));
+        }
+        if self.powers.iter().any(|power| power.participants == 1) {
+            let text =
+                "With one participant the model has no random intercept: its findings hold for that person alone.";
+            remarks.push(text.to_owned());
+        }
+        let sd = self.plan.observer().subject_sd;
+        let alike = if sd > 0.0 {
+            format!("differ only in their intercepts (sd {sd} logits)")
+        } else {
+            "are all alike".to_owned()
+        };
+        remarks.push(format!(
+            "The simulated participants {alike}. If real ones also differ in the size of the effects, power is lower."
+        ));
+        remarks
+    }
+
+    /// One row for each number of participants and each test.
+    pub fn csv(&self) -> Vec<u8> {
+        let rows: Vec<_> = self.powers.iter().map(|power| self.csv_row(power)).collect();
+        let header = rows.first().map(|row| row.iter().map(|(name, _)| (*name).to_owned()).collect());
+        let rows = rows.into_iter().map(|row| row.into_iter().map(|(_, cell)| cell).collect()).collect();
+        Table { header: header.unwrap_or_default(), rows }.csv()
+    }
+
+    fn csv_row(&self, power: &Power) -> Vec<(&'static str, String)> {
+        let (hypothesis, spec) = (self.hypothesis(power), self.plan.spec());
+        let effect = hypothesis.effect.as_ref();
+        let maybe = |value: Option<f64>| value.map(number).unwrap_or_default();
+        let interval = power.interval();
+        let test = match hypothesis.test {
+            Test::LikelihoodRatio => "likelihood-ratio",
+            Test::Friedman => "friedman",
+        };
+        vec![
+            ("experiment", self.protocol.name.clone()),
+            ("participants", power.participants.to_string()),
+            ("term", hypothesis.term.clone()),
+            ("test", test.to_owned()),
+            ("truth", if effect.is_some() { "effect" } else { "none" }.to_owned()),
+            ("effect_logits", effect.map_or_else(|| "0".to_owned(), |effect| maybe(effect.logits))),
+            ("above", effect.map_or_else(String::new, |effect| effect.above.clone())),
+            ("below", effect.map_or_else(String::new, |effect| effect.below.clone())),
+            ("studies", power.studies.to_string()),
+            ("found", power.found.to_string()),
+            ("untested", power.untested.to_string()),
+            ("power", maybe(effect.map(|_| power.share()))),
+            ("false_alarms", maybe(effect.is_none().then(|| power.share()))),
+            ("ci_low", number(interval.low)),
+            ("ci_high", number(interval.high)),
+            ("median_estimate", maybe(power.estimate)),
+            ("alpha", number(self.sampling.alpha)),
+            ("link", spec.link.to_string()),
+            ("terms", spec.terms.to_string()),
+            ("quadrature", spec.quadrature.to_string()),
+            ("seed", self.sampling.seed.to_string()),
+            ("observer", self.observer.clone()),
+        ]
+    }
+}
+
+fn people(number: u32) -> String {
+    format!("{number} participant{}", if number == 1 { "" } else { "s" })
+}
+
+/// `83.5 % (77.6–88.4 %)`.
+fn with_interval(power: &Power) -> String {
+    let interval = power.interval();
+    let [low, high] = [interval.low, interval.high].map(|end| rounded(100.0 * end, 1));
+    format!("{} ({low}–{high} %)", percent(power.share()))
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", rounded(100.0 * share, 1))
+}
+
+/// To this many decimals at most, without zeros at the end.
+fn rounded(value: f64, decimals: usize) -> String {
+    format!("{value:.decimals$}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// Cells padded to the widest, numbers to the right.
+fn pad(column: &[String]) -> Vec<String> {
+    let width = column.iter().map(|cell| cell.chars().count()).max().unwrap_or(0);
+    let is_number = |cell: &String| cell.is_empty() || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    let right = column[1..].iter().all(is_number) && !column[0].starts_with("true") && column[0] != "term";
+    let cell = |cell: &String| if right { format!("{cell:>width$}") } else { format!("{cell:<width$}") };
+    column.iter().map(cell).collect()
+}
