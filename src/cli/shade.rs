@@ -191,25 +191,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             true => bands,
             false => arguments.bands(&Renderer::gouraud().shoot(&seen, &transfers), &sight)?,
         };
+        let found = measurements(&surface, &frame, [&creases, &gouraud], &sight, [bands, bands_gouraud]);
         let mut metrics = description.clone();
-        append(&mut metrics, sizes(&surface, &frame));
-        append(&mut metrics, creases_beside(&creases, &gouraud));
-        append(&mut metrics, bands_beside(&sight, bands, bands_gouraud));
+        append(&mut metrics, found);
         store::write_json(path, &metrics)?;
-        let shader = renderer.shade.shader;
-        let beside = |over: Option<f64>| match over {
-            Some(over) => format!("{over:.4} of Gouraud's"),
-            None => "Gouraud has none".to_owned(),
-        };
-        let (edges, of_gouraud) = (creases.edges.len(), beside(creases.over(&gouraud)));
-        say(&format!("{shader}: crease rms {:.3e} per pixel over {edges} edges, {of_gouraud}", creases.rms))?;
-        let Visibility { bright, dark } = bands.visibility;
-        let of_gouraud = beside(over(bands.visibility.max(), bands_gouraud.visibility.max()));
-        say(&format!(
-            "{shader}: visibility of bands {:.2} (bright {bright:.2}, dark {dark:.2}) in a window of {}°, {of_gouraud}",
-            bands.visibility.max(),
-            sight.window_deg
-        ))?;
+        summarize(renderer.shade.shader, [&creases, &gouraud], &sight, [bands, bands_gouraud])?;
     }
     if let Some(path) = &arguments.creases {
         let picture = crease::picture(&frame, &creases, gouraud.p95);
@@ -230,6 +216,23 @@ fn over(value: f64, gouraud: f64) -> Option<f64> {
     (gouraud > crease::NOISE).then(|| value / gouraud)
 }
 
+/// Prints the two measurements that matter most.
+fn summarize(shader: Shader, creases: [&Creases; 2], sight: &Sight, bands: [Bands; 2]) -> anyhow::Result<()> {
+    let of_gouraud = |[value, gouraud]: [f64; 2]| match over(value, gouraud) {
+        Some(over) => format!("{over:.4} of Gouraud's"),
+        None => "Gouraud has none".to_owned(),
+    };
+    let (rms, edges) = (creases[0].rms, creases[0].edges.len());
+    let over = of_gouraud(creases.map(|creases| creases.rms));
+    say(&format!("{shader}: crease rms {rms:.3e} per pixel over {edges} edges, {over}"))?;
+    let Visibility { bright, dark } = bands[0].visibility;
+    let (visibility, deg) = (bands[0].visibility.max(), sight.window_deg);
+    let over = of_gouraud(bands.map(|bands| bands.visibility.max()));
+    say(&format!(
+        "{shader}: visibility of bands {visibility:.2} (bright {bright:.2}, dark {dark:.2}) in a window of {deg}°, {over}"
+    ))
+}
+
 /// Adds the fields of one object to another.
 fn append(object: &mut Value, fields: Value) {
     if let (Value::Object(object), Value::Object(fields)) = (object, fields) {
@@ -237,34 +240,27 @@ fn append(object: &mut Value, fields: Value) {
     }
 }
 
-fn sizes(surface: &Surface, frame: &Frame) -> Value {
+/// How many edges and triangles there are, and what was measured and predicted, beside Gouraud's.
+fn measurements(surface: &Surface, frame: &Frame, creases: [&Creases; 2], sight: &Sight, bands: [Bands; 2]) -> Value {
     let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
+    let [creases, creases_gouraud] = creases;
+    let [visibility, visibility_gouraud] = bands.map(|bands| bands.visibility.max());
+    let [bands, bands_gouraud] = bands;
     json!({
         "sites": sites.len(),
         "triangles": surface.mesh.triangles.len(),
         "triangles_seen": frame.triangles.len(),
-    })
-}
-
-fn creases_beside(creases: &Creases, gouraud: &Creases) -> Value {
-    json!({
         "edges": creases.edges.len(),
         "crease_rms": creases.rms,
         "crease_median": creases.median,
         "crease_p95": creases.p95,
         "crease_max": creases.max,
-        "crease_rms_gouraud": gouraud.rms,
-        "crease_rms_over_gouraud": creases.over(gouraud),
-        "crease_median_over_gouraud": over(creases.median, gouraud.median),
-        "crease_p95_over_gouraud": over(creases.p95, gouraud.p95),
+        "crease_rms_gouraud": creases_gouraud.rms,
+        "crease_rms_over_gouraud": over(creases.rms, creases_gouraud.rms),
+        "crease_median_over_gouraud": over(creases.median, creases_gouraud.median),
+        "crease_p95_over_gouraud": over(creases.p95, creases_gouraud.p95),
         "step_rms": creases.step_rms,
         "crease_unit": "linear light a pixel",
-    })
-}
-
-fn bands_beside(sight: &Sight, bands: Bands, gouraud: Bands) -> Value {
-    let [visibility, visibility_gouraud] = [bands, gouraud].map(|bands| bands.visibility.max());
-    json!({
         "window_deg": sight.window_deg,
         "white_cd_m2": sight.white_cd_m2,
         "visibility": visibility,
@@ -274,8 +270,8 @@ fn bands_beside(sight: &Sight, bands: Bands, gouraud: Bands) -> Value {
         "visibility_over_gouraud": over(visibility, visibility_gouraud),
         "visibility_unit": "contrast times sensitivity, 1 where a band is just seen",
         "band_density": bands.density,
-        "band_density_gouraud": gouraud.density,
-        "band_density_over_gouraud": over(bands.density, gouraud.density),
+        "band_density_gouraud": bands_gouraud.density,
+        "band_density_over_gouraud": over(bands.density, bands_gouraud.density),
         "band_density_unit": "visibility times length a square degree",
     })
 }

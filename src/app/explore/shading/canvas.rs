@@ -134,18 +134,10 @@ fn drag(response: &Response, rect: Rect, target: DragTarget, compared: &mut Comp
 }
 
 fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, settings: &mut ViewSettings) {
-    let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
-    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
-    let (right, down, fine) = ui.input(|input| {
-        let count = |key| input.num_presses(key) as f64;
-        let right = count(Key::ArrowRight) - count(Key::ArrowLeft);
-        (right, count(Key::ArrowDown) - count(Key::ArrowUp), input.modifiers.shift)
-    });
-    if right == 0.0 && down == 0.0 {
-        return;
-    }
-    let step = STEPS_DEG[usize::from(fine)];
+    let [right, down] = arrows(ui, response);
+    let step = STEPS_DEG[usize::from(ui.input(|input| input.modifiers.shift))];
     match settings.target {
+        _ if right == 0.0 && down == 0.0 => {}
         DragTarget::Mesh => compared.turn(right * step, down * step),
         DragTarget::Light => compared.move_light(right * step, -down * step),
         DragTarget::ScanLine => {
@@ -153,6 +145,14 @@ fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, settings:
             settings.line = settings.line.map(|end| (end + by).clamp(Pos2::ZERO, Pos2::new(1.0, 1.0)));
         }
     }
+}
+
+/// How often the arrow keys to the right and downward were pressed for a control that has the keyboard's focus.
+fn arrows(ui: &egui::Ui, response: &Response) -> [f64; 2] {
+    let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+    let pressed = |key| ui.input(|input| input.num_presses(key) as f64);
+    [pressed(Key::ArrowRight) - pressed(Key::ArrowLeft), pressed(Key::ArrowDown) - pressed(Key::ArrowUp)]
 }
 
 /// The divider's handle; gives whether it is being dragged.
@@ -169,11 +169,8 @@ fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
         settings.divider = 0.5;
     }
     if response.has_focus() {
-        let arrows = EventFilter { horizontal_arrows: true, ..Default::default() };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
-        let step =
-            ui.input(|input| input.num_presses(Key::ArrowRight) as f64 - input.num_presses(Key::ArrowLeft) as f64);
-        settings.divider = (settings.divider + step * 0.02).clamp(0.0, 1.0);
+        let [right, _] = arrows(ui, &response);
+        settings.divider = (settings.divider + right * 0.02).clamp(0.0, 1.0);
     }
     let dragged = response.dragged();
     response.on_hover_cursor(CursorIcon::ResizeHorizontal);

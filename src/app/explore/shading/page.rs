@@ -39,7 +39,8 @@ const TWO_TABLES: f32 = 600.0;
 pub struct ShadingPage {
     compared: Comparison,
     settings: ViewSettings,
-    surface: Option<Loaded>,
+    /// The last that could be made.
+    surface: Option<(MeshChoice, Arc<Surface>)>,
     drawer: Option<Drawer>,
     pictures: Option<Pictures>,
     creases: Measurement,
@@ -51,12 +52,6 @@ pub struct ShadingPage {
     dragging: bool,
     /// Turned from outside since the last frame.
     turned: bool,
-}
-
-/// The surface shown: the last that could be made.
-struct Loaded {
-    choice: MeshChoice,
-    surface: Arc<Surface>,
 }
 
 /// The OBJ file.
@@ -187,7 +182,7 @@ impl ShadingPage {
         self.file.fault = match choice.mesh() {
             Ok(mesh) => {
                 self.compared.mesh = choice.clone();
-                self.surface = Some(Loaded { choice, surface: Arc::new(Surface::new(mesh)) });
+                self.surface = Some((choice, Arc::new(Surface::new(mesh))));
                 None
             }
             Err(error) => Some(error),
@@ -290,11 +285,11 @@ impl ShadingPage {
 
     /// Computes what has changed.
     fn update(&mut self, ctx: &egui::Context, size: [u32; 2]) {
-        if self.surface.as_ref().is_none_or(|loaded| loaded.choice != self.compared.mesh) {
+        if self.surface.as_ref().is_none_or(|(choice, _)| *choice != self.compared.mesh) {
             self.load(self.compared.mesh.clone());
         }
-        let (Some(loaded), Some(drawer)) = (&self.surface, &mut self.drawer) else { return };
-        let pictures = Pictures::updated(ctx, self.pictures.take(), drawer, &loaded.surface, &self.compared, size);
+        let (Some((_, surface)), Some(drawer)) = (&self.surface, &mut self.drawer) else { return };
+        let pictures = Pictures::updated(ctx, self.pictures.take(), drawer, surface, &self.compared, size);
         if !self.dragging {
             self.creases.want(ctx, &pictures);
             self.bands.want(ctx, &pictures);
