@@ -128,30 +128,22 @@ pub fn analyze(measured: Measured, options: &Options) -> Results {
     let people = counts.subjects.len();
     let spec = model_spec(&measured, options);
     let bootstrap = &options.bootstrap;
-    let ((model, scale), ((cells, alpha), factors)) = rayon::join(
+    let ((mut model, scale), (cells, alpha, factors)) = rayon::join(
         || {
             let scale = if options.scale { scale_tests(counts, &spec).unwrap_or_default() } else { Vec::new() };
-            let mut model = fit_with_tests(counts, &spec);
-            if let Ok(report) = &mut model
-                && people == 1
-                && !report.model.notes.contains(&Note::OneSubject)
-            {
-                report.model.notes.push(Note::OneSubject);
-            }
-            (model, scale)
+            (fit_with_tests(counts, &spec), scale)
         },
         || {
-            rayon::join(
-                || (by_cell(counts, bootstrap), ordinal_alpha(counts, bootstrap)),
-                || {
-                    (0..counts.factors.len())
-                        .into_par_iter()
-                        .map(|f| factor(&measured, f, bootstrap))
-                        .collect::<Vec<_>>()
-                },
-            )
+            let factors = (0..counts.factors.len()).into_par_iter().map(|f| factor(&measured, f, bootstrap));
+            (by_cell(counts, bootstrap), ordinal_alpha(counts, bootstrap), factors.collect())
         },
     );
+    if let Ok(ModelReport { model, .. }) = &mut model
+        && people == 1
+        && !model.notes.contains(&Note::OneSubject)
+    {
+        model.notes.push(Note::OneSubject);
+    }
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
         .zip(measured.retests())
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
