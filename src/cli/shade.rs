@@ -4,14 +4,16 @@ use std::{
     collections::HashSet,
     io::Write as _,
     path::{Path, PathBuf},
-    str::FromStr,
 };
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use super::{UsageError, options::TransferOptions, say};
+use super::{
+    UsageError,
+    options::{TransferOptions, named},
+    say,
+};
 use crate::{
     light::{Bits, Depth, Quantizer, Transfer},
     shading::{
@@ -126,14 +128,6 @@ pub(super) struct Arguments {
 struct Bands {
     visibility: Visibility,
     density: f64,
-}
-
-/// One of `names`, parsed.
-fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
-where
-    T: FromStr<Err: std::error::Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
-{
-    PossibleValuesParser::new(names).try_map(|name| name.parse())
 }
 
 /// A number from `least` to `most`.

@@ -7,9 +7,10 @@ use std::path::PathBuf;
 
 use indicatif::ProgressBar;
 
-use super::{UsageError, progress_style, say};
+use super::{UsageError, options::named, progress_style, say};
 use crate::{
     analysis::{
+        Link,
         power::{ModelChoice, Plan, Power, Sampling},
         quadrature::MOST_NODES,
         terms::Terms,
@@ -62,8 +63,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "T,…")]
     terms: Option<String>,
     /// Link of the cumulative model.
-    #[arg(long, default_value = "logit", value_parser = ["logit", "probit"])]
-    link: String,
+    #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
+    link: Link,
     /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
     quadrature: u16,
@@ -82,7 +83,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let terms = arguments.terms.as_deref().map(Terms::parse).transpose();
     let model = ModelChoice {
         terms: terms.map_err(|error| UsageError(error.to_string()))?,
-        link: arguments.link.parse().map_err(UsageError)?,
+        link: arguments.link,
         quadrature: arguments.quadrature.into(),
     };
     let plan = Plan::new(&protocol, &observer, &shifts, &model).map_err(|error| UsageError(error.to_string()))?;
