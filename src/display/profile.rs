@@ -160,7 +160,7 @@ impl DisplayProfile {
 fn in_words(transfer: &Transfer) -> String {
     match transfer {
         Transfer::Gamma(gamma) => format!("γ {gamma:.3}"),
-        Transfer::Gog(gog) => format!("γ {:.3}, gain {:.3}, offset {:+.3}", gog.gamma(), gog.gain(), gog.offset()),
+        Transfer::Gog(gog) => format!("γ {:.3}, gain {:.3}, offset {:+.3}", gog.gamma, gog.gain, gog.offset),
         Transfer::Linear | Transfer::Srgb | Transfer::Table(_) => transfer.to_string(),
     }
 }

@@ -19,7 +19,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::blue_noise;
-use super::image::LinearImage;
 use super::matrix::{DitherMatrix, DitherMatrixError};
 use super::names::serde_as_text;
 
@@ -65,30 +64,6 @@ impl Dither {
         match self {
             Dither::Random { .. } => Dither::Random { seed },
             other => other,
-        }
-    }
-
-    /// The share of the step to the next code that a value must exceed to get that code in column `x`
-    /// and row `y`, both from 0 at the top left; strictly between 0 and 1. `None` without dither.
-    ///
-    /// The definition. [`Quantizer::quantize_with`](super::Quantizer::quantize_with) uses the same
-    /// thresholds, a row at a time.
-    #[must_use]
-    pub fn threshold(&self, x: u32, y: u32) -> Option<f64> {
-        match *self {
-            Dither::None => None,
-            Dither::Ordered(matrix) => Some(from_rank(matrix.rank(x, y), matrix.size())),
-            Dither::BlueNoise => {
-                let size = blue_noise::MASK_SIZE;
-                let at = 2 * (y % size * size + x % size) as usize;
-                let rank = u16::from_le_bytes([blue_noise::MASK_BYTES[at], blue_noise::MASK_BYTES[at + 1]]);
-                Some(from_rank(rank, size))
-            }
-            Dither::Random { seed } => {
-                let mut tiles = Tiles::new(seed);
-                tiles.seek(x / TILE, y / TILE);
-                Some(tiles.next()[(y % TILE * TILE + x % TILE) as usize])
-            }
         }
     }
 }
@@ -153,9 +128,10 @@ impl Tiles {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    fn seek(&mut self, column: u32, row: u32) {
+    /// To the first tile of a row of them.
+    fn seek(&mut self, row: u32) {
         self.0.set_stream(FIRST_STREAM + u64::from(row));
-        self.0.set_word_pos(u128::from(column) * u128::from(WORDS));
+        self.0.set_word_pos(0);
     }
 
     /// The thresholds of the tile here, row by row; then on to the one at its right.
@@ -196,76 +172,63 @@ impl Tiles {
     }
 }
 
-/// The thresholds of an image, row by row from the top.
-pub(super) struct Thresholds {
-    rows: Rows,
-    /// Pixels a row.
-    width: usize,
+/// The thresholds of an image, a row at a time: the share of the step to the next code that a value must exceed to get
+/// that code.
+pub struct Thresholds {
+    source: Source,
+    row: Vec<f64>,
 }
 
-enum Rows {
+enum Source {
     /// A square of `size` pixels a side, repeated.
     Periodic { size: usize, thresholds: Vec<f64> },
     /// Tiles, and the thresholds of the row of tiles that was asked for last.
-    Tiled { tiles: Box<Tiles>, band: Vec<[f64; STRATA]> },
+    Tiled { tiles: Box<Tiles>, at: Option<u32>, band: Vec<[f64; STRATA]> },
 }
 
 impl Thresholds {
     /// For an image of `width` pixels a row. `None` without dither.
-    pub(super) fn new(dither: &Dither, width: u32) -> Option<Self> {
+    #[must_use]
+    pub fn new(dither: &Dither, width: u32) -> Option<Self> {
         let width = width as usize;
-        let periodic = |size: u32, ranks: Vec<u16>| Rows::Periodic {
+        let periodic = |size: u32, ranks: Vec<u16>| Source::Periodic {
             size: size as usize,
             thresholds: ranks.into_iter().map(|rank| from_rank(rank, size)).collect(),
         };
-        let rows = match *dither {
+        let source = match *dither {
             Dither::None => return None,
             Dither::Ordered(matrix) => periodic(matrix.size(), matrix.ranks()),
             Dither::BlueNoise => periodic(blue_noise::MASK_SIZE, blue_noise::mask()),
-            Dither::Random { seed } => Rows::Tiled {
+            Dither::Random { seed } => Source::Tiled {
                 tiles: Box::new(Tiles::new(seed)),
+                at: None,
                 band: vec![[0.0; STRATA]; width.div_ceil(TILE as usize)],
             },
         };
-        Some(Self { rows, width })
+        Some(Self { source, row: vec![0.0; width] })
     }
 
-    /// `codes(light, threshold)` of every pixel of `image`, in its order.
-    pub(super) fn map<T>(mut self, image: &LinearImage, codes_of: impl Fn([f32; 3], f64) -> [T; 3]) -> Vec<T> {
-        let mut codes = Vec::with_capacity(image.data.len());
-        let mut thresholds = vec![0.0; self.width];
-        // An image without columns has no samples.
-        for (y, row) in (0..).zip(image.data.chunks_exact(3 * self.width.max(1))) {
-            self.rows.write(y, &mut thresholds);
-            for (rgb, &threshold) in row.as_chunks().0.iter().zip(&thresholds) {
-                codes.extend(codes_of(*rgb, threshold));
-            }
-        }
-        codes
-    }
-}
-
-impl Rows {
-    /// Writes the thresholds of row `y`. Rows are asked for in order from 0.
-    fn write(&mut self, y: u32, row: &mut [f64]) {
-        match self {
-            Rows::Periodic { size, thresholds } => {
+    /// Those of row `y`, from 0 at the top; each strictly between 0 and 1.
+    pub fn row(&mut self, y: u32) -> &[f64] {
+        match &mut self.source {
+            Source::Periodic { size, thresholds } => {
                 let period = &thresholds[y as usize % *size * *size..][..*size];
-                for piece in row.chunks_mut(*size) {
+                for piece in self.row.chunks_mut(*size) {
                     piece.copy_from_slice(&period[..piece.len()]);
                 }
             }
-            Rows::Tiled { tiles, band } => {
-                if y.is_multiple_of(TILE) {
-                    tiles.seek(0, y / TILE);
+            Source::Tiled { tiles, at, band } => {
+                if at.replace(y / TILE) != Some(y / TILE) {
+                    tiles.seek(y / TILE);
                     band.iter_mut().for_each(|tile| *tile = tiles.next());
                 }
                 let first = (y % TILE * TILE) as usize;
-                for (piece, tile) in row.chunks_mut(TILE as usize).zip(band) {
+                for (piece, tile) in self.row.chunks_mut(TILE as usize).zip(band) {
                     piece.copy_from_slice(&tile[first..][..piece.len()]);
                 }
             }
         }
+        &self.row
     }
 }
 
@@ -278,11 +241,6 @@ impl Levels {
     /// are: what a machine's powers differ in goes.
     pub(super) fn new(levels: impl Iterator<Item = f64>) -> Self {
         Self(levels.map(|level| level as f32).collect())
-    }
-
-    /// The luminance of `code`.
-    pub(super) fn level(&self, code: u16) -> f64 {
-        f64::from(self.0[usize::from(code)])
     }
 
     /// The largest code that makes no more light than `linear`; 0 for light below 0 and NaN.

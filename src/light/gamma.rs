@@ -214,30 +214,15 @@ impl FromStr for Transfer {
 /// With an offset below 0 the lowest encoded values are all dark; of these, 0 is the one that makes no light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gog {
-    gamma: f64,
-    gain: f64,
-    offset: f64,
+    /// The exponent γ.
+    pub gamma: f64,
+    /// The gain; only its ratio to the offset shows in relative light.
+    pub gain: f64,
+    /// The offset, in encoded values.
+    pub offset: f64,
 }
 
 impl Gog {
-    /// The exponent γ.
-    #[must_use]
-    pub fn gamma(&self) -> f64 {
-        self.gamma
-    }
-
-    /// The gain; only its ratio to the offset shows in relative light.
-    #[must_use]
-    pub fn gain(&self) -> f64 {
-        self.gain
-    }
-
-    /// The offset, in encoded values.
-    #[must_use]
-    pub fn offset(&self) -> f64 {
-        self.offset
-    }
-
     fn drive(&self, encoded: f64) -> f64 {
         // `max` would turn NaN into 0.
         let drive = self.gain * encoded + self.offset;

@@ -1,7 +1,7 @@
 //! I_n(u): how a ramp goes from 0 to 1. Bangay eq. 1, labels as corrected in the crate's mathematics
 //! (the scan's are shifted by one).
 //!
-//! For every whole n ≥ 1, I_n is the regularised incomplete beta function I_u(n, n),
+//! For every whole n ≥ 1, I_n is the regularized incomplete beta function I_u(n, n),
 //! `(2n−1)·C(2n−2, n−1)·∫₀ᵘ s^(n−1)(1−s)^(n−1) ds`: n = 1 is `u`, n = 2 is `3u²−2u³`, n = 3 is
 //! `10u³−15u⁴+6u⁵`.
 //!
@@ -15,7 +15,7 @@ pub use super::depth::{Depth, DepthError};
 /// Steepness k of the infinite depth as Bangay prints it, `(1 + tanh(5(u − ½)))/2`.
 ///
 /// It does not reach the plateaus: I_∞(0) = 1/(1+e⁵) ≈ 0.00669, a step of up to 0.84 8-bit codes at
-/// ¼→¾. With k = 10, `(1 + tanh(5(2u−1)))/2`, the residual is 4.54e-5, "below the quantisation
+/// ¼→¾. With k = 10, `(1 + tanh(5(2u−1)))/2`, the residual is 4.54e-5, "below the quantization
 /// error" as Bangay's text says.
 pub const TANH_K: f64 = 5.0;
 
@@ -172,45 +172,12 @@ impl Interpolation {
         }
     }
 
-    /// The smallest u in 0…1 with I_n(u) ≥ `v`, to the accuracy of f64. 0 for v ≤ 0; 1 for v > 1,
-    /// which nothing reaches, and, for the infinite depth, wherever only the jump at an end reaches
-    /// v.
-    #[must_use]
-    pub fn inverse(&self, v: f64) -> f64 {
-        self.inverse_near(v, 0.0)
-    }
-
-    /// [`Interpolation::inverse`], found sooner if the answer is near `near`: for many `v` in order.
-    #[must_use]
-    pub fn inverse_near(&self, v: f64, near: f64) -> f64 {
-        if v <= self.value(0.0) {
-            return 0.0;
-        }
-        if v > 0.5 {
-            return match self.form {
-                Form::Tanh { k } if v > 1.0 - logistic(k, 0.0) => 1.0,
-                _ if v >= 1.0 => 1.0,
-                _ => 1.0 - self.inverse_lower_half(1.0 - v, 1.0 - near),
-            };
-        }
-        self.inverse_lower_half(v, near)
-    }
-
     /// I_n on 0…½.
     #[inline]
     fn lower_half(&self, u: f64) -> f64 {
         match self.form {
             Form::Polynomial(p) => p.lower_half(u),
             Form::Tanh { k } => logistic(k, u),
-        }
-    }
-
-    /// The u in 0…½ where I_n reaches `v`, 0 < v ≤ ½.
-    fn inverse_lower_half(&self, v: f64, near: f64) -> f64 {
-        match self.form {
-            Form::Polynomial(p) if p.n == 1 => v,
-            Form::Polynomial(p) => p.inverse_lower_half(v, near),
-            Form::Tanh { k } => (0.5 + (v.ln() - (-v).ln_1p()) / (2.0 * k)).clamp(0.0, 0.5),
         }
     }
 }
@@ -221,39 +188,6 @@ impl Polynomial {
         let v = 1.0 - u;
         let sum = self.sum.iter().rev().fold(0.0, |sum, c| sum * v + c);
         power(u, self.n) * sum
-    }
-
-    /// Halley's method: Newton's with the curvature, which I_n gives away, two to five steps.
-    fn inverse_lower_half(&self, v: f64, near: f64) -> f64 {
-        let mut u = near.clamp(0.0, 0.5);
-        let mut value = self.lower_half(u);
-        // From far below the root the steps are short: rather begin where I_n would be were it C(2n−1, n)·uⁿ, a little
-        // below the root, and near it for small v.
-        if value < 0.25 * v {
-            u = (v * f64::from(self.n) / self.slope_scale).powf(1.0 / f64::from(self.n)).min(0.5);
-            value = self.lower_half(u);
-        }
-        for _ in 0..100 {
-            // With d = u(1−u): I' = s·d^(n−1), I'' = I'·(n−1)(1−2u)/d. Both sides of Halley's
-            // fraction are times d.
-            let error = value - v;
-            let d = u * (1.0 - u);
-            let slope = self.slope_scale * power(d, self.n);
-            let bend = 0.5 * error * f64::from(self.n - 1) * (1.0 - 2.0 * u);
-            let next = (u - error * d / (slope - bend).max(0.5 * slope)).min(0.5);
-            // Where v or the slope underflow the start is as good as f64 gives.
-            if !next.is_finite() {
-                break;
-            }
-            // The error is cubed at every step, times at most n².
-            let done = (next - u).abs() <= 1e-7 * u;
-            u = next;
-            if done {
-                break;
-            }
-            value = self.lower_half(u);
-        }
-        u
     }
 }
 

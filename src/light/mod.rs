@@ -26,9 +26,9 @@ pub mod shuffle;
 pub mod transfers;
 
 pub use depth::{Depth, DepthError};
-pub use dither::{Dither, DitherError};
+pub use dither::{Dither, DitherError, Thresholds};
 pub use gamma::{Gog, Transfer, TransferError, TransferTable};
-pub use halftone::{Halftone, HalftoneError, HalftoneImage};
+pub use halftone::{Halftone, HalftoneError};
 pub use image::{CodeImage, LinearImage, Samples};
 pub use interpolation::Interpolation;
 pub use matrix::{DitherMatrix, DitherMatrixError};

@@ -7,6 +7,7 @@
 //! Palette and indices are the same on every machine: no threads, no random numbers, ties decided by the codes, sums in
 //! one order, and light rounded to f32 first, so that the last bits of a machine's `powf` do not decide.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
@@ -48,9 +49,6 @@ pub enum PaletteError {
     /// More bits than a palette has.
     #[error("the image has 16-bit codes; expected one of 8 bits, which is what palettes hold")]
     SixteenBits,
-    /// More pixels than can be counted.
-    #[error("the image has {0} pixels; expected at most 4294967295")]
-    Pixels(usize),
 }
 
 /// How far the light of a reduced image is from that of the original, over all pixels and the three channels. Relative
@@ -136,7 +134,7 @@ impl FromStr for Reduction {
 /// An image of no more colors than that keeps them all.
 ///
 /// # Errors
-/// When `colors` is not within 1…256, or the image has 16 bits or 2³² pixels.
+/// When `colors` is not within 1…256, or the image has 16 bits.
 pub fn reduce(
     image: &CodeImage,
     transfers: impl Into<Transfers>,
@@ -147,9 +145,6 @@ pub fn reduce(
         return Err(PaletteError::Colors(colors));
     }
     let pixels = image.bytes().ok_or(PaletteError::SixteenBits)?.as_chunks::<3>().0;
-    if u32::try_from(pixels.len()).is_err() {
-        return Err(PaletteError::Pixels(pixels.len()));
-    }
     let quantizer = Quantizer::new(transfers, Bits::Eight);
     let tallies = count(pixels, &quantizer);
     let mut palette = if tallies.len() <= colors {
@@ -168,22 +163,9 @@ pub fn reduce(
 
 /// Every color, in rising order of its codes.
 fn count(pixels: &[[u8; 3]], quantizer: &Quantizer) -> Vec<Tally> {
-    let mut runs: Vec<([u8; 3], u32)> = Vec::new();
-    for &codes in pixels {
-        match runs.last_mut() {
-            Some((last, count)) if *last == codes => *count += 1,
-            _ => runs.push((codes, 1)),
-        }
-    }
-    runs.sort_unstable_by_key(|&(codes, _)| codes);
-    let mut tallies: Vec<Tally> = Vec::new();
-    for (codes, count) in runs {
-        match tallies.last_mut() {
-            Some(tally) if tally.codes == codes => tally.count += count,
-            _ => tallies.push(Tally { codes, light: light_of(codes, quantizer), count }),
-        }
-    }
-    tallies
+    let mut counts: BTreeMap<[u8; 3], u32> = BTreeMap::new();
+    pixels.iter().for_each(|&codes| *counts.entry(codes).or_default() += 1);
+    counts.into_iter().map(|(codes, count)| Tally { codes, light: light_of(codes, quantizer), count }).collect()
 }
 
 fn most_frequent(tallies: &[Tally], colors: usize) -> Vec<[u8; 3]> {
@@ -232,16 +214,13 @@ impl Sum {
     }
 }
 
-/// The longest side of the box of codes around `tallies`: its length, and the channel; the first of equals.
-fn longest_side(tallies: &[Tally]) -> (u8, usize) {
+/// The channel in which the box of codes around `tallies` is longest; the first of equals.
+fn longest_side(tallies: &[Tally]) -> usize {
     let side = |channel: usize| {
         let codes = || tallies.iter().map(|tally| tally.codes[channel]);
         codes().max().unwrap_or(0) - codes().min().unwrap_or(0)
     };
-    (1..3).fold(
-        (side(0), 0),
-        |longest, channel| if side(channel) > longest.0 { (side(channel), channel) } else { longest },
-    )
+    (1..3).fold(0, |longest, channel| if side(channel) > side(longest) { channel } else { longest })
 }
 
 fn median_cut(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 3]> {
@@ -255,7 +234,7 @@ fn median_cut(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u
             break;
         };
         let mut lower = std::mem::take(&mut boxes[fullest]);
-        let (_, channel) = longest_side(&lower);
+        let channel = longest_side(&lower);
         lower.sort_by_key(|tally| tally.codes[channel]);
         let upper = lower.split_off(median(&lower));
         boxes[fullest] = lower;
@@ -405,17 +384,9 @@ fn index(
         // At most 256 colors.
         chosen.push(at as u8);
     }
-    let mut last = None;
-    let indices = pixels.iter().map(|&codes| match last {
-        Some((same, index)) if same == codes => index,
-        _ => {
-            // Every color of the image has its tally.
-            let at = tallies.binary_search_by_key(&codes, |tally| tally.codes).unwrap_or(0);
-            last = Some((codes, chosen[at]));
-            chosen[at]
-        }
-    });
-    let indices = indices.collect();
+    // Every color of the image has its tally.
+    let tally = |codes: &[u8; 3]| tallies.binary_search_by_key(codes, |tally| tally.codes).unwrap_or(0);
+    let indices = pixels.iter().map(|codes| chosen[tally(codes)]).collect();
     let rms = if pixels.is_empty() { 0.0 } else { (squares / (3 * pixels.len()) as f64).sqrt() };
     IndexedImage { width: image.width, height: image.height, palette, indices, error: LightError { rms, max } }
 }

@@ -186,21 +186,7 @@ impl Quantizer {
     /// The codes of a whole image.
     #[must_use]
     pub fn quantize(&self, image: &LinearImage) -> CodeImage {
-        let samples = match self.bits {
-            // An 8-bit code fits: the largest is 255.
-            Bits::Eight => Samples::Eight(self.nearest(image, |code| code as u8)),
-            Bits::Sixteen => Samples::Sixteen(self.nearest(image, |code| code)),
-        };
-        CodeImage { width: image.width, height: image.height, samples }
-    }
-
-    fn nearest<T>(&self, image: &LinearImage, sample: impl Fn(u16) -> T) -> Vec<T> {
-        let [red, green, blue] = &self.channels;
-        let mut codes = Vec::with_capacity(image.data.len());
-        for [r, g, b] in image.data.as_chunks().0 {
-            codes.extend([red.code(*r), green.code(*g), blue.code(*b)].map(&sample));
-        }
-        codes
+        self.coded(image, |_, rgb| self.codes(rgb))
     }
 
     /// The codes of a whole image, each one of the two that enclose its value, chosen by `dither` such
@@ -209,25 +195,44 @@ impl Quantizer {
     /// Red, green and blue of a pixel share a threshold. See [`dither`](super::dither) for what holds of every kind.
     #[must_use]
     pub fn quantize_with(&self, image: &LinearImage, dither: &Dither) -> CodeImage {
-        let Some(thresholds) = Thresholds::new(dither, image.width) else { return self.quantize(image) };
-        let samples = match self.bits {
-            // An 8-bit code fits: the largest is 255.
-            Bits::Eight => Samples::Eight(self.decide_all(image, thresholds, |code| code as u8)),
-            Bits::Sixteen => Samples::Sixteen(self.decide_all(image, thresholds, |code| code)),
-        };
-        CodeImage { width: image.width, height: image.height, samples }
-    }
-
-    fn decide_all<T: Copy>(&self, image: &LinearImage, thresholds: Thresholds, sample: impl Fn(u16) -> T) -> Vec<T> {
-        let alike = self.transfers.uniform().is_some();
-        thresholds.map(image, |rgb, threshold| {
-            let decide = |channel: usize| sample(self.channels[channel].decide(rgb[channel], threshold));
+        let Some(mut thresholds) = Thresholds::new(dither, image.width) else { return self.quantize(image) };
+        let (alike, width) = (self.transfers.uniform().is_some(), image.width.max(1) as usize);
+        let mut row = Vec::new();
+        self.coded(image, |pixel, rgb| {
+            if pixel % width == 0 {
+                // An image's sides are u32.
+                row.clear();
+                row.extend_from_slice(thresholds.row((pixel / width) as u32));
+            }
+            let decide = |channel: usize| self.channels[channel].decide(rgb[channel], row[pixel % width]);
             let first = decide(0);
             // Grays and yellows are common.
             let again = |channel| if alike && rgb[channel] == rgb[0] { first } else { decide(channel) };
             [first, again(1), again(2)]
         })
     }
+
+    /// `codes` of every pixel's place in the order of the rows, and light.
+    fn coded(&self, image: &LinearImage, codes: impl FnMut(usize, [f32; 3]) -> [u16; 3]) -> CodeImage {
+        let samples = match self.bits {
+            // An 8-bit code fits: the largest is 255.
+            Bits::Eight => Samples::Eight(collected(image, codes, |code| code as u8)),
+            Bits::Sixteen => Samples::Sixteen(collected(image, codes, |code| code)),
+        };
+        CodeImage { width: image.width, height: image.height, samples }
+    }
+}
+
+fn collected<T>(
+    image: &LinearImage,
+    mut codes: impl FnMut(usize, [f32; 3]) -> [u16; 3],
+    sample: impl Fn(u16) -> T,
+) -> Vec<T> {
+    let mut samples = Vec::with_capacity(image.data.len());
+    for (pixel, rgb) in image.data.as_chunks().0.iter().enumerate() {
+        samples.extend(codes(pixel, *rgb).map(&sample));
+    }
+    samples
 }
 
 /// The smallest f32 in 0…1 whose [`reference_code`] is at least `code`.

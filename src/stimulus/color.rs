@@ -1,23 +1,30 @@
-//! The hue of a stimulus: how much of its luminance goes to red, green and blue.
+//! The color of a stimulus: how much of its luminance goes to red, green and blue.
 
 use std::fmt;
 use std::str::FromStr;
 
-use crate::light::color::{Chromaticity, OutOfGamut, Primaries, XyY, in_gamut, xyy_from_xyz, xyz_from_xyy};
-use crate::light::color_models::{Hsv, hsv_from_rgb, rgb_from_hsv, wrapped_deg};
+use crate::light::color::{
+    Chromaticity, Lab, Luv, OutOfGamut, Primaries, XyY, in_gamut, lab_from_xyz, luv_from_xyz, xyy_from_xyz,
+    xyz_from_lab, xyz_from_luv, xyz_from_xyy,
+};
+use crate::light::color_models::{
+    Cmyk, Hls, Hsv, cmy_from_cmyk, cmy_from_rgb, cmyk_from_cmy, hls_from_rgb, hsv_from_rgb, rgb_from_cmy, rgb_from_hls,
+    rgb_from_hsv, wrapped_deg,
+};
 use crate::light::names::serde_as_text;
 
 /// Weights of red, green and blue, linear in light, each 0…1 and not all 0. A pixel of relative
 /// luminance L lights L times these.
 ///
-/// Written in one of four ways, all of which say the same three weights:
+/// Written in one of these ways, all of which say the same three weights:
 ///
 /// - a name: `yellow`, `gray` (also `grey`, `white`), `red`, `green`, `blue`, `cyan`, `magenta`, the corners of the
 ///   screen's RGB cube;
 /// - `R,G,B`, the weights themselves;
-/// - `hsv:H,S,V`, the hexcone of Shoaff §2.2.6 over these *linear* weights, not over code values: H in degrees, S and V
-///   0…1;
-/// - `xyY:x,y,Y`, CIE chromaticity and luminance relative to white of a screen with the primaries of sRGB.
+/// - `hsv:H,S,V`, `hls:H,L,S`, `cmy:C,M,Y` or `cmyk:C,M,Y,K`, the models of Shoaff §2.2.5–2.2.7 over these *linear*
+///   weights, not over code values: H in degrees, the others 0…1;
+/// - `xyY:x,y,Y`, CIE chromaticity and luminance, `lab:L,a,b` or `luv:L,u,v`, CIE 1976, relative to the white of a screen
+///   with the primaries of sRGB; L 0…100.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StimulusColor {
     rgb: [f64; 3],
@@ -41,7 +48,8 @@ pub(super) const MEANING: &str = "How much of the luminance goes to red, green a
 
 /// What a color's text may be, for messages.
 pub(super) const EXPECTED: &str = "yellow, gray, red, green, blue, cyan, magenta, three numbers R,G,B from 0 to 1, not \
-                                   all 0, linear in light, or hsv:H,S,V, or xyY:x,y,Y";
+                                   all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y, cmyk:C,M,Y,K, \
+                                   xyY:x,y,Y, lab:L,a,b or luv:L,u,v";
 
 /// A text or triple that is no color.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -83,15 +91,26 @@ fn from_rgb([r, g, b]: [f64; 3]) -> Result<StimulusColor, Fault> {
     if rgb == [0.0; 3] { Err(Fault::Dark) } else { Ok(StimulusColor { rgb }) }
 }
 
-fn from_hsv([h, s, v]: [f64; 3]) -> Result<StimulusColor, Fault> {
-    if !h.is_finite() {
-        return Err(Fault::Number { name: "H", value: h, range: "the angles in degrees" });
+fn hue(degrees: f64) -> Result<Option<f64>, Fault> {
+    if degrees.is_finite() {
+        Ok(Some(degrees))
+    } else {
+        Err(Fault::Number { name: "H", value: degrees, range: "the angles in degrees" })
     }
-    from_rgb(rgb_from_hsv(Hsv { hue: Some(h), saturation: within_unit("S", s)?, value: within_unit("V", v)? }))
+}
+
+fn lightness(value: f64) -> Result<f64, Fault> {
+    if (0.0..=100.0).contains(&value) { Ok(value) } else { Err(Fault::Number { name: "L", value, range: "0…100" }) }
 }
 
 /// Closer than this to 0 or 1 a weight is meant to be it: the white point's own xyY is white.
 const ROUNDING: f64 = 1e-12;
+const WHITE: [f64; 3] = Primaries::SRGB.white_xyz();
+
+fn from_xyz(xyz: [f64; 3]) -> Result<StimulusColor, Fault> {
+    let rgb = in_gamut(Primaries::SRGB.rgb_from_xyz(xyz)).map_err(Fault::OutOfGamut)?;
+    from_rgb(rgb.map(|weight| if (weight - weight.round()).abs() < ROUNDING { weight.round() } else { weight }))
+}
 
 fn from_xyy([x, y, luminance]: [f64; 3]) -> Result<StimulusColor, Fault> {
     let chromaticity = Chromaticity::new(x, y).map_err(|_| {
@@ -101,25 +120,46 @@ fn from_xyy([x, y, luminance]: [f64; 3]) -> Result<StimulusColor, Fault> {
             Fault::Number { name: "x", value: x, range: "0…1" }
         }
     })?;
-    let luminance = within_unit("Y", luminance)?;
-    let rgb = Primaries::SRGB.rgb_from_xyz(xyz_from_xyy(XyY { chromaticity, luminance }));
-    let rgb = in_gamut(rgb).map_err(Fault::OutOfGamut)?;
-    from_rgb(rgb.map(|weight| if (weight - weight.round()).abs() < ROUNDING { weight.round() } else { weight }))
+    from_xyz(xyz_from_xyy(XyY { chromaticity, luminance: within_unit("Y", luminance)? }))
 }
 
 fn parsed(text: &str) -> Result<StimulusColor, Fault> {
     if let Some((_, rgb)) = NAMED.iter().find(|(name, _)| *name == text) {
         return Ok(StimulusColor { rgb: *rgb });
     }
-    match text.split_once(':') {
-        None => from_rgb(three_numbers(text)?),
-        Some(("hsv", numbers)) => from_hsv(three_numbers(numbers)?),
-        Some(("xyY", numbers)) => from_xyy(three_numbers(numbers)?),
-        Some(_) => Err(Fault::Unknown),
+    let Some((model, list)) = text.split_once(':') else { return from_rgb(numbers(text)?) };
+    let inks =
+        |inks: [f64; 3]| Ok([within_unit("C", inks[0])?, within_unit("M", inks[1])?, within_unit("Y", inks[2])?]);
+    match model {
+        "hsv" => {
+            let [h, s, v] = numbers(list)?;
+            from_rgb(rgb_from_hsv(Hsv { hue: hue(h)?, saturation: within_unit("S", s)?, value: within_unit("V", v)? }))
+        }
+        "hls" => {
+            let [h, l, s] = numbers(list)?;
+            let (lightness, saturation) = (within_unit("L", l)?, within_unit("S", s)?);
+            from_rgb(rgb_from_hls(Hls { hue: hue(h)?, lightness, saturation }))
+        }
+        "cmy" => from_rgb(rgb_from_cmy(inks(numbers(list)?)?)),
+        "cmyk" => {
+            let [c, m, y, k] = numbers(list)?;
+            let ([cyan, magenta, yellow], black) = (inks([c, m, y])?, within_unit("K", k)?);
+            from_rgb(rgb_from_cmy(cmy_from_cmyk(Cmyk { cyan, magenta, yellow, black })))
+        }
+        "xyY" => from_xyy(numbers(list)?),
+        "lab" => {
+            let [l, a, b] = numbers(list)?;
+            from_xyz(xyz_from_lab(Lab { lightness: lightness(l)?, a, b }, WHITE))
+        }
+        "luv" => {
+            let [l, u, v] = numbers(list)?;
+            from_xyz(xyz_from_luv(Luv { lightness: lightness(l)?, u, v }, WHITE))
+        }
+        _ => Err(Fault::Unknown),
     }
 }
 
-fn three_numbers(text: &str) -> Result<[f64; 3], Fault> {
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], Fault> {
     let numbers: Vec<f64> =
         text.split(',').map(|number| number.trim().parse()).collect::<Result<_, _>>().map_err(|_| Fault::Unknown)?;
     numbers.try_into().map_err(|_| Fault::Unknown)
@@ -146,22 +186,42 @@ impl StimulusColor {
         self.rgb
     }
 
+    /// This color in every model, to three decimals; a gray, which has no hue, with hue 0.
+    #[must_use]
+    pub fn in_models(self) -> Vec<String> {
+        let Cmyk { cyan, magenta, yellow, black } = cmyk_from_cmy(cmy_from_rgb(self.rgb));
+        let hls = hls_from_rgb(self.rgb);
+        let xyz = Primaries::SRGB.xyz_from_rgb(self.rgb);
+        let (lab, luv) = (lab_from_xyz(xyz, WHITE), luv_from_xyz(xyz, WHITE));
+        let others = [
+            ("hls", vec![hls.hue.unwrap_or(0.0), hls.lightness, hls.saturation]),
+            ("cmy", cmy_from_rgb(self.rgb).to_vec()),
+            ("cmyk", vec![cyan, magenta, yellow, black]),
+            ("lab", vec![lab.lightness, lab.a, lab.b]),
+            ("luv", vec![luv.lightness, luv.u, luv.v]),
+        ];
+        let rgb = written("", &self.rgb, 1e3);
+        let [hsv, xyy] = [self.hsv().unwrap_or([0.0, 0.0, self.rgb[0]]), self.xyy().unwrap_or_default()];
+        let first = [rgb, written("hsv:", &hsv, 1e3), written("xyY:", &xyy, 1e3)];
+        first.into_iter().chain(others.iter().map(|(model, parts)| written(&format!("{model}:"), parts, 1e3))).collect()
+    }
+
+    /// Hue, saturation and value; `None` for a gray.
+    fn hsv(self) -> Option<[f64; 3]> {
+        let Hsv { hue, saturation, value } = hsv_from_rgb(self.rgb);
+        Some([hue?, saturation, value])
+    }
+
+    fn xyy(self) -> Option<[f64; 3]> {
+        let xyy = xyy_from_xyz(Primaries::SRGB.xyz_from_rgb(self.rgb))?;
+        Some([xyy.chromaticity.x(), xyy.chromaticity.y(), xyy.luminance])
+    }
+
     /// The texts that this color may have come from: as `hsv:` and as `xyY:`, with more and more decimals.
     fn candidates(self) -> impl Iterator<Item = String> {
-        let hsv = hsv_from_rgb(self.rgb);
-        let hsv = hsv.hue.map(|hue| [hue, hsv.saturation, hsv.value]);
-        let xyy = xyy_from_xyz(Primaries::SRGB.xyz_from_rgb(self.rgb));
-        let xyy = xyy.map(|xyy| [xyy.chromaticity.x(), xyy.chromaticity.y(), xyy.luminance]);
         DECIMALS.into_iter().flat_map(move |scale| {
-            let hsv = hsv.map(|[h, s, v]| {
-                let [h, s, v] = [h, s, v].map(|number| rounded(number, scale));
-                format!("hsv:{},{s},{v}", wrapped_deg(h))
-            });
-            let xyy = xyy.map(|xyy| {
-                let [x, y, luminance] = xyy.map(|number| rounded(number, scale));
-                format!("xyY:{x},{y},{luminance}")
-            });
-            hsv.into_iter().chain(xyy)
+            let hsv = self.hsv().map(|[h, s, v]| written("hsv:", &[wrapped_deg(rounded(h, scale)), s, v], scale));
+            hsv.into_iter().chain(self.xyy().map(|xyy| written("xyY:", &xyy, scale)))
         })
     }
 }
@@ -172,6 +232,12 @@ const DECIMALS: [f64; 7] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
 /// The multiple of 1/`scale` nearest to `number`.
 fn rounded(number: f64, scale: f64) -> f64 {
     (number * scale).round() / scale + 0.0
+}
+
+/// The numbers of a color in a model, each a multiple of 1/`scale`.
+fn written(model: &str, numbers: &[f64], scale: f64) -> String {
+    let numbers: Vec<String> = numbers.iter().map(|number| rounded(*number, scale).to_string()).collect();
+    format!("{model}{}", numbers.join(","))
 }
 
 impl fmt::Display for StimulusColor {

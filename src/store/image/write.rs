@@ -11,7 +11,7 @@ use super::light;
 use crate::{
     light::{
         CodeImage, Quantizer, Samples, Transfer, Transfers,
-        halftone::{Halftone, HalftoneError, Screen},
+        halftone::{Halftone, Screen},
         palette::{IndexedImage, Reduction, reduce},
     },
     stimulus::recipe::{Recipe, SIZE_MAX},
@@ -70,7 +70,8 @@ pub fn write_reduced(
 /// Too many dots, or the system's refusal.
 pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
     let failed = |error: Box<dyn std::error::Error + Send + Sync>| io(path, "encode")(std::io::Error::other(error));
-    let image = dots(recipe, screen).map_err(|error| failed(error.into()))?;
+    let image =
+        Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear()).map_err(|error| failed(error.into()))?;
     let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
     let bytes = encode(&image, &recipe.transfers, &texts).map_err(|error| failed(error.into()))?;
     write_whole(path, &bytes, false)
@@ -105,22 +106,6 @@ pub fn write_codes(path: &Path, image: &CodeImage) -> Result<(), StoreError> {
     let bytes =
         encode(image, &Transfer::Srgb.into(), &[]).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
     write_whole(path, &bytes, false)
-}
-
-fn dots(recipe: &Recipe, screen: Screen) -> Result<CodeImage, HalftoneError> {
-    let linear = recipe.linear();
-    let of = |transfer| Halftone::new(screen.matrix, screen.bits, transfer)?.enlarged(&linear);
-    if let Some(transfer) = recipe.transfers.uniform() {
-        return Ok(of(transfer)?.to_8_bits());
-    }
-    let [mut image, green, blue] = recipe.transfers.channels().each_ref().map(of);
-    if let Ok(image) = &mut image {
-        for (channel, other) in [(1, green?), (2, blue?)] {
-            let own = image.codes.iter_mut().skip(channel).step_by(3);
-            own.zip(other.codes.iter().skip(channel).step_by(3)).for_each(|(code, other)| *code = *other);
-        }
-    }
-    Ok(image?.to_8_bits())
 }
 
 /// The recipe as it stands in an image.
@@ -379,7 +364,9 @@ impl ReadBack {
     fn expected(&self) -> Result<CodeImage, String> {
         let recipe = &self.recipe;
         if let Some(screen) = self.halftone {
-            return dots(recipe, screen).map_err(|error| error.to_string());
+            return Halftone::new(screen, &recipe.transfers)
+                .enlarged(&recipe.linear())
+                .map_err(|error| error.to_string());
         }
         let codes = recipe.codes(&recipe.quantizer());
         match self.reduction {
