@@ -1,7 +1,7 @@
 //! Everything that reads a file from elsewhere, fed with anything. Each target takes the content of a file and panics
 //! where something is wrong: the reader did, an error says nothing, or what was read does not come back when written.
 //!
-//! The fuzzers run these with what they invent, `tests/fuzz_corpus.rs` with what they have found.
+//! The fuzzers run these with what they invent, `tests/store/fuzz_corpus.rs` with what they have found.
 #![allow(dead_code, reason = "a fuzzer has one of the targets")]
 
 use std::{fmt::Debug, path::PathBuf, sync::LazyLock};

@@ -16,6 +16,7 @@ fi
 logs=fuzz/target/logs
 mkdir -p "$logs"
 cargo +nightly fuzz build
+tar -xzf fuzz/corpus.tar.gz -C fuzz/target
 
 dictionary() {
     case $1 in
@@ -26,12 +27,11 @@ dictionary() {
 }
 export -f dictionary
 
-# New inputs go to a folder of their own: the committed corpus is what
-# `-set_cover_merge=1 -use_counters=0` makes of both.
+# New inputs go to a folder of their own: the committed corpus is what `-set_cover_merge=1 -use_counters=0` makes of both.
 one() {
     local found=fuzz/target/found/$1
     mkdir -p "$found" "fuzz/artifacts/$1"
-    "fuzz/target/x86_64-unknown-linux-gnu/release/$1" "$found" "fuzz/corpus/$1" \
+    "fuzz/target/x86_64-unknown-linux-gnu/release/$1" "$found" "fuzz/target/corpus/$1" \
         -max_total_time="$2" -timeout=1 -rss_limit_mb=512 -max_len=8192 -print_final_stats=1 \
         -dict="fuzz/dictionaries/$(dictionary "$1").dict" -artifact_prefix="fuzz/artifacts/$1/" >"$3/$1.log" 2>&1
     local status=$?
@@ -40,7 +40,7 @@ one() {
     rate=$(sed -n 's/^stat::average_exec_per_sec: *//p' "$3/$1.log")
     peak=$(sed -n 's/^stat::peak_rss_mb: *//p' "$3/$1.log")
     printf '%-11s exit %s  %12s runs  %8s/s  %4s MiB  %5s inputs\n' \
-        "$1" "$status" "$runs" "$rate" "$peak" "$(find "$found" "fuzz/corpus/$1" -type f | wc -l)"
+        "$1" "$status" "$runs" "$rate" "$peak" "$(find "$found" "fuzz/target/corpus/$1" -type f | wc -l)"
     return $status
 }
 export -f one

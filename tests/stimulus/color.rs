@@ -255,7 +255,7 @@ fn color(text: &str) -> StimulusColor {
 }
 
 #[test]
-fn colors_are_read_in_four_ways() {
+fn colors_are_read_in_every_model() {
     for (text, rgb, written) in [
         ("yellow", [1.0, 1.0, 0.0], "yellow"),
         ("gray", [1.0; 3], "gray"),
@@ -274,6 +274,12 @@ fn colors_are_read_in_four_ways() {
         ("hsv:-120,1,1", [0.0, 0.0, 1.0], "blue"),
         ("hsv:77,0,1", [1.0; 3], "gray"),
         ("xyY:0.3127,0.3290,1", [1.0; 3], "gray"),
+        ("hls:60,0.5,1", [1.0, 1.0, 0.0], "yellow"),
+        ("hls:240,0.25,1", [0.0, 0.0, 0.5], "0,0,0.5"),
+        ("cmy:0,0.5,1", [1.0, 0.5, 0.0], "1,0.5,0"),
+        ("cmyk:0,0.25,0.5,0.25", [0.75, 0.5, 0.25], "0.75,0.5,0.25"),
+        ("lab:100,0,0", [1.0; 3], "gray"),
+        ("luv:100,0,0", [1.0; 3], "gray"),
     ] {
         assert_eq!(color(text).rgb(), rgb, "{text}");
         assert_eq!(color(text).to_string(), written, "{text}");
@@ -303,7 +309,8 @@ fn what_is_no_color_says_why() {
         "1,1,1,1",
         "hsv:1,1",
         "hsv:a,1,1",
-        "lab:50,0,0",
+        "cmyk:0,0,0",
+        "xyz:50,0,0",
         "hsv",
         "1;1;0",
         "xyy:0.3,0.3,1",
@@ -323,6 +330,12 @@ fn what_is_no_color_says_why() {
         ("xyY:0.3,0,1", "has y = 0, outside 0…1−x, 0 excluded"),
         ("xyY:1.3,0.1,1", "has x = 1.3, outside 0…1"),
         ("xyY:0.3,0.3,1.2", "has Y = 1.2, outside 0…1"),
+        ("hls:60,1.5,1", "has L = 1.5, outside 0…1"),
+        ("cmy:0,0,2", "has Y = 2, outside 0…1"),
+        ("cmyk:0.5,0,0,0.75", "has R = -0.25, outside 0…1"),
+        ("lab:101,0,0", "has L = 101, outside 0…100"),
+        ("luv:50,200,0", "is outside the gamut of sRGB"),
+        ("luv:0,0,0", "has no light in it"),
         ("xyY:0.64,0.33,0.5", "is outside the gamut of sRGB: red would be 2.3514, 1.3514 above 1"),
     ] {
         assert!(problem(text).contains(expected), "{text}: {}", problem(text));
@@ -334,6 +347,27 @@ fn what_is_no_color_says_why() {
         "{green}"
     );
     assert_eq!(StimulusColor::new([0.0, 0.0, 1.5]).unwrap_err().problem(), "has B = 1.5, outside 0…1");
+}
+
+#[test]
+fn a_color_is_written_in_every_model() {
+    let expected = [
+        "1,0.5,0",
+        "hsv:30,1,1",
+        "xyY:0.477,0.46,0.57",
+        "hls:30,0.5,1",
+        "cmy:0,0.5,1",
+        "cmyk:0,0.5,1,0",
+        "lab:80.192,12.187,82.463",
+        "luv:80.192,56.543,82.071",
+    ];
+    assert_eq!(color("1,0.5,0").in_models(), expected);
+    // To the three decimals that are shown, all say the same color; a gray too, which has no hue.
+    for named in ["hsv:20,0.5,0.8", "0.2,0.4,0.1", "0.5,0.5,0.5"] {
+        for text in color(named).in_models() {
+            assert_near(&color(&text).rgb(), &color(named).rgb(), 5e-3, &text);
+        }
+    }
 }
 
 proptest! {

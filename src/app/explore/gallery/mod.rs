@@ -1,15 +1,17 @@
-//! The gallery: every stimulus of the catalog with its parameters, its luminance profile, and the way to take it along.
+//! The gallery: every stimulus of the catalog with its parameters, its luminance profile, and ways to export it.
 
 mod prediction;
 
-use eframe::egui::{self, Color32, Key, TextureHandle};
-use egui_plot::{Corner, Legend, Line, MarkerShape, Plot, PlotUi, Points};
+use eframe::egui::{
+    self, CentralPanel, Color32, ComboBox, Frame, Panel, ScrollArea, Slider, TextEdit, TextureHandle, Ui,
+};
+use egui_plot::{Corner, Legend, Line, MarkerShape, PlotUi, Points};
 
 use crate::{
-    app::{Go, pixels, theme},
+    app::ui::{self, Field, Step, pixels, theme},
     display::DisplayProfile,
     light::{Bits, Dither, Quantizer},
-    stimulus::{Parameter, ParameterValue, Stimulus, catalog, place, recipe::Recipe},
+    stimulus::{Parameter, ParameterValue, Stimulus, StimulusColor, catalog, place, recipe::Recipe},
     store,
     vision::Polarity,
 };
@@ -19,11 +21,15 @@ use prediction::{Place, Prediction};
 const SAMPLES: u32 = 1024;
 /// Sides to choose from, physical pixels.
 const SIZES: [u32; 4] = [256, 384, 512, 768];
-/// Narrower than this, the picture is below its controls.
+/// Dithers to choose from.
+const DITHERS: [&str; 4] = ["none", "ordered", "blue-noise", "random"];
+/// In a narrower window the picture is below its controls.
 const NARROW: f32 = 760.0;
-/// Of predicted bands; neither of the curves'.
+/// Width of the labels' column.
+const LABELS: f32 = 108.0;
+/// Predicted bands; the curves have other colors.
 const BAND: Color32 = Color32::from_rgb(0xe0, 0x90, 0xc0);
-/// Strength whose mark is longest; of what is just seen it is shortest. Shares of the plotted light's range.
+/// Strength whose mark is longest; a band that is just visible has the shortest. Shares of the plotted light's range.
 const STRONGEST: f64 = 100.0;
 const MARKS: [f64; 2] = [0.06, 0.22];
 
@@ -37,7 +43,7 @@ pub struct Gallery {
     derivatives: bool,
     shown: Option<Shown>,
     out: String,
-    said: Option<Result<String, String>>,
+    outcome: Option<Result<String, String>>,
     display: DisplayProfile,
     prediction: Prediction,
 }
@@ -52,7 +58,7 @@ struct Shown {
     curves: Curves,
 }
 
-/// Luminance along the orientation through the centre, of the strongest channel.
+/// Luminance along the orientation through the center, of the strongest channel.
 struct Curves {
     asked: Vec<[f64; 2]>,
     emitted: Vec<[f64; 2]>,
@@ -61,7 +67,7 @@ struct Curves {
 }
 
 impl Gallery {
-    /// For a screen that `display` describes, seen from `distance_cm` centimetres where that is known.
+    /// For a screen that `display` describes, seen from `distance_cm` centimeters where that is known.
     pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
         let mut gallery = Self {
             prediction: Prediction::new(Place::new(&display, distance_cm)),
@@ -72,7 +78,7 @@ impl Gallery {
             derivatives: false,
             shown: None,
             out: "stimulus.png".to_owned(),
-            said: None,
+            outcome: None,
             display,
         };
         gallery.choose(0);
@@ -81,15 +87,10 @@ impl Gallery {
 
     fn choose(&mut self, entry: usize) {
         self.entry = entry;
-        self.said = None;
+        self.outcome = None;
         let stimulus = catalog::all()[entry].default_stimulus();
-        self.values = stimulus
-            .parameters()
-            .iter()
-            .map(|parameter| {
-                (parameter, stimulus.get(parameter.name).map_or_else(String::new, |value| value.to_string()))
-            })
-            .collect();
+        let value = |name: &str| stimulus.get(name).map_or_else(String::new, |value| value.to_string());
+        self.values = stimulus.parameters().iter().map(|parameter| (parameter, value(parameter.name))).collect();
     }
 
     /// The stimulus that the controls describe, or what is wrong: by parameter, and as a whole.
@@ -111,41 +112,33 @@ impl Gallery {
     }
 
     /// Draws the page.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Go {
+    pub fn show(&mut self, ui: &mut Ui) -> Step {
+        let escaped = ui::escaped(ui);
         let stimulus = self.stimulus();
         if let Ok(stimulus) = &stimulus {
             self.refresh(ui.ctx(), stimulus);
         }
-        let faults = stimulus.as_ref().err();
-        let frame = egui::Frame::NONE.inner_margin(16.0);
+        let faults = stimulus.err().unwrap_or_default();
+        let frame = Frame::NONE.inner_margin(16.0);
+        let scrolling = || ScrollArea::vertical().auto_shrink(false);
         let mut back = false;
         if ui.available_width() < NARROW {
-            egui::CentralPanel::default().frame(frame).show(ui, |ui| {
-                egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            CentralPanel::default().frame(frame).show(ui, |ui| {
+                scrolling().show(ui, |ui| {
                     // Room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 6.0);
-                    back = self.left(ui, faults);
+                    back = self.controls(ui, &faults);
                     ui.separator();
                     self.picture(ui);
                 });
             });
         } else {
-            egui::Panel::left("gallery").resizable(false).exact_size(370.0).frame(frame).show(ui, |ui| {
-                egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| back = self.left(ui, faults));
+            Panel::left("gallery").resizable(false).exact_size(370.0).frame(frame).show(ui, |ui| {
+                scrolling().show(ui, |ui| back = self.controls(ui, &faults));
             });
-            egui::CentralPanel::default().frame(frame).show(ui, |ui| {
-                egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.picture(ui));
-            });
+            CentralPanel::default().frame(frame).show(ui, |ui| scrolling().show(ui, |ui| self.picture(ui)));
         }
-        if back || ui.input(|input| input.key_pressed(Key::Escape)) { Go::Back } else { Go::Stay }
-    }
-
-    /// What there is to set, and to take along; gives whether to go back.
-    fn left(&mut self, ui: &mut egui::Ui, faults: Option<&Faults>) -> bool {
-        let back = theme::heading(ui, "Gallery");
-        self.controls(ui, faults);
-        self.take_along(ui);
-        back
+        Step::back_if(back || escaped)
     }
 
     /// Renders when something has changed.
@@ -166,124 +159,83 @@ impl Gallery {
         let quantizer = recipe.quantizer();
         let texture = pixels::texture_of(ctx, "gallery", &recipe.codes(&quantizer));
         let curves = Curves::new(&recipe, &quantizer);
-        self.said = None;
+        self.outcome = None;
         self.shown = Some(Shown { recipe, texture, curves });
     }
 
-    fn controls(&mut self, ui: &mut egui::Ui, faults: Option<&Faults>) {
-        let entries = catalog::all();
-        let label = ui.label("Stimulus");
+    /// Everything that can be set or exported; gives whether to go back.
+    fn controls(&mut self, ui: &mut Ui, faults: &Faults) -> bool {
+        let back = ui::heading(ui, "Gallery");
         let mut chosen = self.entry;
-        egui::ComboBox::from_id_salt("kind")
-            .selected_text(entries[self.entry].title)
-            .width(300.0)
-            .height(400.0)
-            .show_ui(ui, |ui| {
-                for (i, entry) in entries.iter().enumerate() {
-                    ui.selectable_value(&mut chosen, i, entry.title);
-                }
-            })
-            .response
-            .labelled_by(label.id);
+        let entries: Vec<usize> = (0..catalog::all().len()).collect();
+        Field::new("Stimulus").width(250.0).choice(ui, &mut chosen, &entries, |i| catalog::all()[*i].title.to_owned());
         if chosen != self.entry {
             self.choose(chosen);
         }
-        ui.add(egui::Label::new(theme::quiet(entries[self.entry].about)).wrap());
+        ui::hint(ui, catalog::all()[self.entry].about);
         ui.add_space(8.0);
+        let mut show = |ui: &mut Ui, name: Option<&str>| {
+            faults.iter().filter(|(of, _)| *of == name).for_each(|(_, fault)| ui::fault(ui, fault));
+        };
         for (parameter, text) in &mut self.values {
             control(ui, parameter, text);
-            for (_, fault) in faults.into_iter().flatten().filter(|(name, _)| *name == Some(parameter.name)) {
-                theme::fault(ui, fault);
-            }
+            show(ui, Some(parameter.name));
         }
-        for (_, fault) in faults.into_iter().flatten().filter(|(name, _)| name.is_none()) {
-            theme::fault(ui, fault);
-        }
+        show(ui, None);
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            let label = ui.label("Size, px");
-            egui::ComboBox::from_id_salt("size")
-                .selected_text(self.size.to_string())
-                .width(80.0)
-                .show_ui(ui, |ui| {
-                    SIZES.iter().for_each(|size| _ = ui.selectable_value(&mut self.size, *size, size.to_string()))
-                })
-                .response
-                .labelled_by(label.id);
-            ui.add_space(6.0);
-            let label = ui.label("Dither");
-            egui::ComboBox::from_id_salt("dither")
-                .selected_text(self.dither.to_string())
-                .width(110.0)
-                .show_ui(ui, |ui| {
-                    for name in ["none", "ordered", "blue-noise", "random"] {
-                        if let Ok(dither) = name.parse::<Dither>() {
-                            ui.selectable_value(&mut self.dither, dither, name);
-                        }
-                    }
-                })
-                .response
-                .labelled_by(label.id);
+            Field::new("Size, px").width(80.0).choice(ui, &mut self.size, &SIZES, u32::to_string);
+            let dithers: Vec<Dither> = DITHERS.iter().filter_map(|name| name.parse().ok()).collect();
+            Field::new("Dither").width(110.0).choice(ui, &mut self.dither, &dithers, Dither::to_string);
         });
         ui.checkbox(&mut self.derivatives, "First and second derivative");
+        self.export(ui);
+        back
     }
 
-    fn take_along(&mut self, ui: &mut egui::Ui) {
+    fn export(&mut self, ui: &mut Ui) {
         ui.add_space(8.0);
         ui.separator();
         let Some(shown) = &self.shown else { return };
-        ui.add(egui::Label::new(theme::quiet(format!("Display: {}.", self.display.sentence()))).wrap());
-        let label = ui.label("Export to");
-        ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(300.0)).labelled_by(label.id);
+        ui::hint(ui, format!("Display: {}.", self.display.sentence()));
+        Field::new("Export to").width(250.0).text(ui, &mut self.out);
         ui.horizontal_wrapped(|ui| {
             if ui.button("Export PNG").clicked() {
                 let path = std::path::PathBuf::from(self.out.trim());
                 let written = store::image::write_recipe(&path, &shown.recipe, &shown.recipe.quantizer());
-                self.said =
-                    Some(written.map(|_| format!("Written to {}", path.display())).map_err(|error| error.to_string()));
+                let written = written.map(|_| format!("Saved to {}", path.display()));
+                self.outcome = Some(written.map_err(|error| error.to_string()));
             }
             if ui.button("Copy as command").clicked() {
                 ui.ctx().copy_text(shown.recipe.command());
-                self.said = Some(Ok(format!("Copied: {}", shown.recipe.command())));
+                self.outcome = Some(Ok(format!("Copied: {}", shown.recipe.command())));
             }
         });
-        match &self.said {
-            Some(Ok(text)) => _ = ui.add(egui::Label::new(theme::quiet(text)).wrap()),
-            Some(Err(text)) => theme::fault(ui, text),
-            None => {}
-        }
+        ui::outcome(ui, self.outcome.as_ref());
     }
 
-    fn picture(&mut self, ui: &mut egui::Ui) {
+    fn picture(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
         let Recipe { stimulus, size, .. } = &shown.recipe;
         let room = ui.available_width();
         let texture = self.prediction.texture(stimulus, *size).unwrap_or(&shown.texture);
-        egui::ScrollArea::horizontal().id_salt("stimulus").show(ui, |ui| {
+        ScrollArea::horizontal().id_salt("stimulus").show(ui, |ui| {
             pixels::picture(ui, texture, catalog::all()[self.entry].title);
         });
         self.prediction.show(ui, stimulus, *size);
         ui.add_space(8.0);
         let width = (*size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(room.max(300.0));
         let curves = &shown.curves;
-        let marks = self.prediction.marks(stimulus, *size).iter();
-        let bands: Vec<Band> = marks
-            .map(|mark| Band {
-                place: self.prediction.place(mark, *size),
-                polarity: mark.polarity,
-                strength: mark.strength,
-            })
-            .collect();
-        let label = stimulus.is_line().then(|| {
-            let places: Vec<_> = bands.iter().map(|band| (band.place, band.polarity)).collect();
-            format!("Plot: light, {}", prediction::in_words(&places))
-        });
-        let lines: [(&str, &Vec<[f64; 2]>); 2] = [("after quantisation", &curves.emitted), ("asked", &curves.asked)];
+        let band = |mark: &_| Band::new(mark, self.prediction.place(mark, *size));
+        let bands: Vec<Band> = self.prediction.marks(stimulus, *size).iter().map(band).collect();
+        let lines: [(&str, &Vec<[f64; 2]>); 2] =
+            [("after quantization", &curves.emitted), ("requested", &curves.asked)];
         let response = plot(ui, "profile", "light", width, &lines, |plot| {
             bands.iter().for_each(|band| band.draw(plot, &curves.asked));
         });
-        if let Some(label) = label {
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &label));
+        if stimulus.is_line() {
+            let places: Vec<_> = bands.iter().map(|band| (band.place, band.polarity)).collect();
+            ui::describe(&response, &format!("Plot: light, {}", prediction::in_words(&places)));
         }
         if self.derivatives {
             let slope = [("slope, light per window", &curves.slope)];
@@ -303,10 +255,14 @@ struct Band {
 }
 
 impl Band {
+    fn new(mark: &crate::app::explore::predicted::Mark, place: f64) -> Self {
+        Self { place, polarity: mark.polarity, strength: mark.strength }
+    }
+
     /// An arrow from the curve: up for a bright band and down for a dark one, the longer the stronger.
     fn draw(&self, plot: &mut PlotUi<'_>, curve: &[[f64; 2]]) {
-        let least = curve.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
-        let most = curve.iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
+        let light = || curve.iter().map(|point| point[1]);
+        let (least, most) = (light().fold(f64::INFINITY, f64::min), light().fold(f64::NEG_INFINITY, f64::max));
         let share = (self.strength.ln() / STRONGEST.ln()).clamp(0.0, 1.0);
         let length = (most - least).max(0.02) * (MARKS[0] + (MARKS[1] - MARKS[0]) * share);
         let nearest = curve.partition_point(|point| point[0] < self.place).min(curve.len().saturating_sub(1));
@@ -336,74 +292,66 @@ fn slider_range(parameter: &str) -> Option<(f64, f64, f64)> {
 }
 
 /// A control for one parameter: a slider where it has a range, else a text with the usual values to choose from. A value
-/// out of range can be typed, and is then explained.
-fn control(ui: &mut egui::Ui, parameter: &'static Parameter, text: &mut String) {
+/// outside the range can be typed, and is then explained.
+fn control(ui: &mut Ui, parameter: &'static Parameter, text: &mut String) {
     let name = parameter.name.replace('_', " ").replace(" deg", ", °");
-    ui.horizontal(|ui| {
-        let label = ui
-            .allocate_ui_with_layout(egui::vec2(108.0, 28.0), egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                ui.set_min_width(108.0);
-                ui.label(name)
-            })
-            .inner
-            .on_hover_text(parameter.description);
-        match (slider_range(parameter.name), text.parse::<f64>()) {
-            (Some((least, most, step)), Ok(number)) => {
-                let mut value = number;
-                ui.spacing_mut().slider_width = 130.0;
-                let slider = egui::Slider::new(&mut value, least..=most)
-                    .clamping(egui::SliderClamping::Never)
-                    .step_by(step)
-                    .max_decimals(if step >= 1.0 { 0 } else { 4 });
-                if ui.add(slider).labelled_by(label.id).changed() {
-                    *text = ParameterValue::Number(value).to_string();
-                }
+    Field::new(&name).column(LABELS).show(ui, |ui, label| match (slider_range(parameter.name), text.parse::<f64>()) {
+        (Some((least, most, step)), Ok(mut value)) => {
+            ui.spacing_mut().slider_width = 130.0;
+            let slider = Slider::new(&mut value, least..=most)
+                .clamping(egui::SliderClamping::Never)
+                .step_by(step)
+                .max_decimals(if step >= 1.0 { 0 } else { 4 });
+            if ui.add(slider).labelled_by(label).on_hover_text(parameter.description).changed() {
+                *text = ParameterValue::Number(value).to_string();
             }
-            _ => {
-                ui.add(egui::TextEdit::singleline(text).desired_width(90.0)).labelled_by(label.id);
-                egui::ComboBox::from_id_salt(parameter.name).selected_text("…").width(40.0).show_ui(ui, |ui| {
-                    for hint in parameter.levels_hint {
-                        ui.selectable_value(text, (*hint).to_owned(), *hint);
+        }
+        _ => {
+            ui.horizontal(|ui| {
+                let field = ui.add(TextEdit::singleline(text).desired_width(90.0));
+                field.labelled_by(label).on_hover_text(format!("{}: {}", parameter.description, parameter.expected));
+                ComboBox::from_id_salt(parameter.name).selected_text("…").width(40.0).show_ui(ui, |ui| {
+                    let of_model = color_in_models(parameter, text);
+                    for level in parameter.levels_hint.iter().map(|level| (*level).to_owned()).chain(of_model) {
+                        ui.selectable_value(text, level.clone(), level);
                     }
                 });
-            }
+            });
         }
     });
 }
 
+/// A color as every model writes it.
+fn color_in_models(parameter: &Parameter, text: &str) -> Vec<String> {
+    let is_color = parameter.name.starts_with("color");
+    text.parse::<StimulusColor>().ok().filter(|_| is_color).map_or_else(Vec::new, StimulusColor::in_models)
+}
+
 fn plot(
-    ui: &mut egui::Ui,
+    ui: &mut Ui,
     id: &str,
     axis: &str,
     width: f32,
     lines: &[(&str, &Vec<[f64; 2]>)],
     over: impl FnOnce(&mut PlotUi<'_>),
 ) -> egui::Response {
-    let colors = [Color32::from_rgb(0x56, 0xb4, 0xe9), theme::NOTE];
-    Plot::new(id)
+    let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);
+    ui::still_plot(id)
         .width(width)
         .height(200.0)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
         // A nearly uniform light is shown as one: not every rounding as a cliff.
-        .include_y(lowest(lines) - 0.02)
-        .include_y(lowest(lines) + 0.02)
+        .include_y(lowest - 0.02)
+        .include_y(lowest + 0.02)
         .x_axis_label("position, window sides")
         .y_axis_label(axis)
         .legend(Legend::default().position(Corner::LeftTop).text_style(egui::TextStyle::Small).background_alpha(0.5))
         .show(ui, |plot| {
-            for ((name, points), color) in lines.iter().zip(colors) {
+            for ((name, points), color) in lines.iter().zip(theme::SIDES) {
                 plot.line(Line::new(*name, (*points).clone()).color(color).width(1.5));
             }
             over(plot);
         })
         .response
-}
-
-fn lowest(lines: &[(&str, &Vec<[f64; 2]>)]) -> f64 {
-    lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min)
 }
 
 impl Curves {

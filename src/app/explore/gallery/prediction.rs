@@ -1,12 +1,11 @@
-//! What the model of vision predicts of the stimulus: at once where it varies along a line, else beside the window's loop.
+//! What the vision model predicts for the stimulus: at once where it varies along a line, else on a thread of its own.
 
 use eframe::egui::{self, TextureHandle};
 
 use crate::{
     app::{
         explore::predicted::{self, Drawing, Mark, number},
-        pixels, theme,
-        work::Latest,
+        ui::{self, pixels, work::Latest},
     },
     display::{DisplayProfile, Screen, Viewing},
     light::CodeImage,
@@ -17,7 +16,7 @@ use crate::{
 /// Degrees that the window takes where nothing is known of the screen's size: as `machband predict` has it.
 const WINDOW_DEG: f64 = 10.0;
 
-/// From where the stimulus is seen, and how bright.
+/// How far away and how bright the stimulus is.
 #[derive(Clone, Copy)]
 pub struct Place {
     viewing: Option<Viewing>,
@@ -25,7 +24,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// Before a screen that `display` describes, `distance_cm` centimetres away.
+    /// On a screen that `display` describes, `distance_cm` centimeters away.
     pub fn new(display: &DisplayProfile, distance_cm: Option<f64>) -> Self {
         let viewing = || {
             let ([columns, rows], width) = (display.native_px?, display.screen_width_cm?);
@@ -43,8 +42,8 @@ impl Place {
     fn sentence(&self, size: u32) -> String {
         let window = self.window_deg(size);
         match self.viewing {
-            Some(viewing) => format!("From {} cm the window is {window:.1}° wide.", viewing.distance_cm()),
-            None => format!("The window is taken to be {window}° wide."),
+            Some(viewing) => format!("At {} cm the window is {window:.1}° wide.", viewing.distance_cm()),
+            None => format!("The window is assumed to be {window}° wide."),
         }
     }
 
@@ -142,11 +141,10 @@ impl Prediction {
         };
         match seen {
             Some(Ok(visibility)) => {
-                ui.add(egui::Label::new(sentence(&visibility)).wrap());
-                let about = format!("1 is just seen. {}", self.place.sentence(size));
-                ui.add(egui::Label::new(theme::quiet(about)).wrap());
+                ui::paragraph(ui, sentence(&visibility));
+                ui::hint(ui, format!("A visibility of 1 is just visible. {}", self.place.sentence(size)));
             }
-            Some(Err(fault)) => theme::fault(ui, &format!("No prediction: {fault}.")),
+            Some(Err(fault)) => ui::fault(ui, format!("No prediction: {fault}.")),
             None => _ = ui.label("Predicting…"),
         }
         if !stimulus.is_line() {
@@ -157,7 +155,7 @@ impl Prediction {
 
 fn of_picture(place: &Place, stimulus: &Stimulus, size: u32) -> Result<OfPicture, String> {
     let View::Picture(view) = place.see(stimulus, size).map_err(|error| error.to_string())? else {
-        return Err("it varies along a line".to_owned());
+        return Err("it varies in one direction only".to_owned());
     };
     let light = luminances(&stimulus.linear(size));
     let most = predicted::strongest(&view.map);
