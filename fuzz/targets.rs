@@ -59,7 +59,7 @@ pub fn results(content: &[u8]) {
     let header = columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>().join(",");
     let mut written = header + "\n";
     for row in &rows {
-        // The colour is the only text that needs quotes.
+        // The color is the only text that needs quotes.
         let quoted = row.cells().iter().map(|cell| format!("\"{}\"", cell.replace('"', "\"\""))).collect::<Vec<_>>();
         written += &(quoted.join(",") + "\n");
     }

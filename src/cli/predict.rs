@@ -19,49 +19,49 @@ use crate::{
     vision::{Criterion, Visibility},
 };
 
-/// Predict how visible Mach bands are: of one stimulus, of every condition of a definition, or of any image.
+/// Predict how visible Mach bands are in one stimulus, in every condition of a definition, or in any image.
 ///
-/// Visibility is contrast times sensitivity, over all channels: 0 for no band, 1 for what is just seen. It needs no
-/// observer; --fit compares it with ratings and says where one rating gives way to the next.
+/// Visibility is contrast times sensitivity, pooled over all channels: 0 means no band, 1 a band that is just visible. No
+/// observer is needed; --fit compares the prediction with ratings and finds the thresholds between ratings.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples: machband predict --width 0.1 --depth 3\n          machband predict bangay2003 --out predicted.csv\n          machband predict --image render.png --window 20 --map bands.png\n          machband predict bangay2003 --fit results --criterion lab.toml"
 )]
 pub(super) struct Arguments {
-    /// Built-in definition or path of a .toml file: all its conditions.
+    /// Name of a built-in definition, or path of a .toml file: predicts all its conditions.
     experiment: Option<String>,
     /// Any opaque PNG.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
-    /// Where the image's bands are, to write: bright ones white, dark ones black.
+    /// Where to write a map of the image's bands: bright bands white, dark bands black.
     #[arg(long, value_name = "FILE.png", requires = "image")]
     map: Option<PathBuf>,
     #[command(flatten)]
     stimulus: StimulusOptions,
     #[command(flatten)]
     transfer: TransferOptions,
-    /// Side of the stimulus in pixels [default: 512, or 1024 where it varies in one direction only].
+    /// Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=16384))]
     size: Option<u32>,
-    /// Degrees that the stimulus, or the image's width, takes of the eye's field [default: that of the sessions rated,
-    /// the definition's, or 10].
+    /// Width of the stimulus or image in degrees of visual angle [default: that of the rated sessions, the definition's,
+    /// or 10].
     #[arg(long, value_name = "DEG")]
     window: Option<f64>,
-    /// Luminance of white, cd/m² [default: the display profile's, or 100].
+    /// Luminance of white in cd/m² [default: the display profile's, or 100].
     #[arg(long, value_name = "CD")]
     white: Option<f64>,
     /// Compare the prediction with these ratings: result files or folders.
     #[arg(long, value_name = "FILE|DIR", num_args = 1.., requires = "experiment")]
     fit: Vec<PathBuf>,
-    /// Where one rating gives way to the next: written with --fit, else read.
+    /// Thresholds between ratings: written with --fit, otherwise read.
     #[arg(long, value_name = "FILE.toml")]
     criterion: Option<PathBuf>,
-    /// Table to write, in place of standard output.
+    /// Where to write the table, instead of standard output.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
 }
 
-/// What is predicted of one thing.
+/// A row of the table.
 struct Prediction {
     /// In the order of the header.
     values: Vec<String>,
@@ -71,7 +71,7 @@ struct Prediction {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let positive = |name: &str, value: Option<f64>| match value {
         Some(value) if !(value.is_finite() && value > 0.0) => {
-            Err(UsageError(format!("--{name} {value} is impossible; expected a number above 0")))
+            Err(UsageError(format!("--{name} {value} is not possible; expected a number above 0")))
         }
         value => Ok(value),
     };
@@ -111,7 +111,7 @@ fn image(arguments: &Arguments, path: &Path, sight: &Sight) -> anyhow::Result<Vi
     let image = store::image::light::read(path, &transfers)?;
     let view = sight.see_image(&image).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
     if let Some(map) = &arguments.map {
-        // What is as strong as the strongest band is white or black; nothing is a mean gray.
+        // The strongest band is white or black; no band is a mean gray.
         let most = view.map.bright.iter().chain(&view.map.dark).copied().fold(1e-9, f64::max);
         let gray = |i: usize| (0.5 + 0.5 * (view.map.bright[i] - view.map.dark[i]) / most) as f32;
         let place = |x: u32, y: u32| y as usize * image.width as usize + x as usize;
@@ -167,7 +167,7 @@ fn tell(comparison: &Comparison) -> anyhow::Result<()> {
     say(&format!("with single participants, on average: {}; {ceiling}", number(comparison.with_subjects)))
 }
 
-/// The criterion named, or the default.
+/// The criterion that was named, or the default.
 fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     match &arguments.criterion {
         Some(path) => Ok(observer::open_vision(path)?.criterion),
@@ -175,7 +175,7 @@ fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     }
 }
 
-/// The table; what is less visible than `least` is rated as that.
+/// Writes the table; a band less visible than `least` is rated as if it were that visible.
 fn write(
     arguments: &Arguments,
     header: &[String],

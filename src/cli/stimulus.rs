@@ -13,7 +13,7 @@ use crate::{
     store,
 };
 
-/// Write one stimulus as an image, and its luminance profile.
+/// Write one stimulus as an image, and its luminance profile as a table.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example: machband stimulus --width 0.2 --depth inf --orientation 45 --out ramp.png --profile ramp.csv"
@@ -23,17 +23,18 @@ pub(super) struct Arguments {
     stimulus: StimulusOptions,
     #[command(flatten)]
     image: ImageOptions,
-    /// Reduce the image to a palette: popularity, median-cut or k-means, and at most how many colors.
+    /// Reduce the image to a palette: the method (popularity, median-cut or k-means) and the largest number of colors,
+    /// such as median-cut:16.
     #[arg(long, value_name = "METHOD:N", requires = "out")]
     palette: Option<String>,
-    /// Draw each pixel as a cell of dots for a device with few codes, such as a printer: the matrix and the bits a
-    /// channel, for example clustered3:1.
+    /// Draw each pixel as a cell of dots, for a device with few codes such as a printer: the matrix and the bits per
+    /// channel, such as clustered3:1.
     #[arg(long, value_name = "MATRIX:BITS", requires = "out", conflicts_with = "palette")]
     halftone: Option<String>,
-    /// Image to write.
+    /// Where to write the image.
     #[arg(long, value_name = "FILE.png")]
     out: Option<PathBuf>,
-    /// Profile along the orientation, through the centre, to write.
+    /// Where to write the luminance profile through the center, along the orientation.
     #[arg(long, value_name = "FILE.csv")]
     profile: Option<PathBuf>,
 }
@@ -50,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let screen = screen.map_err(|error| UsageError(format!("--halftone: {error}")))?;
     if let (Some(out), Some(screen)) = (&arguments.out, screen) {
         store::image::write_halftone(out, &recipe, screen)?;
-        return tell(arguments, &recipe, &quantizer);
+        return finish(arguments, &recipe, &quantizer);
     }
     match (&arguments.out, reduction) {
         (Some(_), Some(_)) if recipe.bits == Bits::Sixteen => {
@@ -68,11 +69,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (Some(out), None) => _ = store::image::write_recipe(out, &recipe, &quantizer)?,
         (None, _) => {}
     }
-    tell(arguments, &recipe, &quantizer)
+    finish(arguments, &recipe, &quantizer)
 }
 
-/// Writes the profile that was asked for, and says what was written.
-fn tell(arguments: &Arguments, recipe: &Recipe, quantizer: &Quantizer) -> anyhow::Result<()> {
+/// Writes the profile that was requested, and names the files that were written.
+fn finish(arguments: &Arguments, recipe: &Recipe, quantizer: &Quantizer) -> anyhow::Result<()> {
     if let Some(profile) = &arguments.profile {
         store::curve::write_profile(profile, recipe, quantizer)?;
     }

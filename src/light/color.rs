@@ -88,7 +88,6 @@ pub fn xyy_from_xyz([x, y, z]: [f64; 3]) -> Option<XyY> {
 /// XYZ = M·RGB, the columns of M the primaries' XYZ: C_i·(x_i, y_i, 1 − x_i − y_i) with C_i = Y_i/y_i. Shoaff §2.2.4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Primaries {
-    chromaticities: [Chromaticity; 3],
     xyz_from_rgb: Matrix,
     rgb_from_xyz: Matrix,
 }
@@ -168,9 +167,7 @@ impl Primaries {
         }
         let xyz_from_rgb = columns(chromaticities, luminances);
         match (twice_area(chromaticities), inverse(&xyz_from_rgb)) {
-            (area, Some(rgb_from_xyz)) if area > SMALLEST_TRIANGLE => {
-                Ok(Primaries { chromaticities, xyz_from_rgb, rgb_from_xyz })
-            }
+            (area, Some(rgb_from_xyz)) if area > SMALLEST_TRIANGLE => Ok(Primaries { xyz_from_rgb, rgb_from_xyz }),
             _ => Err(PrimariesError::Collinear),
         }
     }
@@ -202,24 +199,6 @@ impl Primaries {
             channel += 1;
         }
         Primaries::from_luminances(chromaticities, luminances)
-    }
-
-    /// The chromaticities of red, green and blue.
-    #[must_use]
-    pub const fn chromaticities(&self) -> [Chromaticity; 3] {
-        self.chromaticities
-    }
-
-    /// The luminances of red, green and blue at their full.
-    #[must_use]
-    pub const fn luminances(&self) -> [f64; 3] {
-        self.xyz_from_rgb[1]
-    }
-
-    /// The matrix M of XYZ = M·RGB, by rows.
-    #[must_use]
-    pub const fn matrix(&self) -> [[f64; 3]; 3] {
-        self.xyz_from_rgb
     }
 
     /// X, Y and Z of the screen's white.

@@ -4,7 +4,7 @@ use super::names::named;
 
 /// Shoaff §2.1.2, D⁽²⁾.
 const SHOAFF_2: [[u16; 2]; 2] = [[0, 2], [3, 1]];
-/// Shoaff §2.1.2, D⁽³⁾: it grows outward from its centre.
+/// Shoaff §2.1.2, D⁽³⁾: it grows outward from its center.
 const SHOAFF_3: [[u16; 3]; 3] = [[6, 8, 4], [1, 0, 3], [5, 2, 7]];
 
 named! {

@@ -6,7 +6,7 @@
 use super::orientation::Grid;
 use crate::light::{LinearImage, Quantizer};
 
-/// A luminance that varies along one direction only. Positions are window sides from the center line, positive towards
+/// A luminance that varies along one direction only. Positions are window sides from the center line, positive toward
 /// the orientation.
 pub(super) trait Profile {
     /// Direction in which the positions grow, degrees counter-clockwise from the right.
@@ -241,28 +241,4 @@ fn share_beyond(grid: &Grid, distance: f64) -> f64 {
         1.0 - (outer - d).powi(2) / (2.0 * a * b)
     };
     if distance >= 0.0 { beyond } else { 1.0 - beyond }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Against counting the points of a fine grid within the pixel.
-    #[test]
-    fn the_share_is_that_of_the_area() {
-        for degrees in [0.5, 13.0, 45.0, 77.7, 123.0, 200.0, 359.0] {
-            let grid = Grid::new(16, degrees);
-            for distance in [-0.8, -0.6, -0.3, -0.05, 0.0, 0.11, 0.42, 0.66, 0.75] {
-                let fine = 400;
-                let inside = (0..fine * fine)
-                    .filter(|i| {
-                        let at = |i: i32| (f64::from(i) + 0.5) / f64::from(fine) - 0.5;
-                        distance + at(i % fine) * grid.cos + at(i / fine) * grid.sin >= 0.0
-                    })
-                    .count();
-                let counted = inside as f64 / f64::from(fine * fine);
-                assert!((share_beyond(&grid, distance) - counted).abs() < 3e-3, "{degrees}° {distance}");
-            }
-        }
-    }
 }

@@ -86,7 +86,7 @@ pub(super) fn unmasked(energy: f64, finer: f64) -> f64 {
     ((energy / finer - MASKED[0]) / (MASKED[1] - MASKED[0])).clamp(0.0, 1.0)
 }
 
-/// Value and place, −½…½ steps from the middle, of the peak of the energy of three neighbours; the response there.
+/// Value and place, −½…½ steps from the middle, of the peak of the energy of three neighbors; the response there.
 pub(super) fn peak([before, here, after]: [Complex64; 3]) -> (f64, Complex64) {
     let [a, b, c] = [before, here, after].map(|response| response.norm());
     let at = vertex(a, b, c);
@@ -117,6 +117,12 @@ pub fn pooled(channels: impl Iterator<Item = f64>) -> f64 {
 }
 
 impl Visibility {
+    /// Over all channels.
+    pub(super) fn over(channels: &[Visibility]) -> Visibility {
+        let over = |of: fn(&Visibility) -> f64| pooled(channels.iter().map(of));
+        Visibility { bright: over(|channel| channel.bright), dark: over(|channel| channel.dark) }
+    }
+
     /// Keeps the stronger.
     pub(super) fn take(&mut self, polarity: Polarity, strength: f64) {
         let strongest = match polarity {

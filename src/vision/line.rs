@@ -6,7 +6,7 @@ use rustfft::{Fft, num_complex::Complex64};
 
 use super::{
     Border, VisionError,
-    band::{Band, FALL_PERIODS, Polarity, Visibility, peak, pooled, strength, unmasked},
+    band::{Band, FALL_PERIODS, Polarity, Visibility, peak, strength, unmasked},
     eye::{ADAPTATION_DEG, Channel, Eye, REACH},
     fft::{self, smooth},
 };
@@ -131,8 +131,7 @@ impl Line {
             finer.add(&response, length);
         }
         view.bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
-        let over = |of: fn(&Visibility) -> f64| pooled(channels.iter().map(of));
-        view.visibility = Visibility { bright: over(|channel| channel.bright), dark: over(|channel| channel.dark) };
+        view.visibility = Visibility::over(&channels);
         Ok(view)
     }
 

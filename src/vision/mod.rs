@@ -1,4 +1,4 @@
-//! Floor 1: what the eye makes of an image: where it sees bright and dark bands, and how strong they are.
+//! Floor 1: a model of vision: where an image has bright and dark bands, and how visible they are.
 //!
 //! A model of local energy, as Morrone and Burr's (1988, Proc. R. Soc. B 235:221; Ross, Morrone & Burr 1989, Vis. Res.
 //! 29:699): the eye looks for lines and edges where the energy of an even and an odd response, in quadrature, is
@@ -10,8 +10,8 @@
 //!       → peaks of the energy that stand out on both sides → even beyond odd, over the mean light → over channels
 //! ```
 //!
-//! Strengths are contrast times sensitivity: at 1 a grating of that contrast would just be seen. Every constant has its
-//! source where it is defined. [`Line`] is for what varies in one direction, [`Picture`] for images; they agree.
+//! Strengths are contrast times sensitivity: at 1 a grating of that contrast would be just visible. Every constant has its
+//! source where it is defined. [`Line`] is for stimuli that vary in one direction, [`Picture`] for images; they agree.
 
 mod band;
 mod eye;
@@ -28,22 +28,22 @@ pub use line::{Line, LineView};
 pub use picture::{BandMap, Picture, PictureView};
 pub use rating::Criterion;
 
-/// What is beyond the edges of what is seen.
+/// What lies beyond the edges of an image or profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Border {
-    /// It goes on as it ends: a ramp between plateaus without end.
+    /// It continues as it ends: a ramp between endless plateaus.
     Continues,
-    /// Something else: what is nearer to an edge than one and a half periods of a channel is not judged by it.
+    /// Something else: a channel ignores anything within 1.5 periods of an edge.
     Cut,
 }
 
-/// What is nearer to an edge than this, periods of a channel, is not judged by it.
+/// A channel ignores bands within this many of its periods from an edge.
 const MARGIN_PERIODS: f64 = 1.5;
-/// What is nearer than this is not even looked at: there the response is what the edge makes of it.
+/// Nearer than this, the edge itself makes the response, which is not used at all.
 const BESIDE_PERIODS: f64 = 0.75;
 
 impl Border {
-    /// What is not judged along the edges, degrees.
+    /// Width of the margin along the edges in which bands are ignored, degrees.
     fn margin_deg(self, frequency: f64) -> f64 {
         match self {
             Border::Continues => 0.0,
@@ -51,7 +51,7 @@ impl Border {
         }
     }
 
-    /// What is not looked at along the edges, degrees.
+    /// Width of the margin along the edges in which the response is not used, degrees.
     fn beside_deg(self, frequency: f64) -> f64 {
         match self {
             Border::Continues => 0.0,
@@ -60,7 +60,7 @@ impl Border {
     }
 }
 
-/// Why nothing can be said of an image.
+/// Why an image cannot be predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VisionError {
     /// Too few pixels.
@@ -73,28 +73,28 @@ pub enum VisionError {
         /// Pixels that a side needs.
         least: usize,
     },
-    /// No sampling.
-    #[error("{0} pixels in a degree; expected a number above 0")]
+    /// A sampling that is not possible.
+    #[error("{0} pixels per degree; expected a number above 0")]
     Sampling(f64),
-    /// Another number of samples than said.
+    /// A number of samples that does not match the size.
     #[error("{found} samples of light; expected {expected}")]
     Count {
-        /// Those that there are.
+        /// How many there are.
         found: usize,
-        /// Those that the size asks for.
+        /// How many the size needs.
         expected: usize,
     },
-    /// Light that is none.
-    #[error("light {value} in column {x}, row {y}; expected a number of 0 or more")]
+    /// Light that is not possible.
+    #[error("light {value} in column {x}, row {y}; expected a number that is not negative")]
     NoLight {
-        /// What is there instead.
+        /// The value found.
         value: f64,
         /// Column, from 0.
         x: usize,
         /// Row, from 0.
         y: usize,
     },
-    /// Nothing to see.
+    /// No light at all.
     #[error("all black; expected some light")]
     AllBlack,
 }

@@ -3,7 +3,7 @@
 
 use machband::{
     light::{Bits, Quantizer, Transfer},
-    stimulus::{ParameterValue, Stimulus, catalog},
+    stimulus::{KINDS, ParameterValue, Stimulus, catalog},
 };
 use sha2::{Digest as _, Sha256};
 
@@ -30,6 +30,22 @@ fn light_is_that_of_the_independent_script() {
     }
     // The shaded mesh has references of its own: tests/shaders.rs.
     assert_eq!(seen, 40 * 3 * (catalog::all().len() - 1));
+}
+
+#[test]
+fn the_catalog_lists_every_kind_once_and_every_variant_can_be_shown() {
+    let listed: Vec<_> = catalog::all().iter().map(|entry| entry.kind).collect();
+    assert_eq!(listed, KINDS);
+    for entry in catalog::all() {
+        let stimuli = entry.stimuli();
+        assert_eq!(stimuli.len(), 3);
+        for (stimulus, settings) in stimuli[1..].iter().zip(entry.variants) {
+            stimulus.validate().unwrap();
+            for (name, text) in *settings {
+                assert_eq!(stimulus.get(name).unwrap().to_string(), *text, "{}", entry.kind);
+            }
+        }
+    }
 }
 
 /// `UPDATE_HASHES=1` prints the file anew; a changed hash is a changed stimulus, for everyone who has used it.

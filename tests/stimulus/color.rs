@@ -84,6 +84,12 @@ fn grays_have_no_hue() {
     assert_eq!(xyy_from_xyz([0.0; 3]), None);
 }
 
+/// M of XYZ = M·RGB, by rows.
+fn matrix(primaries: &Primaries) -> [[f64; 3]; 3] {
+    let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| primaries.xyz_from_rgb(rgb));
+    [0, 1, 2].map(|row| columns.map(|column| column[row]))
+}
+
 #[test]
 fn matrices_agree_with_colour_science() {
     let rows = golden("color_primaries.csv");
@@ -92,10 +98,10 @@ fn matrices_agree_with_colour_science() {
         let at = |i: usize| Chromaticity::new(row[i], row[i + 1]).unwrap();
         let chromaticities = [at(0), at(2), at(4)];
         let primaries = Primaries::from_white(chromaticities, at(6)).unwrap();
-        assert_near(primaries.matrix().as_flattened(), &row[8..17], 1e-14, &name);
+        assert_near(matrix(&primaries).as_flattened(), &row[8..17], 1e-14, &name);
         assert_near(&primaries.white_xyz(), &at(6).xyz_at(1.0), 1e-14, &name);
         // The same from the luminances, in cd/m².
-        let measured = primaries.luminances().map(|luminance| 80.0 * luminance);
+        let measured = matrix(&primaries)[1].map(|luminance| 80.0 * luminance);
         let absolute = Primaries::from_luminances(chromaticities, measured).unwrap();
         assert_near(&absolute.white_xyz(), &at(6).xyz_at(80.0), 1e-11, &name);
         let there = absolute.xyz_from_rgb([0.2, 0.3, 0.9]);
@@ -110,7 +116,7 @@ fn matrices_agree_with_colour_science() {
 #[test]
 fn srgb_is_the_standards_matrix() {
     let printed = [0.4124, 0.3576, 0.1805, 0.2126, 0.7152, 0.0722, 0.0193, 0.1192, 0.9505];
-    assert_near(Primaries::SRGB.matrix().as_flattened(), &printed, 5.1e-5, "sRGB");
+    assert_near(matrix(&Primaries::SRGB).as_flattened(), &printed, 5.1e-5, "sRGB");
 }
 
 #[test]
@@ -143,7 +149,7 @@ fn degenerate_primaries_are_refused() {
     for (x, y) in [(0.3, 0.0), (-0.1, 0.5), (0.6, 0.5), (f64::NAN, 0.3), (0.3, f64::NAN), (0.3, f64::INFINITY)] {
         assert!(matches!(Chromaticity::new(x, y), Err(PrimariesError::Chromaticity { .. })), "{x} {y}");
     }
-    let [r, g, b] = Primaries::SRGB.chromaticities();
+    let [r, g, b] = [at(0.64, 0.33), at(0.30, 0.60), at(0.15, 0.06)];
     let line = [at(0.2, 0.2), at(0.3, 0.3), at(0.4, 0.4)];
     assert_eq!(Primaries::from_white(line, Chromaticity::D65), Err(PrimariesError::Collinear));
     assert_eq!(Primaries::from_luminances(line, [0.2, 0.7, 0.1]), Err(PrimariesError::Collinear));
@@ -181,9 +187,8 @@ prop_compose! {
     fn primaries()(
         x in prop::array::uniform3(0.01..0.9f64), part in prop::array::uniform3(0.02..0.98f64),
         luminances in prop::array::uniform3(0.01..200.0f64),
-    ) -> Option<Primaries> {
-        let chromaticities = [0, 1, 2].map(|i| Chromaticity::new(x[i], part[i] * (1.0 - x[i])).unwrap());
-        Primaries::from_luminances(chromaticities, luminances).ok()
+    ) -> ([Chromaticity; 3], [f64; 3]) {
+        ([0, 1, 2].map(|i| Chromaticity::new(x[i], part[i] * (1.0 - x[i])).unwrap()), luminances)
     }
 }
 
@@ -235,14 +240,14 @@ proptest! {
     }
 
     #[test]
-    fn any_triangle_comes_back(primaries in primaries(), rgb in rgb()) {
-        if let Some(primaries) = primaries {
+    fn any_triangle_comes_back((chromaticities, luminances) in primaries(), rgb in rgb()) {
+        if let Ok(primaries) = Primaries::from_luminances(chromaticities, luminances) {
             let xyz = primaries.xyz_from_rgb(rgb);
             // Nearly flat triangles lose digits.
-            let [r, g, b] = primaries.chromaticities();
+            let [r, g, b] = chromaticities;
             let area = ((g.x() - r.x()) * (b.y() - r.y()) - (b.x() - r.x()) * (g.y() - r.y())).abs();
-            let spread = primaries.luminances().iter().fold(0.0, |most: f64, l| most.max(*l))
-                / primaries.luminances().iter().fold(f64::INFINITY, |least: f64, l| least.min(*l));
+            let spread = luminances.iter().fold(0.0, |most: f64, l| most.max(*l))
+                / luminances.iter().fold(f64::INFINITY, |least: f64, l| least.min(*l));
             prop_assert!(near(primaries.rgb_from_xyz(xyz), rgb, 1e-12 * spread / area));
         }
     }
@@ -454,7 +459,8 @@ fn hues_take_the_shorter_arc() {
 }
 
 fn quantizers() -> [Quantizer; 2] {
-    [Transfer::Srgb, Transfer::Gamma(2.2)].map(|transfer| Quantizer::new(&transfer, Bits::Eight))
+    let differing = Transfers::new([Transfer::Gamma(2.0), Transfer::Gamma(0.45), Transfer::Srgb]);
+    [Transfer::Srgb.into(), differing].map(|transfers| Quantizer::new(transfers, Bits::Eight))
 }
 
 fn space() -> impl Strategy<Value = RampSpace> {
@@ -526,42 +532,6 @@ proptest! {
         if band.space != RampSpace::Lab {
             let luminance = band.ramp().luminance_at(x);
             prop_assert_eq!(band.ramp().light_at(x), band.color.rgb().map(|weight| weight * luminance));
-        }
-    }
-}
-
-/// Windows large enough for the table of codes.
-#[test]
-fn looked_up_codes_are_those_of_the_light() {
-    let transfers = [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(0.45), Transfer::Gamma(2.4)];
-    let differing = Transfers::new([Transfer::Gamma(2.0), Transfer::Gamma(2.2), Transfer::Srgb]);
-    let alike = transfers.map(Transfers::from);
-    let quantizers: Vec<Quantizer> =
-        alike.into_iter().chain([differing]).map(|transfers| Quantizer::new(transfers, Bits::Eight)).collect();
-    let depths = [Depth::Finite(1), Depth::Finite(3), Depth::Finite(32), Depth::Infinite];
-    let colors =
-        [("red", "cyan", 0.0), ("hsv:20,0.5,0.8", "0.001,0.2,1", 0.3), ("yellow", "blue", 0.25), ("gray", "gray", 0.0)];
-    let mut which = 0;
-    for space in [RampSpace::Rgb, RampSpace::Hsv, RampSpace::Lab] {
-        for depth in depths {
-            for (from, to, low) in colors {
-                for (width, orientation_deg) in [(1.0, 45.0), (0.03, 33.0), (0.4, 200.1), (0.7, 89.999)] {
-                    let (color, color_high) = (color(from), Some(color(to)));
-                    let band = MachBand {
-                        width,
-                        depth,
-                        orientation_deg,
-                        low,
-                        color,
-                        color_high,
-                        space,
-                        ..MachBand::default()
-                    };
-                    which += 1;
-                    let quantizer = &quantizers[which % quantizers.len()];
-                    assert!(band.codes(300, quantizer) == quantizer.quantize(&band.linear(300)), "{band:?}");
-                }
-            }
         }
     }
 }

@@ -616,7 +616,7 @@ fn runs(codes: &CodeImage) -> Runs {
 /// that are to be seen, columns of one code, that is true. Of the runs within a row it cannot be, with
 /// any dither that decides between the two enclosing codes and is right in the mean: where the ramp
 /// crosses a code's own light, W pixels from the next, the share of pixels that may differ from it i
-/// columns away is i/W. While the sum of these shares over neighbouring columns is below 1, some row has
+/// columns away is i/W. While the sum of these shares over neighboring columns is below 1, some row has
 /// no other code in them: a run of about 2√W. Here W = 12.3 and the sum over 6 columns is at most 9/W:
 /// 13 pixels cannot become fewer than 6, and 8 × needs a W of about 256, an image of 21,000 pixels.
 #[test]

@@ -286,7 +286,7 @@ fn gain_offset_and_gamma_are_inverse_and_reach_both_ends() {
 }
 
 #[test]
-fn channels_that_differ_are_quantised_each_by_its_own() {
+fn channels_that_differ_are_quantized_each_by_its_own() {
     let text = "gamma:1.8/gog:2.2,1.05,-0.05/srgb";
     let transfers: Transfers = text.parse().unwrap();
     assert_eq!((transfers.to_string().as_str(), transfers.uniform()), (text, None));

@@ -93,9 +93,9 @@ fn fast_path_is_the_reference_for_every_orientation_and_shape() {
 }
 
 /// Orientations whose tangent is a ratio of small numbers, and widths that put steps on pixel
-/// centres.
+/// centers.
 #[test]
-fn fast_path_is_the_reference_where_steps_meet_pixel_centres() {
+fn fast_path_is_the_reference_where_steps_meet_pixel_centers() {
     let linear = Quantizer::new(&Transfer::Linear, Bits::Eight);
     for size in [16, 51, 255, 256] {
         for orientation_deg in [0.0, 45.0, 135.0, 225.0, 0.5f64.atan().to_degrees(), 0.75f64.atan().to_degrees()] {
@@ -112,9 +112,9 @@ fn fast_path_is_the_reference_where_steps_meet_pixel_centres() {
     }
 }
 
-/// The jumps of the infinite depth, and the step, put on pixel centres in rows whose shifts are whole or nearly whole.
+/// The jumps of the infinite depth, and the step, put on pixel centers in rows whose shifts are whole or nearly whole.
 #[test]
-fn fast_path_is_the_reference_where_jumps_meet_pixel_centres() {
+fn fast_path_is_the_reference_where_jumps_meet_pixel_centers() {
     let srgb = Quantizer::new(&Transfer::Srgb, Bits::Eight);
     for size in [16, 51, 255, 256] {
         for (rise, run) in [(1, 1), (1, 2), (-1, 2), (2, 1), (3, 4), (1, 3), (-2, 3), (1, 200), (80, 1), (67, 1)] {
@@ -262,7 +262,7 @@ proptest! {
 
 /// Where cosine and sine differ by a last digit, the diagonal of a step is not a line any more.
 #[test]
-fn a_step_through_pixel_centres_is_half_way_there() {
+fn a_step_through_pixel_centers_is_half_way_there() {
     for (eighths, on_line) in [
         (0, (|x, _| x == 20) as fn(u32, u32) -> bool),
         (1, |x, y| x == y),
@@ -294,7 +294,7 @@ fn a_quarter_turn_swaps_rows_and_columns() {
         }
         assert!(level.pixel(size - 1, 0)[0] > level.pixel(0, 0)[0]);
     }
-    // 45° and its neighbours: swapping the axes takes θ to 90° − θ.
+    // 45° and its neighbors: swapping the axes takes θ to 90° − θ.
     let at = |orientation_deg| MachBand { orientation_deg, ..MachBand::default() }.linear(50);
     let (a, b) = (at(20.0), at(70.0));
     for (x, y) in [(0, 0), (49, 3), (17, 30), (25, 25)] {
@@ -348,7 +348,7 @@ fn opposite_pixels_complement_each_other() {
 }
 
 #[test]
-fn the_ramp_is_linear_in_light_and_samples_pixel_centres() {
+fn the_ramp_is_linear_in_light_and_samples_pixel_centers() {
     let band = MachBand { width: 1.0, ..MachBand::default() };
     let image = band.linear(4);
     let row: Vec<f32> = (0..4).map(|x| image.pixel(x, 0)[0]).collect();

@@ -92,7 +92,7 @@ impl Drawing<'_> {
         CodeImage { width, height, samples: Samples::Eight(codes.collect()) }
     }
 
-    /// Of the place `at`, in pixels of the map from the centre of its first.
+    /// Of the place `at`, in pixels of the map from the center of its first.
     fn code(&self, at: [f64; 2]) -> u8 {
         let [column, row] = at.map(|place| place.round() as isize);
         let mut strength = 0.0_f64;

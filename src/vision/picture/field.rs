@@ -28,10 +28,10 @@ impl Grid {
 
     /// Of the four values around, in proportion; beyond the grid that of its edge.
     pub(super) fn between(&self, values: &[f64], [x, y]: [f64; 2]) -> f64 {
-        self.mixed(values, Neighbours::of(x, self.columns), Neighbours::of(y, self.rows))
+        self.mixed(values, Neighbors::of(x, self.columns), Neighbors::of(y, self.rows))
     }
 
-    fn mixed(&self, values: &[f64], across: Neighbours, down: Neighbours) -> f64 {
+    fn mixed(&self, values: &[f64], across: Neighbors, down: Neighbors) -> f64 {
         let row = |y: usize| {
             let row = &values[y * self.columns..][..self.columns];
             row[across.first] + (row[across.second] - row[across.first]) * across.part
@@ -42,10 +42,10 @@ impl Grid {
 
     /// `values` at the places of another grid.
     pub(super) fn resampled(&self, values: &[f64], to: &Grid) -> Vec<f64> {
-        let across: Vec<Neighbours> =
-            (0..to.columns).map(|column| Neighbours::of(self.index(to.place(column, 0))[0], self.columns)).collect();
+        let across: Vec<Neighbors> =
+            (0..to.columns).map(|column| Neighbors::of(self.index(to.place(column, 0))[0], self.columns)).collect();
         let row = |row: usize| {
-            let down = Neighbours::of(self.index(to.place(0, row))[1], self.rows);
+            let down = Neighbors::of(self.index(to.place(0, row))[1], self.rows);
             across.iter().map(move |across| self.mixed(values, *across, down))
         };
         (0..to.rows).flat_map(row).collect()
@@ -67,18 +67,18 @@ impl Field {
 
 /// Two values next to each other, and how far it is from the first toward the second.
 #[derive(Clone, Copy)]
-struct Neighbours {
+struct Neighbors {
     first: usize,
     second: usize,
     part: f64,
 }
 
-impl Neighbours {
+impl Neighbors {
     /// Those around the place `at` of `n`.
-    fn of(at: f64, n: usize) -> Neighbours {
+    fn of(at: f64, n: usize) -> Neighbors {
         let at = at.clamp(0.0, (n - 1) as f64);
         // A cast cuts off the fraction.
         let first = at as usize;
-        Neighbours { first, second: (first + 1).min(n - 1), part: at - first as f64 }
+        Neighbors { first, second: (first + 1).min(n - 1), part: at - first as f64 }
     }
 }

@@ -129,15 +129,7 @@ impl Picture<'_> {
             let amounts = ridges.iter().map(|ridge| ridge.strength * ridge.length_px / self.px_per_deg);
             amounts.sum::<f64>() / area
         };
-        PictureView {
-            bands,
-            visibility: Visibility {
-                bright: pooled(channels.iter().map(|channel| channel.bright)),
-                dark: pooled(channels.iter().map(|channel| channel.dark)),
-            },
-            density: pooled(seen.iter().map(amount)),
-            map,
-        }
+        PictureView { bands, visibility: Visibility::over(&channels), density: pooled(seen.iter().map(amount)), map }
     }
 
     fn bands(&self, seen: &[Vec<Ridge>]) -> Vec<Band> {

@@ -42,7 +42,7 @@ pub(super) struct Search<'a> {
     pub(super) beside: f64,
 }
 
-/// The value at `here`, in rows of `columns`, and its eight neighbours.
+/// The value at `here`, in rows of `columns`, and its eight neighbors.
 fn near<T: Copy>(values: &[T], here: usize, columns: usize) -> [[T; 3]; 3] {
     [here - columns, here, here + columns].map(|middle| {
         let row = &values[middle - 1..middle + 2];
@@ -59,7 +59,7 @@ struct Local {
 }
 
 impl Local {
-    /// From a value and its eight neighbours.
+    /// From a value and its eight neighbors.
     fn of([a, b, c]: [[f64; 3]; 3]) -> Local {
         Local {
             value: b[1],

@@ -66,7 +66,7 @@ pub fn degrees(at: f64, len: usize, px_per_deg: f64) -> f64 {
 /// samples away, it is lower (higher). At the knee of a ramp one side is a plateau, at the same height.
 fn lit(light: &[f64], at: f64, near_px: f64, bright: bool) -> bool {
     let end = light.len() - 1;
-    // Never less than a sample, or a coarse profile would have no neighbours.
+    // Never less than a sample, or a coarse profile would have no neighbors.
     let near = near_px.max(1.0);
     let value = |at: f64| light[(at.round().max(0.0) as usize).min(end)];
     let least = 1e-9 * range(light);
@@ -101,7 +101,7 @@ fn center(peak: &Peak) -> f64 {
     f64::midpoint(peak.first as f64, peak.last as f64)
 }
 
-/// Where the parabola through a maximum and its neighbours is highest.
+/// Where the parabola through a maximum and its neighbors is highest.
 fn summit(values: &[f64], at: usize) -> f64 {
     at as f64 + vertex(values[at - 1], values[at], values[at + 1])
 }

@@ -7,9 +7,9 @@ use super::bands::overshoots;
 use super::model::{Baseline, Mark, is_profile};
 use super::spectrum::{Spectrum, gaussian};
 
-/// A balanced centre and surround of one size, both Gaussians of area 1.
+/// A balanced center and surround of one size, both Gaussians of area 1.
 ///
-/// Predicted brightness is the response, centre less surround: 0 on any plateau and on any straight ramp. A band's
+/// Predicted brightness is the response, center less surround: 0 on any plateau and on any straight ramp. A band's
 /// strength is the response's overshoot over the plateau beside it, divided by the light under the surround, as
 /// contrast is: 0.1 is a band of a tenth of the local light.
 ///
@@ -17,9 +17,9 @@ use super::spectrum::{Spectrum, gaussian};
 /// exactly this filter of one: a Gaussian's integral across is a Gaussian of the same width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralInhibition {
-    /// Standard deviation of the centre, degrees of visual angle, above 0.
+    /// Standard deviation of the center, degrees of visual angle, above 0.
     pub center_deg: f64,
-    /// The surround's standard deviation over the centre's, above 1.
+    /// The surround's standard deviation over the center's, above 1.
     pub surround: f64,
 }
 
@@ -28,11 +28,11 @@ impl LateralInhibition {
     /// at the fovea, the more sensitive of the two sustained ones, as Marr and Hildreth give it (Proc. R. Soc. Lond.
     /// B 207:187, 1980): N 3.1′, S 6.2′, T 11.7′, U 21′.
     pub const WIDTH_ARCMIN: f64 = 6.2;
-    /// Surround over centre of the sustained mechanisms (same sources; 3 for the transient ones).
+    /// Surround over center of the sustained mechanisms (same sources; 3 for the transient ones).
     pub const SURROUND: f64 = 1.75;
 
     /// The model whose excitatory part is `width_deg` degrees wide, and whose surround is `surround` (> 1) times as
-    /// wide as its centre. Marr and Hildreth make the mechanism balanced; so is this one.
+    /// wide as its center. Marr and Hildreth make the mechanism balanced; so is this one.
     #[must_use]
     pub fn with_width(width_deg: f64, surround: f64) -> Self {
         // Centre and surround of area 1 are equal where x² = 2σ²·ln r·r²/(r² − 1).

@@ -3,7 +3,7 @@
 /// A band as a model of one dimension sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Where it stands: degrees of visual angle from the profile's middle, positive towards its end.
+    /// Where it stands: degrees of visual angle from the profile's middle, positive toward its end.
     pub at_deg: f64,
     /// Whether it looks brighter than its surround, else darker.
     pub bright: bool,
@@ -18,7 +18,7 @@ pub trait Baseline {
 
     /// The bands of a profile of linear light, in the order of their position.
     ///
-    /// `light` holds samples at pixel centres, `px_per_deg` of them a degree; beyond its ends the profile
+    /// `light` holds samples at pixel centers, `px_per_deg` of them a degree; beyond its ends the profile
     /// goes on as it ends. A profile of fewer than three samples or with a value that is not finite has no
     /// bands, nor has any at a `px_per_deg` outside 0 (not included) to 100 000.
     fn marks(&self, light: &[f64], px_per_deg: f64) -> Vec<Mark>;

@@ -1,7 +1,7 @@
 //! ODOG: oriented differences of Gaussians, Blakeslee and McCourt 1999 (Vision Research 39:4361), as Robinson,
 //! Hammon and de Sa 2007 (Vision Research 47:1631) made it a program.
 //!
-//! Seven sizes of filter in octaves at six orientations. Each filter is a round Gaussian centre less a surround
+//! Seven sizes of filter in octaves at six orientations. Each filter is a round Gaussian center less a surround
 //! twice as long along one axis. The sizes of one orientation are added up with weights that rise as f^0.1, each
 //! orientation's sum is divided by its root mean square over the whole picture, and the six are added.
 
@@ -31,13 +31,13 @@ pub enum Beyond {
 /// of the orientations' root mean squares: it knows no contrast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Odog {
-    /// Space constant of the smallest centre, degrees: where it has fallen to 1/e. √2 standard deviations.
+    /// Space constant of the smallest center, degrees: where it has fallen to 1/e. √2 standard deviations.
     pub finest_deg: f64,
     /// Sizes of filter, each twice the one before.
     pub sizes: u32,
     /// Orientations, evenly spread over half a turn.
     pub orientations: u32,
-    /// Length of the surround over the centre's along the orientation's axis.
+    /// Length of the surround over the center's along the orientation's axis.
     pub surround: f64,
     /// Power of a filter's frequency that is its weight.
     pub slope: f64,
@@ -53,11 +53,11 @@ impl Odog {
     pub const SIZES: u32 = 7;
     /// Blakeslee and McCourt 1999: every 30°.
     pub const ORIENTATIONS: u32 = 6;
-    /// Blakeslee and McCourt 1999: centre to surround 1:2 along one axis, 1:1 along the other.
+    /// Blakeslee and McCourt 1999: center to surround 1:2 along one axis, 1:1 along the other.
     pub const SURROUND: f64 = 2.0;
     /// Blakeslee and McCourt 1999: after the low-frequency fall of the suprathreshold contrast sensitivity function.
     pub const SLOPE: f64 = 0.1;
-    /// Robinson et al. 2007: mid grey around the picture.
+    /// Robinson et al. 2007: mid gray around the picture.
     pub const BEYOND: Beyond = Beyond::Light(0.5);
 
     /// The predicted brightness of a picture of linear light, `width` × `height` pixels in rows from the top left,
@@ -90,7 +90,7 @@ impl Odog {
         PI * f64::from(orientation) / f64::from(self.orientations)
     }
 
-    /// Standard deviation of each size's centre, degrees, and its weight in the sum.
+    /// Standard deviation of each size's center, degrees, and its weight in the sum.
     fn sizes(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let (finest, slope) = (self.finest_deg, self.slope);
         // The response knows no common factor, so frequency may be 1/size.

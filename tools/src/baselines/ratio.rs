@@ -188,7 +188,7 @@ fn nearest(crests: &[Crest], here: Crest, reach: f64) -> Option<Crest> {
     crests.iter().copied().filter(|crest| away(crest) <= reach).min_by(|a, b| away(a).total_cmp(&away(b)))
 }
 
-/// Place, height and ratio where the height is largest between neighbouring scales.
+/// Place, height and ratio where the height is largest between neighboring scales.
 fn between(fine: Crest, here: Crest, coarse: Crest) -> Crest {
     let off = vertex(fine.height, here.height, coarse.height);
     let at = |get: fn(Crest) -> f64| through([get(fine), get(here), get(coarse)], off);
