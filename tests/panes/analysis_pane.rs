@@ -22,7 +22,9 @@ use machband::{
 
 use crate::{
     common::succeeds,
-    window::{Role, Window, builder, choose, click, home, press, request, texts, type_into, value, wait_for},
+    window::{
+        Role, Window, builder, choose, click, has_graphics, home, press, request, texts, type_into, value, wait_for,
+    },
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"tiny\"\ntitle = \"A tiny study\"\n[stimulus]\nkind = \"mach-band\"\n\
@@ -113,6 +115,16 @@ fn assert_has(window: &Window, part: &str) {
     assert!(found, "{part:?} is not in {:#?}", texts(window));
 }
 
+/// Writes a picture of the window, for a person who asks for pictures.
+fn picture(window: &mut Window, name: &str) {
+    if let Some(folder) = std::env::var_os("MACHBAND_PICTURES").filter(|_| has_graphics()) {
+        // Until the figures are drawn.
+        std::thread::sleep(Duration::from_millis(300));
+        window.run_steps(5);
+        window.render().unwrap().save(Path::new(&folder).join(format!("analysis_{name}.png"))).unwrap();
+    }
+}
+
 /// That the window shows the document of these results, section by section.
 fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     let figures = figures::all(results);
@@ -121,6 +133,7 @@ fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     for section in &document.sections {
         click(window, section.heading);
         rest(window);
+        picture(window, section.id);
         for block in &section.blocks {
             match block {
                 Block::Heading(text) | Block::Text(text) | Block::Note(text) | Block::Warning(text) => {
@@ -213,6 +226,9 @@ fn filters_narrow_the_analysis_and_its_export() {
     click(&mut window, "Export");
     rest(&mut window);
     assert_has(&window, "files written to");
+    if let Some(folder) = std::env::var_os("MACHBAND_PICTURES") {
+        std::fs::copy(out.join("report.html"), Path::new(&folder).join("report.html")).unwrap();
+    }
     for file in ["report.html", "figure4a.svg", "figure4b.png", "by_width.csv", "tests.csv", "model.json"] {
         assert!(out.join(file).is_file(), "{file}");
     }

@@ -160,9 +160,9 @@ mod tests {
     #[test]
     fn only_what_differs_from_the_default_is_named() {
         let paths = [PathBuf::from("results/tiny"), PathBuf::from("is here.csv")];
-        let plain = command(&paths[..1], &Reading::default(), &Options::default(), "out");
+        let plain = command(&paths[..1], &ReadOptions::default(), &Options::default(), "out");
         assert_eq!(plain, "machband analyze results/tiny --out out");
-        let how = Reading { response: Some("score".to_owned()), complete_only: true, ..Reading::default() };
+        let how = ReadOptions { response: Some("score".to_owned()), complete_only: true, ..ReadOptions::default() };
         let terms = Terms::parse("width*num:inv_n").ok();
         let options = Options { terms, link: Link::Probit, scale: true, ..Options::default() };
         assert_eq!(
