@@ -59,14 +59,14 @@ fn frames() -> Vec<(&'static str, Frame)> {
     let wide = View { width: 151, height: 117, distance: 3.0, ..View::square(1) }.rotated([-40.0, 10.0, 30.0]);
     vec![
         ("cube", frame(shapes::cube(), View::square(96).rotated([25.0, -35.0, 0.0]), Lighting::standard())),
-        ("blob", frame(shapes::blob(313).unwrap(), View::square(160).rotated([20.0, 30.0, 0.0]), Lighting::standard())),
+        ("blob", frame(shapes::blob(313), View::square(160).rotated([20.0, 30.0, 0.0]), Lighting::standard())),
         ("sheet", frame(sheet(), wide, colored())),
         // Most of it outside the window.
-        ("near", frame(shapes::blob(100).unwrap(), View { fill: 4.0, distance: 1.5, ..View::square(120) }, colored())),
+        ("near", frame(shapes::blob(100), View { fill: 4.0, distance: 1.5, ..View::square(120) }, colored())),
     ]
 }
 
-/// A square whose sides lie on the centres of pixels: half of those are its own.
+/// A square whose sides lie on the centers of pixels: half of those are its own.
 fn square() -> (&'static str, Frame) {
     let view = View { fill: 36.0 * 3f64.sqrt() / 65.0, ..View::square(65) };
     let frame = Frame::new(&Surface::new(shapes::cube()), &view, &Lighting::standard(), DVec3::ZERO);

@@ -117,7 +117,7 @@ fn whole_model_agrees_with_python() {
 }
 
 #[test]
-fn fresnel_is_the_mean_of_the_two_polarisations() {
+fn fresnel_is_the_mean_of_the_two_polarizations() {
     for index in [0.4, 0.75, 1.01, 1.33, 1.5, 2.42, 20.0] {
         let normal = ((index - 1.0) / (index + 1.0f64)).powi(2);
         assert!((fresnel(1.0, index) - normal).abs() < 1e-15, "{index}");

@@ -107,7 +107,7 @@ fn same_picture(a: &Mesh, b: &Mesh) -> bool {
 
 #[test]
 fn meshes_come_back_to_the_last_digit() {
-    let blob = shapes::blob(313).unwrap();
+    let blob = shapes::blob(313);
     assert!(same_picture(&mesh(&written(&blob, true)), &blob));
     // Without its normals, with the averages.
     let places: Vec<DVec3> = blob.vertices.iter().map(|v| v.position).collect();

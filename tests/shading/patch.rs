@@ -70,7 +70,7 @@ fn linear_fields_come_out_exactly() {
 /// Neighbours count by 1/d²: of two along x, one a unit away with a slope of 1, one four units away with none, the slope
 /// that fits is half; unweighted it were 1/17.
 #[test]
-fn near_neighbours_count_more() {
+fn near_neighbors_count_more() {
     let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0), (-4.0, 0.0), (0.0, -2.0)].map(|(x, y)| DVec2::new(x, y));
     let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
     let frame = frame(&places, &triangles, |p| gray(if p.x > 0.0 { 1.0 } else { 0.0 }));
@@ -107,7 +107,7 @@ fn quadratic_fields_come_out_within_the_error_of_their_gradients() {
         assert!(fault > 1e-6 && error > 1e-6, "{gradients}: nothing to bound");
         assert!(error <= 0.4 * fault * longest, "{gradients}: {error} with gradients off by {fault}");
     }
-    // A quadric needs five neighbours that lie well: inside, they mostly do.
+    // A quadric needs five neighbors that lie well: inside, they mostly do.
     let inside = |gradients| {
         let patches = Patches::new(&frame, gradients);
         let exact = frame.vertices.iter().zip(patches.gradients());

@@ -5,58 +5,60 @@ use std::collections::HashMap;
 use glam::{DMat3, DVec2, DVec3};
 use machband::shading::{Across, Frame, FrameTriangle, FrameVertex, Lighting, View};
 
-/// The frame of `triangles` over `places` in pixels, with the lights given. Its lights are not those of its lighting.
-pub fn frame(places: &[DVec2], triangles: &[[u32; 3]], light: impl Fn(DVec2) -> DVec3) -> Frame {
-    let vertices: Vec<FrameVertex> = places
-        .iter()
-        .map(|&screen| FrameVertex {
-            screen,
-            depth: 0.5,
-            eye: DVec3::new(screen.x, -screen.y, 0.0),
-            normal: DVec3::Z,
-            curvature: DMat3::ZERO,
-            light: light(screen),
-            ambient: DVec3::ZERO,
-        })
-        .collect();
-    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| facing(places, *t)).collect();
-    let mut sides: HashMap<[u32; 2], Vec<(u32, u32)>> = HashMap::new();
-    for (t, v) in triangles.iter().enumerate() {
-        for k in 0..3 {
-            let (a, b) = (v[(k + 1) % 3], v[(k + 2) % 3]);
-            sides.entry([a.min(b), a.max(b)]).or_default().push((t as u32, v[k]));
-        }
+/// A vertex at `screen`, facing the eye, with the light `light`.
+pub fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
+    FrameVertex {
+        screen,
+        depth: 0.5,
+        eye: DVec3::new(screen.x / 100.0 - 1.0, 1.0 - screen.y / 100.0, 0.0),
+        normal: DVec3::Z,
+        curvature: DMat3::ZERO,
+        light,
+        ambient: DVec3::splat(0.1),
+    }
+}
+
+/// A frame of 200 × 200 pixels. Edges run between vertices of one index: two triangles at one are smooth neighbors,
+/// more are several.
+pub fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting) -> Frame {
+    let ends = |t: usize, k: usize| (triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
+    let mut sides: HashMap<[u32; 2], Vec<(usize, usize)>> = HashMap::new();
+    for (t, k) in (0..triangles.len()).flat_map(|t| [(t, 0), (t, 1), (t, 2)]) {
+        let (a, b) = ends(t, k);
+        sides.entry([a.min(b), a.max(b)]).or_default().push((t, k));
     }
     let across = |t: usize, k: usize| {
-        let (a, b) = (triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
-        match sides[&[a.min(b), a.max(b)]][..] {
-            [first, second] => {
-                let (triangle, apex) = if first.0 == t as u32 { second } else { first };
-                Across::Triangle { triangle, apex }
-            }
-            _ => Across::Nothing,
+        let (a, b) = ends(t, k);
+        let others: Vec<_> = sides[&[a.min(b), a.max(b)]].iter().filter(|side| side.0 != t).collect();
+        match others[..] {
+            [] => Across::Nothing,
+            [&(u, l)] if ends(u, l) == (b, a) => Across::Triangle { triangle: u as u32, apex: triangles[u][l] },
+            _ => Across::Several,
         }
     };
-    let triangles = (0..triangles.len())
-        .map(|t| FrameTriangle {
-            vertices: triangles[t],
-            source: t as u32,
-            normal: DVec3::Z,
-            across: [0, 1, 2].map(|k| across(t, k)),
-        })
-        .collect();
-    let (width, height) = (128, 128);
-    let view = View::square(128);
+    let triangle = |t: usize| FrameTriangle {
+        vertices: triangles[t],
+        source: t as u32,
+        normal: DVec3::Z,
+        across: [0, 1, 2].map(|k| across(t, k)),
+    };
     Frame {
-        width,
-        height,
-        background: DVec3::ZERO,
+        width: 200,
+        height: 200,
+        background: DVec3::splat(0.25),
         vertices,
-        triangles,
-        lighting: Lighting::standard(),
-        view,
+        triangles: (0..triangles.len()).map(triangle).collect(),
+        lighting,
+        view: View::square(200),
         encoding: None,
     }
+}
+
+/// The frame of `triangles` over `places` in pixels, with the lights given. Its lights are not those of its lighting.
+pub fn frame(places: &[DVec2], triangles: &[[u32; 3]], light: impl Fn(DVec2) -> DVec3) -> Frame {
+    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| facing(places, *t)).collect();
+    let vertices = places.iter().map(|&screen| vertex(screen, light(screen))).collect();
+    joined(vertices, &triangles, Lighting::standard())
 }
 
 fn facing(places: &[DVec2], t: [u32; 3]) -> [u32; 3] {

@@ -52,9 +52,9 @@ fn scenes() -> Vec<(&'static str, Frame)> {
         ("cube, huge", frame(shapes::cube(), [75, 130], 40.0, &brown(), SKY)),
         ("torus, yellow", frame(shapes::torus(20, 12), [160, 160], 1.0, &yellow_dull, DVec3::ZERO)),
         ("sphere", frame(shapes::sphere(8), [64, 64], 1.3, &yellow, DVec3::ZERO)),
-        ("blob", frame(shapes::blob(313).unwrap(), [200, 180], 0.9, &brown(), SKY)),
-        ("blob, one pixel", frame(shapes::blob(20).unwrap(), [1, 1], 0.9, &brown(), SKY)),
-        ("blob, tiny", frame(shapes::blob(771).unwrap(), [37, 3], 0.9, &brown(), SKY)),
+        ("blob", frame(shapes::blob(313), [200, 180], 0.9, &brown(), SKY)),
+        ("blob, one pixel", frame(shapes::blob(20), [1, 1], 0.9, &brown(), SKY)),
+        ("blob, tiny", frame(shapes::blob(771), [37, 3], 0.9, &brown(), SKY)),
     ];
     for seed in 0..4 {
         scenes.push(("ugly", frame(ugly(seed), [150, 101], 1.1, &brown(), SKY)));
@@ -121,7 +121,7 @@ fn light_is_the_references() {
 
 #[test]
 fn encoded_light_is_the_references() {
-    let frame = frame(shapes::blob(313).unwrap(), [120, 100], 0.9, &brown(), SKY).encoded(&Transfer::Srgb.into());
+    let frame = frame(shapes::blob(313), [120, 100], 0.9, &brown(), SKY).encoded(&Transfer::Srgb.into());
     for shade in Shader::ALL.iter().map(|shader| Shade::new(*shader)) {
         let error = error(&frame, &shade);
         assert!(error <= 1e-5, "{shade:?}: {error}");
@@ -144,7 +144,7 @@ fn phong_is_the_references_under_any_lamps() {
                     (lighting.material.specular, lighting.material.shininess) = (specular, shininess);
                     lighting.material.specular_model = specular_model;
                     let view = View { distance, ..View::square(90).rotated([10.0, 20.0, 30.0]) };
-                    let surface = Surface::new(shapes::blob(60).unwrap());
+                    let surface = Surface::new(shapes::blob(60));
                     let frame = Frame::new(&surface, &view, &lighting, SKY);
                     let error = error(&frame, &Shade::new(Shader::Phong));
                     assert!(error <= 1e-5, "{lighting:?}, distance {distance}: {error}");

@@ -6,10 +6,11 @@ use machband::shading::coverage;
 use machband::shading::frame::{Bend, bends};
 use machband::shading::shaders::Curve;
 use machband::shading::{
-    Across, Correction, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Reference, Shade, Shader, Surface,
-    View, shapes,
+    Across, Correction, Frame, FrameVertex, Gradients, Lighting, Reference, Shade, Shader, Surface, View, shapes,
 };
 use proptest::prelude::*;
+
+use crate::plane::{self, joined as frame, vertex};
 
 const CORRECTIONS: [Correction; 3] = [Correction::Off, Correction::Printed, Correction::Repaired];
 
@@ -23,87 +24,11 @@ fn only_ambient() -> Lighting {
     Lighting { lamps: vec![], ..lighting(DVec3::Z) }
 }
 
-/// A vertex at `screen`, facing the eye, with the light `light`.
-fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
-    FrameVertex {
-        screen,
-        depth: 0.5,
-        eye: DVec3::new(screen.x / 100.0 - 1.0, 1.0 - screen.y / 100.0, 0.0),
-        normal: DVec3::Z,
-        curvature: DMat3::ZERO,
-        light,
-        ambient: DVec3::splat(0.1),
-    }
-}
-
-/// A frame of 200 × 200 pixels. Edges run between vertices of one index: two triangles at one are smooth neighbours,
-/// more are several.
-fn frame(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting) -> Frame {
-    let across = |t: usize, k: usize| {
-        let (i, j) = (triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
-        let others: Vec<(usize, usize)> = (0..triangles.len())
-            .filter(|u| *u != t)
-            .flat_map(|u| (0..3).map(move |l| (u, l)))
-            .filter(|(u, l)| {
-                let ends = (triangles[*u][(l + 1) % 3], triangles[*u][(l + 2) % 3]);
-                ends == (i, j) || ends == (j, i)
-            })
-            .collect();
-        match others[..] {
-            [] => Across::Nothing,
-            [(u, l)] if triangles[u][(l + 1) % 3] == j => {
-                Across::Triangle { triangle: u as u32, apex: triangles[u][l] }
-            }
-            _ => Across::Several,
-        }
-    };
-    let triangles = (0..triangles.len())
-        .map(|t| FrameTriangle {
-            vertices: triangles[t],
-            source: t as u32,
-            normal: DVec3::Z,
-            across: [0, 1, 2].map(|k| across(t, k)),
-        })
-        .collect();
-    Frame {
-        width: 200,
-        height: 200,
-        background: DVec3::splat(0.25),
-        vertices,
-        triangles,
-        lighting,
-        view: View::square(200),
-        encoding: None,
-    }
-}
-
 /// A square of `cells`² cells of two triangles, its inner vertices jittered, with the light that `light` gives a place.
-fn grid(cells: u32, light: impl Fn(DVec2) -> DVec3) -> Frame {
-    let mut state = 7u32;
-    let mut random = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(state >> 8) / f64::from(1 << 24) - 0.5
-    };
-    let side = 160.0 / f64::from(cells);
-    let mut vertices = Vec::new();
-    for y in 0..=cells {
-        for x in 0..=cells {
-            let inner = (1..cells).contains(&x) && (1..cells).contains(&y);
-            let jitter = DVec2::new(random(), random()) * if inner { 0.6 } else { 0.0 };
-            let place = (DVec2::new(f64::from(x), f64::from(y)) + jitter) * side + 20.0;
-            let place = (place * 256.0).round() / 256.0;
-            vertices.push(vertex(place, light(place)));
-        }
-    }
-    let at = |x: u32, y: u32| y * (cells + 1) + x;
-    let triangles: Vec<[u32; 3]> = (0..cells * cells)
-        .flat_map(|i| {
-            let (x, y) = (i % cells, i / cells);
-            let (a, b, c, d) = (at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1));
-            if (x + y) % 2 == 0 { [[a, c, b], [b, c, d]] } else { [[a, c, d], [a, d, b]] }
-        })
-        .collect();
-    frame(vertices, &triangles, lighting(DVec3::new(0.36, 0.48, 0.8)))
+fn grid(cells: usize, light: impl Fn(DVec2) -> DVec3) -> Frame {
+    let (places, triangles) = plane::grid(cells, 160.0, 0.3, 7);
+    let places: Vec<DVec2> = places.iter().map(|p| ((p + 20.0) * 256.0).round() / 256.0).collect();
+    plane::frame(&places, &triangles, light)
 }
 
 fn shade(shader: Shader, depth: Depth, boundary: f64) -> Shade {
@@ -598,7 +523,7 @@ fn covers(frame: &Frame, triangle: usize, p: DVec2) -> bool {
 
 #[test]
 fn each_pixel_of_a_surface_belongs_to_one_triangle() {
-    // Vertices on pixel centres, and in steps of 1/256.
+    // Vertices on pixel centers, and in steps of 1/256.
     let mut grid = grid(5, |_| DVec3::ONE);
     for (i, vertex) in grid.vertices.iter_mut().enumerate() {
         if i % 2 == 0 {
@@ -622,7 +547,7 @@ fn each_pixel_of_a_surface_belongs_to_one_triangle() {
 
 #[test]
 fn a_pixel_on_an_edge_belongs_to_the_top_or_left_one() {
-    // A square of 2 × 2 pixels between centres: centres on its top and left edges are its own, the others not.
+    // A square of 2 × 2 pixels between centers: centers on its top and left edges are its own, the others not.
     let square = [(10.5, 10.5), (12.5, 10.5), (10.5, 12.5), (12.5, 12.5)];
     let vertices = square.map(|(x, y)| vertex(DVec2::new(x, y), DVec3::ONE)).to_vec();
     let square = frame(vertices, &[[0, 2, 1], [1, 2, 3]], only_ambient());

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::shading::{
     draw::Reference,
     frame::{Across, Frame},
-    shaders::Shade,
+    shaders::{Shade, Shader},
 };
 
 /// The crease at one edge.
@@ -75,10 +75,7 @@ impl Creases {
     /// Those that Gouraud's shader leaves in `frame`, to compare with.
     #[must_use]
     pub fn of_gouraud(frame: &Frame) -> Creases {
-        Creases::of_field(frame, |triangle, w| {
-            let [a, b, c] = frame.corners(triangle).map(|v| v.light);
-            w[0] * a + w[1] * b + w[2] * c
-        })
+        Creases::of(frame, &Shade::new(Shader::Gouraud))
     }
 
     /// Those of a picture that shows the light of `shade` through the `decode` of a frame whose lights were encoded.

@@ -1,5 +1,7 @@
-// Ours, *cut*; needs curve.wgsl and strips.wgsl: what one edge adds, −c·b'·Ψ_n(t/b'). `foot` is where the triangle's apex stands over the edge, `reach`
-// how far the feet of both apexes are from its ends, as a part of its length.
+// Ours, *cut*: what one edge adds to Gouraud's light, −c·b'·Ψ_n(t/b'). Needs curve.wgsl and strips.wgsl.
+//
+// `foot` is where the triangle's apex stands over the edge, `reach` how far the feet of both apexes are from its ends, as a
+// part of its length.
 fn cut_strip(c: vec3f, foot: f32, reach: vec2f, t: f32, others: vec2f, b: f32) -> vec3f {
     // The pixel's own foot, from either end.
     let along = vec2f(others.y + t * foot, others.x + t * (1.0 - foot));
@@ -9,4 +11,3 @@ fn cut_strip(c: vec3f, foot: f32, reach: vec2f, t: f32, others: vec2f, b: f32) -
     }
     return vec3f(0.0);
 }
-

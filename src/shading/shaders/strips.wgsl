@@ -1,4 +1,4 @@
-// The strips at the edges of triangles. Needs interpolation.wgsl.
+// The strips at the edges of triangles. Needs nothing else.
 //
 // In a strip, t is the weight that is 0 on the edge, `others` the two weights of the edge's ends in order, b the width.
 

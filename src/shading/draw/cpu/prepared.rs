@@ -199,7 +199,7 @@ mod tests {
         #[cfg(target_arch = "x86_64")]
         machines.extend(pulp::x86::V3::try_new().map(|v3| ("AVX2", Arch::V3(v3))));
         let lighting = Lighting::standard().with_color(DVec3::new(0.9, 0.6, 0.3));
-        for mesh in [shapes::cube(), shapes::torus(16, 8), shapes::blob(200).unwrap()] {
+        for mesh in [shapes::cube(), shapes::torus(16, 8), shapes::blob(200)] {
             let view = View { width: 190, height: 150, ..View::square(1).rotated([20.0, 40.0, 10.0]) };
             let frame = Frame::new(&Surface::new(mesh), &view, &lighting, DVec3::ZERO);
             for shader in Shader::ALL {

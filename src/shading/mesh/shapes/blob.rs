@@ -1,10 +1,10 @@
-//! A closed surface with as many vertices as one likes.
+//! A closed surface with any number of vertices.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::hull::{self, HullError};
+use super::hull::hull;
 use crate::shading::mesh::Mesh;
 
 /// A tetrahedron.
@@ -28,14 +28,11 @@ pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
 /// A closed surface over `count` Fibonacci points, at least 4: the triangles of their convex hull, 2·`count` − 4, each
 /// place then moved in or out by a smooth function of its direction, so that the surface is round but no ball: it has
 /// hollows, and no symmetry.
-///
-/// # Errors
-/// [`HullError`] for fewer than 4 points.
-pub fn blob(count: usize) -> Result<Mesh, HullError> {
+#[must_use]
+pub fn blob(count: usize) -> Mesh {
     let points = fibonacci_points(count);
-    let triangles = hull::hull(&points)?;
     let positions: Vec<DVec3> = points.iter().map(|p| *p * radius(*p)).collect();
-    Ok(Mesh::new(&positions, &triangles, 180.0).expect("a hull is a mesh").with_normals(normal))
+    Mesh::new(&positions, &hull(&points), 180.0).expect("a blob is a mesh").with_normals(normal)
 }
 
 /// The surface is at the distance r(u) in the direction u; its normal is along u − ∇r/r, of the slope the part across u.

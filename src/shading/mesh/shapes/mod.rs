@@ -13,7 +13,7 @@ mod solids;
 
 pub use blob::{blob, fibonacci_points};
 pub use grid::jittered_grid;
-pub use hull::{HullError, hull};
+pub use hull::hull;
 pub use round::{sphere, torus};
 pub use shape::{MOST_VERTICES, Shape, ShapeError, UnknownShape, mesh};
 pub use solids::{cube, pyramid};

@@ -2,7 +2,6 @@
 
 use super::{
     blob::{self, blob},
-    hull::HullError,
     round::{self, sphere},
     solids::{cube, pyramid},
 };
@@ -24,22 +23,16 @@ named! {
     }
 }
 
-/// Why there is no such shape.
+/// The shape cannot have so many or so few vertices.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ShapeError {
-    /// The shape cannot have so many or so few vertices.
-    #[error("a {shape} cannot have {vertices} vertices; expected {least}…{most}", most = MOST_VERTICES)]
-    Vertices {
-        /// Which shape.
-        shape: Shape,
-        /// How many were asked for.
-        vertices: usize,
-        /// The fewest it can have.
-        least: usize,
-    },
-    /// The points have no convex hull.
-    #[error(transparent)]
-    Hull(#[from] HullError),
+#[error("a {shape} cannot have {vertices} vertices; expected {least}…{most}", most = MOST_VERTICES)]
+pub struct ShapeError {
+    /// Which shape.
+    shape: Shape,
+    /// How many were asked for.
+    vertices: usize,
+    /// The fewest it can have.
+    least: usize,
 }
 
 /// Most vertices of a shape.
@@ -68,16 +61,16 @@ impl Shape {
 /// triangles would lose their shape otherwise; cube and pyramid have 8 whatever is asked for.
 ///
 /// # Errors
-/// [`ShapeError::Vertices`] outside [`Shape::least_vertices`]…[`MOST_VERTICES`].
+/// [`ShapeError`] outside [`Shape::least_vertices`]…[`MOST_VERTICES`].
 pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
     if shape.has_vertices() && !(shape.least_vertices()..=MOST_VERTICES).contains(&vertices) {
-        return Err(ShapeError::Vertices { shape, vertices, least: shape.least_vertices() });
+        return Err(ShapeError { shape, vertices, least: shape.least_vertices() });
     }
     match shape {
         Shape::Cube => Ok(cube()),
         Shape::Pyramid => Ok(pyramid()),
         Shape::Sphere => Ok(sphere(round::subdivisions(vertices))),
         Shape::Torus => Ok(round::torus_of(vertices)),
-        Shape::Blob => Ok(blob(vertices)?),
+        Shape::Blob => Ok(blob(vertices)),
     }
 }
