@@ -30,26 +30,26 @@ pub struct Columns {
 impl Columns {
     /// A form about the first CSV file among these paths; none where there is no such file, or where it has a header of
     /// ours and needs no form.
-    pub fn needed(paths: &[PathBuf], how: &ReadOptions) -> Option<Self> {
-        let form = Self::of(paths, how)?;
+    pub fn needed(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
+        let form = Self::of(paths, read_options)?;
         let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
-        let known = has(&how.subject, "subject_id") && has(&how.response, "rating");
+        let known = has(&read_options.subject, "subject_id") && has(&read_options.response, "rating");
         (!known).then_some(form)
     }
 
     /// A form about the first CSV file among these paths, as far as it was filled in before.
-    pub fn of(paths: &[PathBuf], how: &ReadOptions) -> Option<Self> {
+    pub fn of(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
         let file = paths.iter().find_map(|path| first_csv(path))?;
         let header = header(&file)?;
         let place = |name: &Option<String>| name.as_ref().and_then(|name| header.iter().position(|h| h == name));
         let like =
             |names: &[&str]| names.iter().find_map(|name| header.iter().position(|h| h.to_lowercase().contains(name)));
         let count = header.iter().position(|h| COUNTS.contains(&h.to_lowercase().as_str()));
-        let chosen = how.factors.clone().unwrap_or_default();
+        let chosen = read_options.factors.clone().unwrap_or_default();
         Some(Self {
-            subject: place(&how.subject).or_else(|| like(&SUBJECTS)),
-            response: place(&how.response).or_else(|| like(&RESPONSES)),
-            count: place(&how.count).or(count),
+            subject: place(&read_options.subject).or_else(|| like(&SUBJECTS)),
+            response: place(&read_options.response).or_else(|| like(&RESPONSES)),
+            count: place(&read_options.count).or(count),
             factors: header.iter().map(|name| chosen.contains(name)).collect(),
             file,
             header,
@@ -151,15 +151,15 @@ mod tests {
             std::fs::write(&path, text).unwrap();
             vec![path]
         };
-        let how = ReadOptions::default();
+        let read_options = ReadOptions::default();
         let paths = file("b.csv", "Participant,contrast,Response_03,freq\nA,1,2,3\n");
-        let form = Columns::needed(&paths, &how).unwrap();
+        let form = Columns::needed(&paths, &read_options).unwrap();
         assert_eq!((form.subject, form.response, form.count), (Some(0), Some(2), Some(3)));
         let reading = Columns { factors: vec![true; 4], ..form }.reading();
         assert_eq!(reading.factors, Some(vec!["contrast".to_owned()]));
         assert!(Columns::needed(&paths, &reading).is_none(), "named, and there");
-        assert!(Columns::needed(&file("c.csv", "subject_id,width,rating,count\n"), &how).is_none());
-        assert!(Columns::needed(&file("d.txt", "prose"), &how).is_none());
-        assert!(Columns::of(&[folder.path().to_owned()], &how).is_some());
+        assert!(Columns::needed(&file("c.csv", "subject_id,width,rating,count\n"), &read_options).is_none());
+        assert!(Columns::needed(&file("d.txt", "prose"), &read_options).is_none());
+        assert!(Columns::of(&[folder.path().to_owned()], &read_options).is_some());
     }
 }

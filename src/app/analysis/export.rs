@@ -132,22 +132,22 @@ fn write(study: &Study, results: &Results, command: &str, folder: &Path) -> Resu
 }
 
 /// `machband analyze` of these files with these options; only what differs from the default is named.
-pub fn command(paths: &[PathBuf], how: &ReadOptions, options: &Options, out: &str) -> String {
+pub fn command(paths: &[PathBuf], read_options: &ReadOptions, options: &Options, out: &str) -> String {
     let mut words = vec!["analyze".to_owned()];
     words.extend(paths.iter().map(|path| path.display().to_string()));
     let mut option = |name: &str, value: Option<String>| {
         words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
     };
-    option("--subject", how.subject.clone());
-    option("--response", how.response.clone());
-    option("--count", how.count.clone());
-    option("--factors", how.factors.as_ref().map(|factors| factors.join(",")));
+    option("--subject", read_options.subject.clone());
+    option("--response", read_options.response.clone());
+    option("--count", read_options.count.clone());
+    option("--factors", read_options.factors.as_ref().map(|factors| factors.join(",")));
     option("--terms", options.terms.as_ref().map(ToString::to_string));
     option("--link", (options.link != Link::default()).then(|| options.link.to_string()));
     option("--random", (options.random == Some(Random::None)).then(|| "none".to_owned()));
     option("--quadrature", (options.quadrature != 1).then(|| options.quadrature.to_string()));
     option("--out", Some(out.to_owned()));
-    words.extend(how.complete_only.then(|| "--complete-only".to_owned()));
+    words.extend(read_options.complete_only.then(|| "--complete-only".to_owned()));
     words.extend(options.scale.then(|| "--scale".to_owned()));
     shell_command(words)
 }
@@ -162,11 +162,12 @@ mod tests {
         let paths = [PathBuf::from("results/tiny"), PathBuf::from("is here.csv")];
         let plain = command(&paths[..1], &ReadOptions::default(), &Options::default(), "out");
         assert_eq!(plain, "machband analyze results/tiny --out out");
-        let how = ReadOptions { response: Some("score".to_owned()), complete_only: true, ..ReadOptions::default() };
+        let read_options =
+            ReadOptions { response: Some("score".to_owned()), complete_only: true, ..ReadOptions::default() };
         let terms = Terms::parse("width*num:inv_n").ok();
         let options = Options { terms, link: Link::Probit, scale: true, ..Options::default() };
         assert_eq!(
-            command(&paths, &how, &options, "out"),
+            command(&paths, &read_options, &options, "out"),
             "machband analyze results/tiny 'is here.csv' --response score --terms width,num:inv_n,width:num:inv_n \
              --link probit --out out --complete-only --scale"
         );

@@ -47,7 +47,7 @@ pub enum Request {
 /// The data and its analysis.
 pub struct OpenStudy {
     study: Arc<Study>,
-    how: ReadOptions,
+    read_options: ReadOptions,
     filters: Filters,
     settings: Settings,
     /// What was analyzed last, finished or not.
@@ -85,7 +85,7 @@ struct Outcome {
 
 impl OpenStudy {
     /// A study that was read.
-    pub fn new(study: Study, paths: Vec<PathBuf>, how: ReadOptions) -> Self {
+    pub fn new(study: Study, paths: Vec<PathBuf>, read_options: ReadOptions) -> Self {
         Self {
             filters: Filters::new(&study.measured.counts),
             settings: Settings::default(),
@@ -99,14 +99,14 @@ impl OpenStudy {
             export: Export::new(&paths),
             study: Arc::new(study),
             paths,
-            how,
+            read_options,
             copied: None,
             request: None,
         }
     }
 
     /// The same files read in another way: what was chosen stays, as far as there still is a choice.
-    pub fn reread(study: Study, how: ReadOptions, before: Self) -> Self {
+    pub fn reread(study: Study, read_options: ReadOptions, before: Self) -> Self {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
@@ -114,20 +114,20 @@ impl OpenStudy {
             settings: before.settings,
             section: before.section,
             export: before.export,
-            ..Self::new(study, before.paths, how)
+            ..Self::new(study, before.paths, read_options)
         }
     }
 
     /// The files could not be read in another way: what is here stays.
-    pub fn keep(&mut self, how: &ReadOptions, fault: String) {
+    pub fn keep(&mut self, read_options: &ReadOptions, fault: String) {
         // Not to be asked for again and again.
-        self.how.also.clone_from(&how.also);
+        self.read_options.also.clone_from(&read_options.also);
         self.not_reread = Some(fault);
     }
 
     /// How it was read.
-    pub fn how(&self) -> &ReadOptions {
-        &self.how
+    pub fn read_options(&self) -> &ReadOptions {
+        &self.read_options
     }
 
     /// What is asked of the page, once.
@@ -266,9 +266,10 @@ impl OpenStudy {
     fn controls(&mut self, ui: &mut egui::Ui) {
         source::show(ui, &self.study.source);
         if source::has_unfinished(&self.study.source) {
-            let mut complete = self.how.complete_only;
+            let mut complete = self.read_options.complete_only;
             if ui.checkbox(&mut complete, "Leave out unfinished sessions").changed() {
-                self.request = Some(Request::Read(ReadOptions { complete_only: complete, ..self.how.clone() }));
+                self.request =
+                    Some(Request::Read(ReadOptions { complete_only: complete, ..self.read_options.clone() }));
             }
         }
         if let Some(text) = &self.not_reread {
@@ -299,8 +300,9 @@ impl OpenStudy {
     fn export(&mut self, ui: &mut egui::Ui) {
         // What is on the page, and nothing that is still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
-        let command =
-            |outcome: &Outcome, out: &str| export::command(&self.paths, &self.how, &outcome.query.options, out);
+        let command = |outcome: &Outcome, out: &str| {
+            export::command(&self.paths, &self.read_options, &outcome.query.options, out)
+        };
         let exported = outcome.map(|outcome| Exported {
             study: &self.study,
             results: &outcome.results,
@@ -322,10 +324,10 @@ impl OpenStudy {
     /// Reads the files again where the terms name columns that are not read, or no longer name one that is.
     fn read_columns_of_terms(&mut self) {
         let factors = self.study.measured.counts.factors.iter().map(|factor| factor.name.as_str());
-        let usual: Vec<&str> = factors.filter(|name| !self.how.also.iter().any(|also| also == name)).collect();
+        let usual: Vec<&str> = factors.filter(|name| !self.read_options.also.iter().any(|also| also == name)).collect();
         let also = self.settings.missing(&usual);
-        if also != self.how.also && self.request.is_none() {
-            self.request = Some(Request::Read(ReadOptions { also, ..self.how.clone() }));
+        if also != self.read_options.also && self.request.is_none() {
+            self.request = Some(Request::Read(ReadOptions { also, ..self.read_options.clone() }));
         }
     }
 }

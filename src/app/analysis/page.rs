@@ -34,7 +34,7 @@ pub struct Analysis {
 
 /// Files that are being read.
 struct Pending {
-    how: ReadOptions,
+    read_options: ReadOptions,
     /// The files that are open now, in another way.
     again: bool,
     work: Work<Result<Study, FileFaults>>,
@@ -62,12 +62,13 @@ impl Analysis {
     }
 
     /// Reads files, and folders of them. What was being read before is forgotten.
-    fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, how: ReadOptions, again: bool) {
-        let how = ReadOptions { details: true, ..how };
+    fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, read_options: ReadOptions, again: bool) {
+        let read_options = ReadOptions { details: true, ..read_options };
         self.paths.clone_from(&paths);
         self.fault = None;
-        let asked = how.clone();
-        self.reading = Some(Pending { how, again, work: Work::start(ctx, move || Study::read(&paths, &asked)) });
+        let asked = read_options.clone();
+        self.reading =
+            Some(Pending { read_options, again, work: Work::start(ctx, move || Study::read(&paths, &asked)) });
     }
 
     fn read_new(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>) {
@@ -108,23 +109,23 @@ impl Analysis {
             Progress::Done(read) => read.map_err(|faults| faults.to_string()),
             Progress::Lost => Err("The files could not be read: reading ended unexpectedly".to_owned()),
         };
-        let Some(Pending { how, again, .. }) = self.reading.take() else { return };
+        let Some(Pending { read_options, again, .. }) = self.reading.take() else { return };
         match read {
             Ok(study) => {
                 self.columns = None;
                 let before = self.open.take().filter(|_| again);
                 self.open = Some(Box::new(match before {
-                    Some(before) => OpenStudy::reread(study, how, *before),
-                    None => OpenStudy::new(study, self.paths.clone(), how),
+                    Some(before) => OpenStudy::reread(study, read_options, *before),
+                    None => OpenStudy::new(study, self.paths.clone(), read_options),
                 }));
             }
             Err(fault) => match self.open.as_mut().filter(|_| again) {
-                Some(open) => open.keep(&how, fault),
+                Some(open) => open.keep(&read_options, fault),
                 None => {
                     self.open = None;
-                    self.columns = Columns::needed(&self.paths, &how);
+                    self.columns = Columns::needed(&self.paths, &read_options);
                     // Before any column is named there is nothing wrong with the names.
-                    let asked = self.columns.is_some() && how.subject.is_none();
+                    let asked = self.columns.is_some() && read_options.subject.is_none();
                     self.fault = (!asked).then_some(fault);
                 }
             },
@@ -136,8 +137,8 @@ impl Analysis {
         let Some(open) = &mut self.open else { return };
         match open.take_request() {
             Some(Request::OtherData) => self.open = None,
-            Some(Request::Columns) => self.columns = Columns::of(&self.paths, open.how()),
-            Some(Request::Read(how)) => self.read(ctx, self.paths.clone(), how, true),
+            Some(Request::Columns) => self.columns = Columns::of(&self.paths, open.read_options()),
+            Some(Request::Read(read_options)) => self.read(ctx, self.paths.clone(), read_options, true),
             None => {}
         }
     }
@@ -174,8 +175,8 @@ impl Analysis {
             if keep {
                 self.columns = None;
             }
-            if let Some(how) = named {
-                self.read(&ctx, self.paths.clone(), how, false);
+            if let Some(read_options) = named {
+                self.read(&ctx, self.paths.clone(), read_options, false);
             }
             match choice {
                 Some(Choice::Open(path)) => self.read_new(&ctx, vec![path]),

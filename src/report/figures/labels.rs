@@ -69,7 +69,7 @@ pub(super) fn heading(factor: &str) -> &str {
 }
 
 /// A factor within a sentence.
-pub(super) fn word(factor: &str) -> String {
+pub(super) fn in_sentence(factor: &str) -> String {
     clean(names(factor)[2])
 }
 

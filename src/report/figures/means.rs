@@ -117,13 +117,13 @@ fn chart<'a>(counts: &'a Counts, means: &Means, x: usize, by: Option<usize>) -> 
 
 impl Chart<'_> {
     fn figure(&self, name: &'static str, what: &str, source: &str) -> Figure {
-        let x = labels::word(&self.x.name);
+        let x = labels::in_sentence(&self.x.name);
         let (mut title, mut caption) = (format!("{what} by {x}"), format!("{what} by {x}"));
         if let Some(by) = self.by {
             let thing = if self.levels.ordered { "line" } else { "marker" };
             let some = labels::some_of(self.lines.len(), by.levels.len());
-            title += &format!(" and {}", labels::word(&by.name));
-            caption += &format!(", one {thing} a level of {}{some}", labels::word(&by.name));
+            title += &format!(" and {}", labels::in_sentence(&by.name));
+            caption += &format!(", one {thing} a level of {}{some}", labels::in_sentence(&by.name));
         }
         caption += &format!("; {source}.");
         let values = Values::ratings(self.counts);

@@ -15,7 +15,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
     let factor = *by_interest(counts).first()?;
     let by = &counts.factors[factor];
-    let (what, name, sample) = (labels::rating(results), labels::word(&by.name), labels::sample(results));
+    let (what, name, sample) = (labels::rating(results), labels::in_sentence(&by.name), labels::sample(results));
     let several = results.is_inferential();
     let title = format!("{what} of every participant by {name}");
     let caption = if several {

@@ -52,7 +52,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let mut caption = "Proportions of the ratings".to_owned();
     let drawn = [("bar", ", by ", bars.len()), ("panel", " and ", panels.len())];
     for (factor, (thing, by, drawn)) in counts.factors.iter().zip(drawn) {
-        let (name, some) = (labels::word(&factor.name), labels::some_of(drawn, factor.levels.len()));
+        let (name, some) = (labels::in_sentence(&factor.name), labels::some_of(drawn, factor.levels.len()));
         title += &format!("{by}{name}");
         caption += &format!(", one {thing} a level of {name}{some}");
     }

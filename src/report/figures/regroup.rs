@@ -71,18 +71,4 @@ mod tests {
         assert!(some.windows(2).all(|pair| (2..=3).contains(&(pair[1] - pair[0]))), "{some:?}");
     }
     use crate::analysis::counts::CountsBuilder;
-
-    /// What is left is what counting the same ratings without the other factors gives.
-    #[test]
-    fn a_projection_is_the_count_without_the_other_factors() {
-        let (mut whole, mut part) = (CountsBuilder::new(&["a", "b", "c"]), CountsBuilder::new(&["c", "a"]));
-        for i in 0..500_u32 {
-            let level = |n: u32| format!("{}", i * 7919 / 3 % n);
-            let (subject, a, b, c) = (level(4), level(3), level(5), level(2));
-            let rating = level(11).len().to_string();
-            whole.add(&subject, &[&a, &b, &c], &rating, u64::from(i % 3)).unwrap();
-            part.add(&subject, &[&c, &a], &rating, u64::from(i % 3)).unwrap();
-        }
-        assert_eq!(project(&whole.finish(), &[2, 0]), part.finish());
-    }
 }

@@ -46,9 +46,9 @@ impl StudyPrediction {
         }
         let places = places(counts, protocol, &conditions)?;
         let sight = Sight::new(window_deg(source, protocol));
-        let seen = visibilities(&conditions, &sight, None)?;
-        let seen: Vec<Option<f64>> = at(&places, &seen);
-        let comparison = compare(counts, &seen)?;
+        let predicted = visibilities(&conditions, &sight, None)?;
+        let predicted: Vec<Option<f64>> = at(&places, &predicted);
+        let comparison = compare(counts, &predicted)?;
         let values = category_values(counts);
         let expected = |visibility: f64| {
             comparison
@@ -59,7 +59,7 @@ impl StudyPrediction {
                 .map(|(share, value)| share * value)
                 .sum()
         };
-        let ratings = seen.iter().map(|visibility| visibility.map(expected)).collect();
+        let ratings = predicted.iter().map(|visibility| visibility.map(expected)).collect();
         Ok(Self { sight, comparison, ratings })
     }
 }
@@ -73,9 +73,9 @@ pub fn compare_conditions(
     counts: &Counts,
     protocol: &Protocol,
     conditions: &[Condition],
-    seen: &[Visibility],
+    predicted: &[Visibility],
 ) -> Result<Comparison, PredictionError> {
-    compare(counts, &at(&places(counts, protocol, conditions)?, seen))
+    compare(counts, &at(&places(counts, protocol, conditions)?, predicted))
 }
 
 /// The width of the window in the sessions, degrees: the mean of what their sidecars record, else what the
@@ -93,8 +93,8 @@ pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
 }
 
 /// Visibilities by the counts' conditions.
-fn at(places: &[Option<usize>], seen: &[Visibility]) -> Vec<Option<f64>> {
-    places.iter().map(|place| place.and_then(|place| seen.get(place)).map(Visibility::max)).collect()
+fn at(places: &[Option<usize>], predicted: &[Visibility]) -> Vec<Option<f64>> {
+    places.iter().map(|place| place.and_then(|place| predicted.get(place)).map(Visibility::max)).collect()
 }
 
 /// For each of the counts' conditions the place of the definition's condition that was shown; `None` where it is none
