@@ -135,11 +135,11 @@ impl App {
             Page::Shading(shading) => shading.show(ui, frame.wgpu_render_state()).widen(),
             Page::Display(display) => {
                 let step = display.show(ui, &monitor);
-                self.form.screen = display.form().clone();
+                self.form.screen = display.fields().clone();
                 step.widen()
             }
             Page::Analysis(analysis) => analysis.show(ui).widen(),
-            Page::Timing(timing) => Step::back_if(timing.show(ui, &monitor, frame.wgpu_render_state())),
+            Page::Timing(timing) => Step::back_if(timing.show(ui, &monitor)),
         }
     }
 

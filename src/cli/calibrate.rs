@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use jiff::civil::Date;
 use serde_json::{Value, json};
 
-use super::{UsageError, doubt, say, today, wrote};
+use super::{UsageError, say, today, warn, wrote};
 use crate::{
     display::{
         Measurement,
@@ -18,12 +18,13 @@ use crate::{
 /// Make a display profile from readings of a photometer.
 ///
 /// READINGS.csv has the columns channel,level,luminance_cd_m2: channel r, g, b or gray; level the code divided by the
-/// largest code, 0 to 1; readings in the order in which they were taken, repeated ones too.
+/// largest code, 0 to 1; readings in the order in which they were taken, including repeated ones.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example: machband calibrate left.csv --out left.toml --with \"Konica Minolta LS-150\" --plot left.svg\n\n\
-    Models: gamma is black + range·V^γ; gog has an offset too, (gain·V + offset)^γ; srgb is the shape of sRGB; table\n\
-    follows the readings where no curve fits them. auto takes the simplest that the readings do not speak against."
+    Models: srgb is the curve of sRGB; gamma is black + range·V^γ; gog has an offset too, (gain·V + offset)^γ; table\n\
+    follows the readings where no curve fits them. auto leaves out each level in turn and takes the simplest of the\n\
+    models that predict it best."
 )]
 pub(super) struct Arguments {
     /// What the photometer read.
@@ -45,8 +46,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DATE")]
     on: Option<Date>,
     /// The model of the profile.
-    #[arg(long, default_value = "auto", value_parser = ["auto", "gamma", "gog", "srgb", "table"])]
-    model: String,
+    #[arg(long, default_value = "auto")]
+    model: Model,
     /// Readings, curves and errors as a chart.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<PathBuf>,
@@ -55,19 +56,40 @@ pub(super) struct Arguments {
     report: Option<PathBuf>,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Model {
+    Auto,
+    Gamma,
+    Gog,
+    Srgb,
+    Table,
+}
+
+impl Model {
+    fn family(self, chosen: Family) -> Family {
+        match self {
+            Self::Auto => chosen,
+            Self::Gamma => Family::Gamma,
+            Self::Gog => Family::Gog,
+            Self::Srgb => Family::Srgb,
+            Self::Table => Family::Table,
+        }
+    }
+}
+
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     check(arguments)?;
     let readings = readings::open(&arguments.readings)?;
-    let calibration = Calibration::new(&readings)?;
-    let family = Family::ALL.into_iter().find(|family| family.name() == arguments.model).unwrap_or(calibration.chosen);
-    tell(arguments, &calibration, family)?;
+    let calibration = Calibration::new(&readings);
+    let family = arguments.model.family(calibration.chosen);
+    print(arguments, &calibration, family)?;
     let stem = arguments.out.file_stem().map_or_else(|| "display".into(), |stem| stem.to_string_lossy().into_owned());
     let measured = Measurement {
         on: Some(arguments.on.unwrap_or_else(today)),
         by: arguments.by.clone(),
         with: Some(arguments.with.clone()),
     };
-    let made = calibration.profile(family, arguments.name.as_deref().unwrap_or(&stem), measured)?;
+    let made = calibration.profile(family, arguments.name.as_deref().unwrap_or(&stem), measured);
     let done = if arguments.out.exists() { "replaced" } else { "wrote" };
     profile::write(&arguments.out, &made)?;
     if let Some(path) = &arguments.plot {
@@ -79,23 +101,18 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         wrote(path)?;
     }
     let out = arguments.out.display().to_string();
-    doubt(&out, &made);
+    warn(&out, &made);
     say(&format!("{done} {out}: {}", made.sentence()))
 }
 
 fn check(arguments: &Arguments) -> Result<(), UsageError> {
-    let same = |path: &Path| {
-        let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        real(path) == real(&arguments.readings)
-    };
+    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let outputs =
         [("--out", Some(&arguments.out)), ("--plot", arguments.plot.as_ref()), ("--report", arguments.report.as_ref())];
     for (option, path) in outputs {
-        if let Some(path) = path.filter(|path| same(path)) {
-            return Err(UsageError(format!(
-                "{option} {}: would replace the readings; expected another file",
-                path.display()
-            )));
+        if let Some(path) = path.filter(|path| real(path) == real(&arguments.readings)) {
+            let path = path.display();
+            return Err(UsageError(format!("{option} {path}: would replace the readings; expected another file")));
         }
     }
     match &arguments.plot {
@@ -118,27 +135,25 @@ fn plot(path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
 }
 
 /// The findings in readable lines.
-fn tell(arguments: &Arguments, calibration: &Calibration, family: Family) -> anyhow::Result<()> {
+fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> anyhow::Result<()> {
     let channels: Vec<&str> = calibration.readings.channels().iter().map(|channel| channel.name()).collect();
-    say(&format!(
-        "{}: {} readings of {}; they scatter by {:.2} %",
-        arguments.readings.display(),
-        calibration.readings.all().len(),
-        channels.join(", "),
-        100.0 * calibration.noise.relative
-    ))?;
-    let light = calibration.luminance_of(family);
-    say(&format!("black {:.4} cd/m², white {:.2} cd/m²", light.black_cd_m2, light.white_cd_m2))?;
-    say("")?;
+    let (file, readings) = (arguments.readings.display(), calibration.readings.all().len());
+    let (scatter, light) = (100.0 * calibration.noise, calibration.luminance_of(family));
+    say(&format!("{file}: {readings} readings of {}; they scatter by {scatter:.2} %", channels.join(", ")))?;
+    say(&format!("black {:.4} cd/m², white {:.2} cd/m²\n", light.black_cd_m2, light.white_cd_m2))?;
     say("model  channel  gamma              gain    offset   R²         largest error")?;
     say("                                                              codes    cd/m²")?;
     for model in &calibration.models {
-        for channel in &model.channels {
-            say(&line(model.family, channel))?;
-        }
+        model.channels.iter().try_for_each(|channel| say(&line(model.family, channel)))?;
     }
-    say("")?;
-    validation(calibration)?;
+    say("\nmodel  error of levels left out in turn")?;
+    say("       rms codes  rms cd/m²  largest codes  in units of the noise")?;
+    for model in &calibration.models {
+        let (name, found) = (model.family.name(), &model.validation);
+        let (codes, cd_m2, largest, score) =
+            (found.rms_codes, found.rms_cd_m2, found.largest_codes, found.score.sqrt());
+        say(&format!("{name:<6} {codes:>9.2}  {cd_m2:>9.3}  {largest:>13.2}  {score:>21.2}"))?;
+    }
     say("")?;
     if let Some(additivity) = &calibration.additivity {
         let (percent, light) = (additivity.largest_percent(), additivity.largest_cd_m2());
@@ -151,92 +166,80 @@ fn tell(arguments: &Arguments, calibration: &Calibration, family: Family) -> any
         ))?;
     }
     calibration.notes.iter().try_for_each(|note| say(&format!("note: {note}")))?;
-    let why =
-        if arguments.model == "auto" { "the simplest that the readings do not speak against" } else { "as asked" };
-    say(&format!("chosen: {family}, {why}"))
+    let better = calibration.chosen;
+    say(&format!("better by cross-validation: {better} (the simplest of the models that predict best)"))?;
+    say(&format!("chosen: {family}{}", if arguments.model == Model::Auto { "" } else { ", as requested" }))
 }
 
 fn line(family: Family, channel: &FittedChannel) -> String {
-    let gamma = match (channel.shape.and_then(|shape| shape.gamma()), channel.gamma_se) {
+    let gamma = match (channel.curve.gamma(), channel.gamma_se) {
         (Some(gamma), Some(se)) => format!("{gamma:.4} ± {se:.4}"),
         (Some(gamma), None) => format!("{gamma:.4}"),
         _ => "—".to_owned(),
     };
-    let (gain, offset) = match channel.shape.and_then(|shape| shape.gain_and_offset()) {
+    let (gain, offset) = match channel.curve.gain_and_offset() {
         Some((gain, offset)) => (format!("{gain:.4}"), format!("{offset:+.4}")),
         None => ("—".to_owned(), "—".to_owned()),
     };
-    format!(
-        "{:<6} {:<8} {gamma:<18} {gain:<7} {offset:<8} {:.6}  {:>6.2}  {:>7.3}",
-        family.name(),
-        channel.channel.name(),
-        channel.r_squared,
-        channel.largest_codes,
-        channel.largest_cd_m2
-    )
-}
-
-fn validation(calibration: &Calibration) -> anyhow::Result<()> {
-    say("model  error of levels left out in turn")?;
-    say("       rms codes  rms cd/m²  largest codes  in units of the noise")?;
-    for model in &calibration.models {
-        let Some(found) = &model.validation else { continue };
-        say(&format!(
-            "{:<6} {:>9.2}  {:>9.3}  {:>13.2}  {:>21.2}",
-            model.family.name(),
-            found.rms_codes,
-            found.rms_cd_m2,
-            found.largest_codes,
-            found.score.sqrt()
-        ))?;
-    }
-    say(&format!(
-        "better by cross-validation: {} (the simplest within one standard error of the best)",
-        calibration.better
-    ))
+    let (name, r_squared) = (channel.channel.name(), channel.r_squared);
+    let (codes, cd_m2) = (channel.largest_codes, channel.largest_cd_m2);
+    format!("{family:<6} {name:<8} {gamma:<18} {gain:<7} {offset:<8} {r_squared:.6}  {codes:>6.2}  {cd_m2:>7.3}")
 }
 
 /// The findings as JSON.
 fn report(calibration: &Calibration, family: Family) -> Value {
-    let models: Vec<Value> = (calibration.models.iter())
-        .map(|model| {
-            let channels: Vec<Value> = model.channels.iter().map(channel_json).collect();
-            let validation = model.validation.as_ref().map(|found| {
-                json!({ "rms_codes": found.rms_codes, "rms_cd_m2": found.rms_cd_m2, "largest_codes": found.largest_codes, "score": found.score })
-            });
-            json!({ "model": model.family.name(), "common_shape": model.common_shape, "bent": model.bent, "channels": channels, "cross_validation": validation })
+    let models = calibration.models.iter().map(|model| {
+        let found = &model.validation;
+        json!({
+            "model": model.family.name(),
+            "common_shape": model.common_shape,
+            "channels": model.channels.iter().map(channel_json).collect::<Value>(),
+            "cross_validation": {
+                "rms_codes": found.rms_codes,
+                "rms_cd_m2": found.rms_cd_m2,
+                "largest_codes": found.largest_codes,
+                "score": found.score,
+            },
         })
-        .collect();
-    let additivity = calibration.additivity.as_ref().map(|additivity| {
-        let sums: Vec<Value> = (additivity.sums.iter())
-            .map(|sum| json!({ "level": sum.level, "gray_cd_m2": sum.gray_cd_m2, "sum_cd_m2": sum.sum_cd_m2, "deviation_percent": sum.deviation_percent() }))
-            .collect();
-        json!({ "largest_percent": additivity.largest_percent().deviation_percent(), "largest_cd_m2": additivity.largest_cd_m2().deviation_cd_m2(), "levels": sums })
     });
-    let notes: Vec<String> = calibration.notes.iter().map(ToString::to_string).collect();
+    let additivity = calibration.additivity.as_ref().map(|additivity| {
+        let sums = additivity.sums.iter().map(|sum| {
+            json!({
+                "level": sum.level,
+                "gray_cd_m2": sum.gray_cd_m2,
+                "sum_cd_m2": sum.sum_cd_m2,
+                "deviation_percent": sum.deviation_percent(),
+            })
+        });
+        json!({
+            "largest_percent": additivity.largest_percent().deviation_percent(),
+            "largest_cd_m2": additivity.largest_cd_m2().deviation_cd_m2(),
+            "levels": sums.collect::<Value>(),
+        })
+    });
     json!({
         "readings": calibration.readings.all().len(),
-        "noise": { "relative": calibration.noise.relative, "floor_cd_m2": calibration.noise.floor_cd_m2 },
+        "noise": { "relative": calibration.noise },
         "luminance": calibration.luminance_of(family),
-        "models": models,
+        "models": models.collect::<Value>(),
         "chosen": family.name(),
-        "better_by_cross_validation": calibration.better.name(),
+        "better_by_cross_validation": calibration.chosen.name(),
         "additivity": additivity,
-        "drift_percent": calibration.drift.map(|drift| drift.percent),
-        "notes": notes,
+        "drift_percent": calibration.drift_percent,
+        "notes": calibration.notes,
     })
 }
 
 fn channel_json(channel: &FittedChannel) -> Value {
-    let shape = channel.shape.and_then(|shape| shape.gain_and_offset());
+    let gain_and_offset = channel.curve.gain_and_offset();
     json!({
         "channel": channel.channel.key(),
-        "gamma": channel.shape.and_then(|shape| shape.gamma()),
+        "gamma": channel.curve.gamma(),
         "gamma_se": channel.gamma_se,
-        "gain": shape.map(|(gain, _)| gain),
-        "offset": shape.map(|(_, offset)| offset),
-        "black_cd_m2": channel.response.black_cd_m2(),
-        "range_cd_m2": channel.response.range_cd_m2(),
+        "gain": gain_and_offset.map(|(gain, _)| gain),
+        "offset": gain_and_offset.map(|(_, offset)| offset),
+        "black_cd_m2": channel.curve.black_cd_m2,
+        "range_cd_m2": channel.curve.range_cd_m2,
         "r_squared": channel.r_squared,
         "largest_error_codes": channel.largest_codes,
         "largest_error_cd_m2": channel.largest_cd_m2,

@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         match crate::store::check::check(file) {
             Ok(found) => {
                 if let Some(profile) = &found.profile {
-                    super::doubt(file, profile);
+                    super::warn(file, profile);
                 }
                 super::say(&format!("{file}: {}", found.sentence))?;
             }

@@ -71,8 +71,6 @@ struct UsageError(String);
 
 /// Runs the program with the process' arguments.
 pub fn main() -> ExitCode {
-    #[cfg(feature = "window")]
-    crate::app::timing::mark_start();
     let arguments = Arguments::parse();
     let result = match arguments.command {
         #[cfg(feature = "window")]
@@ -128,10 +126,10 @@ fn wrote(path: &Path) -> anyhow::Result<()> {
 
 /// What speaks against a measured profile, on stderr: reason to measure again, and none to stop. `place` says whose
 /// profile it is. An assumption says itself that it is one.
-fn doubt(place: &str, profile: &DisplayProfile) {
-    if let Some(doubt) = profile.doubt(today()).filter(|_| profile.measured.is_some()) {
+fn warn(place: &str, profile: &DisplayProfile) {
+    if let Some(warning) = profile.warning(today()).filter(|_| profile.measured.is_some()) {
         // Where nobody listens, nothing is lost.
-        let _ = writeln!(std::io::stderr(), "warning: {place}: {doubt}");
+        let _ = writeln!(std::io::stderr(), "warning: {place}: {warning}");
     }
 }
 

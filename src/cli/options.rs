@@ -40,7 +40,7 @@ impl TransferOptions {
         Ok(match (&self.display, &self.transfer) {
             (Some(path), _) => {
                 let profile = store::profile::open(path)?;
-                super::doubt(&path.display().to_string(), &profile);
+                super::warn(&path.display().to_string(), &profile);
                 let hash = store::profile::hash(&profile);
                 (profile.transfers, Some(hash))
             }

@@ -1,18 +1,19 @@
 //! `machband timing`
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::mpsc};
 
 use crate::{
     app,
-    app::timing::{Patch, Place, Plan, SceneKind, Slot, TimingRequest, WARNING},
-    report, store,
+    app::timing::{FLICKER_WARNING, Patch, Place, Scene, TimingPlan, TimingRequest},
+    report::figures,
+    store,
 };
 
 /// Measure how evenly frames come.
 ///
 /// Opens a window that changes with every frame, and reports the intervals between frames, their percentiles, dropped
-/// frames (intervals above 1.5 refreshes) and missed refreshes, and whether the frames follow a steady refresh at all. The patch is a target for a photodiode: its light is the
-/// only proof of when a frame reaches the eye.
+/// frames (intervals above 1.5 refreshes) and missed refreshes, and whether the frames follow a steady refresh at all. The
+/// patch is a target for a photodiode: its light is the only proof of when a frame reaches the eye.
 ///
 /// With the scene `patch` a small patch flickers at the screen's refresh: do not look at it.
 #[derive(clap::Args)]
@@ -27,14 +28,14 @@ pub(super) struct Arguments {
     /// In a window; this is the default.
     #[arg(long)]
     windowed: bool,
-    /// What is drawn: a patch that flips, the screen of a trial, or the demo turning.
-    #[arg(long, value_name = "patch|trial|demo", default_value = "patch")]
-    scene: SceneKind,
+    /// What is drawn: a patch that flickers, or the screen of a trial.
+    #[arg(long, default_value = "patch")]
+    scene: Scene,
     /// Side of the patch in pixels.
     #[arg(long, value_name = "PX", default_value_t = Patch::default().size_px, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
     /// Where the patch is.
-    #[arg(long, value_name = "corner|center", default_value = "corner")]
+    #[arg(long, default_value = "corner")]
     place: Place,
     /// Every interval as CSV.
     #[arg(long, value_name = "FILE.csv")]
@@ -46,18 +47,18 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let patch = Patch { size_px: arguments.size, place: arguments.place };
-    let plan = Plan { scene: arguments.scene, frames: arguments.frames, patch };
-    if plan.scene == SceneKind::Patch {
-        eprintln!("{WARNING}");
+    let plan = TimingPlan { scene: arguments.scene, frames: arguments.frames, patch };
+    if plan.scene == Scene::Patch {
+        eprintln!("{FLICKER_WARNING}");
     }
-    let found = Slot::default();
-    app::time(TimingRequest { plan, fullscreen: arguments.fullscreen, report: found.clone() })?;
-    let Some(found) = found.take() else {
-        anyhow::bail!(
+    let (report, measured) = mpsc::channel();
+    app::time(TimingRequest { plan, fullscreen: arguments.fullscreen, report })?;
+    let found = measured.try_recv().map_err(|_| {
+        anyhow::anyhow!(
             "timing: the window was closed before {} frames were measured; expected it to close itself",
             plan.frames
         )
-    };
+    })?;
     for (name, value) in found.rows() {
         super::say(&format!("{name:<18}{value}"))?;
     }
@@ -67,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         super::wrote(path)?;
     }
     if let Some(path) = &arguments.plot {
-        store::write_file(path, report::figures::intervals(found.intervals_us(), found.refresh).as_bytes())?;
+        store::write_file(path, figures::intervals(found.intervals_us(), found.refresh).as_bytes())?;
         super::wrote(path)?;
     }
     Ok(())

@@ -31,6 +31,17 @@ impl Channel {
         }
     }
 
+    /// The name at the beginning of a line.
+    #[must_use]
+    pub fn capitalized(self) -> &'static str {
+        match self {
+            Self::Red => "Red",
+            Self::Green => "Green",
+            Self::Blue => "Blue",
+            Self::Gray => "Gray",
+        }
+    }
+
     /// The name in a file: r, g, b, gray.
     #[must_use]
     pub fn key(self) -> &'static str {
@@ -39,17 +50,6 @@ impl Channel {
             Self::Green => "g",
             Self::Blue => "b",
             Self::Gray => "gray",
-        }
-    }
-
-    /// The encoded values of red, green and blue, 0…1, of a patch at `level`.
-    #[must_use]
-    pub fn encoded(self, level: f64) -> [f64; 3] {
-        match self {
-            Self::Red => [level, 0.0, 0.0],
-            Self::Green => [0.0, level, 0.0],
-            Self::Blue => [0.0, 0.0, level],
-            Self::Gray => [level; 3],
         }
     }
 

@@ -76,10 +76,11 @@ pub struct Primaries {
 }
 
 /// How a screen was measured.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Measurement {
     /// The day, where it is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "day", skip_serializing_if = "Option::is_none")]
     pub on: Option<Date>,
     /// By whom.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -87,6 +88,12 @@ pub struct Measurement {
     /// With what: the photometer, or the eye and which procedure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with: Option<String>,
+}
+
+fn day<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Date>, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    let wrong = |_| serde::de::Error::custom(format!("measured.on is {text:?}; expected a day such as \"2026-01-31\""));
+    text.parse().map(Some).map_err(wrong)
 }
 
 impl Measurement {
@@ -139,7 +146,7 @@ impl DisplayProfile {
 
     /// What speaks against relying on the profile on the day `today`, in one sentence; `None` where nothing does.
     #[must_use]
-    pub fn doubt(&self, today: Date) -> Option<String> {
+    pub fn warning(&self, today: Date) -> Option<String> {
         let Some(measured) = &self.measured else {
             return Some("This screen was not measured: its light is assumed.".to_owned());
         };

@@ -141,7 +141,7 @@ fn check_readings(path: &Path) -> Result<String, FileFaults> {
 }
 
 fn check_matches(path: &Path) -> Result<String, FileFaults> {
-    Ok(format!("{} answers of a visual nulling", matches::open(path)?.len()))
+    Ok(format!("{} matches of a display by eye", matches::open(path)?.len()))
 }
 
 /// The frames beside a result file.

@@ -23,8 +23,6 @@ pub mod session;
 pub mod table;
 mod text;
 mod toml;
-#[allow(dead_code, reason = "until display profiles are read by toml")]
-mod toml_reader;
 
 pub use fault::{FileFault, FileFaults, StoreError};
 pub use file::{write_file, write_json};

@@ -12,12 +12,15 @@ use super::{
     table::{Content, each_row},
     text,
 };
-use crate::display::photometer::{Channel, Reading, ReadingFault, Readings};
+use crate::display::{
+    Channel,
+    photometer::{Reading, ReadingFault, Readings},
+};
 
-/// Faults of one kind that are told one by one; of more of them the first is told, with their number.
-const TOLD_EACH: usize = 3;
+/// Faults of one kind that are reported one by one; of more, the first is, with their number.
+const MOST_EACH: usize = 3;
 
-/// The columns, in the order in which they are written. Further columns are passed over.
+/// The columns, in the order in which they are written. Further columns are ignored.
 pub const COLUMNS: [&str; 3] = ["channel", "level", "luminance_cd_m2"];
 
 /// Reads readings that a profile can be made from, in the order in which they were taken.
@@ -49,7 +52,7 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileFaults> {
         if rows.iter().all(|row| (0.0..=1.0).contains(&row.reading.luminance_cd_m2)) {
             found.iter_mut().filter(|found| found.kind == Kind::Level).for_each(|found| found.message += EXCHANGED);
         }
-        told(file, found)
+        summarized(file, found)
     })
 }
 
@@ -59,7 +62,7 @@ const EXCHANGED: &str = " (every luminance_cd_m2 is within 0…1: are the column
 /// Kinds of faults that can be in many rows for one reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    /// Of the readings together, or of the table: each is told.
+    /// Of the readings together, or of the table: each is reported.
     Whole,
     Fields,
     /// Of the cell in the nth of [`COLUMNS`].
@@ -69,21 +72,21 @@ enum Kind {
     Luminance,
 }
 
-/// A fault, and where it stands: line and column from 1.
+/// A fault, and where it is: line and column from 1.
 struct Found {
     kind: Kind,
     position: Option<(usize, usize)>,
     message: String,
 }
 
-/// The faults as they are told: what is wrong in every row for one reason is one line, and not a line a row.
-fn told(file: &str, found: Vec<Found>) -> FileFaults {
+/// The faults as they are reported: what is wrong in every row for one reason is one line, not a line a row.
+fn summarized(file: &str, found: Vec<Found>) -> FileFaults {
     let mut counts = BTreeMap::new();
     found.iter().for_each(|one| *counts.entry(one.kind).or_insert(0_usize) += 1);
     let mut begun = BTreeSet::new();
     let each = found.into_iter().filter_map(|Found { kind, position, mut message }| {
         let count = counts[&kind];
-        if kind != Kind::Whole && count > TOLD_EACH {
+        if kind != Kind::Whole && count > MOST_EACH {
             if !begun.insert(kind) {
                 return None;
             }
@@ -94,10 +97,10 @@ fn told(file: &str, found: Vec<Found>) -> FileFaults {
     FileFaults(each.collect())
 }
 
-/// Reads readings as they stand in a file that may not be complete, to go on with it.
+/// Reads the readings in a file that may not be complete, to resume it.
 ///
 /// # Errors
-/// Cells that are no readings, each with its line and column; of many of one kind the first, with their number.
+/// Cells that are not readings, each with its line and column; of many of one kind the first, with their number.
 pub fn open_begun(path: &Path) -> Result<Vec<Reading>, FileFaults> {
     let rows = rows(&path.display().to_string(), &text::read(path)?)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
@@ -119,7 +122,7 @@ pub fn write(path: &Path, readings: &[Reading]) -> Result<(), StoreError> {
     write_whole(path, text.as_bytes(), true)
 }
 
-/// A reading, and where its cells stand: line and column from 1.
+/// A reading, and where its cells are: line and column from 1.
 struct Row {
     reading: Reading,
     level_at: (usize, usize),
@@ -167,7 +170,7 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
     if let Err(error) = read {
         faults.push(Found { kind: Kind::Whole, position: None, message: format!("{error}; expected rows of cells") });
     }
-    if faults.is_empty() { Ok(rows) } else { Err(told(file, faults)) }
+    if faults.is_empty() { Ok(rows) } else { Err(summarized(file, faults)) }
 }
 
 /// The reading of a row; `place` says where a cell stands.

@@ -1,22 +1,15 @@
 //! `machband calibrate`, and the files it reads and writes.
 
-use std::{
-    path::Path,
-    process::{Command, Output},
-};
-
 use machband::{
-    display::photometer::{Channel, Reading},
+    display::{Channel, photometer::Reading},
     light::Transfer,
     store::{profile, readings},
 };
 
-fn machband(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_machband")).current_dir(folder).args(arguments).output().unwrap()
-}
+use super::common::{machband, text};
 
-fn told(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+fn errors(output: &std::process::Output) -> String {
+    text(&output.stderr)
 }
 
 /// Readings without noise of a display with γ 2.2 and a black of 0.3 cd/m².
@@ -37,30 +30,14 @@ fn faults(text: &str) -> Vec<String> {
 fn a_profile_a_plot_and_a_report_come_of_readings() {
     let folder = tempfile::tempdir().unwrap();
     readings::write(&folder.path().join("r.csv"), &good(9)).unwrap();
-    let arguments = [
-        "calibrate",
-        "r.csv",
-        "--out",
-        "left.toml",
-        "--name",
-        "Left",
-        "--by",
-        "AB",
-        "--with",
-        "LS-150",
-        "--on",
-        "2026-02-03",
-        "--plot",
-        "left.svg",
-        "--report",
-        "left.json",
-    ];
-    let output = machband(folder.path(), &arguments);
-    assert!(output.status.success(), "{}", told(&output));
+    let line = "calibrate r.csv --out left.toml --name Left --by AB --with LS-150 --on 2026-02-03 --plot left.svg \
+                --report left.json";
+    let output = machband(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+    assert!(output.status.success(), "{}", errors(&output));
     let said = String::from_utf8(output.stdout).unwrap();
     // Both files are what `check` takes them for.
     let checked = machband(folder.path(), &["check", "r.csv", "left.toml"]);
-    assert!(checked.status.success(), "{}", told(&checked));
+    assert!(checked.status.success(), "{}", errors(&checked));
     let found = String::from_utf8(checked.stdout).unwrap();
     assert!(found.contains("36 readings of a photometer, red, green, blue, gray"), "{found}");
     assert!(found.contains("display profile Left (γ 2.200"), "{found}");
@@ -85,7 +62,7 @@ fn a_profile_a_plot_and_a_report_come_of_readings() {
     // The chart as an image, and a table asked for.
     let table =
         machband(folder.path(), &["calibrate", "r.csv", "--out", "t.toml", "--model", "table", "--plot", "t.png"]);
-    assert!(table.status.success(), "{}", told(&table));
+    assert!(table.status.success(), "{}", errors(&table));
     assert!(profile::open(&folder.path().join("t.toml")).unwrap().transfers.has_table());
     assert!(std::fs::read(folder.path().join("t.png")).unwrap().starts_with(b"\x89PNG"));
 }
@@ -96,8 +73,8 @@ fn what_was_written_and_replaced_is_named_and_an_old_day_is_warned_of() {
     readings::write(&folder.path().join("r.csv"), &good(9)).unwrap();
     let calibrate = |more: &[&str]| {
         let output = machband(folder.path(), &[&["calibrate", "r.csv", "--out", "left.toml"], more].concat());
-        assert!(output.status.success(), "{}", told(&output));
-        (String::from_utf8(output.stdout.clone()).unwrap(), told(&output))
+        assert!(output.status.success(), "{}", errors(&output));
+        (String::from_utf8(output.stdout.clone()).unwrap(), errors(&output))
     };
     let (said, warned) = calibrate(&["--plot", "left.svg", "--report", "left.json"]);
     for line in ["wrote left.svg\n", "wrote left.json\n", "wrote left.toml: left (γ 2.200"] {
@@ -148,8 +125,8 @@ fn each_bad_file_has_its_own_message_and_no_profile() {
     for (readings, expected) in cases {
         readings::write(&folder.path().join("bad.csv"), &readings).unwrap();
         let output = machband(folder.path(), &["calibrate", "bad.csv", "--out", "bad.toml"]);
-        assert_eq!(output.status.code(), Some(1), "{expected}: {}", told(&output));
-        let lines = told(&output);
+        assert_eq!(output.status.code(), Some(1), "{expected}: {}", errors(&output));
+        let lines = errors(&output);
         assert!(lines.lines().all(|line| line.starts_with("error: bad.csv: ") && line.contains(expected)), "{lines}");
         assert!(!folder.path().join("bad.toml").exists());
     }
@@ -167,7 +144,7 @@ fn readings_are_never_overwritten() {
     let before = std::fs::read(&path).unwrap();
     for arguments in [["--out", "r.csv", "--name", "x"], ["--out", "p.toml", "--report", "./r.csv"]] {
         let output = machband(folder.path(), &[["calibrate", "r.csv"].as_slice(), &arguments].concat());
-        assert_eq!(output.status.code(), Some(2), "{}", told(&output));
+        assert_eq!(output.status.code(), Some(2), "{}", errors(&output));
         assert_eq!(std::fs::read(&path).unwrap(), before);
     }
     let output = machband(folder.path(), &["calibrate", "r.csv", "--out", "p.toml", "--plot", "p.jpg"]);

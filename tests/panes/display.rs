@@ -1,13 +1,10 @@
 //! A display profile from its file to the screen: what is shown is what the command writes, each code is the nearest, and
 //! what is known of the screen stands with the data.
 
-use std::{path::Path, process::Command};
+use std::path::Path;
 
 use eframe::egui::Key;
-use egui_kittest::{
-    Harness,
-    kittest::{NodeT as _, Queryable as _},
-};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch, Request},
     display::{DisplayProfile, LuminanceRange, Measurement},
@@ -17,6 +14,15 @@ use machband::{
     store::{definition, image, profile, session::SessionStore, sidecar::Sidecar},
 };
 
+use super::{
+    common::succeeds,
+    window::{
+        self, Window, builder, click, has_graphics, home, press, type_into, value, wait_for, walk_to_first_trial,
+        wrong_pixels,
+    },
+};
+
+const SIZE: [f32; 2] = [1000.0, 800.0];
 const STEP_S: f32 = 1.0 / 60.0;
 
 /// A screen whose channels are a table, a gain with an offset, and a plain gamma.
@@ -46,54 +52,16 @@ fn protocol() -> Protocol {
 }
 
 fn request(results: &Path, display: DisplayProfile) -> Request {
-    Request {
-        protocol: protocol(),
-        identity: Identity::new("P001", "1").unwrap(),
-        seed: Some(5),
-        results: results.to_owned(),
-        display,
-        distance_cm: 50.0,
-        screen_width_cm: Some(30.0),
-        resume: false,
-        windowed: true,
-    }
-}
-
-fn builder() -> egui_kittest::HarnessBuilder<App> {
-    Harness::builder().with_size([1000.0, 800.0]).with_pixels_per_point(1.0).with_step_dt(STEP_S)
-}
-
-fn wait_for(harness: &mut Harness<'static, App>, label: &str) {
-    for _ in 0..2000 {
-        if harness.query_by_label_contains(label).is_some() {
-            return;
-        }
-        harness.step();
-    }
-    panic!("{label:?} did not come");
-}
-
-fn press(harness: &mut Harness<'static, App>, key: Key) {
-    harness.key_press(key);
-    harness.step();
+    Request { display, ..window::request(results, protocol()) }
 }
 
 fn sidecar(results: &Path) -> Sidecar {
     Sidecar::read(&results.join("shown/data/subject-P001_session-1_task-shown_data.json")).unwrap().unwrap()
 }
 
-/// `machband` with these arguments, which must succeed.
-fn machband(folder: &Path, arguments: &[&str]) {
-    let out = Command::new(env!("CARGO_BIN_EXE_machband")).args(arguments).current_dir(folder).output().unwrap();
-    assert!(out.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&out.stderr));
-}
-
 #[test]
 fn with_a_profile_the_screen_shows_what_the_command_writes() {
-    let instance = eframe::wgpu::Instance::new(eframe::wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    if pollster::block_on(instance.enumerate_adapters(eframe::wgpu::Backends::all())).is_empty() {
-        assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
-        eprintln!("SKIPPED: no graphics adapter");
+    if !has_graphics() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -101,13 +69,8 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
     profile::write(&file, &differing()).unwrap();
     let display = profile::open(&file).unwrap();
     let launch = Launch { request: Some(request(folder.path(), display.clone())) };
-    let mut harness = builder().wgpu().build_eframe(|cc| App::new(cc, launch));
-    wait_for(&mut harness, "These findings are saved");
-    for page in ["Welcome", "The four answers", "First some practice"] {
-        press(&mut harness, Key::Space);
-        wait_for(&mut harness, page);
-    }
-    press(&mut harness, Key::Space);
+    let mut harness = builder(SIZE, STEP_S).wgpu().build_eframe(|cc| App::new(cc, launch));
+    walk_to_first_trial(&mut harness);
     harness.run_steps(20);
     let shot = harness.render().unwrap();
     press(&mut harness, Key::Num1);
@@ -128,18 +91,13 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
     let command = recipe.command();
     let mut arguments: Vec<&str> = command.split(' ').skip(1).collect();
     arguments.extend(["--display", "screen.toml"]);
-    machband(folder.path(), &arguments);
+    succeeds(folder.path(), &arguments);
     let written = image::read(&folder.path().join("stimulus.png")).unwrap();
     assert_eq!(written.recipe.display_sha256, Some(profile::hash(&display)));
-    let corner = |whole: u32| (whole - side) / 2;
-    let (left, top) = (corner(shot.width()), corner(shot.height()));
-    let mut codes_seen = std::collections::BTreeSet::new();
-    for (x, y) in (0..side).flat_map(|x| (0..side).map(move |y| (x, y))) {
-        let [r, g, b] = written.image.pixel(x, y).map(|code| code as u8);
-        assert_eq!(shot.get_pixel(left + x, top + y).0, [r, g, b, 255], "pixel {x}, {y}");
-        codes_seen.insert([r, g, b]);
-    }
-    assert!(codes_seen.len() > 20, "a ramp, and not one colour: {}", codes_seen.len());
+    let size = [shot.width(), shot.height()];
+    assert_eq!(wrong_pixels(size, |x, y| shot.get_pixel(x, y).0, &written.image), 0);
+    let codes: std::collections::BTreeSet<_> = (0..side).map(|x| written.image.pixel(x, side / 2)).collect();
+    assert!(codes.len() > 20, "a ramp, and not one color: {}", codes.len());
 }
 
 /// Of the strongest channel, for every kind of transfer function and every dither-free kind of picture.
@@ -154,7 +112,7 @@ fn what_is_emitted_is_within_half_a_code_of_what_was_asked() {
             for kind in ["mach-band", "cornsweet", "chevreul"] {
                 let common = ["stimulus", "--kind", kind, "--color", color, "--bits", bits, "--size", "777"];
                 let files = ["--low=0", "--high=1", "--display", "screen.toml", "--profile", "profile.csv"];
-                machband(folder.path(), &[&common[..], &files[..]].concat());
+                succeeds(folder.path(), &[&common[..], &files[..]].concat());
                 let mut rows = csv::Reader::from_path(folder.path().join("profile.csv")).unwrap();
                 let mut count = 0;
                 for row in rows.records() {
@@ -179,7 +137,7 @@ fn what_is_emitted_is_within_half_a_code_of_what_was_asked() {
 fn the_preflight_tells_an_old_profile_and_another_screen_and_keeps_what_was_confirmed() {
     let folder = tempfile::tempdir().unwrap();
     let launch = Launch { request: Some(request(folder.path(), differing())) };
-    let mut harness = builder().build_eframe(|cc| App::new(cc, launch));
+    let mut harness = builder(SIZE, STEP_S).build_eframe(|cc| App::new(cc, launch));
     wait_for(&mut harness, "These findings are saved");
     harness.get_by_label_contains("days ago; after 30 days");
     harness.get_by_label_contains("Is it another screen?");
@@ -205,10 +163,8 @@ fn the_preflight_tells_an_old_profile_and_another_screen_and_keeps_what_was_conf
 
 #[test]
 fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
-    let mut harness = builder().build_eframe(|cc| App::new(cc, Launch::default()));
-    harness.run_steps(3);
-    harness.get_by_label("Measure…").click();
-    harness.run_steps(3);
+    let mut harness = home(SIZE, STEP_S);
+    click(&mut harness, "Measure…");
     harness.get_by_label_contains("sRGB (srgb), assumed");
     harness.get_by_label("Size and distance").click();
     harness.run_steps(2);
@@ -217,13 +173,7 @@ fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
         ("Distance from eye to screen, cm", "57.3"),
         ("Planned size of the stimulus, degrees", "40"),
     ] {
-        let node = harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, field);
-        node.focus();
-        harness.step();
-        harness.key_press_modifiers(eframe::egui::Modifiers::COMMAND, Key::A);
-        harness.step();
-        harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, field).type_text(text);
-        harness.step();
+        type_into(&mut harness, field, text);
     }
     // 1000 pixels on 30 cm, seen from 57.3 cm: a degree is a centimetre, or 33.3 pixels.
     harness.get_by_label_contains("A degree is 33.3 pixels, or 1.00 cm");
@@ -236,26 +186,15 @@ fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
     harness.get_by_label("Size and distance");
     press(&mut harness, Key::Escape);
     harness.run_steps(3);
-    let value = |harness: &Harness<'static, App>, field: &str| {
-        harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, field).value()
-    };
-    assert_eq!(value(&harness, "Screen width, cm").as_deref(), Some("30"));
-    assert_eq!(value(&harness, "Viewing distance, cm").as_deref(), Some("57.3"));
+    assert_eq!(value(&harness, "Screen width, cm"), "30");
+    assert_eq!(value(&harness, "Viewing distance, cm"), "57.3");
 }
 
 /// The smallest window that the program allows, on its list of tools.
-fn small() -> Harness<'static, App> {
-    let mut harness = builder().with_size([420.0, 360.0]).build_eframe(|cc| App::new(cc, Launch::default()));
-    harness.run_steps(3);
+fn small() -> Window {
+    let mut harness = home([420.0, 360.0], STEP_S);
     click(&mut harness, "Measure…");
     harness
-}
-
-fn click(harness: &mut Harness<'static, App>, label: &str) {
-    harness.get_by_label(label).scroll_to_me();
-    harness.run_steps(30);
-    harness.get_by_label(label).click();
-    harness.run_steps(3);
 }
 
 #[test]
@@ -282,10 +221,7 @@ fn every_tool_fits_the_smallest_window() {
 fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     let mut harness = small();
     click(&mut harness, "Size and distance");
-    let width = |harness: &Harness<'static, App>| {
-        let field = "Width of the lit part, cm";
-        harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, field).value().unwrap()
-    };
+    let width = |harness: &Window| value(harness, "Width of the lit part, cm");
     // 420 pixels at 96 an inch.
     assert_eq!(width(&harness), "11.1");
     harness.get_by_label_contains("This width is assumed");
@@ -323,16 +259,9 @@ fn measured_light_is_told_with_three_digits() {
     let path = folder.path().join("p.toml");
     let luminance = Some(LuminanceRange { black_cd_m2: 0.250_592_758_493_736_2, white_cd_m2: 134.217_6 });
     profile::write(&path, &DisplayProfile { luminance, ..differing() }).unwrap();
-    let mut harness = builder().build_eframe(|cc| App::new(cc, Launch::default()));
-    harness.run_steps(3);
-    harness.get_by_label("Measure…").click();
-    harness.run_steps(3);
-    harness.get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, "Profile in use").focus();
-    harness.step();
-    harness
-        .get_by_role_and_label(eframe::egui::accesskit::Role::TextInput, "Profile in use")
-        .type_text(&path.display().to_string());
-    harness.run_steps(3);
+    let mut harness = home(SIZE, STEP_S);
+    click(&mut harness, "Measure…");
+    type_into(&mut harness, "Profile in use", path.to_str().unwrap());
     click(&mut harness, "Steps of equal brightness");
     harness.get_by_label("Measured: 0.251 to 134 cd/m².");
     assert!(harness.query_by_label_contains("0.25059").is_none());

@@ -3,56 +3,31 @@
 use std::path::Path;
 
 use eframe::egui::{self, Key};
-use egui_kittest::{
-    Harness,
-    kittest::{NodeT as _, Queryable as _},
-};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
-    app::{App, Launch},
     light::Transfer,
     store::{profile, readings},
 };
 
-fn harness() -> Harness<'static, App> {
-    let mut harness = Harness::builder()
-        .with_size([1000.0, 1000.0])
-        .with_pixels_per_point(1.0)
-        .with_step_dt(1.0 / 10.0)
-        .build_eframe(|cc| App::new(cc, Launch::default()));
-    harness.run_steps(3);
-    harness
+use super::window::{self, Window, click, home, type_into as fill, value};
+
+fn harness() -> Window {
+    home([1000.0, 1000.0], 1.0 / 10.0)
 }
 
-fn click(harness: &mut Harness<'static, App>, label: &str) {
-    harness.get_by_label(label).click();
-    harness.run_steps(3);
+fn press(harness: &mut Window, key: Key) {
+    window::press(harness, key);
+    harness.step();
 }
 
-fn press(harness: &mut Harness<'static, App>, key: Key) {
-    harness.key_press(key);
-    harness.run_steps(2);
-}
-
-/// Replaces what is in a field.
-fn fill(harness: &mut Harness<'static, App>, label: &str, text: &str) {
-    let field = harness.get_by_role_and_label(egui::Role::TextInput, label);
-    field.focus();
-    harness.run_steps(2);
-    harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
-    harness.run_steps(2);
-    let field = harness.get_by_role_and_label(egui::Role::TextInput, label);
-    field.type_text(text);
-    harness.run_steps(2);
-}
-
-fn open(harness: &mut Harness<'static, App>) {
+fn open(harness: &mut Window) {
     click(harness, "Measure…");
     click(harness, "Photometer");
     harness.get_by_label("Show patches");
 }
 
 /// Channel and code of the patch on the screen.
-fn patch(harness: &Harness<'static, App>) -> Option<(String, f64)> {
+fn patch(harness: &Window) -> Option<(String, f64)> {
     let node = harness.query_by_label_contains("Patch ")?;
     let name = node.accesskit_node().label()?;
     let mut words = name.split(' ').skip(1);
@@ -60,7 +35,7 @@ fn patch(harness: &Harness<'static, App>) -> Option<(String, f64)> {
 }
 
 /// The pixel in the middle of the window.
-fn middle(harness: &mut Harness<'static, App>) -> [u8; 3] {
+fn middle(harness: &mut Window) -> [u8; 3] {
     let image = harness.render().unwrap();
     let [red, green, blue, _] = image.get_pixel(image.width() / 2 + 50, image.height() / 2 + 50).0;
     [red, green, blue]
@@ -76,7 +51,7 @@ fn cd_m2(channel: &str, code: f64) -> f64 {
     0.3 + range * (code / 255.0f64).powf(2.2)
 }
 
-fn answer(harness: &mut Harness<'static, App>, text: &str) {
+fn answer(harness: &mut Window, text: &str) {
     // The line has the keyboard.
     harness.run_steps(12);
     harness.event(egui::Event::Text(text.to_owned()));
@@ -84,9 +59,9 @@ fn answer(harness: &mut Harness<'static, App>, text: &str) {
     press(harness, Key::Enter);
 }
 
-fn begin(harness: &mut Harness<'static, App>, csv: &Path) {
+fn begin(harness: &mut Window, csv: &Path) {
     open(harness);
-    fill(harness, "Readings are kept in", &csv.display().to_string());
+    fill(harness, "Keep the measurements in", &csv.display().to_string());
     fill(harness, "Seconds to settle", "0.5");
     click(harness, "red, green, blue");
     click(harness, "Show patches");
@@ -102,7 +77,7 @@ fn patches_are_read_and_become_a_profile() {
     assert_eq!(patch(&harness), Some(("gray".to_owned(), 255.0)));
     assert_eq!(middle(&mut harness), [255, 255, 255]);
     answer(&mut harness, "bright");
-    harness.get_by_label_contains("is no luminance; expected cd/m²");
+    harness.get_by_label_contains("is not a luminance; expected cd/m²");
     assert_eq!(readings::open_begun(&csv).unwrap(), []);
     fill(&mut harness, "gray 255 · cd/m²", "115.3");
     press(&mut harness, Key::Enter);
@@ -131,7 +106,7 @@ fn patches_are_read_and_become_a_profile() {
     click(&mut harness, "Back");
     click(&mut harness, "Photometer");
     harness.get_by_label_contains("Paused after 2 of");
-    click(&mut harness, "Go on");
+    click(&mut harness, "Resume");
     let mut n = 2;
     while let Some((channel, code)) = patch(&harness) {
         answer(&mut harness, &cd_m2(&channel, code).to_string());
@@ -143,10 +118,8 @@ fn patches_are_read_and_become_a_profile() {
     harness.get_by_label_contains("Chosen: gamma");
     harness.get_by_label_contains("red, green, blue not read");
     fill(&mut harness, "Measured by", "AB");
-    fill(&mut harness, "Photometer", "LS-150");
+    fill(&mut harness, "Measured with", "LS-150");
     fill(&mut harness, "Save as", &toml.display().to_string());
-    harness.get_by_label("Save the profile").scroll_to_me();
-    harness.run_steps(20);
     click(&mut harness, "Save the profile");
     harness.get_by_label_contains("Saved as");
     let made = profile::open(&toml).unwrap();
@@ -157,10 +130,9 @@ fn patches_are_read_and_become_a_profile() {
 }
 
 /// What the line holds.
-fn typed(harness: &Harness<'static, App>) -> String {
+fn typed(harness: &Window) -> String {
     let (channel, code) = patch(harness).unwrap();
-    let label = format!("{channel} {code} · cd/m²");
-    harness.get_by_role_and_label(egui::Role::TextInput, &label).value().unwrap_or_default()
+    value(harness, &format!("{channel} {code} · cd/m²"))
 }
 
 #[test]
@@ -199,7 +171,7 @@ fn typing_over_a_reading_that_was_gone_back_to_replaces_it() {
     assert_eq!(typed(&harness), "8");
     // What is refused is selected too.
     answer(&mut harness, "x");
-    harness.get_by_label_contains("is no luminance");
+    harness.get_by_label_contains("is not a luminance");
     answer(&mut harness, "95.5");
     assert_eq!(read(0), 95.5);
     // The value as it was stays with Enter alone.
@@ -220,12 +192,12 @@ fn replacing_a_profile_is_told_until_another_is_in_use() {
     for said in ["Saved as", "Replaced"] {
         click(&mut harness, "Photometer");
         fill(&mut harness, "File of readings", &csv.display().to_string());
-        click(&mut harness, "Fit this file");
+        click(&mut harness, "Use this file");
         // The choice and the way to keep it come before the plots and the table.
-        let top = |harness: &Harness<'static, App>, text: &str| harness.get_by_label_contains(text).rect().top();
-        assert!(top(&harness, "Chosen: gamma") < top(&harness, "Name of the display"));
+        let top = |harness: &Window, text: &str| harness.get_by_label_contains(text).rect().top();
+        assert!(top(&harness, "Chosen: gamma") < top(&harness, "Name of the screen"));
         assert!(top(&harness, "Save as") < top(&harness, "Luminance: readings"));
-        assert!(top(&harness, "How far each reading") < top(&harness, "Largest error"));
+        assert!(top(&harness, "Distance of each reading") < top(&harness, "Largest error"));
         fill(&mut harness, "Save as", &toml.display().to_string());
         click(&mut harness, if said == "Replaced" { "Replace the profile" } else { "Save the profile" });
         harness.get_by_label_contains(said);
@@ -252,11 +224,11 @@ fn a_file_of_readings_is_fitted_and_a_bad_one_explained() {
     let mut harness = harness();
     open(&mut harness);
     fill(&mut harness, "File of readings", &bad.display().to_string());
-    click(&mut harness, "Fit this file");
+    click(&mut harness, "Use this file");
     harness.get_by_label_contains("red: too few levels: 3");
     click(&mut harness, "Back");
     fill(&mut harness, "File of readings", &good.display().to_string());
-    click(&mut harness, "Fit this file");
+    click(&mut harness, "Use this file");
     harness.get_by_label_contains("Chosen: gamma");
     harness.get_by_label_contains("Gray differs from the sum of its channels");
     press(&mut harness, Key::Escape);

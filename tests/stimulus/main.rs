@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/eye.rs"]
+mod eye;
 
 mod calibrate;
 mod catalog;

@@ -228,7 +228,7 @@ mod report {
 
     fn report(intervals_us: Vec<u32>, refresh_hz: Option<f64>) -> TimingReport {
         let monitor = Monitor { name: None, width_px: 1920, height_px: 1080, refresh_hz, scale: 1.0 };
-        TimingReport::new(intervals_us, &monitor)
+        TimingReport::new(&intervals_us, &monitor)
     }
 
     fn row(report: &TimingReport, name: &str) -> String {
@@ -246,19 +246,16 @@ mod report {
         let found = report(scattered(), None);
         assert_eq!((found.refresh, found.source, found.is_one_by_one()), (None, "unknown", Some(false)));
         for name in ["refresh", "dropped frames", "missed refreshes"] {
-            assert_eq!(row(&found, name), "not known");
+            assert_eq!(row(&found, name), "unknown");
         }
         assert!(found.csv().lines().skip(1).all(|line| line.ends_with(',')));
         let said = found.verdict();
-        assert!(
-            said.starts_with("The frames follow no steady refresh, so that none can be judged as dropped"),
-            "{said}"
-        );
+        assert!(said.starts_with("The frames follow no steady refresh, so none can be judged as dropped"), "{said}");
         // A refresh that the system reports stays, and that the frames do not follow it is told.
         let found = report(scattered(), Some(60.0));
         assert_eq!((found.source, found.is_one_by_one()), ("reported", Some(false)));
         let said = found.verdict();
-        assert!(said.contains("no steady refresh, not that of 60.00 Hz either, which the system reports"), "{said}");
+        assert!(said.contains("no steady refresh, not even the 60.00 Hz that the system reports"), "{said}");
     }
 
     #[test]
@@ -276,7 +273,7 @@ mod report {
         }
         let found = report(vec![16_667; 29], Some(60.0));
         assert_eq!(found.is_one_by_one(), None);
-        assert_eq!(found.verdict(), "29 frames are too few to tell; expected 30 or more.");
+        assert_eq!(found.verdict(), "29 frames are too few to judge; expected 30 or more.");
     }
 }
 

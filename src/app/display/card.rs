@@ -2,8 +2,10 @@
 
 use eframe::egui::{self, Color32, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Stroke, Vec2};
 
-use crate::app::theme;
-use crate::display::geometry::{CARD_WIDTH_CM, width_cm_from_card};
+use crate::{
+    app::ui::{fault, primary, quiet, theme::COLUMN},
+    display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
+};
 
 /// Height over width of an ISO/IEC 7810 ID-1 card, 53.98 mm by 85.60 mm.
 const CARD_ASPECT: f32 = 53.98 / 85.60;
@@ -49,7 +51,7 @@ impl CardHelper {
         let room = ctx.content_rect().size() - Vec2::splat(2.0 * (PADDING + AROUND));
         let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(PADDING);
         let shown = egui::Modal::new(Id::unique("card")).frame(frame).show(ctx, |ui| {
-            ui.set_width(room.x.min(theme::COLUMN.max(self.outline(ctx).x)));
+            ui.set_width(room.x.min(COLUMN.max(self.outline(ctx).x)));
             // As high as the window allows: what the dialog took before does not bind it when the outline grows.
             let scrolling = ScrollArea::vertical().max_height(room.y).min_scrolled_height(room.y);
             scrolling.show(ui, |ui| self.content(ui, screen_width_px, accepted)).inner
@@ -73,7 +75,7 @@ impl CardHelper {
         match width_cm_from_card(f64::from(self.card_px), screen_width_px) {
             Ok(width) => buttons(ui, width, accepted),
             Err(error) => {
-                theme::fault(ui, &error.to_string());
+                fault(ui, error.to_string());
                 CardOutcome::Open
             }
         }
@@ -95,7 +97,7 @@ impl CardHelper {
     fn draw(&self, ui: &mut egui::Ui) {
         let size = self.outline(ui.ctx());
         if size.x > ui.available_width() {
-            ui.label(theme::quiet("The outline is wider than this window: make the window larger to see all of it."));
+            ui.label(quiet("The outline is wider than this window: make the window larger to see all of it."));
         }
         ScrollArea::horizontal().id_salt("outline").show(ui, |ui| {
             let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
@@ -109,7 +111,7 @@ impl CardHelper {
 fn buttons(ui: &mut egui::Ui, width: f64, accepted: bool) -> CardOutcome {
     ui.label(format!("The screen is {width:.1} cm wide."));
     ui.horizontal_wrapped(|ui| {
-        let used = theme::primary(ui, "Use this width", true, "");
+        let used = primary(ui, "Use this width", true, "");
         if ui.button("Cancel").clicked() {
             return CardOutcome::Closed;
         }

@@ -1,10 +1,9 @@
 //! Steps of equal brightness: the table, and the wedge to look at.
 
-use eframe::egui::{self, Key, TextureHandle};
+use eframe::egui::{self, TextureHandle};
 
-use super::{ToolGo, picture::wide_picture, tool};
 use crate::{
-    app::{Monitor, form::parse, pixels, theme},
+    app::ui::{Field, Step as PageStep, fault, hint, note, number, pixels, quiet, table, tool_page},
     display::{
         DisplayProfile,
         profile::short,
@@ -21,7 +20,7 @@ const HEIGHT_PX: u32 = 140;
 const MOST: usize = 255;
 
 /// The page.
-pub struct StepsPane {
+pub struct StepsPage {
     profile: DisplayProfile,
     number: String,
     i0: String,
@@ -29,7 +28,7 @@ pub struct StepsPane {
     copied: bool,
 }
 
-impl StepsPane {
+impl StepsPage {
     /// For a screen of this profile.
     pub fn new(profile: DisplayProfile) -> Self {
         let measured = profile.luminance.map(|range| range.lowest_intensity()).filter(|i0| *i0 > 0.0);
@@ -39,47 +38,39 @@ impl StepsPane {
     }
 
     /// Draws the page.
-    pub fn show(&mut self, ui: &mut egui::Ui, _: &Monitor) -> ToolGo {
-        let mut back = false;
-        tool(ui, "Steps of equal brightness", &mut back, |ui| {
+    pub fn show(&mut self, ui: &mut egui::Ui) -> PageStep {
+        let (back, ()) = tool_page(ui, "Steps of equal brightness", |ui| {
             ui.label("Equal steps of light look wide in the dark and narrow in the bright; equal ratios look equal.");
-            ui.add(egui::Label::new(theme::quiet(format!("{}.", self.profile.sentence()))).wrap());
+            hint(ui, format!("{}.", self.profile.sentence()));
             ui.add_space(8.0);
-            self.fields(ui);
+            Field::new("Number of steps n").width(60.0).text(ui, &mut self.number);
+            Field::new("Lowest intensity I₀, black over white").width(100.0).text(ui, &mut self.i0);
+            hint(
+                ui,
+                match self.profile.luminance {
+                    Some(range) => format!("Measured: {}.", range.sentence()),
+                    None => "Black was not measured on this screen: the number is assumed.".to_owned(),
+                },
+            );
             ui.add_space(8.0);
             match self.steps() {
                 Ok(steps) => {
                     self.wedge(ui, &steps);
                     self.copy(ui, &steps);
-                    table(ui, &steps);
+                    rows(ui, &steps);
                 }
-                Err(fault) => theme::fault(ui, &fault),
+                Err(message) => fault(ui, message),
             }
         });
-        if back || ui.input(|input| input.key_pressed(Key::Escape)) { ToolGo::Back } else { ToolGo::Stay }
-    }
-
-    fn fields(&mut self, ui: &mut egui::Ui) {
-        ui.horizontal_wrapped(|ui| {
-            let label = ui.label("Number of steps n");
-            ui.add(egui::TextEdit::singleline(&mut self.number).desired_width(60.0)).labelled_by(label.id);
-        });
-        ui.horizontal_wrapped(|ui| {
-            let label = ui.label("Lowest intensity I₀, black over white");
-            ui.add(egui::TextEdit::singleline(&mut self.i0).desired_width(100.0)).labelled_by(label.id);
-        });
-        let from = match self.profile.luminance {
-            Some(range) => format!("Measured: {}.", range.sentence()),
-            None => "Black was not measured on this screen: the number is assumed.".to_owned(),
-        };
-        ui.add(egui::Label::new(theme::quiet(from)).wrap());
+        PageStep::back_if(back)
     }
 
     fn steps(&self) -> Result<Vec<Step>, String> {
-        let number = self.number.trim().parse::<usize>().ok().filter(|number| (1..=MOST).contains(number));
-        let number = number.ok_or_else(|| format!("{:?} steps cannot be made; expected 1 to {MOST}.", self.number))?;
-        let i0 = parse(&self.i0).ok_or_else(|| format!("{:?} is no number; expected one such as 0.005.", self.i0))?;
-        steps(&self.profile, i0, number).map_err(|error| format!("{error}."))
+        let n = self.number.trim().parse::<usize>().ok().filter(|n| (1..=MOST).contains(n));
+        let n = n.ok_or_else(|| format!("{:?} is not a number of steps; expected 1 to {MOST}.", self.number))?;
+        let i0 =
+            number(&self.i0).ok_or_else(|| format!("{:?} is not a number; expected one such as 0.005.", self.i0))?;
+        steps(&self.profile, i0, n).map_err(|error| format!("{error}."))
     }
 
     fn wedge(&mut self, ui: &mut egui::Ui, steps: &[Step]) {
@@ -92,9 +83,8 @@ impl StepsPane {
             self.wedge = Some((steps.to_vec(), width, texture));
             self.copied = false;
         }
-        if let Some((_, width, texture)) = &self.wedge {
-            let label = format!("A wedge of {} uniform bars, dark to light", steps.len());
-            wide_picture(ui, texture, [*width, HEIGHT_PX], &label);
+        if let Some((_, _, texture)) = &self.wedge {
+            pixels::picture(ui, texture, &format!("A wedge of {} uniform bars, dark to light", steps.len()));
         }
     }
 
@@ -105,16 +95,18 @@ impl StepsPane {
                 self.copied = true;
             }
             if self.copied {
-                ui.label(theme::quiet("Copied."));
+                ui.label(quiet("Copied."));
             }
         });
         let lost = steps.iter().filter(|step| step.nearest != step.level).count();
         let same = steps.windows(2).filter(|pair| pair[0].codes == pair[1].codes).count();
         if lost + same > 0 {
-            let text = format!(
-                "8 bits are too few here: {same} steps have the code of the step before, and {lost} make light nearer to another level."
+            note(
+                ui,
+                format!(
+                    "8 bits are too few here: {same} steps have the code of the step before, and {lost} make light closer to another level."
+                ),
             );
-            ui.add(egui::Label::new(egui::RichText::new(text).small().color(theme::NOTE)).wrap());
         }
     }
 }
@@ -126,28 +118,12 @@ fn wedge(steps: &[Step], width: u32, height: u32) -> CodeImage {
     CodeImage { width, height, samples: Samples::Eight(row.repeat(height as usize)) }
 }
 
-fn table(ui: &mut egui::Ui, steps: &[Step]) {
-    egui::ScrollArea::horizontal().id_salt("steps").show(ui, |ui| {
-        egui::Grid::new("steps").striped(true).num_columns(7).spacing([18.0, 2.0]).show(ui, |ui| {
-            for name in ["j", "I_j of white", "cd/m²", "red", "green", "blue", "nearest j"] {
-                ui.label(theme::quiet(name));
-            }
-            ui.end_row();
-            for step in steps {
-                let cells = [
-                    step.level.to_string(),
-                    format!("{:.5}", step.intensity),
-                    step.cd_m2.map_or_else(|| "–".to_owned(), short),
-                    step.codes[0].to_string(),
-                    step.codes[1].to_string(),
-                    step.codes[2].to_string(),
-                    step.nearest.to_string(),
-                ];
-                for cell in cells {
-                    ui.monospace(cell);
-                }
-                ui.end_row();
-            }
-        });
-    });
+fn rows(ui: &mut egui::Ui, steps: &[Step]) {
+    let heads = ["j", "I_j of white", "cd/m²", "red", "green", "blue", "nearest j"];
+    let cells = |step: &Step| {
+        let [red, green, blue] = step.codes.map(|code| code.to_string());
+        let cd_m2 = step.cd_m2.map_or_else(|| "–".to_owned(), short);
+        [step.level.to_string(), format!("{:.5}", step.intensity), cd_m2, red, green, blue, step.nearest.to_string()]
+    };
+    table(ui, "steps", heads, steps.iter().map(cells));
 }

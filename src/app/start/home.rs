@@ -7,7 +7,7 @@ use eframe::egui::{self, Button, ComboBox, Key, RichText, TextEdit, TextureHandl
 use super::form::{Checked, Form, LABELS, Part};
 use crate::{
     app::{
-        display::card::{CardHelper, CardOutcome},
+        display::{CardHelper, CardOutcome},
         session::Request,
         ui::{self, Ask, Dialog, Field, Monitor, Step, number, pixels, today},
     },
@@ -236,8 +236,8 @@ impl Home {
             if let Some(display) = &checked.display {
                 ui::hint(ui, display.sentence());
                 // An assumption says itself that it is one.
-                if let Some(doubt) = display.doubt(today()).filter(|_| display.measured.is_some()) {
-                    ui::note(ui, doubt);
+                if let Some(warning) = display.warning(today()).filter(|_| display.measured.is_some()) {
+                    ui::note(ui, warning);
                 }
             }
             measure

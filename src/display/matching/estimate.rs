@@ -1,209 +1,118 @@
-//! All channels together: the display's transfer functions, and what speaks against them.
+//! γ of each channel from its matches, with the spread of the matches as the uncertainty.
 
-use std::fmt;
+use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
-use super::{
-    Channel,
-    fit::{FitError, GammaFit, GogFit, MatchedLevel, Spread},
-    observation::{Judgement, Observation},
-    plan::Plan,
+use super::procedure::Match;
+use crate::{
+    display::channel::Channel,
+    light::{Transfer, TransferError, Transfers},
 };
-use crate::light::{Transfer, TransferError, Transfers};
 
-/// Difference threshold above which an observer is not sure enough, as a share of the light.
-const LARGEST_THRESHOLD: f64 = 0.1;
-/// Half-width of the 95 % interval of γ above which a channel should be measured again.
+/// Half-width of the 95 % interval of γ above which a channel should be matched again.
 const WIDEST: f64 = 0.1;
-/// Standard errors beyond which a level disagrees with the γ of its channel.
-const FARTHEST_Z: f64 = 3.0;
-/// χ² of one degree of freedom at 0.1 %: from here on an offset is taken for real.
-const OFFSET_CHI_SQUARED: f64 = 10.828;
 
-/// What the answers of one channel give.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ChannelEstimate {
+/// What the matches of one channel give.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelGamma {
     /// Which.
     pub channel: Channel,
-    /// γ with its spread, or why there is none.
-    pub fit: Result<GammaFit, FitError>,
-    /// The difference threshold as a share of the light, by the answers of this channel alone; that of
-    /// [`ChannelEstimate::fit`] is by those of all.
-    pub own_threshold: Option<f64>,
-    /// What each level says by itself; empty where there is no γ.
-    pub levels: Vec<MatchedLevel>,
-    /// An offset, where the answers are much likelier with one.
-    pub offset: Option<GogFit>,
-    /// Plain differences that were shown, and how many were judged wrongly.
-    pub catches: [usize; 2],
+    /// γ.
+    pub gamma: f64,
+    /// Its 95 % interval, by Student's t.
+    pub interval: [f64; 2],
+    /// Number of matches.
+    pub matches: usize,
+    /// Light share of the field.
+    pub share: f64,
+    /// Mean of the matched codes.
+    pub code: f64,
+    /// Their standard deviation.
+    pub code_sd: f64,
 }
 
-/// What speaks against an estimate.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Doubt {
-    /// There is no γ.
-    None(Channel, FitError),
-    /// Plain differences were judged wrongly: channel, how many, of how many.
-    Missed(Channel, usize, usize),
-    /// The observer tells brighter from darker only at large differences: the threshold as a share.
-    Unsure(Channel, f64),
-    /// The interval is wide: ± this much.
-    Wide(Channel, f64),
-    /// A level disagrees with the γ: its light share, and how much more light the γ gives it, as a share.
-    Disagrees(Channel, f64, f64),
-    /// A power with an offset is much likelier than one without.
-    Offset(Channel, GogFit),
+/// Why there is no γ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GammaError {
+    /// Too few matches.
+    #[error("{0} matches; expected at least 2")]
+    TooFew(usize),
+    /// Matches of different fields.
+    #[error("the matches are of different rows; expected those of one run")]
+    Mixed,
+    /// Matches so far apart, or so near to black or white, that γ could be anything.
+    #[error("the matches leave γ open; expected codes that agree with each other")]
+    Open,
 }
 
-impl fmt::Display for Doubt {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Doubt::None(channel, error) => write!(f, "{channel}: no gamma: {error}."),
-            Doubt::Missed(channel, missed, of) => {
-                write!(f, "{channel}: {missed} of {of} plain differences were judged wrongly; match it again.")
-            }
-            Doubt::Unsure(channel, threshold) => write!(
-                f,
-                "{channel}: differences below {:.0} % were guessed; sit so that the rows blend, and match it again.",
-                threshold * 100.0
-            ),
-            Doubt::Wide(channel, half) => write!(f, "{channel}: gamma is known only to ± {half:.2}; match it again."),
-            Doubt::Disagrees(channel, share, excess) => write!(
-                f,
-                "{channel}: at {:.0} % of full light this gamma is {:.1} % too {}: the screen is not an exact power.",
-                share * 100.0,
-                excess.abs() * 100.0,
-                if *excess > 0.0 { "bright" } else { "dark" }
-            ),
-            Doubt::Offset(channel, fit) => write!(
-                f,
-                "{channel}: gamma {:.2} with an offset of {:+.3} explains the answers much better (χ² {:.1}).",
-                fit.gamma, fit.offset, fit.chi_squared
-            ),
-        }
+/// γ of each channel that has matches, in the order of [`Channel::ALL`].
+#[must_use]
+pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, GammaError>)> {
+    let of = |channel: Channel| {
+        let own: Vec<Match> = matches.iter().filter(|one| one.channel == channel).copied().collect();
+        (!own.is_empty()).then(|| (channel, channel_gamma(channel, &own)))
+    };
+    Channel::ALL.into_iter().filter_map(of).collect()
+}
+
+/// A match says (c/255)^γ = share: ln(255/c), which scatters with the eye, is |ln share|/γ.
+fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaError> {
+    let n = own.len() as f64;
+    if own.len() < 2 {
+        return Err(GammaError::TooFew(own.len()));
     }
+    if own.iter().any(|one| one.rows != own[0].rows) {
+        return Err(GammaError::Mixed);
+    }
+    let mean_and_sd = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / n;
+        (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt())
+    };
+    let codes: Vec<f64> = own.iter().map(|one| f64::from(one.code.max(1))).collect();
+    let (mean, sd) = mean_and_sd(&codes.iter().map(|code| (255.0 / code).ln()).collect::<Vec<_>>());
+    let t = StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
+    let half = t * sd / n.sqrt();
+    if mean - half <= 0.0 {
+        return Err(GammaError::Open);
+    }
+    let share = own[0].rows.share();
+    let gamma = |mean: f64| -share.ln() / mean;
+    let (code, code_sd) = mean_and_sd(&codes);
+    let interval = [gamma(mean + half), gamma(mean - half)];
+    Ok(ChannelGamma { channel, gamma: gamma(mean), interval, matches: own.len(), share, code, code_sd })
 }
 
-/// A channel by its own answers.
-type Alone = Result<GammaFit, FitError>;
-
-impl ChannelEstimate {
-    fn new(channel: Channel, plan: &Plan, own: &[Observation], alone: &Alone, spread: &Spread) -> Self {
-        let fit = alone.and_then(|_| GammaFit::new(own, spread));
-        let levels = fit.map_or_else(|_| Vec::new(), |fit| MatchedLevel::of_all(own, plan, &fit));
-        let offset = fit.ok().and_then(|fit| GogFit::new(own, &fit));
-        let gamma = fit.map_or(Transfer::Srgb, |fit| Transfer::Gamma(fit.gamma));
-        let catches: Vec<bool> = own.iter().filter_map(|o| o.missed(&gamma)).collect();
-        let missed = catches.iter().filter(|missed| **missed).count();
-        Self {
-            channel,
-            fit,
-            own_threshold: alone.ok().map(|fit| fit.threshold()),
-            levels,
-            offset: offset.filter(|fit| fit.chi_squared > OFFSET_CHI_SQUARED),
-            catches: [catches.len(), missed],
-        }
-    }
-
-    /// What speaks against this channel's γ.
+impl ChannelGamma {
+    /// What speaks against it.
     #[must_use]
-    pub fn doubts(&self) -> Vec<Doubt> {
-        let channel = self.channel;
-        let fit = match &self.fit {
-            Ok(fit) => fit,
-            Err(error) => return vec![Doubt::None(channel, *error)],
-        };
-        let mut doubts = Vec::new();
-        let [shown, missed] = self.catches;
-        if missed > 0 {
-            doubts.push(Doubt::Missed(channel, missed, shown));
-        }
-        let threshold = self.own_threshold.map_or(fit.threshold(), |own| own.max(fit.threshold()));
-        if threshold > LARGEST_THRESHOLD {
-            doubts.push(Doubt::Unsure(channel, threshold));
-        }
-        let half = (fit.interval[1] - fit.interval[0]) / 2.0;
-        if half > WIDEST {
-            doubts.push(Doubt::Wide(channel, half));
-        }
-        let apart = self.levels.iter().filter(|level| level.z.abs() > FARTHEST_Z);
-        doubts.extend(apart.map(|level| Doubt::Disagrees(channel, level.share, level.excess)));
-        doubts.extend(self.offset.map(|fit| Doubt::Offset(channel, fit)));
-        doubts
-    }
-
-    /// The channel as a transfer function, γ rounded to what a profile is to say: with the offset where there is one.
-    ///
-    /// # Errors
-    /// When a γ lies outside what a display could have.
-    fn transfer(&self) -> Option<Result<Transfer, TransferError>> {
-        let rounded = |value: f64| (value * 1e3).round() / 1e3;
-        let fit = self.fit.ok()?;
-        Some(match self.offset {
-            Some(gog) => Transfer::gog(rounded(gog.gamma), rounded(1.0 - gog.offset), rounded(gog.offset)),
-            None => Transfer::gamma(rounded(fit.gamma)),
+    pub fn warning(&self) -> Option<String> {
+        let half = (self.interval[1] - self.interval[0]) / 2.0;
+        (half > WIDEST).then(|| {
+            format!(
+                "{}: gamma is known only to ± {half:.2}. Sit so that the rows blend, and match it again.",
+                self.channel
+            )
         })
     }
+
+    /// As a transfer function, γ rounded to what a profile should say.
+    ///
+    /// # Errors
+    /// A γ that no display has.
+    fn transfer(&self) -> Result<Transfer, TransferError> {
+        Transfer::gamma((self.gamma * 1e3).round() / 1e3)
+    }
 }
 
-/// What a run gives.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Estimates {
-    /// In the order of the plan.
-    pub channels: Vec<ChannelEstimate>,
-    /// Answers in all.
-    pub answers: usize,
-    /// Whether the answers came by slider.
-    pub by_slider: bool,
-}
-
-/// γ of each channel of the plan from the answers of a run, in any order.
+/// The display's transfer functions: of red, green and blue where all were matched, else that of gray for all three.
+/// `None` where a channel is missing or has no γ.
 #[must_use]
-pub fn estimate(plan: &Plan, observations: &[Observation]) -> Estimates {
-    let own = |channel: &Channel| -> Vec<Observation> {
-        observations.iter().filter(|o| o.stimulus.channel == *channel).copied().collect()
+pub fn transfers(estimates: &[(Channel, Result<ChannelGamma, GammaError>)]) -> Option<Transfers> {
+    let of = |wanted: Channel| {
+        let (_, found) = estimates.iter().find(|(channel, _)| *channel == wanted)?;
+        found.as_ref().ok()?.transfer().ok()
     };
-    let own: Vec<_> = plan.channels.iter().map(own).collect();
-    let alone: Vec<Alone> = own.iter().map(|own| GammaFit::new(own, &Spread::default())).collect();
-    // One observer: what one channel tells of the spread holds for the others.
-    let spread = |but: usize| {
-        let others = alone.iter().enumerate().filter(|(i, _)| *i != but);
-        let fitted = others.filter_map(|(i, fit)| Some((&own[i], fit.ok()?.gamma)));
-        fitted.fold(Spread::default(), |spread, (own, gamma)| spread.and(own, gamma))
-    };
-    let one = |(i, channel): (usize, &Channel)| ChannelEstimate::new(*channel, plan, &own[i], &alone[i], &spread(i));
-    let channels = plan.channels.iter().enumerate().map(one).collect();
-    let by_slider = observations.iter().any(|o| o.judgement == Judgement::Matched);
-    Estimates { channels, answers: observations.len(), by_slider }
-}
-
-impl Estimates {
-    /// One channel.
-    #[must_use]
-    pub fn of(&self, channel: Channel) -> Option<&ChannelEstimate> {
-        self.channels.iter().find(|estimate| estimate.channel == channel)
-    }
-
-    /// The display's transfer functions: of red, green and blue where all were matched, else that of gray for the three.
-    /// `None` where a channel is missing or has no γ.
-    #[must_use]
-    pub fn transfers(&self) -> Option<Transfers> {
-        let of = |channel| self.of(channel)?.transfer()?.ok();
-        match (of(Channel::Red), of(Channel::Green), of(Channel::Blue)) {
-            (Some(red), Some(green), Some(blue)) => Some(Transfers::new([red, green, blue])),
-            _ => of(Channel::Gray).map(Transfers::from),
-        }
-    }
-
-    /// For [`Measurement::with`](crate::display::Measurement::with): with what the screen was measured.
-    #[must_use]
-    pub fn with(&self) -> String {
-        let (method, what) = if self.by_slider { ("slider", "matches") } else { ("staircase", "answers") };
-        format!("visual nulling by {method}, {} {what}", self.answers)
-    }
-
-    /// What speaks against the estimates.
-    #[must_use]
-    pub fn doubts(&self) -> Vec<Doubt> {
-        self.channels.iter().flat_map(ChannelEstimate::doubts).collect()
+    match (of(Channel::Red), of(Channel::Green), of(Channel::Blue)) {
+        (Some(red), Some(green), Some(blue)) => Some(Transfers::new([red, green, blue])),
+        _ => of(Channel::Gray).map(Transfers::from),
     }
 }

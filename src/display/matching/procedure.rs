@@ -1,200 +1,201 @@
-//! The trials, one after the other.
+//! The matches, one after the other.
 
 use rand_chacha::{
     ChaCha8Rng,
-    rand_core::{Rng, SeedableRng as _},
+    rand_core::{Rng as _, SeedableRng as _},
 };
 
-use super::{
-    Channel,
-    belief::Belief,
-    observation::{Judgement, NullingStimulus, Observation, RowField},
-    plan::{Method, Plan, PlanError},
+use super::rows::Rows;
+use crate::{
+    display::channel::Channel,
+    light::{CodeImage, shuffle::shuffle},
 };
-use crate::light::shuffle::{below, shuffle};
 
-/// How far a patch is placed from the believed match, in spreads of the observer's comparison: near, since there an
-/// answer tells most of the match; not at it, since two codes tell of the spread too.
-const OFFSET: f64 = 0.35;
-/// A plain difference: light times or divided by e to this.
-const PLAIN: f64 = 0.35;
-/// Farthest start of the slider from the believed match, natural logarithm of light.
-const START: f64 = 0.7;
+/// Time of one match, seconds: about ten steps at a few a second, there and back, then a look.
+const MATCH_S: f64 = 10.0;
+/// Empty screen between two pictures, seconds, so that the afterimage of one does not cover the next. Part of
+/// [`MATCH_S`].
+pub const GAP_S: f64 = 0.4;
+/// The patch starts from a code that would match for a γ within this range.
+const START_GAMMA: (f64, f64) = (1.2, 4.0);
 
-/// One planned trial, with the chance that it needs drawn beforehand: so the picture follows from the answers alone, and
-/// an answer that is taken back brings back the same picture.
-#[derive(Clone, Copy, Debug)]
-struct Trial {
-    channel: Channel,
-    level: usize,
-    catch: bool,
-    /// −1…1.
-    draw: f64,
+/// Which rows are lit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// One row of four.
+    Quarter,
+    /// Half of the rows: they blend from half as far away, and each match tells half as much.
+    Half,
 }
 
-/// A run of the procedure: gives pictures, takes answers.
+/// What is to be matched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MatchSettings {
+    /// Each once.
+    pub channels: Vec<Channel>,
+    /// Which rows.
+    pub pattern: Pattern,
+    /// Thickness of a row, 1 or 2 pixels; 2 for interlaced pictures and panels that invert from row to row.
+    pub row_px: u32,
+    /// Matches of each channel: their spread is the uncertainty.
+    pub matches: usize,
+}
+
+impl Default for MatchSettings {
+    /// Ten matches of red, green and blue.
+    fn default() -> Self {
+        let channels = vec![Channel::Red, Channel::Green, Channel::Blue];
+        Self { channels, pattern: Pattern::Quarter, row_px: 1, matches: 10 }
+    }
+}
+
+/// Why settings cannot be run.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SettingsError {
+    /// Neither all three channels nor gray, or one of them twice.
+    #[error("the channels give no profile; expected red, green and blue, or gray, each once")]
+    Channels,
+    /// A single match has no spread.
+    #[error("{0} matches of each channel; expected 2 to 50")]
+    Matches(usize),
+    /// Matches of an earlier run that this run would not have asked for.
+    #[error("match {0} belongs to other settings; expected the settings it was begun with, or another file")]
+    Other(usize),
+}
+
+impl MatchSettings {
+    /// The field of rows.
+    #[must_use]
+    pub fn rows(&self) -> Rows {
+        let period = if self.pattern == Pattern::Quarter { 4 } else { 2 };
+        Rows { lit: 1, period, row_px: self.row_px }
+    }
+
+    /// Matches in all.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.matches * self.channels.len()
+    }
+
+    /// How long it takes, seconds.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.total() as f64 * MATCH_S
+    }
+
+    fn check(&self) -> Result<(), SettingsError> {
+        let count = |channel: Channel| self.channels.iter().filter(|one| **one == channel).count();
+        let [red, green, blue, gray] = Channel::ALL.map(count);
+        if [red, green, blue, gray].iter().any(|count| *count > 1) || (gray == 0 && red + green + blue < 3) {
+            return Err(SettingsError::Channels);
+        }
+        if (2..=50).contains(&self.matches) { Ok(()) } else { Err(SettingsError::Matches(self.matches)) }
+    }
+}
+
+/// A patch that was adjusted until it vanished in its field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Match {
+    /// What carries the light.
+    pub channel: Channel,
+    /// The field.
+    pub rows: Rows,
+    /// The patch's code.
+    pub code: u8,
+}
+
+impl Match {
+    /// The picture on a square of `side` pixels, with a square patch of about `patch_px`.
+    #[must_use]
+    pub fn picture(&self, side: u32, patch_px: u32) -> CodeImage {
+        self.rows.picture(self.channel, self.channel.rgb(self.code), [side, side], patch_px)
+    }
+}
+
+/// A run of matches: gives pictures, takes codes.
 #[derive(Clone, Debug)]
-pub struct Nulling {
-    plan: Plan,
-    trials: Vec<Trial>,
-    observations: Vec<Observation>,
-    /// For each channel of the plan.
-    beliefs: Vec<Belief>,
-    /// What stands on the screen; `None` when all is done.
-    shown: Option<NullingStimulus>,
+pub struct Matching {
+    /// Every match as it starts.
+    starts: Vec<Match>,
+    done: Vec<Match>,
+    /// What is on the screen; `None` when all are done.
+    shown: Option<Match>,
 }
 
-/// How far a run is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// Trials answered.
-    pub done: usize,
-    /// Trials in all.
-    pub total: usize,
-    /// Expected time of the rest, seconds.
-    pub left_s: f64,
-}
-
-impl Nulling {
-    /// Plans the trials: channels in random order, one after the other so that the eye adapts to each once, and within a
-    /// channel all its trials in random order. The same plan and seed give the same order on every machine.
+impl Matching {
+    /// Plans the matches: channels in random order, one after the other so that the eye adapts to each once, each match
+    /// from a random code. Equal settings and seeds give the same matches on every machine. `done` are those of an
+    /// earlier run with the same seed.
     ///
     /// # Errors
-    /// When the plan cannot be run.
-    pub fn new(plan: Plan, seed: u64) -> Result<Self, PlanError> {
-        plan.validate()?;
-        let trials = schedule(&plan, &mut ChaCha8Rng::seed_from_u64(seed));
-        let beliefs = vec![Belief::new(&plan); plan.channels.len()];
-        let mut nulling = Self { plan, trials, observations: Vec::new(), beliefs, shown: None };
-        nulling.shown = nulling.next_stimulus();
-        Ok(nulling)
+    /// Settings that cannot be run, or that `done` does not fit.
+    pub fn new(settings: &MatchSettings, seed: u64, done: Vec<Match>) -> Result<Self, SettingsError> {
+        settings.check()?;
+        let starts = starts(settings, &mut ChaCha8Rng::seed_from_u64(seed));
+        let is_other = |at: usize, one: &Match| {
+            starts.get(at).is_none_or(|start| (start.channel, start.rows) != (one.channel, one.rows))
+        };
+        if let Some(at) = done.iter().enumerate().position(|(at, one)| is_other(at, one)) {
+            return Err(SettingsError::Other(at + 1));
+        }
+        let shown = starts.get(done.len()).copied();
+        Ok(Self { starts, done, shown })
     }
 
-    /// What is matched.
+    /// The picture on the screen; `None` when all are done.
     #[must_use]
-    pub fn plan(&self) -> &Plan {
-        &self.plan
-    }
-
-    /// What stands on the screen; `None` when all trials are answered.
-    #[must_use]
-    pub fn stimulus(&self) -> Option<NullingStimulus> {
+    pub fn shown(&self) -> Option<Match> {
         self.shown
     }
 
-    /// Takes the observer's answer to the picture; gives it as it is to be kept. `None` where there is no picture, or
-    /// where a match by slider is expected instead (and the other way round).
-    pub fn answer(&mut self, judgement: Judgement) -> Option<Observation> {
-        let by_slider = judgement == Judgement::Matched;
-        if by_slider != (self.plan.method == Method::Adjustment) {
-            return None;
-        }
-        let trial = self.trials.get(self.observations.len())?;
-        let observation = Observation {
-            trial: self.observations.len() as u32 + 1,
-            level: trial.level,
-            catch: trial.catch,
-            stimulus: self.shown?,
-            judgement,
-        };
-        self.take_in(observation);
-        Some(observation)
-    }
-
-    /// Gives the patch another code; with the slider only.
+    /// Gives the patch another code.
     pub fn adjust(&mut self, code: u8) {
-        if self.plan.method == Method::Adjustment
-            && let Some(shown) = &mut self.shown
-        {
-            shown.patch = code;
+        if let Some(shown) = &mut self.shown {
+            shown.code = code;
         }
     }
 
-    /// Accepts the patch as it stands: [`Nulling::answer`] with [`Judgement::Matched`].
-    pub fn accept(&mut self) -> Option<Observation> {
-        self.answer(Judgement::Matched)
+    /// Accepts the patch as it is, and goes on to the next picture.
+    pub fn accept(&mut self) -> Option<Match> {
+        let accepted = self.shown?;
+        self.done.push(accepted);
+        self.shown = self.starts.get(self.done.len()).copied();
+        Some(accepted)
     }
 
-    /// Takes the last answer back and brings its picture again, with the slider where it was accepted. Gives the answer
-    /// that no longer counts.
-    pub fn undo(&mut self) -> Option<Observation> {
-        let last = self.observations.pop()?;
-        let answered = std::mem::take(&mut self.observations);
-        self.beliefs = vec![Belief::new(&self.plan); self.plan.channels.len()];
-        answered.into_iter().for_each(|observation| self.take_in(observation));
-        self.shown = Some(last.stimulus);
-        Some(last)
+    /// Takes the last match back and shows it again as it was accepted. Gives the match that no longer counts.
+    pub fn undo(&mut self) -> Option<Match> {
+        self.shown = Some(self.done.pop()?);
+        self.shown
     }
 
-    /// How far the run is.
+    /// Every match that counts, in order.
     #[must_use]
-    pub fn progress(&self) -> Progress {
-        let (done, total) = (self.observations.len(), self.trials.len());
-        Progress { done, total, left_s: (total - done) as f64 * self.plan.method.trial_s() }
+    pub fn done(&self) -> &[Match] {
+        &self.done
     }
 
-    /// Every answer that counts, in order.
+    /// Matches in all.
     #[must_use]
-    pub fn observations(&self) -> &[Observation] {
-        &self.observations
+    pub fn total(&self) -> usize {
+        self.starts.len()
     }
 
-    fn take_in(&mut self, observation: Observation) {
-        if let Some(at) = self.channel_index(observation.stimulus.channel) {
-            self.beliefs[at].update(&observation);
-        }
-        self.observations.push(observation);
-        self.shown = self.next_stimulus();
-    }
-
-    fn channel_index(&self, channel: Channel) -> Option<usize> {
-        self.plan.channels.iter().position(|planned| *planned == channel)
-    }
-
-    fn next_stimulus(&self) -> Option<NullingStimulus> {
-        let trial = self.trials.get(self.observations.len())?;
-        let belief = self.beliefs.get(self.channel_index(trial.channel)?)?;
-        let level = self.plan.levels.get(trial.level)?;
-        let rows = RowField {
-            lit: level.lit,
-            period: level.period,
-            row_px: self.plan.row_px,
-            lo: belief.code(level.lo),
-            hi: belief.code(level.hi),
-        };
-        let log_ratio = match self.plan.method {
-            _ if trial.catch => PLAIN * trial.draw.signum(),
-            Method::Staircase => OFFSET * belief.sigma() * trial.draw.signum(),
-            Method::Adjustment => START * trial.draw,
-        };
-        Some(NullingStimulus { channel: trial.channel, rows, patch: belief.patch(trial.level, &rows, log_ratio) })
+    /// Expected time of the rest, seconds.
+    #[must_use]
+    pub fn left_s(&self) -> f64 {
+        (self.total() - self.done.len()) as f64 * MATCH_S
     }
 }
 
-fn schedule(plan: &Plan, rng: &mut ChaCha8Rng) -> Vec<Trial> {
-    let mut channels = plan.channels.clone();
+fn starts(settings: &MatchSettings, rng: &mut ChaCha8Rng) -> Vec<Match> {
+    let rows = settings.rows();
+    let mut channels = settings.channels.clone();
     shuffle(&mut channels, rng);
-    let mut trials = Vec::with_capacity(plan.trials() as usize);
-    for channel in channels {
-        let mut levels: Vec<usize> =
-            plan.levels.iter().enumerate().flat_map(|(i, level)| vec![i; level.trials as usize]).collect();
-        shuffle(&mut levels, rng);
-        let start = trials.len();
-        trials.extend(levels.iter().map(|&level| Trial { channel, level, catch: false, draw: draw(rng) }));
-        if plan.method == Method::Staircase {
-            for _ in 0..plan.catches {
-                // Plain only once the channel is known a little: in its second half.
-                let half = (trials.len() - start) / 2;
-                let at = start + half + below(rng, (trials.len() - start - half) as u64 + 1) as usize;
-                let level = levels[below(rng, levels.len() as u64) as usize];
-                trials.insert(at, Trial { channel, level, catch: true, draw: draw(rng) });
-            }
-        }
-    }
-    trials
-}
-
-/// Uniform in −1…1.
-fn draw(rng: &mut ChaCha8Rng) -> f64 {
-    (rng.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    let mut start = |channel: Channel| {
+        let draw = (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+        let gamma = START_GAMMA.0 * (START_GAMMA.1 / START_GAMMA.0).powf(draw);
+        Match { channel, rows, code: (255.0 * rows.share().powf(gamma.recip())).round() as u8 }
+    };
+    channels.iter().flat_map(|channel| vec![*channel; settings.matches]).map(&mut start).collect()
 }

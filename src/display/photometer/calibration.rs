@@ -1,25 +1,33 @@
-//! Everything that readings say of a display.
+//! A display as measured with a photometer: the fitted models, the one to use, and what to know about it.
 
 use super::{
-    additivity::Additivity,
-    bend,
-    fit::Fit,
-    model::Black,
-    noise::{self, Noise},
-    note::{self, Note},
-    plan::Drift,
-    reading::Channel,
+    choose::{CrossValidation, simplest_of_the_best, validate},
+    consistency::{ADDITIVE_PERCENT, Additivity, drift_percent},
+    fit::{Fit, fit},
+    models::{Curve, Family},
     readings::Readings,
-    response::Response,
-    sample::Sample,
-    select::Families,
-    shape::{Family, Shape},
-    validation::{self, CrossValidation},
+    sample::{ASSUMED_NOISE, Sample},
+    table::tables,
 };
 use crate::{
-    display::profile::{DisplayProfile, LuminanceRange, Measurement},
-    light::{TransferError, Transfers},
+    display::{
+        channel::Channel,
+        profile::{DisplayProfile, LuminanceRange, Measurement},
+    },
+    light::{Transfer, Transfers},
 };
+
+/// Uncertainty of γ (standard error) above which more readings are advised.
+const UNCERTAIN_GAMMA: f64 = 0.01;
+/// Noise, relative to the light, above which readings are unsteady.
+const UNSTEADY: f64 = 0.03;
+/// Change of white that asks for a longer warm-up, percent.
+const DRIFT_PERCENT: f64 = 2.0;
+/// Differences of black between channels that noise does not make, as a share.
+const BLACK_DIFFERS: f64 = 0.1;
+/// A table's error at a level that was left out, squared and relative to the noise: that of a reading, and that of the
+/// mean of its two neighbors.
+const TABLE_SQUARE: f64 = 1.5;
 
 /// A model fitted to readings.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,12 +36,12 @@ pub struct FittedModel {
     pub family: Family,
     /// Whether the channels share one shape.
     pub common_shape: bool,
-    /// For a table: whether it differs from the best curve.
-    pub bent: bool,
     /// The channels that were read, in the order of [`Readings::channels`].
     pub channels: Vec<FittedChannel>,
-    /// Prediction of levels left out; `None` where none lies between 0 and 1.
-    pub validation: Option<CrossValidation>,
+    /// How well it predicts levels that are left out.
+    pub validation: CrossValidation,
+    /// Noise of the readings where this model is right, relative to the light.
+    noise: f64,
 }
 
 /// One channel of a fitted model.
@@ -42,9 +50,7 @@ pub struct FittedChannel {
     /// Which one.
     pub channel: Channel,
     /// The fitted light.
-    pub response: Response,
-    /// Of a curve: γ, gain and offset.
-    pub shape: Option<Shape>,
+    pub curve: Curve,
     /// Standard error of γ, where there is one.
     pub gamma_se: Option<f64>,
     /// 1 − Σ(L − fit)²/Σ(L − mean)², luminances in cd/m².
@@ -60,64 +66,50 @@ pub struct FittedChannel {
 pub struct Calibration {
     /// What it was made from.
     pub readings: Readings,
-    /// Noise of the readings.
-    pub noise: Noise,
-    /// sRGB, gamma, GOG, table.
+    /// Noise of the readings, relative to the light, by the chosen model.
+    pub noise: f64,
+    /// One of each family, in the order of [`Family::ALL`].
     pub models: Vec<FittedModel>,
-    /// The model to use: the simplest that the readings do not speak against.
+    /// The model to use: the one that cross-validation prefers.
     pub chosen: Family,
-    /// The model that cross-validation calls better, by the rule of one standard error.
-    pub better: Family,
     /// Gray against the sum of the channels, where all were read.
     pub additivity: Option<Additivity>,
-    /// Black and white.
-    pub luminance: LuminanceRange,
-    /// Change of white during the measurement, where it was read again.
-    pub drift: Option<Drift>,
-    /// What the reader should know.
-    pub notes: Vec<Note>,
+    /// Change of white during the measurement in percent, where it was read again.
+    pub drift_percent: Option<f64>,
+    /// What the reader should know; the profile can be used.
+    pub notes: Vec<String>,
 }
 
 impl Calibration {
-    /// Fits all models to readings.
-    ///
-    /// # Errors
-    /// When a fitted curve is no display's.
-    pub fn new(readings: &Readings) -> Result<Self, TransferError> {
+    /// Fits all models to readings, and chooses one.
+    #[must_use]
+    pub fn new(readings: &Readings) -> Self {
         let mut sample = Sample::new(readings);
-        let noise = noise::weigh(&mut sample);
-        let families = Families::new(&sample);
-        let best = families.best();
-        let curves = bend::with_read_black(&sample, &best.curves);
-        let stiffness = bend::stiffness(&bend::shifts(&sample, &curves));
-        let mut models: Vec<FittedModel> = [Family::Srgb, Family::Gamma, Family::Gog]
-            .map(|family| curve_model(readings, &sample, families.of(family)))
-            .into();
-        models.push(table_model(readings, &sample, best, stiffness)?);
-        let validations: Vec<_> = models.iter().map(|model| (model.family, model.validation.as_ref())).collect();
-        let chosen = if stiffness.is_some() { Family::Table } else { best.model.family };
-        let better = validation::better(&validations).unwrap_or(chosen);
-        let own_black = matches!(best.model.black, Black::Own | Black::OwnOffset);
+        let first = fit(Family::Gog, false, &sample, None);
+        sample.weigh(&first.curves);
+        let mut models: Vec<FittedModel> = Family::ALL.map(|family| model(family, &sample)).into();
+        let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
+        let (chosen, noise) = (models[chosen].family, models[chosen].noise);
+        for model in &mut models {
+            model.validation = model.validation.clone().against(noise / ASSUMED_NOISE);
+        }
         let mut calibration = Self {
             readings: readings.clone(),
             noise,
             models,
             chosen,
-            better,
             additivity: Additivity::new(readings),
-            luminance: LuminanceRange { black_cd_m2: 0.0, white_cd_m2: 0.0 },
-            drift: Drift::of(readings),
+            drift_percent: drift_percent(readings),
             notes: Vec::new(),
         };
-        calibration.luminance = calibration.luminance_of(chosen);
-        calibration.notes = note::all(&calibration, own_black);
-        Ok(calibration)
+        calibration.notes = notes(&calibration);
+        calibration
     }
 
     /// A fitted model.
     #[must_use]
     pub fn model(&self, family: Family) -> &FittedModel {
-        // The order is that of Family::ALL.
+        // One of each, in this order.
         &self.models[Family::ALL.iter().position(|one| *one == family).unwrap_or(0)]
     }
 
@@ -125,112 +117,132 @@ impl Calibration {
     #[must_use]
     pub fn luminance_of(&self, family: Family) -> LuminanceRange {
         let channels = &self.model(family).channels;
-        let gray = channels.iter().find(|one| one.channel == Channel::Gray);
-        let black_cd_m2 = match gray {
-            Some(gray) => gray.response.black_cd_m2(),
-            None => channels.iter().map(|one| one.response.black_cd_m2()).sum::<f64>() / channels.len() as f64,
-        };
-        let range: f64 = match gray {
-            Some(gray) => gray.response.range_cd_m2(),
-            None => channels.iter().map(|one| one.response.range_cd_m2()).sum(),
-        };
-        LuminanceRange { black_cd_m2, white_cd_m2: black_cd_m2 + range }
+        if let Some(gray) = channels.iter().find(|one| one.channel == Channel::Gray) {
+            return LuminanceRange { black_cd_m2: gray.curve.black_cd_m2, white_cd_m2: gray.curve.cd_m2(1.0) };
+        }
+        let sum = |of: fn(&Curve) -> f64| channels.iter().map(|one| of(&one.curve)).sum::<f64>();
+        let black_cd_m2 = sum(|curve| curve.black_cd_m2) / channels.len() as f64;
+        LuminanceRange { black_cd_m2, white_cd_m2: black_cd_m2 + sum(|curve| curve.range_cd_m2) }
     }
 
     /// The transfer functions of a model. A channel that was not read has gray's.
-    ///
-    /// # Errors
-    /// When a fitted curve is no display's.
-    pub fn transfers(&self, family: Family) -> Result<Transfers, TransferError> {
-        let model = self.model(family);
+    #[must_use]
+    pub fn transfers(&self, family: Family) -> Transfers {
+        let channels = &self.model(family).channels;
+        let read = |wanted: Channel| channels.iter().find(|one| one.channel == wanted);
         let of = |channel: Channel| {
-            let read = |wanted: Channel| model.channels.iter().find(|one| one.channel == wanted);
-            match read(channel).or_else(|| read(Channel::Gray)) {
-                Some(one) => one.response.transfer(),
-                None => Shape::Srgb.transfer(),
-            }
+            let found = read(channel).or_else(|| read(Channel::Gray));
+            found.map_or(Transfer::Srgb, |one| one.curve.transfer.clone())
         };
-        Ok(Transfers::new([of(Channel::Red)?, of(Channel::Green)?, of(Channel::Blue)?]))
+        Transfers::new([of(Channel::Red), of(Channel::Green), of(Channel::Blue)])
     }
 
     /// The display profile by a model.
-    ///
-    /// # Errors
-    /// When a fitted curve is no display's.
-    pub fn profile(&self, family: Family, name: &str, measured: Measurement) -> Result<DisplayProfile, TransferError> {
-        Ok(DisplayProfile {
+    #[must_use]
+    pub fn profile(&self, family: Family, name: &str, measured: Measurement) -> DisplayProfile {
+        DisplayProfile {
             name: name.to_owned(),
-            transfers: self.transfers(family)?,
+            transfers: self.transfers(family),
             luminance: Some(self.luminance_of(family)),
             measured: Some(measured),
             ..DisplayProfile::default()
-        })
-    }
-}
-
-fn curve_model(readings: &Readings, sample: &Sample, fit: &Fit) -> FittedModel {
-    let scale = (fit.deviance / fit.freedom().max(1.0)).sqrt();
-    let covariance = fit.covariance(sample, scale);
-    let channels = (fit.curves.iter().zip(readings.channels()).enumerate())
-        .map(|(index, (curve, channel))| {
-            let gamma_se =
-                fit.model.gamma_at(index).zip(covariance.as_ref()).map(|(at, all)| all[(at, at)].max(0.0).sqrt());
-            fitted(sample, index, *channel, Response::Curve(*curve), Some(curve.shape), gamma_se)
-        })
-        .collect();
-    FittedModel {
-        family: fit.model.family,
-        common_shape: fit.model.pooled,
-        bent: false,
-        channels,
-        validation: validation::validate(sample, fit),
-    }
-}
-
-fn table_model(
-    readings: &Readings,
-    sample: &Sample,
-    best: &Fit,
-    stiffness: Option<bend::Stiffness>,
-) -> Result<FittedModel, TransferError> {
-    let curves = bend::with_read_black(sample, &best.curves);
-    let bent = stiffness.and_then(|stiffness| validation::bent(sample, &curves, stiffness));
-    let responses = match &bent {
-        Some(bent) => bent.clone(),
-        None => {
-            let straight = best.curves.iter().map(|curve| Response::bent(curve, &bend::Bend::default()));
-            straight.collect::<Result<_, _>>()?
         }
-    };
-    let channels = (responses.into_iter().zip(readings.channels()).enumerate())
-        .map(|(index, (response, channel))| fitted(sample, index, *channel, response, None, None))
-        .collect();
-    let validation = match stiffness {
-        Some(stiffness) => validation::validate_bent(sample, best, stiffness),
-        None => validation::validate(sample, best),
-    };
-    let common_shape = best.model.pooled && stiffness.is_none_or(|stiffness| stiffness.common);
-    Ok(FittedModel { family: Family::Table, common_shape, bent: bent.is_some(), channels, validation })
+    }
 }
 
-fn fitted(
-    sample: &Sample,
-    index: usize,
-    channel: Channel,
-    response: Response,
-    shape: Option<Shape>,
-    gamma_se: Option<f64>,
-) -> FittedChannel {
-    let read: Vec<(f64, f64)> =
-        sample.points.iter().filter(|point| point.channel == index).map(|point| (point.v, point.y)).collect();
-    let mean = read.iter().map(|(_, y)| y).sum::<f64>() / read.len() as f64;
-    let (mut left, mut all) = (0.0, 0.0);
-    let (mut largest_codes, mut largest_cd_m2) = (0.0f64, 0.0f64);
-    for (v, y) in read {
-        let error = y - response.cd_m2(v);
-        (left, all) = (left + error * error, all + (y - mean).powi(2));
-        largest_cd_m2 = largest_cd_m2.max(error.abs());
-        largest_codes = largest_codes.max(255.0 * (response.encoded(y) - v).abs());
+/// The model of a family, with one shape for all channels or one for each, whichever predicts better.
+fn model(family: Family, sample: &Sample) -> FittedModel {
+    let variants: &[bool] = if family == Family::Srgb || sample.channels.len() == 1 { &[true] } else { &[true, false] };
+    let fits: Vec<(Fit, CrossValidation)> = (variants.iter())
+        .map(|shared| {
+            let full = fitted(family, *shared, sample, None);
+            let validation = validate(sample, |rest| fitted(family, *shared, rest, Some(&full)).curves);
+            (full, validation)
+        })
+        .collect();
+    let best = simplest_of_the_best(&fits.iter().map(|(_, validation)| validation).collect::<Vec<_>>());
+    let (fit, validation) = &fits[best];
+    let square = if family == Family::Table { validation.square() / TABLE_SQUARE } else { fit.variance };
+    let channels = sample.channels.iter().zip(&fit.curves).zip(&fit.gamma_se);
+    FittedModel {
+        family,
+        common_shape: variants[best],
+        channels: channels.map(|((channel, curve), se)| fitted_channel(sample, *channel, curve, *se)).collect(),
+        validation: validation.clone(),
+        noise: ASSUMED_NOISE * square.sqrt(),
     }
-    FittedChannel { channel, response, shape, gamma_se, r_squared: 1.0 - left / all, largest_codes, largest_cd_m2 }
+}
+
+fn fitted(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) -> Fit {
+    let mut fit = fit(family, shared, sample, start);
+    if family == Family::Table {
+        fit.curves = tables(sample, &fit.curves, shared);
+        fit.gamma_se.fill(None);
+    }
+    fit
+}
+
+fn fitted_channel(sample: &Sample, channel: Channel, curve: &Curve, gamma_se: Option<f64>) -> FittedChannel {
+    let read = || sample.points.iter().filter(|point| point.channel == channel);
+    let mean = read().map(|point| point.y).sum::<f64>() / read().count() as f64;
+    let square = |of: &dyn Fn(f64, f64) -> f64| read().map(|point| of(point.v, point.y).powi(2)).sum::<f64>();
+    let largest = |of: &dyn Fn(f64, f64) -> f64| read().map(|point| of(point.v, point.y).abs()).fold(0.0, f64::max);
+    let error = |v: f64, y: f64| y - curve.cd_m2(v);
+    FittedChannel {
+        channel,
+        gamma_se,
+        r_squared: 1.0 - square(&error) / square(&|_, y| y - mean),
+        largest_codes: largest(&|v, y| 255.0 * (curve.encoded(y) - v)),
+        largest_cd_m2: largest(&error),
+        curve: curve.clone(),
+    }
+}
+
+fn notes(calibration: &Calibration) -> Vec<String> {
+    let mut notes = Vec::new();
+    let read = calibration.readings.channels();
+    let unread: Vec<&str> =
+        Channel::ALL[..3].iter().filter(|channel| !read.contains(channel)).map(|channel| channel.name()).collect();
+    if !unread.is_empty() {
+        notes.push(format!("{} not read: assumed to have gray's curve", unread.join(", ")));
+    }
+    if let Some(white) = calibration.additivity.as_ref().filter(|sums| !sums.holds()).and_then(|sums| sums.sums.last())
+    {
+        notes.push(format!(
+            "channels not additive: white differs from red + green + blue by {:+.1} %; colors other than grays will be off (limit {ADDITIVE_PERCENT} %)",
+            white.deviation_percent()
+        ));
+    }
+    let blacks = (read.iter()).filter_map(|channel| calibration.readings.means(*channel).first().copied());
+    let blacks: Vec<f64> = blacks.filter(|mean| mean.level == 0.0).map(|mean| mean.luminance_cd_m2).collect();
+    let [least, most] = [f64::min, f64::max].map(|of| blacks.iter().copied().reduce(of).unwrap_or(0.0));
+    if most - least > BLACK_DIFFERS * most + 3.0 * calibration.readings.resolution_cd_m2() {
+        notes.push(
+            "black differs between channels, though level 0 is the same patch in all: the screen, the room or the photometer changed"
+                .to_owned(),
+        );
+    }
+    if let Some(percent) = calibration.drift_percent.filter(|percent| percent.abs() > DRIFT_PERCENT) {
+        notes.push(format!(
+            "white changed by {percent:+.1} % during the measurement: let the screen warm up for half an hour"
+        ));
+    }
+    if calibration.chosen == Family::Table {
+        notes.push("no curve fits the readings within their noise: the table follows them".to_owned());
+    }
+    let errors = calibration.model(calibration.chosen).channels.iter().filter_map(|channel| channel.gamma_se);
+    let largest = errors.fold(0.0, f64::max);
+    if largest > UNCERTAIN_GAMMA {
+        notes.push(format!(
+            "gamma is known only to ±{:.3} (95 %): more levels, or several readings a level, make it better",
+            1.96 * largest
+        ));
+    }
+    if calibration.noise > UNSTEADY {
+        notes.push(format!(
+            "readings scatter by {:.1} %: use a steadier photometer, or take several readings a level",
+            100.0 * calibration.noise
+        ));
+    }
+    notes
 }

@@ -1,44 +1,50 @@
-//! A set of readings that a profile can be made from.
+//! What a photometer read: one luminance a patch.
 
-use super::{
-    checks,
-    fault::ReadingFault,
-    reading::{Channel, LevelMean, Reading, means},
-};
+use crate::display::channel::Channel;
 
-/// Readings that were checked: enough of them, each possible, the light rising with the level, the channels what they
-/// are called. In the order in which they were taken.
+/// One reading of one patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// The lit channels.
+    pub channel: Channel,
+    /// Their encoded value, 0…1: the code divided by the largest code.
+    pub level: f64,
+    /// What the photometer showed, cd/m².
+    pub luminance_cd_m2: f64,
+}
+
+/// The readings of one channel at one level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LevelMean {
+    /// Encoded value, 0…1.
+    pub level: f64,
+    /// Mean of the readings, cd/m².
+    pub luminance_cd_m2: f64,
+    /// Number of readings.
+    pub readings: usize,
+}
+
+/// Levels closer than this are the same patch, typed twice.
+const SAME_LEVEL: f64 = 1e-6;
+
+/// Whether two levels are the same patch.
+#[must_use]
+pub fn is_same_level(a: f64, b: f64) -> bool {
+    (a - b).abs() < SAME_LEVEL
+}
+
+/// Readings that passed the checks of [`Readings::new`]: there are enough of them, each is possible, and the light rises
+/// with the level. In the order in which they were taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
     all: Vec<Reading>,
     channels: Vec<Channel>,
 }
 
-/// A fault of readings, and which of them has it.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{fault}")]
-pub struct Fault {
-    /// Index of the reading, from 0; `None` for a fault of the set.
-    pub index: Option<usize>,
-    /// What is wrong.
-    pub fault: ReadingFault,
-}
-
 impl Readings {
-    /// Checks readings, given in the order in which they were taken.
-    ///
-    /// # Errors
-    /// Every fault of single readings; where there is none, every fault of the set.
-    pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<Fault>> {
-        let faults = checks::each(&readings);
-        if !faults.is_empty() {
-            return Err(faults);
-        }
-        let channels: Vec<Channel> =
-            Channel::ALL.into_iter().filter(|channel| readings.iter().any(|one| one.channel == *channel)).collect();
-        let set = Self { all: readings, channels };
-        let faults = checks::together(&set);
-        if faults.is_empty() { Ok(set) } else { Err(faults) }
+    pub(super) fn unchecked(all: Vec<Reading>) -> Self {
+        let read = |channel: &Channel| all.iter().any(|one| one.channel == *channel);
+        Self { channels: Channel::ALL.into_iter().filter(read).collect(), all }
     }
 
     /// All readings in the order in which they were taken.
@@ -53,25 +59,19 @@ impl Readings {
         &self.channels
     }
 
-    /// Whether a channel was read.
-    #[must_use]
-    pub fn has(&self, channel: Channel) -> bool {
-        self.channels.contains(&channel)
-    }
-
-    /// The mean of each level of a channel, from dark to light.
+    /// The mean at each level of a channel, from dark to light.
     #[must_use]
     pub fn means(&self, channel: Channel) -> Vec<LevelMean> {
-        means(self.all.iter().copied().filter(|one| one.channel == channel))
+        means(self.all.iter().filter(|one| one.channel == channel))
     }
 
     /// Luminance of black, cd/m²: the mean of the readings at level 0, which is the same patch in every channel.
     #[must_use]
     pub fn black_cd_m2(&self) -> f64 {
-        means(self.all.iter().copied()).first().map_or(0.0, |black| black.luminance_cd_m2)
+        means(self.all.iter()).first().map_or(0.0, |black| black.luminance_cd_m2)
     }
 
-    /// The largest luminance that was read, cd/m².
+    /// The largest luminance, cd/m².
     #[must_use]
     pub fn largest_cd_m2(&self) -> f64 {
         self.all.iter().map(|one| one.luminance_cd_m2).fold(0.0, f64::max)
@@ -89,4 +89,16 @@ impl Readings {
         };
         (-2..=5).map(|digits| 10f64.powi(-digits)).find(|step| multiple(*step)).unwrap_or(0.0)
     }
+}
+
+/// The mean at each level, from dark to light, of readings in any order.
+fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<LevelMean> {
+    let mut sorted: Vec<&Reading> = readings.collect();
+    sorted.sort_by(|a, b| a.level.total_cmp(&b.level));
+    let same = sorted.chunk_by(|a, b| is_same_level(a.level, b.level));
+    same.map(|level| {
+        let sum: f64 = level.iter().map(|one| one.luminance_cd_m2).sum();
+        LevelMean { level: level[0].level, luminance_cd_m2: sum / level.len() as f64, readings: level.len() }
+    })
+    .collect()
 }

@@ -6,7 +6,10 @@ use super::{
     palette::{AXIS, BLACK, BLUE, GREEN, GRID, Marker, Series, Stroke, VERMILION},
     svg::{Anchor, Font, Svg, WIDTH},
 };
-use crate::display::photometer::{Calibration, Channel, FittedChannel};
+use crate::display::{
+    Channel,
+    photometer::{Calibration, FittedChannel},
+};
 
 /// Steps of a curve.
 const STEPS: usize = 128;
@@ -41,9 +44,9 @@ pub fn calibration(calibration: &Calibration) -> Figure {
         encoded_axis(svg, &upper, false);
         codes.draw(svg, &lower, Some("Off (codes)"));
         encoded_axis(svg, &lower, true);
-        for FittedChannel { channel, response, .. } in &model.channels {
+        for FittedChannel { channel, curve, .. } in &model.channels {
             let levels = (0..=STEPS).map(|step| step as f64 / STEPS as f64);
-            let points: Vec<_> = levels.map(|v| (upper.x(v), upper.y(response.cd_m2(v)))).collect();
+            let points: Vec<_> = levels.map(|v| (upper.x(v), upper.y(curve.cd_m2(v)))).collect();
             svg.line(&points, Stroke { width: 2.4, ..series(*channel).line() });
         }
         for one in calibration.readings.all() {
@@ -60,7 +63,7 @@ fn residuals(calibration: &Calibration) -> impl Iterator<Item = (Channel, f64, f
     let model = calibration.model(calibration.chosen);
     calibration.readings.all().iter().filter_map(move |one| {
         let fitted = model.channels.iter().find(|fitted| fitted.channel == one.channel)?;
-        Some((one.channel, one.level, 255.0 * (fitted.response.encoded(one.luminance_cd_m2) - one.level)))
+        Some((one.channel, one.level, 255.0 * (fitted.curve.encoded(one.luminance_cd_m2) - one.level)))
     })
 }
 

@@ -2,11 +2,8 @@
 
 use std::{fmt::Write as _, time::Duration};
 
-use eframe::egui;
-
-use super::FirstFrame;
 use crate::{
-    app::{Monitor, theme},
+    app::ui::Monitor,
     display::frames::{ESTIMATE_LEAST, FrameTimes, Refresh},
 };
 
@@ -17,19 +14,17 @@ pub struct TimingReport {
     times: FrameTimes,
     /// The screen's refresh.
     pub refresh: Option<Refresh>,
-    /// Who knows it: `reported`, `measured` or `unknown`.
+    /// Where it comes from: `reported`, `measured` or `unknown`.
     pub source: &'static str,
-    /// When the first frame had been drawn; only where the program was started for this.
-    pub first: Option<FirstFrame>,
 }
 
 impl TimingReport {
     /// From intervals in microseconds. The refresh is the monitor's, or the one that the frames follow by themselves;
     /// where they scatter there is none, and no frame is judged.
     #[must_use]
-    pub fn new(intervals_us: Vec<u32>, monitor: &Monitor) -> Self {
+    pub fn new(intervals_us: &[u32], monitor: &Monitor) -> Self {
         let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz).ok());
-        let measured = Refresh::estimate(&intervals_us).filter(|refresh| refresh.is_followed_by(&intervals_us));
+        let measured = Refresh::estimate(intervals_us).filter(|refresh| refresh.is_followed_by(intervals_us));
         let (refresh, source) = match (reported, measured) {
             (Some(_), _) => (reported, "reported"),
             (None, Some(_)) => (measured, "measured"),
@@ -39,13 +34,13 @@ impl TimingReport {
         let mut now = Duration::ZERO;
         times.frame(now, refresh);
         for interval in intervals_us {
-            now += Duration::from_micros(u64::from(interval));
+            now += Duration::from_micros(u64::from(*interval));
             times.frame(now, refresh);
         }
-        Self { times, refresh, source, first: None }
+        Self { times, refresh, source }
     }
 
-    /// For how long each frame stood, microseconds.
+    /// How long each frame was shown, microseconds.
     #[must_use]
     pub fn intervals_us(&self) -> &[u32] {
         self.times.intervals_us()
@@ -55,13 +50,13 @@ impl TimingReport {
     #[must_use]
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let ms = |p: f64| self.times.quantile(p).map_or_else(String::new, |s| format!("{:.3} ms", s * 1e3));
-        let count = |number: Option<u64>| number.map_or_else(|| "not known".to_owned(), |number| number.to_string());
-        let mut rows = vec![
+        let count = |number: Option<u64>| number.map_or_else(|| "unknown".to_owned(), |number| number.to_string());
+        vec![
             ("intervals", self.intervals_us().len().to_string()),
             (
                 "refresh",
                 self.refresh.map_or_else(
-                    || "not known".to_owned(),
+                    || "unknown".to_owned(),
                     |refresh| format!("{:.3} Hz, {:.3} ms, {}", refresh.hz(), refresh.seconds() * 1e3, self.source),
                 ),
             ),
@@ -72,12 +67,7 @@ impl TimingReport {
             ("longest", ms(1.0)),
             ("dropped frames", count(self.times.dropped())),
             ("missed refreshes", count(self.times.missed_refreshes())),
-        ];
-        if let Some(first) = self.first {
-            rows.push(("first frame", format!("{:.3} s after the program's start", first.since_start_s)));
-            rows.push(("at", format!("{:.3} s since 1970", first.unix_s)));
-        }
-        rows
+        ]
     }
 
     /// Whether the frames follow the screen's refresh one by one; `None` where there are too few to tell.
@@ -88,12 +78,12 @@ impl TimingReport {
         enough.then_some(followed && self.times.dropped() == Some(0))
     }
 
-    /// What the measurement says, in one or two sentences.
+    /// The result in one or two sentences.
     #[must_use]
     pub fn verdict(&self) -> String {
         let count = self.intervals_us().len();
         if count < ESTIMATE_LEAST {
-            return format!("{count} frames are too few to tell; expected {ESTIMATE_LEAST} or more.");
+            return format!("{count} frames are too few to judge; expected {ESTIMATE_LEAST} or more.");
         }
         let Some(refresh) = self.refresh.filter(|refresh| refresh.is_followed_by(self.intervals_us())) else {
             return self.scatter();
@@ -113,11 +103,11 @@ impl TimingReport {
     fn scatter(&self) -> String {
         let ms = |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3;
         let judged = match self.refresh {
-            Some(refresh) => format!("not that of {:.2} Hz either, which the system reports", refresh.hz()),
-            None => "so that none can be judged as dropped".to_owned(),
+            Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
+            None => "so none can be judged as dropped".to_owned(),
         };
         format!(
-            "The frames follow no steady refresh, {judged}: 98 % of their intervals are from {:.1} to {:.1} ms. Close other programs, and measure on the full screen.",
+            "The frames follow no steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} ms. Close other programs, and measure in full screen.",
             ms(0.01),
             ms(0.99)
         )
@@ -135,15 +125,4 @@ impl TimingReport {
         }
         text
     }
-}
-
-/// The rows of a report as a table.
-pub fn table(ui: &mut egui::Ui, report: &TimingReport) {
-    egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
-        for (name, value) in report.rows() {
-            ui.label(theme::quiet(name));
-            ui.label(value);
-            ui.end_row();
-        }
-    });
 }

@@ -1,14 +1,9 @@
 //! What is drawn while frames are measured.
 
-use std::str::FromStr;
-
-use eframe::{
-    egui::{self, Color32, Pos2, Rect, TextureHandle, Vec2},
-    egui_wgpu::RenderState,
-};
+use eframe::egui::{self, Color32, Pos2, Rect, TextureHandle, Vec2};
 
 use crate::{
-    app::{explore::shading::ShadingPage, pixels, theme},
+    app::ui::{pixels, theme::PAGE},
     light::{Bits, Quantizer, Transfer},
     stimulus::{MachBand, Stimulus},
 };
@@ -18,54 +13,25 @@ const STIMULUS_PX: u32 = 512;
 /// Frames of field, and then of stimulus, of a trial.
 const FIELD_FRAMES: u32 = 30;
 const STIMULUS_FRAMES: u32 = 60;
-/// Degrees by which the mesh turns with each frame.
-const TURN_DEG: f64 = 1.0;
 /// From the patch to the edge of the window, physical pixels.
 const MARGIN_PX: f32 = 16.0;
 
 /// What is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SceneKind {
-    /// A patch that is black and white by turns: a target for a photodiode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Scene {
+    /// A patch that alternates between black and white: a target for a photodiode.
     Patch,
-    /// The screen of a trial as in a session: the uniform field, and a stimulus that is another in each trial.
+    /// The screen of a trial as in a session: the uniform field, and a different stimulus in each trial.
     Trial,
-    /// The shading page with its mesh turning.
-    Demo,
-}
-
-impl FromStr for SceneKind {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "patch" => Ok(Self::Patch),
-            "trial" => Ok(Self::Trial),
-            "demo" => Ok(Self::Demo),
-            _ => Err("expected patch, trial or demo".to_owned()),
-        }
-    }
 }
 
 /// Where the patch is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Place {
-    /// In the upper left corner, as a photodiode is held.
+    /// In the upper left corner, where a photodiode can be held.
     Corner,
-    /// In the centre.
+    /// In the center.
     Center,
-}
-
-impl FromStr for Place {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "corner" => Ok(Self::Corner),
-            "center" => Ok(Self::Center),
-            _ => Err("expected corner or center".to_owned()),
-        }
-    }
 }
 
 /// The patch that flickers.
@@ -84,41 +50,35 @@ impl Default for Patch {
     }
 }
 
-/// What is drawn, and what it needs for that.
-pub enum Scene {
+/// A scene, and what it needs to be drawn.
+pub enum Drawing {
     Patch(Patch),
     Trial(Box<Trial>),
-    Demo(Box<ShadingPage>),
 }
 
-impl Scene {
-    pub fn new(kind: SceneKind, patch: Patch) -> Self {
-        match kind {
-            SceneKind::Patch => Self::Patch(patch),
-            SceneKind::Trial => Self::Trial(Box::default()),
-            SceneKind::Demo => Self::Demo(Box::default()),
+impl Drawing {
+    pub fn new(scene: Scene, patch: Patch) -> Self {
+        match scene {
+            Scene::Patch => Self::Patch(patch),
+            Scene::Trial => Self::Trial(Box::default()),
         }
     }
 
     /// Draws the frame `frame`, from 0.
-    pub fn show(&mut self, ui: &mut egui::Ui, frame: u32, state: Option<&RenderState>) {
+    pub fn show(&mut self, ui: &mut egui::Ui, frame: u32) {
         match self {
             Self::Patch(patch) => patch.show(ui, frame),
             Self::Trial(trial) => trial.show(ui, frame),
-            Self::Demo(page) => {
-                page.turn(TURN_DEG);
-                page.show(ui, state);
-            }
         }
     }
 
-    /// What stands behind everything.
+    /// The color behind everything.
     pub fn ground(&self, frame: u32) -> Color32 {
         match self {
-            // Nothing of the warning's page stays behind the patch.
+            // Nothing of the warning's page remains behind the patch.
             Self::Patch(_) if frame > 0 => Color32::BLACK,
+            Self::Patch(_) => PAGE,
             Self::Trial(trial) => trial.field,
-            Self::Patch(_) | Self::Demo(_) => theme::PAGE,
         }
     }
 }

@@ -50,8 +50,6 @@ pub struct ShadingPage {
     file: FileField,
     export: Export,
     dragging: bool,
-    /// Turned from outside since the last frame.
-    turned: bool,
 }
 
 /// The OBJ file.
@@ -77,18 +75,11 @@ impl Default for ShadingPage {
             file: FileField::default(),
             export: Export::default(),
             dragging: false,
-            turned: false,
         }
     }
 }
 
 impl ShadingPage {
-    /// Turns the mesh about the upright axis, as dragging it does.
-    pub fn turn(&mut self, degrees: f64) {
-        self.compared.turn(degrees, 0.0);
-        self.turned = true;
-    }
-
     /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui, state: Option<&RenderState>) -> Step {
         self.drawer.get_or_insert_with(|| Drawer::new(state));
@@ -199,8 +190,7 @@ impl ShadingPage {
         let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
         let (rect, size) = canvas::whole_pixels(ui.ctx(), room);
         let label = format!("The surface: {} on the left, {} on the right", titles[0], titles[1]);
-        let dragged = canvas::interact(ui, rect, &mut self.compared, &mut self.settings, &label);
-        self.dragging = dragged || std::mem::take(&mut self.turned);
+        self.dragging = canvas::interact(ui, rect, &mut self.compared, &mut self.settings, &label);
         self.update(ui.ctx(), size);
         self.draw(ui, rect, size);
         canvas::draw_marks(ui, rect, &self.compared, &self.settings);

@@ -8,8 +8,14 @@ use eframe::egui::{
 };
 
 use crate::{
-    app::{form::parse, theme},
-    display::photometer::{Channel, Patch, Plan, Reading},
+    app::{
+        display::calibrate::Run,
+        ui::{Step, describe, number, theme::NOTE},
+    },
+    display::{
+        Channel,
+        photometer::{Patch, Reading, ReadingFault, Readings, is_same_level},
+    },
     store::{StoreError, readings},
 };
 
@@ -24,7 +30,7 @@ const FALL: f64 = 0.95;
 
 /// How patches are shown.
 #[derive(Clone, Copy, Debug)]
-pub struct Viewing {
+pub struct PatchView {
     /// Seconds before a reading counts.
     pub settle_s: f64,
     /// Height of the patch in percent of the screen's.
@@ -33,14 +39,14 @@ pub struct Viewing {
     pub gray_around: bool,
 }
 
-/// The patches of a plan, and what was read of them.
-pub struct Measuring {
-    plan: Plan,
+/// Patches in their order, and what was read of them.
+pub struct PatchRun {
+    patches: Vec<Patch>,
     taken: Vec<Option<f64>>,
     /// Patches to be shown, by their place in the plan; the first is on the screen.
     queue: Vec<usize>,
     path: PathBuf,
-    viewing: Viewing,
+    view: PatchView,
     entry: String,
     /// The line is to take the keyboard with all of its text selected, so that typing replaces it.
     select: bool,
@@ -48,33 +54,23 @@ pub struct Measuring {
     since: Option<f64>,
     message: Option<String>,
     /// A reading that is to be typed again before it is believed.
-    doubted: Option<f64>,
+    unconfirmed: Option<f64>,
 }
 
-/// Where the patches lead.
-pub enum MeasureGo {
-    /// To the next one.
-    Stay,
-    /// Out, to go on later.
-    Pause,
-    /// All are read.
-    Done,
-}
-
-impl Measuring {
-    /// Begins, or goes on with the file that an earlier time left.
+impl PatchRun {
+    /// Begins, or resumes from the file of an earlier time.
     ///
     /// # Errors
     /// The file is of another plan, or cannot be written.
-    pub fn begin(plan: Plan, path: &Path, viewing: Viewing) -> Result<Self, StoreError> {
-        let mut taken = vec![None; plan.patches.len()];
+    pub fn begin(patches: Vec<Patch>, path: &Path, view: PatchView) -> Result<Self, StoreError> {
+        let mut taken = vec![None; patches.len()];
         if path.exists() {
             for one in readings::open_begun(path)? {
-                let same = |patch: &Patch| patch.channel == one.channel && (patch.level - one.level).abs() < 1e-6;
-                let free = (0..taken.len()).find(|at| taken[*at].is_none() && same(&plan.patches[*at]));
+                let same = |patch: &Patch| patch.channel == one.channel && is_same_level(patch.level, one.level);
+                let free = (0..taken.len()).find(|at| taken[*at].is_none() && same(&patches[*at]));
                 let Some(free) = free else {
                     let what = format!(
-                        "has a reading of {} at level {} that these patches do not have; expected another file, or the settings it was begun with",
+                        "has a reading of {} at level {} that these settings do not ask for; expected another file, or the settings it was begun with",
                         one.channel, one.level
                     );
                     return Err(StoreError::Mismatch { path: path.to_owned(), what });
@@ -83,74 +79,37 @@ impl Measuring {
             }
         }
         let queue = (0..taken.len()).filter(|at| taken[*at].is_none()).collect();
-        let measuring = Self {
-            plan,
+        let run = Self {
+            patches,
             taken,
             queue,
             path: path.to_owned(),
-            viewing,
+            view,
             entry: String::new(),
             select: true,
             since: None,
             message: None,
-            doubted: None,
+            unconfirmed: None,
         };
         // Before the first reading, so that a place that cannot be written shows now.
-        measuring.write()?;
-        Ok(measuring)
+        run.write()?;
+        Ok(run)
     }
 
-    /// The file of readings.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Patches read, and all.
-    pub fn progress(&self) -> (usize, usize) {
-        (self.taken.iter().flatten().count(), self.taken.len())
-    }
-
-    /// Shows patches of a channel at some levels once more.
-    pub fn again(&mut self, wanted: &[(Channel, f64)]) {
-        let is_wanted = |patch: &Patch| {
-            wanted.iter().any(|(channel, level)| patch.channel == *channel && (patch.level - level).abs() < 1e-6)
-        };
-        self.queue = (0..self.taken.len()).filter(|at| is_wanted(&self.plan.patches[*at])).collect();
-        self.fresh(None);
+    fn readings(&self) -> Vec<Reading> {
+        let read = self.patches.iter().zip(&self.taken).filter_map(|(patch, taken)| {
+            taken.map(|luminance_cd_m2| Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 })
+        });
+        read.collect()
     }
 
     fn write(&self) -> Result<(), StoreError> {
-        let read = self.plan.patches.iter().zip(&self.taken).filter_map(|(patch, taken)| {
-            taken.map(|luminance_cd_m2| Reading { channel: patch.channel, level: patch.level, luminance_cd_m2 })
-        });
-        readings::write(&self.path, &read.collect::<Vec<_>>())
+        readings::write(&self.path, &self.readings())
     }
 
-    /// Draws the patch and the line.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> MeasureGo {
-        let Some(&at) = self.queue.first() else { return MeasureGo::Done };
-        let now = ui.input(|input| input.time);
-        let left_s = self.viewing.settle_s - (now - *self.since.get_or_insert(now));
-        if left_s > 0.0 {
-            ui.ctx().request_repaint();
-        }
-        let around = if self.viewing.gray_around { AROUND } else { Color32::BLACK };
-        egui::CentralPanel::default()
-            .frame(egui::Frame::NONE.fill(around))
-            .show(ui, |ui| {
-                let area = ui.max_rect();
-                draw(ui, &self.plan.patches[at], area, self.viewing.percent);
-                let line = Rect::from_min_max(egui::pos2(area.left(), area.bottom() - LINE), area.max);
-                ui.painter().rect_filled(line, 0.0, Color32::BLACK);
-                let inner = line.shrink2(Vec2::new(16.0, 8.0));
-                ui.scope_builder(UiBuilder::new().max_rect(inner), |ui| self.line(ui, at, left_s)).inner
-            })
-            .inner
-    }
-
-    fn line(&mut self, ui: &mut egui::Ui, at: usize, left_s: f64) -> MeasureGo {
+    fn line(&mut self, ui: &mut egui::Ui, at: usize, left_s: f64) -> Step<()> {
         ui.visuals_mut().override_text_color = Some(DIM);
-        let patch = self.plan.patches[at];
+        let patch = self.patches[at];
         let mut accept = false;
         let mut previous = false;
         let mut pause = ui.input(|input| input.key_pressed(Key::Escape));
@@ -176,7 +135,7 @@ impl Measuring {
             ui.label(format!("{done} of {all} read{settling} · Enter: next · Backspace: previous · Esc: pause"));
         });
         if let Some(message) = &self.message {
-            ui.add(egui::Label::new(RichText::new(message).small().color(theme::NOTE.gamma_multiply(0.7))).wrap());
+            ui.add(egui::Label::new(RichText::new(message).small().color(NOTE.gamma_multiply(0.7))).wrap());
         }
         if accept {
             self.accept(at, left_s);
@@ -185,23 +144,27 @@ impl Measuring {
             self.fresh(self.taken[at - 1]);
         }
         match () {
-            () if pause => MeasureGo::Pause,
-            () if self.queue.is_empty() => MeasureGo::Done,
-            () => MeasureGo::Stay,
+            () if pause => Step::Back,
+            () if self.queue.is_empty() => Step::Next(()),
+            () => Step::Stay,
         }
     }
 
     /// Takes what is typed as the reading of a patch.
     fn accept(&mut self, at: usize, left_s: f64) {
         self.select = true;
-        let value = parse(&self.entry).filter(|value| *value >= 0.0);
+        let value = number(&self.entry).filter(|value| *value >= 0.0);
         self.message = match value {
-            None => Some(format!("{:?} is no luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim())),
-            Some(_) if left_s > 0.0 => Some("The patch has not settled yet; expected a reading after that.".to_owned()),
-            Some(value) => match self.doubt(at, value).filter(|_| self.doubted != Some(value)) {
-                Some(doubt) => {
-                    self.doubted = Some(value);
-                    Some(doubt)
+            None => {
+                Some(format!("{:?} is not a luminance; expected cd/m², 0 or more, such as 12.3", self.entry.trim()))
+            }
+            Some(_) if left_s > 0.0 => {
+                Some("The patch has not settled yet. Read it again, then press Enter.".to_owned())
+            }
+            Some(value) => match self.implausible(at, value).filter(|_| self.unconfirmed != Some(value)) {
+                Some(warning) => {
+                    self.unconfirmed = Some(value);
+                    Some(warning)
                 }
                 None => self.take(at, value),
             },
@@ -228,22 +191,70 @@ impl Measuring {
         self.select = true;
         self.since = None;
         self.message = None;
-        self.doubted = None;
+        self.unconfirmed = None;
     }
 
     /// Why a reading may be mistyped: less light than a lower level gave, or more than a higher one.
-    fn doubt(&self, at: usize, value: f64) -> Option<String> {
-        let patch = self.plan.patches[at];
-        let others = self.plan.patches.iter().zip(&self.taken).enumerate();
+    fn implausible(&self, at: usize, value: f64) -> Option<String> {
+        let patch = self.patches[at];
+        let others = self.patches.iter().zip(&self.taken).enumerate();
         let known = others.filter(|(index, (other, _))| *index != at && other.channel == patch.channel);
         let mut known = known.filter_map(|(_, (other, taken))| Some((other, (*taken)?)));
         let (other, read) = known.find(|(other, read)| {
             other.code < patch.code && value < read * FALL || other.code > patch.code && *read < value * FALL
         })?;
         Some(format!(
-            "{value} does not fit {} {}, which gave {read}: light rises with the code. Enter again keeps it; Backspace in an empty line shows the patch before.",
+            "{value} does not fit {} {}, which gave {read}: light rises with the code. Press Enter again to keep it, or clear the line and press Backspace to go back a patch.",
             other.channel, other.code
         ))
+    }
+}
+
+impl Run for PatchRun {
+    /// Draws the patch and the line.
+    fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
+        let Some(&at) = self.queue.first() else { return Step::Next(()) };
+        let now = ui.input(|input| input.time);
+        let left_s = self.view.settle_s - (now - *self.since.get_or_insert(now));
+        if left_s > 0.0 {
+            ui.ctx().request_repaint();
+        }
+        let around = if self.view.gray_around { AROUND } else { Color32::BLACK };
+        egui::CentralPanel::default()
+            .frame(egui::Frame::NONE.fill(around))
+            .show(ui, |ui| {
+                let area = ui.max_rect();
+                draw(ui, &self.patches[at], area, self.view.percent);
+                let line = Rect::from_min_max(egui::pos2(area.left(), area.bottom() - LINE), area.max);
+                ui.painter().rect_filled(line, 0.0, Color32::BLACK);
+                let inner = line.shrink2(Vec2::new(16.0, 8.0));
+                ui.scope_builder(UiBuilder::new().max_rect(inner), |ui| self.line(ui, at, left_s)).inner
+            })
+            .inner
+    }
+
+    fn progress(&self) -> (usize, usize) {
+        (self.taken.iter().flatten().count(), self.taken.len())
+    }
+
+    /// The patches that faults of the readings name.
+    fn questionable(&self) -> Vec<usize> {
+        let Err(faults) = Readings::new(self.readings()) else { return Vec::new() };
+        let named = |fault: &ReadingFault| match *fault {
+            ReadingFault::NotMonotone { channel, lower, upper, .. } => vec![(channel, lower), (channel, upper)],
+            ReadingFault::Saturated { channel, level, .. } => vec![(channel, level), (channel, 1.0)],
+            _ => Vec::new(),
+        };
+        let named: Vec<(Channel, f64)> = faults.iter().flat_map(|found| named(&found.fault)).collect();
+        let is_named = |patch: &Patch| {
+            named.iter().any(|(channel, level)| patch.channel == *channel && is_same_level(patch.level, *level))
+        };
+        (0..self.patches.len()).filter(|at| is_named(&self.patches[*at])).collect()
+    }
+
+    fn repeat(&mut self, patches: &[usize]) {
+        self.queue = patches.to_vec();
+        self.fresh(None);
     }
 }
 
@@ -272,12 +283,12 @@ fn draw(ui: &mut egui::Ui, patch: &Patch, area: Rect, percent: u32) {
         egui::pos2(whole(middle.min.x), whole(middle.min.y)),
         egui::pos2(whole(middle.max.x), whole(middle.max.y)),
     );
-    let [red, green, blue] = patch.codes().map(|code| code.min(255) as u8);
+    let [red, green, blue] = patch.channel.rgb(patch.code);
     ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(red, green, blue));
     let name = format!("Patch {} {}", patch.channel, patch.code);
     let response = ui.interact(rect, ui.scope_id().with("patch"), egui::Sense::hover());
     if response.hovered() {
         ui.ctx().set_cursor_icon(egui::CursorIcon::None);
     }
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
+    describe(&response, &name);
 }

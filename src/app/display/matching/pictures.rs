@@ -1,0 +1,155 @@
+//! The pictures one by one, and the keys.
+
+use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
+
+use crate::{
+    app::{
+        display::calibrate::Run,
+        ui::{Step, describe, fault, pixels, quiet, window_px},
+    },
+    display::matching::{GAP_S, Match, Matching},
+    store::{StoreError, matches::MatchFile},
+};
+
+/// Room for the line of text below the field, points.
+const TEXT_ROOM: f32 = 34.0;
+/// Smallest field, physical pixels.
+const LEAST_PX: u32 = 64;
+/// The field's side over the patch's.
+const FIELD_PER_PATCH: u32 = 3;
+
+/// A run and its file.
+pub struct MatchRun {
+    matching: Matching,
+    file: MatchFile,
+    /// The window's time when the picture may be seen; `None` until the first frame after a pause.
+    due_s: Option<f64>,
+    /// The window's time at the first picture.
+    start_s: Option<f64>,
+    shown: Option<(Match, u32, TextureHandle)>,
+    /// Why the last match is not in the file yet.
+    unsaved: Option<String>,
+}
+
+impl MatchRun {
+    pub fn new(matching: Matching, file: MatchFile) -> Self {
+        Self { matching, file, due_s: None, start_s: None, shown: None, unsaved: None }
+    }
+
+    fn press(&mut self, key: Key, repeated: bool, now: f64, due_s: f64) {
+        let since_start = now - self.start_s.unwrap_or(now);
+        match key {
+            Key::Backspace if !repeated => {
+                if let Some(taken_back) = self.matching.undo() {
+                    let number = self.matching.done().len() + 1;
+                    let saved = self.file.take_back(number, &taken_back, since_start);
+                    self.next(saved, now);
+                }
+            }
+            _ if now < due_s => {}
+            Key::Enter if !repeated => {
+                if let Some(accepted) = self.matching.accept() {
+                    let saved = self.file.accept(self.matching.done().len(), &accepted, since_start);
+                    self.next(saved, now);
+                }
+            }
+            Key::ArrowUp | Key::ArrowRight => self.adjust(1),
+            Key::ArrowDown | Key::ArrowLeft => self.adjust(-1),
+            Key::PageUp => self.adjust(10),
+            Key::PageDown => self.adjust(-10),
+            _ => {}
+        }
+    }
+
+    fn adjust(&mut self, by: i8) {
+        if let Some(shown) = self.matching.shown() {
+            self.matching.adjust(shown.code.saturating_add_signed(by));
+        }
+    }
+
+    /// After a match: the gap. A match that is not in the file is written again with the next.
+    fn next(&mut self, saved: Result<(), StoreError>, now: f64) {
+        self.unsaved = saved.err().map(|error| error.to_string());
+        self.due_s = Some(now + GAP_S);
+    }
+
+    fn draw(&mut self, ui: &mut egui::Ui, shown: Match) {
+        let (width, height) = window_px(ui.ctx());
+        let below = (TEXT_ROOM * ui.ctx().pixels_per_point()).ceil() as u32;
+        let side = width.min(height.saturating_sub(2 * below)).max(LEAST_PX);
+        if self.shown.as_ref().is_none_or(|(made, at, _)| *made != shown || *at != side) {
+            let image = shown.picture(side, side / FIELD_PER_PATCH);
+            self.shown = Some((shown, side, pixels::texture_of(ui.ctx(), "matching", &image)));
+        }
+        let Some((_, _, texture)) = &self.shown else { return };
+        let area = ui.ctx().content_rect();
+        pixels::draw_centered(ui, texture, area);
+        let response = ui.interact(area, ui.scope_id().with("field"), egui::Sense::hover());
+        let (channel, rows) = (shown.channel, shown.rows);
+        describe(
+            &response,
+            &format!("{} of {} rows lit in {channel}; square of code {}", rows.lit, rows.period, shown.code),
+        );
+    }
+
+    /// Keys and progress, or what went wrong.
+    fn line(&self, ui: &mut egui::Ui) {
+        let (done, all) = self.progress();
+        let text = format!(
+            "Make the square vanish: arrows left and right, then Enter · {} of {all}, about {:.0} min left · Esc pauses",
+            done + 1,
+            (self.matching.left_s() / 60.0).ceil()
+        );
+        let area = ui.ctx().content_rect();
+        let line = egui::Rect::from_min_max(egui::pos2(area.min.x + 12.0, area.max.y - TEXT_ROOM), area.max);
+        ui.scope_builder(egui::UiBuilder::new().max_rect(line), |ui| match &self.unsaved {
+            Some(error) => fault(ui, format!("Not saved yet; the next match tries again: {error}")),
+            None => _ = ui.add(egui::Label::new(quiet(text)).truncate()),
+        });
+    }
+}
+
+impl Run for MatchRun {
+    /// One frame: keys, then the picture.
+    fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
+        let now = ui.input(|input| input.time);
+        let mut due_s = *self.due_s.get_or_insert(now + GAP_S);
+        self.start_s.get_or_insert(due_s);
+        for (key, repeated) in pressed(ui) {
+            if key == Key::Escape {
+                self.due_s = None;
+                return Step::Back;
+            }
+            self.press(key, repeated, now, due_s);
+            due_s = self.due_s.unwrap_or(due_s);
+        }
+        let Some(shown) = self.matching.shown() else { return Step::Next(()) };
+        ui.ctx().set_cursor_icon(CursorIcon::None);
+        egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
+            if now < due_s {
+                ui.ctx().request_repaint();
+            } else {
+                self.draw(ui, shown);
+            }
+            self.line(ui);
+        });
+        Step::Stay
+    }
+
+    fn progress(&self) -> (usize, usize) {
+        (self.matching.done().len(), self.matching.total())
+    }
+}
+
+/// Keys that went down, in order, and whether each only repeats.
+fn pressed(ui: &egui::Ui) -> Vec<(Key, bool)> {
+    ui.input(|input| {
+        let of = |event: &Event| match event {
+            Event::Key { key, pressed: true, repeat, modifiers, .. } if !(modifiers.command || modifiers.alt) => {
+                Some((*key, *repeat))
+            }
+            _ => None,
+        };
+        input.events.iter().filter_map(of).collect()
+    })
+}

@@ -1,0 +1,150 @@
+//! What the readings say: models, errors, plots.
+
+use std::path::Path;
+
+use eframe::egui;
+use egui_plot::{Corner, Legend, Line, Plot, Points};
+
+use crate::{
+    app::{
+        display::{
+            calibrate::{Findings, series},
+            signed,
+        },
+        ui::{Field, hint, note, still_plot, table},
+    },
+    display::{
+        DisplayProfile, Measurement,
+        photometer::{Calibration, Family, FittedChannel},
+    },
+    store::readings,
+};
+
+/// Steps of a curve in the plot.
+const STEPS: usize = 100;
+/// Room for the numbers beside a plot, points: the same for all, so that their encoded values line up.
+const AXIS_ROOM: f32 = 80.0;
+
+/// Fitted readings.
+pub struct PhotometerFindings {
+    calibration: Calibration,
+    /// `None` for the one that cross-validation prefers.
+    family: Option<Family>,
+}
+
+impl PhotometerFindings {
+    fn family(&self) -> Family {
+        self.family.unwrap_or(self.calibration.chosen)
+    }
+}
+
+impl Findings for PhotometerFindings {
+    fn read(path: &Path) -> Result<Self, String> {
+        let readings = readings::open(path).map_err(|faults| faults.to_string())?;
+        Ok(Self { calibration: Calibration::new(&readings), family: None })
+    }
+
+    fn summary(&mut self, ui: &mut egui::Ui) {
+        let calibration = &self.calibration;
+        let light = calibration.luminance_of(self.family());
+        ui.label(format!(
+            "Black {:.3} cd/m², white {:.1} cd/m². Readings scatter by {:.2} %.",
+            light.black_cd_m2,
+            light.white_cd_m2,
+            100.0 * calibration.noise
+        ));
+        if let Some(additivity) = &calibration.additivity {
+            let (percent, cd_m2) = (additivity.largest_percent(), additivity.largest_cd_m2());
+            ui.label(format!(
+                "Gray differs from the sum of its channels by at most {} % and {} cd/m².",
+                signed(&format!("{:+.1}", percent.deviation_percent())),
+                signed(&format!("{:+.2}", cd_m2.deviation_cd_m2()))
+            ));
+        }
+        calibration.notes.iter().for_each(|text| note(ui, text));
+        let chosen = calibration.chosen;
+        ui.strong(format!("Chosen: {chosen}. It is the simplest of the models that best predict levels left out."));
+        let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.map(Some)).collect();
+        Field::new("Model").width(180.0).choice(ui, &mut self.family, &all, |family| match family {
+            None => format!("automatic ({chosen})"),
+            Some(family) => family.to_string(),
+        });
+    }
+
+    fn details(&self, ui: &mut egui::Ui) {
+        plots(ui, &self.calibration, self.family());
+        ui.add_space(8.0);
+        hint(ui, "Largest error: of a reading from the model, in 8-bit codes and in cd/m².");
+        let models = &self.calibration.models;
+        let rows = models.iter().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
+        table(ui, "fits", ["model", "channel", "γ", "offset", "R²", "codes", "cd/m²"], rows);
+        ui.add_space(8.0);
+        hint(ui, "Root mean square error of levels left out in turn.");
+        let rows = models.iter().map(|model| {
+            let found = &model.validation;
+            [model.family.to_string(), format!("{:.2}", found.rms_codes), format!("{:.3}", found.rms_cd_m2)]
+        });
+        table(ui, "validation", ["model", "codes", "cd/m²"], rows);
+    }
+
+    fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
+        let made = self.calibration.profile(self.family(), "", Measurement::default());
+        let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
+        Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..made })
+    }
+
+    fn instrument(&self) -> String {
+        "photometer".to_owned()
+    }
+}
+
+fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
+    let none = || "—".to_owned();
+    let gamma = match (channel.curve.gamma(), channel.gamma_se) {
+        (Some(gamma), Some(se)) => format!("{gamma:.3} ± {se:.3}"),
+        (Some(gamma), None) => format!("{gamma:.3}"),
+        _ => none(),
+    };
+    let offset = channel.curve.gain_and_offset();
+    [
+        family.to_string(),
+        channel.channel.to_string(),
+        gamma,
+        offset.map_or_else(none, |(_, offset)| signed(&format!("{offset:+.4}"))),
+        format!("{:.5}", channel.r_squared),
+        format!("{:.2}", channel.largest_codes),
+        format!("{:.3}", channel.largest_cd_m2),
+    ]
+}
+
+/// A plot over all encoded values, as wide as the others beside its axis.
+fn plot<'a>(id: &'static str, height: f32, values: &'static str) -> Plot<'a> {
+    let plot = still_plot(id).include_x(0.0).include_x(1.0).y_axis_min_width(AXIS_ROOM).height(height);
+    plot.x_axis_label("encoded value").y_axis_label(values)
+}
+
+fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
+    let channels = &calibration.model(family).channels;
+    let read = |one: &FittedChannel| -> Vec<[f64; 2]> {
+        let own = calibration.readings.all().iter().filter(|reading| reading.channel == one.channel);
+        own.map(|reading| [reading.level, reading.luminance_cd_m2]).collect()
+    };
+    hint(ui, format!("Luminance: readings as points, {family} as lines."));
+    plot("light", 260.0, "cd/m²").legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
+        for one in channels {
+            let ((color, marker), name) = (series(one.channel), one.channel.name());
+            let curve = (0..=STEPS).map(|step| step as f64 / STEPS as f64).map(|v| [v, one.curve.cd_m2(v)]);
+            plot.line(Line::new(name, curve.collect::<Vec<_>>()).color(color).width(2.0));
+            plot.points(Points::new(name, read(one)).shape(marker).radius(4.0).color(color));
+        }
+    });
+    hint(ui, "Distance of each reading from its line, in 8-bit codes.");
+    plot("errors", 160.0, "codes").include_y(-1.0).include_y(1.0).show(ui, |plot| {
+        for one in channels {
+            let (color, marker) = series(one.channel);
+            let errors: Vec<[f64; 2]> =
+                read(one).iter().map(|[level, cd_m2]| [*level, 255.0 * (one.curve.encoded(*cd_m2) - level)]).collect();
+            plot.points(Points::new(one.channel.name(), errors).shape(marker).radius(4.0).color(color));
+        }
+    });
+}

@@ -1,0 +1,139 @@
+//! How evenly this screen shows frames: settings, a table and a plot.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{self, Color32, Key, RichText, ViewportCommand};
+use egui_plot::{HLine, Points};
+
+use super::{
+    report::TimingReport,
+    run::{FLICKER_WARNING, TimingPlan, TimingRun},
+    scene::{Patch, Place, Scene},
+};
+use crate::{
+    app::ui::{
+        Field, Monitor, Step, outcome, paragraph, primary, quiet, still_plot,
+        theme::{GOOD, NOTE, PAGE, QUIET, SERIES},
+        tool_page,
+    },
+    report::figures,
+    store,
+};
+
+/// Numbers of frames to choose from.
+const FRAMES: [u32; 4] = [300, 600, 1800, 3600];
+/// Sides of the patch to choose from, physical pixels.
+const SIZES: [u32; 4] = [48, 96, 192, 384];
+
+/// The tool.
+pub struct TimingTool {
+    plan: TimingPlan,
+    run: Option<TimingRun>,
+    report: Option<TimingReport>,
+    out: String,
+    exported: Option<Result<String, String>>,
+}
+
+impl Default for TimingTool {
+    fn default() -> Self {
+        let plan = TimingPlan { scene: Scene::Trial, frames: 600, patch: Patch::default() };
+        Self { plan, run: None, report: None, out: "timing.csv".to_owned(), exported: None }
+    }
+}
+
+impl TimingTool {
+    /// Draws the measurement, or the settings and what was found.
+    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step {
+        if let Some(run) = &mut self.run {
+            let report = run.show(ui, monitor);
+            if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
+                self.report = report.or(self.report.take());
+                self.run = None;
+                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(false));
+            }
+            return Step::Stay;
+        }
+        let (back, ()) = tool_page(ui, "Timing", |ui| {
+            ui.label("Frames should follow the screen's refresh one by one. This measures whether they do.");
+            ui.add_space(8.0);
+            self.settings(ui);
+            if primary(ui, "Measure", true, "Full screen. Esc stops.") {
+                self.exported = None;
+                self.run = Some(TimingRun::new(self.plan));
+                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
+                ui.ctx().request_repaint();
+            }
+            ui.add_space(12.0);
+            self.found(ui);
+        });
+        Step::back_if(back)
+    }
+
+    /// The color behind everything.
+    pub fn ground(&self) -> Color32 {
+        self.run.as_ref().map_or(PAGE, TimingRun::ground)
+    }
+
+    fn settings(&mut self, ui: &mut egui::Ui) {
+        let TimingPlan { scene, frames, patch } = &mut self.plan;
+        Field::new("Shown").radio(
+            ui,
+            scene,
+            &[(Scene::Trial, "The screen of a trial"), (Scene::Patch, "A patch that flickers")],
+        );
+        Field::new("Frames").choice(ui, frames, &FRAMES, u32::to_string);
+        if *scene == Scene::Patch {
+            Field::new("Side of the patch, pixels").choice(ui, &mut patch.size_px, &SIZES, u32::to_string);
+            let places = [(Place::Corner, "upper left corner"), (Place::Center, "center")];
+            Field::new("Place").radio(ui, &mut patch.place, &places);
+            paragraph(ui, RichText::new(FLICKER_WARNING).color(NOTE));
+        }
+        ui.add_space(4.0);
+    }
+
+    fn found(&mut self, ui: &mut egui::Ui) {
+        let Some(report) = &self.report else { return };
+        let color = if report.is_one_by_one() == Some(true) { GOOD } else { NOTE };
+        paragraph(ui, RichText::new(report.verdict()).strong().color(color));
+        ui.add_space(4.0);
+        egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
+            for (name, value) in report.rows() {
+                ui.label(quiet(name));
+                ui.label(value);
+                ui.end_row();
+            }
+        });
+        ui.add_space(8.0);
+        plot(ui, report);
+        Field::new("Export to").show(ui, |ui, label| {
+            ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(260.0)).labelled_by(label);
+            if ui.button("Export").clicked() {
+                self.exported = Some(export(report, &PathBuf::from(self.out.trim())));
+            }
+        });
+        outcome(ui, self.exported.as_ref());
+    }
+}
+
+/// The intervals, and beside them their plot.
+fn export(report: &TimingReport, path: &Path) -> Result<String, String> {
+    let plot = path.with_extension("svg");
+    let svg = figures::intervals(report.intervals_us(), report.refresh);
+    store::write_file(path, report.csv().as_bytes()).map_err(|error| error.to_string())?;
+    store::write_file(&plot, svg.as_bytes()).map_err(|error| error.to_string())?;
+    Ok(format!("Wrote {} and {}.", path.display(), plot.display()))
+}
+
+fn plot(ui: &mut egui::Ui, report: &TimingReport) {
+    let points: Vec<[f64; 2]> =
+        (1..).zip(report.intervals_us()).map(|(frame, us)| [f64::from(frame), f64::from(*us) * 1e-3]).collect();
+    still_plot("intervals").height(220.0).include_y(0.0).x_axis_label("frame").y_axis_label("interval, ms").show(
+        ui,
+        |plot| {
+            if let Some(refresh) = report.refresh {
+                plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(QUIET));
+            }
+            plot.points(Points::new("interval", points).radius(1.5).color(SERIES[1]));
+        },
+    );
+}

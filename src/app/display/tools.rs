@@ -1,0 +1,204 @@
+//! The profile in use, and the tools.
+
+use eframe::egui::{self, Color32, RichText};
+
+use super::{
+    calibrate::{Calibrate, SavedProfile},
+    check::CheckPage,
+    geometry::GeometryPage,
+    matching::ByEye,
+    photometer::Photometer,
+    steps::StepsPage,
+    timing::TimingTool,
+};
+use crate::{
+    app::ui::{
+        Ask, Dialog, Field, Monitor, ScreenFields, Step, fault, good, hint, note, number, theme::PAGE, today, tool_page,
+    },
+    display::{DisplayProfile, Screen, Viewing},
+};
+
+/// The tool that is open.
+enum Tool {
+    Geometry(Box<GeometryPage>),
+    Photometer,
+    ByEye,
+    Check(Box<CheckPage>),
+    Steps(Box<StepsPage>),
+    Timing(Box<TimingTool>),
+}
+
+/// The page.
+pub struct Display {
+    /// Home's fields: the profile's path, the screen's width and the distance are set here too.
+    fields: ScreenFields,
+    /// Side of the planned stimulus, degrees.
+    window_deg: f64,
+    /// The path that the profile was read from, and what was found there.
+    read: Option<(String, Result<DisplayProfile, String>)>,
+    tool: Option<Tool>,
+    dialog: Dialog,
+    /// What a tool wrote; shown for as long as it is in use.
+    saved: Option<SavedProfile>,
+    /// Both remain when they are left, so that a paused run can be resumed.
+    photometer: Calibrate<Photometer>,
+    by_eye: Calibrate<ByEye>,
+}
+
+impl Display {
+    /// The tools, with what Home's fields say.
+    pub fn new(fields: ScreenFields, window_deg: f64) -> Self {
+        let known = fields.profile().unwrap_or_default();
+        let photometer = Calibrate::new(Photometer::default(), known.clone(), [true, true]);
+        let by_eye = Calibrate::new(ByEye::default(), known, [true, false]);
+        let (read, tool, dialog, saved) = Default::default();
+        Self { fields, window_deg, read, tool, dialog, saved, photometer, by_eye }
+    }
+
+    /// Home's fields, as they are now.
+    pub fn fields(&self) -> &ScreenFields {
+        &self.fields
+    }
+
+    /// The color behind everything.
+    pub fn ground(&self) -> Color32 {
+        match &self.tool {
+            Some(Tool::Timing(tool)) => tool.ground(),
+            _ => PAGE,
+        }
+    }
+
+    /// Draws the tool that is open, or the list of them.
+    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step {
+        let viewing = self.viewing(monitor);
+        let step = match &mut self.tool {
+            None => return self.list(ui),
+            Some(Tool::Geometry(page)) => page.show(ui, monitor, &mut self.fields).widen(),
+            Some(Tool::Photometer) => self.photometer.show(ui, viewing.as_ref()),
+            Some(Tool::ByEye) => self.by_eye.show(ui, viewing.as_ref()),
+            Some(Tool::Check(page)) => page.show(ui).widen(),
+            Some(Tool::Steps(page)) => page.show(ui).widen(),
+            Some(Tool::Timing(page)) => page.show(ui, monitor).widen(),
+        };
+        match step {
+            Step::Stay => return Step::Stay,
+            Step::Back => {}
+            Step::Next(saved) => {
+                self.fields.profile = saved.path.display().to_string();
+                // What was there before is no longer what is there.
+                self.read = None;
+                self.saved = Some(saved);
+            }
+        }
+        self.tool = None;
+        ui.ctx().request_repaint();
+        Step::Stay
+    }
+
+    /// The profile that Home names, read once for each path.
+    fn profile(&mut self) -> Result<DisplayProfile, String> {
+        let path = self.fields.profile.trim().to_owned();
+        if self.read.as_ref().is_none_or(|(read, _)| *read != path) {
+            self.read = Some((path, self.fields.profile()));
+        }
+        self.read.as_ref().map_or_else(|| Ok(DisplayProfile::default()), |(_, found)| found.clone())
+    }
+
+    /// Screen and distance, where both are known.
+    fn viewing(&self, monitor: &Monitor) -> Option<Viewing> {
+        let width_cm = number(&self.fields.screen_width_cm)?;
+        let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm).ok()?;
+        Viewing::new(screen, number(&self.fields.distance_cm)?).ok()
+    }
+
+    fn list(&mut self, ui: &mut egui::Ui) -> Step {
+        let found = self.profile();
+        let (back, chosen) = tool_page(ui, "Display", |ui| {
+            ui.label("The eye sees light, not codes. A profile says how much light this screen makes of each code.");
+            ui.add_space(8.0);
+            self.profile_field(ui, &found);
+            ui.add_space(8.0);
+            let mut chosen = None;
+            for (name, what, make) in TOOLS {
+                ui.add_space(4.0);
+                let button = egui::Button::new(RichText::new(*name).strong()).min_size([260.0, 34.0].into());
+                if ui.add(button).clicked() {
+                    chosen = Some(make);
+                }
+                hint(ui, *what);
+            }
+            chosen
+        });
+        if let Some(make) = chosen {
+            self.saved = None;
+            self.tool = Some(make(self, found.unwrap_or_default()));
+            ui.ctx().request_repaint();
+        }
+        Step::back_if(back)
+    }
+
+    fn profile_field(&mut self, ui: &mut egui::Ui, found: &Result<DisplayProfile, String>) {
+        Field::new("Profile in use").show(ui, |ui, label| {
+            let field = egui::TextEdit::singleline(&mut self.fields.profile).desired_width(300.0);
+            ui.add(field.hint_text("sRGB, assumed")).labelled_by(label);
+            self.dialog.browse(ui, Ask::Toml, "Choose a profile…", &mut self.fields.profile);
+        });
+        match found {
+            Ok(profile) => {
+                hint(ui, format!("{}.", profile.sentence()));
+                // An assumption says so itself.
+                let warning = profile.measured.as_ref().and_then(|_| profile.warning(today()));
+                warning.iter().for_each(|warning| note(ui, warning));
+            }
+            Err(faults) => faults.lines().for_each(|line| fault(ui, line)),
+        }
+        self.saved = self.saved.take().filter(|saved| self.fields.profile.trim() == saved.path.display().to_string());
+        if let Some(SavedProfile { path, replaced }) = &self.saved {
+            let done = if *replaced { "Replaced" } else { "Saved as" };
+            good(ui, format!("{done} {}; now in use.", path.display()));
+        }
+    }
+}
+
+/// A tool's name, what it is for, and how it begins.
+type Entry = (&'static str, &'static str, fn(&mut Display, DisplayProfile) -> Tool);
+
+/// All tools, in the order in which a new screen needs them.
+const TOOLS: &[Entry] = &[
+    (
+        "Size and distance",
+        "How wide the screen is, measured with a bank card or typed; how large a degree is, and whether the stimulus fits.",
+        |display, _| Tool::Geometry(Box::new(GeometryPage::new(display.window_deg))),
+    ),
+    (
+        "Photometer",
+        "Measures the light of every level: patches to point a photometer at, or readings from a file.",
+        |display, profile| {
+            display.photometer.update(profile);
+            Tool::Photometer
+        },
+    ),
+    (
+        "Gamma by eye",
+        "Without a photometer: match squares to fields of rows for each channel, in about five minutes.",
+        |display, profile| {
+            display.by_eye.update(profile);
+            Tool::ByEye
+        },
+    ),
+    (
+        "Check the gamma",
+        "Shows rows beside the codes that should have their light: a visible border means the profile is wrong.",
+        |_, profile| Tool::Check(Box::new(CheckPage::new(profile))),
+    ),
+    (
+        "Steps of equal brightness",
+        "Levels that look equally far apart, from the screen's black to its white: a table and a wedge.",
+        |_, profile| Tool::Steps(Box::new(StepsPage::new(profile))),
+    ),
+    (
+        "Timing",
+        "Whether frames follow the screen's refresh one by one: intervals, dropped frames, a patch for a photodiode.",
+        |_, _| Tool::Timing(Box::default()),
+    ),
+];

@@ -1,0 +1,105 @@
+//! The monotone table: a curve of an encoded value that is moved so far, level by level, that it meets the readings.
+//!
+//! Between levels the move changes in a straight line, so that the table bends as the curve does and not in corners.
+
+use super::{models::Curve, readings::is_same_level, sample::Sample};
+use crate::light::{Transfer, TransferTable};
+
+/// Points of a table: one for each 8-bit code.
+const POINTS: usize = 256;
+/// Least rise from point to point, so that a table can be inverted.
+const LEAST_RISE: f64 = 1e-9;
+/// A reading this close to black, in standard deviations, says nothing of the encoded value.
+const CLEAR: f64 = 3.0;
+
+/// An encoded value, the one that the curve would need for the light that was read, and the weight of this.
+#[derive(Clone, Copy)]
+struct Knot {
+    v: f64,
+    moved: f64,
+    weight: f64,
+}
+
+/// The tables of the sample's channels from the curves of a fit. They go through the black and the white that was read;
+/// between them all channels have the same table where `shared`.
+pub(super) fn tables(sample: &Sample, curves: &[Curve], shared: bool) -> Vec<Curve> {
+    let ends: Vec<Curve> = (sample.channels.iter().zip(curves))
+        .map(|(channel, curve)| {
+            let read = |v: f64| sample.mean(|point| point.v == v && (v == 0.0 || point.channel == *channel));
+            let black_cd_m2 = read(0.0).map_or(curve.black_cd_m2, |(black, _)| black);
+            let white_cd_m2 = read(1.0).map_or_else(|| curve.cd_m2(1.0), |(white, _)| white);
+            Curve { black_cd_m2, range_cd_m2: white_cd_m2 - black_cd_m2, transfer: curve.transfer.clone() }
+        })
+        .collect();
+    let each: Vec<Vec<Knot>> = (sample.channels.iter().zip(&ends))
+        .map(|(channel, curve)| {
+            let levels = sample.inner_levels().into_iter();
+            levels
+                .filter_map(|v| {
+                    let (y, sd) = sample.mean(|point| point.channel == *channel && is_same_level(point.v, v))?;
+                    let spread = 0.5 * (curve.encoded(y + sd) - curve.encoded(y - sd));
+                    let is_clear = y - curve.black_cd_m2 > CLEAR * sd && spread > 0.0;
+                    is_clear.then(|| Knot { v, moved: curve.encoded(y).min(1.0), weight: spread.powi(-2) })
+                })
+                .collect()
+        })
+        .collect();
+    let all = joined(each.concat());
+    ends.into_iter()
+        .zip(each)
+        .map(|(curve, own)| {
+            let transfer = table(&curve.transfer, if shared { &all } else { &own });
+            Curve { transfer, ..curve }
+        })
+        .collect()
+}
+
+/// The weighted mean of the knots at each level, rising.
+fn joined(mut knots: Vec<Knot>) -> Vec<Knot> {
+    knots.sort_by(|a, b| a.v.total_cmp(&b.v));
+    let levels = knots.chunk_by(|a, b| is_same_level(a.v, b.v));
+    levels
+        .map(|level| level.iter().copied().reduce(|a, b| Knot { v: a.v, ..pooled(a, b) }).unwrap_or(level[0]))
+        .collect()
+}
+
+fn pooled(a: Knot, b: Knot) -> Knot {
+    let weight = a.weight + b.weight;
+    Knot { v: b.v, moved: (a.moved * a.weight + b.moved * b.weight) / weight, weight }
+}
+
+fn table(base: &Transfer, knots: &[Knot]) -> Transfer {
+    let end = |at: f64| Knot { v: at, moved: at, weight: 1.0 };
+    let mut knots = [&[end(0.0)], knots, &[end(1.0)]].concat();
+    never_falling(&mut knots);
+    let encoded: Vec<f64> = (0..POINTS).map(|i| i as f64 / (POINTS - 1) as f64).collect();
+    let mut linear: Vec<f64> = encoded.iter().map(|v| base.linear_from_encoded(between(&knots, *v))).collect();
+    linear[0] = 0.0;
+    for i in 1..POINTS {
+        linear[i] = linear[i].max(linear[i - 1] + LEAST_RISE);
+    }
+    let top = linear[POINTS - 1];
+    linear.iter_mut().for_each(|light| *light /= top);
+    TransferTable::new(encoded, linear).map_or_else(|_| base.clone(), Transfer::Table)
+}
+
+/// The moved value of the encoded value `v`.
+fn between(knots: &[Knot], v: f64) -> f64 {
+    let above = knots.partition_point(|knot| knot.v <= v).clamp(1, knots.len() - 1);
+    let (low, high) = (knots[above - 1], knots[above]);
+    low.moved + (high.moved - low.moved) * (v - low.v) / (high.v - low.v)
+}
+
+/// The nearest knots whose moved values never fall: neighbors that do are pooled.
+fn never_falling(knots: &mut [Knot]) {
+    let mut blocks: Vec<(Knot, usize)> = Vec::with_capacity(knots.len());
+    for knot in knots.iter() {
+        let mut block = (*knot, 1);
+        while let Some((last, n)) = blocks.pop_if(|(last, _)| last.moved > block.0.moved) {
+            block = (pooled(last, block.0), n + block.1);
+        }
+        blocks.push(block);
+    }
+    let moved = blocks.iter().flat_map(|(block, n)| std::iter::repeat_n(block.moved, *n));
+    knots.iter_mut().zip(moved).for_each(|(knot, moved)| knot.moved = moved);
+}
