@@ -70,7 +70,7 @@ impl Curve {
     pub fn gamma(&self) -> Option<f64> {
         match &self.transfer {
             Transfer::Gamma(gamma) => Some(*gamma),
-            Transfer::Gog(gog) => Some(gog.gamma()),
+            Transfer::Gog(gog) => Some(gog.gamma),
             _ => None,
         }
     }
@@ -79,7 +79,7 @@ impl Curve {
     #[must_use]
     pub fn gain_and_offset(&self) -> Option<(f64, f64)> {
         match &self.transfer {
-            Transfer::Gog(gog) => Some((gog.gain(), gog.offset())),
+            Transfer::Gog(gog) => Some((gog.gain, gog.offset)),
             _ => None,
         }
     }
