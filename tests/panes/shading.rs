@@ -14,7 +14,7 @@ use machband::{
     stimulus::Renderer,
 };
 
-use crate::window::{Window, builder, choose, click, has_graphics, type_into, value};
+use crate::window::{Window, builder, choose, click, has_graphics, take_picture, type_into, value};
 
 /// The page, opened from Home, where it is drawn.
 fn open() -> Window {
@@ -201,6 +201,7 @@ fn dragging_turns_the_mesh_and_the_light_and_draws_the_line() {
     let angle = turned(&window);
     drag(&mut window, from, from + Vec2::new(60.0, 30.0), PointerButton::Primary);
     assert_eq!(turned(&window), angle, "a scan line turns nothing");
+    take_picture(&mut window, "shading scan line");
 }
 
 #[test]
@@ -275,6 +276,7 @@ fn the_exported_file_is_the_view() {
     for (i, show) in ["Split", "Difference", "Creases", "Predicted bands"].into_iter().enumerate() {
         click(&mut window, show);
         await_prediction(&mut window);
+        take_picture(&mut window, &format!("shading {show}"));
         let shown = pixels(&mut window);
         let path = folder.path().join(format!("view-{i}.png"));
         type_into(&mut window, "Export to", &path.display().to_string());

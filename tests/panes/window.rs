@@ -112,6 +112,13 @@ pub fn wait_for(window: &mut Window, text: &str) {
     panic!("{text:?} did not come; there is {:?}", texts(window));
 }
 
+/// Takes a picture of the window, to be looked at: where `MACHBAND_PICTURES` names a folder.
+pub fn take_picture(window: &mut Window, name: &str) {
+    if let Some(folder) = std::env::var_os("MACHBAND_PICTURES") {
+        window.render().unwrap().save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
+    }
+}
+
 /// Every text on the page.
 pub fn texts(window: &Window) -> Vec<String> {
     window.query_all_by_label_contains("").filter_map(|node| node.accesskit_node().label()).collect()
