@@ -1,5 +1,4 @@
-//! What a model may say besides numbers: notes on what was recognized in the data, and errors where nothing can be
-//! said.
+//! Notes on what a model found in the data, and errors where there is no model.
 
 use serde::Serialize;
 use thiserror::Error;
@@ -9,7 +8,7 @@ use thiserror::Error;
 #[serde(tag = "note", rename_all = "snake_case")]
 pub enum Note {
     /// Ratings without a value of a factor that the model needs.
-    #[error("{ratings} ratings have no {factor} and are left out")]
+    #[error("{ratings} ratings without a {factor} are left out")]
     MissingValues {
         /// The factor.
         factor: String,
@@ -17,7 +16,7 @@ pub enum Note {
         ratings: u64,
     },
     /// A category that nobody used: it has no probability to estimate and is merged with its neighbors.
-    #[error("no rating is {category}: the category is left out of the scale")]
+    #[error("no rating is {category}, so this category is left out of the scale")]
     EmptyCategory {
         /// The category.
         category: String,
@@ -29,14 +28,14 @@ pub enum Note {
         column: String,
     },
     /// A term of which no column is left.
-    #[error("the term {term} says nothing that the terms before it do not say")]
+    #[error("the term {term} adds nothing to the terms before it and is left out")]
     AliasedTerm {
         /// The term.
         term: String,
     },
     /// Ratings that a term predicts perfectly: its coefficient has no finite estimate.
-    #[error("{coefficient} has no finite estimate: it grows without end {}, because the ratings are separated ({term})",
-            if *.positive { "upwards" } else { "downwards" })]
+    #[error("{coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
+            if *.positive { "" } else { "minus " })]
     Separation {
         /// The coefficient's name.
         coefficient: String,
@@ -46,14 +45,14 @@ pub enum Note {
         positive: bool,
     },
     /// A threshold that runs away together with coefficients.
-    #[error("the threshold {threshold} has no finite estimate, because the ratings are separated")]
+    #[error("the threshold {threshold} has no finite estimate because the ratings are separated")]
     SeparatedThreshold {
         /// The threshold's name, such as `0|1`.
         threshold: String,
     },
     /// The first level of a factor has no finite effect of its own, so another one became the baseline.
     #[error(
-        "{factor} is compared with {baseline}: all ratings at {separated} are {category}, and a comparison with it would have no finite estimate"
+        "{factor} is compared with {baseline}, because all ratings at {separated} are {category}: a comparison with it would have no finite estimate"
     )]
     Rebased {
         /// The factor.
@@ -83,7 +82,7 @@ pub enum Note {
     )]
     NoMixedModel,
     /// The iteration ended before the gradient was small.
-    #[error("not converged: the largest gradient is {gradient:.1e}")]
+    #[error("the fit did not converge: the largest gradient is {gradient:.1e}")]
     NotConverged {
         /// Largest absolute gradient element.
         gradient: f64,
@@ -92,7 +91,7 @@ pub enum Note {
     #[error("no standard errors: the likelihood is flat in some direction")]
     Flat,
     /// A random intercept together with scale terms.
-    #[error("scale terms are used in the model without a random intercept only: they are left out")]
+    #[error("scale terms are left out: only a model without a random intercept can have them")]
     ScaleIgnored,
 }
 

@@ -32,7 +32,7 @@ pub enum PlanError {
         known: Vec<String>,
     },
     /// A term without a column of its own.
-    #[error("--terms {term}: the other terms say all that it says; expected terms of which each says something new")]
+    #[error("--terms {term}: the term adds nothing to the other terms; expected terms that each add something")]
     Untestable {
         /// The term.
         term: String,

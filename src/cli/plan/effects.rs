@@ -27,7 +27,7 @@ pub(super) fn apply(
         let (name, number) = (name.trim(), value.trim().parse::<f64>().ok().filter(|value| value.is_finite()));
         let value = number.ok_or_else(|| fault("the value is not a finite number; expected one such as 0.5"))?;
         if names.contains(&name) {
-            return Err(fault(&format!("{name} stands twice; expected each effect once")));
+            return Err(fault(&format!("{name} is given twice; expected each effect once")));
         }
         names.push(name);
         match name.split_once(':') {
@@ -58,14 +58,17 @@ fn with(observer: &OrderedLogit, name: &str, value: f64, protocol: &Protocol) ->
 fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
     if let Some(factor) = protocol.factors.iter().find(|factor| factor.name == name) {
         let levels: Vec<String> = factor.levels.iter().map(ToString::to_string).collect();
-        return format!("{name} is a factor; expected {name}:LEVEL=LOGITS with a level out of {}", levels.join(", "));
+        return format!(
+            "{name} is a factor; expected {name}:LEVEL=LOGITS with one of the levels {}",
+            levels.join(", ")
+        );
     }
     let known: Vec<&str> = table.iter().filter(|(_, value)| value.is_float()).map(|(name, _)| name.as_str()).collect();
     let asked = power::nearest(name, &known).map(|near| format!("; did you mean {near}?")).unwrap_or_default();
     let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
     let list = known.join(", ");
     format!(
-        "no such parameter of the observer; expected one of {list}, or FACTOR:LEVEL with a factor out of {}{asked}",
+        "no such parameter of the observer; expected one of {list}, or FACTOR:LEVEL with one of the factors {}{asked}",
         factors.join(", ")
     )
 }
