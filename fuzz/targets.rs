@@ -11,7 +11,7 @@ use machband::{
     light::Transfer,
     store::{
         FileFaults, definition,
-        image::{self, light},
+        image,
         mesh, observer, profile, ratings,
         ratings::ReadOptions,
         readings, results,
@@ -114,7 +114,7 @@ pub fn obj(content: &[u8]) {
 /// An image, as `check` proves it and as `predict` looks at it.
 pub fn png(content: &[u8]) {
     told(image::prove_content("fuzz.png", content));
-    if let Some(image) = told(light::parse("fuzz.png", content, &Transfer::Srgb.into())) {
+    if let Some(image) = told(image::parse_light("fuzz.png", content, &Transfer::Srgb.into())) {
         assert_eq!(image.data.len(), 3 * image.width as usize * image.height as usize);
     }
 }

@@ -16,7 +16,7 @@ cargo run --quiet -p tools -- sample-study "$results"
 machband simulate quick --participants 8 --results "$results" --resume
 # A task with shaded meshes.
 machband simulate shaders --participants 1 --results "$results"
-for format in bids psych-ds psychopy parquet; do
+for format in bids psych-ds; do
     machband export "$results" --format "$format" --out "$folder/$format"
 done
 machband verify "$folder/psych-ds"

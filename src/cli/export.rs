@@ -2,13 +2,12 @@
 
 use std::{io::Write as _, path::PathBuf};
 
-use crate::store::export;
+use crate::store::export::{self, Format};
 
-/// Write recorded sessions in the form that others expect.
+/// Export recorded sessions as a data set that the community's validators accept.
 ///
-/// `bids`: one BIDS 1.11 data set with the pictures that were shown, proved by their hashes; `psych-ds`: a Psych-DS data set
-/// an experiment, of whole rows only; `psychopy`: a wide CSV a session, with PsychoPy's columns; `parquet`: a typed table an
-/// experiment. Everything is written or nothing; equal sessions give equal bytes.
+/// Exports are all or nothing, and equal sessions give equal bytes. Pictures are included only if their hashes match what
+/// was shown.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband export results --format bids --out bids")]
 pub(super) struct Arguments {
@@ -26,33 +25,14 @@ pub(super) struct Arguments {
     complete_only: bool,
 }
 
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Format {
-    Bids,
-    PsychDs,
-    Psychopy,
-    Parquet,
-}
-
-impl From<Format> for export::Format {
-    fn from(format: Format) -> Self {
-        match format {
-            Format::Bids => Self::Bids,
-            Format::PsychDs => Self::PsychDs,
-            Format::Psychopy => Self::Psychopy,
-            Format::Parquet => Self::Parquet,
-        }
-    }
-}
-
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Arguments { folder, format, out, complete_only } = arguments;
     let waiting = super::spinner("exporting");
-    let exported = export::export(folder, out, (*format).into(), *complete_only);
+    let exported = export::export(folder, out, *format, *complete_only);
     waiting.finish_and_clear();
     let exported = exported?;
     for note in &exported.notes {
-        // Where nobody listens, nothing is lost.
+        // A closed stderr costs nothing.
         let _ = writeln!(std::io::stderr(), "warning: {note}");
     }
     let pictures = if exported.pictures > 0 { format!(", {} pictures", exported.pictures) } else { String::new() };

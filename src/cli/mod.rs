@@ -9,7 +9,6 @@ mod check;
 mod counts;
 mod export;
 mod options;
-mod parallel;
 mod plan;
 mod predict;
 mod ratings;

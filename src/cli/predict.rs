@@ -108,7 +108,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 fn image(arguments: &Arguments, path: &Path, sight: &Sight) -> anyhow::Result<Visibility> {
     let (transfers, _) = arguments.transfer.transfers()?;
-    let image = store::image::light::read(path, &transfers)?;
+    let image = store::image::read_light(path, &transfers)?;
     let view = sight.see_image(&image).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
     if let Some(map) = &arguments.map {
         // The strongest band is white or black; no band is a mean gray.

@@ -8,12 +8,13 @@ use std::{
 
 use indicatif::ProgressBar;
 use jiff::Timestamp;
+use rayon::prelude::*;
 use serde_json::json;
 
-use super::{UsageError, parallel, progress_style};
+use super::{UsageError, progress_style};
 use crate::{
     experiment::{
-        FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions, TrialRecord,
+        Condition, FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions, TrialRecord,
         UniformObserver, VisionObserver, simulate,
     },
     store::{
@@ -43,134 +44,154 @@ pub(super) struct Arguments {
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value_os_t = super::default_results())]
     results: PathBuf,
-    /// Who rates: `paper` follows the paper's findings, `vision` rates what the model of vision sees, `random` presses
-    /// any key.
-    #[arg(long, default_value = "paper", value_parser = ["paper", "random", "vision"])]
-    observer: String,
+    /// Who rates.
+    #[arg(long, value_enum, default_value_t = Rule::Paper)]
+    observer: Rule,
     /// Parameters of the `paper` or the `vision` observer; the documented defaults are in experiments/observers.
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
-    /// Go on with what an interrupted run left; sessions that are complete stay as they are.
+    /// Resume what an interrupted run left; complete sessions stay as they are.
     #[arg(long)]
     resume: bool,
 }
 
-struct Rater {
-    observer: Box<dyn Observer>,
-    description: serde_json::Value,
+/// The rule that a simulated observer rates by.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Rule {
+    /// Follows the paper's findings
+    Paper,
+    /// Presses any key
+    Random,
+    /// Rates the visibility that the vision model predicts
+    Vision,
 }
 
-/// What the sessions show. It is rendered when the first of them ends: rows do not wait for it.
-struct Shown {
+/// What all sessions of a run have in common.
+struct Simulation<'a> {
+    arguments: &'a Arguments,
+    protocol: Protocol,
+    observer: Box<dyn Observer>,
+    /// The observer, for the sidecars.
+    description: serde_json::Value,
     pictures: Pictures,
+    /// Hashes of the pictures. They are rendered when the first session ends: rows do not wait for them.
     hashes: OnceLock<Vec<String>>,
+    bar: ProgressBar,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let protocol = definition::open(&arguments.experiment)?;
-    let rater = rater(arguments, &protocol)?;
-    let shown = Shown { pictures: Pictures::without_screen(&protocol), hashes: OnceLock::new() };
+    let (observer, description) = observer(arguments, &protocol)?;
     let started = Instant::now();
-    let trials = protocol.main_trials() + protocol.design.practice as usize;
     let total = arguments.participants as usize;
-    let bar = ProgressBar::new((total * trials) as u64).with_style(progress_style("trials"));
-    let done = parallel::each(total, AT_A_TIME, |i| one(arguments, &protocol, &rater, &shown, i + 1, &bar));
-    bar.finish_and_clear();
+    let trials = total * (protocol.main_trials() + protocol.design.practice as usize);
+    let simulation = Simulation {
+        arguments,
+        pictures: Pictures::without_screen(&protocol),
+        protocol,
+        observer,
+        description,
+        hashes: OnceLock::new(),
+        bar: ProgressBar::new(trials as u64).with_style(progress_style("trials")),
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(AT_A_TIME.min(total)).build()?;
+    let done = pool.install(|| (1..=total).into_par_iter().try_for_each(|number| simulation.session(number)));
+    simulation.bar.finish_and_clear();
     done?;
+    let name = &simulation.protocol.name;
     super::say(&format!(
-        "{} sessions of {} in {}, {} rows, {:.1} s",
-        total,
-        protocol.name,
-        arguments.results.join(&protocol.name).display(),
-        total * trials,
+        "{total} sessions of {name} in {}, {trials} rows, {:.1} s",
+        arguments.results.join(name).display(),
         started.elapsed().as_secs_f64()
     ))
 }
 
-fn rater(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<Rater> {
-    match (arguments.observer.as_str(), &arguments.observer_file) {
-        ("random", None) => {
-            Ok(Rater { observer: Box::new(UniformObserver), description: json!({ "observer": "random" }) })
+/// The observer, and how the sidecars describe it.
+fn observer(
+    arguments: &Arguments,
+    protocol: &Protocol,
+) -> anyhow::Result<(Box<dyn Observer>, serde_json::Value)> {
+    let file = arguments.observer_file.as_deref();
+    Ok(match arguments.observer {
+        Rule::Random if file.is_some() => {
+            let message = "--observer-file belongs to --observer paper or vision; expected one of them";
+            return Err(UsageError(message.to_owned()).into());
         }
-        ("random", Some(_)) => {
-            Err(UsageError("--observer-file belongs to --observer paper or vision; expected one of them".to_owned())
-                .into())
-        }
-        ("vision", file) => {
-            let parameters = file.as_deref().map(observer::open_vision).transpose()?.unwrap_or_default();
+        Rule::Random => (Box::new(UniformObserver), json!({ "observer": "random" })),
+        Rule::Vision => {
+            let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
             let description = json!({ "observer": "vision", "vision": parameters });
             let observer = VisionObserver::new(parameters, protocol)
                 .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.experiment))?;
-            Ok(Rater { observer: Box::new(observer), description })
+            (Box::new(observer), description)
         }
-        (_, file) => {
+        Rule::Paper => {
             let parameters = match file {
                 Some(path) => observer::open(path)?,
                 None => observer::parse("paper.toml", observer::PAPER)?,
             };
-            Ok(Rater {
-                description: json!({ "observer": "paper", "ordered_logit": parameters }),
-                observer: Box::new(parameters),
-            })
+            let description = json!({ "observer": "paper", "ordered_logit": parameters });
+            (Box::new(parameters), description)
         }
-    }
+    })
 }
 
-fn one(
-    arguments: &Arguments,
-    protocol: &Protocol,
-    rater: &Rater,
-    shown: &Shown,
-    number: usize,
-    bar: &ProgressBar,
-) -> anyhow::Result<()> {
-    let identity = Identity::new(&format!("S{number:03}"), "1")?;
-    let sitting = Sitting {
-        started_at: Timestamp::now().to_string(),
-        observer: Some(rater.description.clone()),
-        pictures: Some(shown.pictures.clone()),
-        ..Sitting::default()
-    };
-    let fresh = |sitting| -> anyhow::Result<_> {
-        let schedule = Schedule::new(protocol, &identity, arguments.seed)?;
-        let store = SessionStore::create(&arguments.results, protocol, &identity, arguments.seed, sitting)?;
-        Ok((store, schedule, Resumed::default(), 0.0, 1))
-    };
-    let (mut store, schedule, resumed, elapsed_s, sitting) = if arguments.resume {
-        match SessionStore::resume(&arguments.results, protocol, &identity, Some(arguments.seed), sitting.clone()) {
-            Ok((store, Interrupted { schedule, resumed, elapsed_s, sitting, torn, .. })) => {
-                if torn.is_some() {
-                    bar.suspend(|| {
-                        eprintln!(
-                            "{}: a half-written last row was cut off and its trial asked again",
-                            store.csv().display()
-                        )
-                    });
+impl Simulation<'_> {
+    fn session(&self, number: usize) -> anyhow::Result<()> {
+        let Self { arguments, protocol, bar, .. } = self;
+        let identity = Identity::new(&format!("S{number:03}"), "1")?;
+        let sitting = Sitting {
+            started_at: Timestamp::now().to_string(),
+            observer: Some(self.description.clone()),
+            pictures: Some(self.pictures.clone()),
+            ..Sitting::default()
+        };
+        let fresh = |sitting| -> anyhow::Result<_> {
+            let schedule = Schedule::new(protocol, &identity, arguments.seed)?;
+            let store = SessionStore::create(&arguments.results, protocol, &identity, arguments.seed, sitting)?;
+            Ok((store, schedule, Resumed::default(), 0.0, 1))
+        };
+        let (mut store, schedule, resumed, elapsed_s, sitting) = if arguments.resume {
+            match SessionStore::resume(&arguments.results, protocol, &identity, Some(arguments.seed), sitting.clone()) {
+                Ok((store, Interrupted { schedule, resumed, elapsed_s, sitting, torn, .. })) => {
+                    if torn.is_some() {
+                        bar.suspend(|| {
+                            eprintln!(
+                                "{}: a half-written last row was cut off and its trial asked again",
+                                store.csv().display()
+                            )
+                        });
+                    }
+                    (store, schedule, resumed, elapsed_s, sitting)
                 }
-                (store, schedule, resumed, elapsed_s, sitting)
+                Err(StoreError::NothingToResume(_)) => fresh(sitting)?,
+                Err(error) => return Err(error.into()),
             }
-            Err(StoreError::NothingToResume(_)) => fresh(sitting)?,
-            Err(error) => return Err(error.into()),
+        } else {
+            fresh(sitting)?
+        };
+        bar.inc(resumed.done.len() as u64);
+        if store.is_complete() {
+            return Ok(());
         }
-    } else {
-        fresh(sitting)?
-    };
-    bar.inc(resumed.done.len() as u64);
-    if store.is_complete() {
-        return Ok(());
+        let elapsed = Duration::from_secs_f64(elapsed_s);
+        // Simulated time runs on from what is recorded; the wall clock is where it would have begun.
+        let origin = Timestamp::now() - elapsed;
+        let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+        let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
+        let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
+        simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
+            bar.inc(1);
+            store.append(&TrialRecord::new(&context, response, origin + response.onset))
+        })?;
+        let hashes = self.hashes.get_or_init(|| self.hash(&schedule.conditions));
+        hashes.iter().enumerate().for_each(|(condition, hash)| store.note_picture(condition, hash.clone()));
+        store.finish(true, Timestamp::now().to_string(), None)?;
+        Ok(())
     }
-    let elapsed = Duration::from_secs_f64(elapsed_s);
-    // Simulated time runs on from what is recorded; the wall clock is where it would have begun.
-    let origin = Timestamp::now() - elapsed;
-    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
-    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
-    simulate(&mut session, rater.observer.as_ref(), &identity, elapsed, |response| {
-        bar.inc(1);
-        store.append(&TrialRecord::new(&context, response, origin + response.onset))
-    })?;
-    let hashes = shown.hashes.get_or_init(|| shown.pictures.hashes(&schedule.conditions));
-    hashes.iter().enumerate().for_each(|(condition, hash)| store.note_picture(condition, hash.clone()));
-    store.finish(true, Timestamp::now().to_string(), None)?;
-    Ok(())
+
+    /// On a thread of its own: a session that waits for the hashes must not be what renders them.
+    fn hash(&self, conditions: &[Condition]) -> Vec<String> {
+        std::thread::scope(|scope| scope.spawn(|| self.pictures.hashes(conditions)).join()).unwrap_or_default()
+    }
 }

@@ -1,10 +1,11 @@
 //! `machband stimuli`
 
-use std::{path::PathBuf, str::FromStr, thread::available_parallelism, time::Instant};
+use std::{path::PathBuf, str::FromStr, time::Instant};
 
 use indicatif::ProgressBar;
+use rayon::prelude::*;
 
-use super::{options::ImageOptions, parallel, progress_style};
+use super::{options::ImageOptions, progress_style};
 use crate::{
     experiment::Condition,
     stimulus::recipe::Recipe,
@@ -29,7 +30,7 @@ pub(super) struct Arguments {
     image: ImageOptions,
 }
 
-/// Which part of the work is done here.
+/// Part `index` of `of` parts, from 1.
 #[derive(Clone, Copy, Debug)]
 struct Shard {
     index: usize,
@@ -45,7 +46,7 @@ impl FromStr for Shard {
         match (index.parse(), of.parse()) {
             (Ok(index), Ok(of)) if (1..=of).contains(&index) && of <= 1_000_000 => Ok(Self { index, of }),
             _ => {
-                Err(format!("shard {text:?} is no part of a whole; expected I/N with 1 ≤ I ≤ N ≤ 1000000, such as 1/3"))
+                Err(format!("shard {text:?} does not exist; expected I/N with 1 ≤ I ≤ N ≤ 1000000, such as 1/3"))
             }
         }
     }
@@ -65,9 +66,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let bar = ProgressBar::new(missing.len() as u64).with_style(progress_style("images"));
     if let Some(first) = missing.first() {
         let quantizer = recipes[*first].quantizer();
-        let threads = available_parallelism().map_or(1, usize::from);
-        parallel::each(missing.len(), threads, |i| {
-            manifest.make(missing[i], &quantizer)?;
+        missing.par_iter().try_for_each(|i| {
+            manifest.make(*i, &quantizer)?;
             bar.inc(1);
             anyhow::Ok(())
         })?;

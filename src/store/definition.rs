@@ -87,7 +87,7 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileFaults>
     }
     let (protocol, faults) = form.protocol();
     let faults: Vec<_> = faults.into_iter().flat_map(|fault| fail(fault.message).0).collect();
-    if faults.is_empty() { Ok(protocol) } else { Err(FileFaults(faults)) }
+    FileFaults::none(faults).map(|()| protocol)
 }
 
 /// SHA-256 of what a definition means, in lower-case hexadecimal: comments and layout do not change it.

@@ -44,6 +44,12 @@ impl FileFaults {
     pub fn whole(file: impl Into<String>, message: impl Into<String>) -> Self {
         Self(vec![FileFault::whole(file, message.into())])
     }
+
+    /// # Errors
+    /// The faults, if there are any.
+    pub fn none(faults: Vec<FileFault>) -> Result<(), Self> {
+        if faults.is_empty() { Ok(()) } else { Err(Self(faults)) }
+    }
 }
 
 impl std::fmt::Display for FileFaults {

@@ -62,6 +62,14 @@ fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<(
     fs::rename(temporary.path(), path)
 }
 
+/// Makes a folder and those above it.
+///
+/// # Errors
+/// The system's refusal.
+pub(super) fn make_folder(path: &Path) -> Result<(), StoreError> {
+    fs::create_dir_all(path).map_err(io(path, "make the folder"))
+}
+
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

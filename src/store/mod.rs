@@ -1,7 +1,7 @@
 //! Floor 4: every file format, one file each. Errors carry file, line and column.
 //!
 //! Read: [`definition`], [`profile`], [`observer`] (TOML), [`mesh`] (OBJ), [`readings`] (CSV). Written while a session runs: [`results`]
-//! and [`frames`] (CSV), [`sidecar`] and [`dataset`] (JSON), joined in [`session`], read back in [`recorded`] and proved in [`verify`](mod@verify). Exported: [`mod@export`] (BIDS, Psych-DS, PsychoPy, Parquet), [`image`] (PNG), [`curve`] (CSV) and
+//! and [`frames`] (CSV), [`sidecar`] and [`dataset`] (JSON), joined in [`session`], read back in [`recorded`] and proved in [`verify`](mod@verify). Exported: [`mod@export`] (BIDS, Psych-DS), [`image`] (PNG), [`curve`] (CSV) and
 //! [`manifest`] (many images).
 
 pub mod check;

@@ -171,21 +171,27 @@ fn explained(path: &str, error: &str) -> String {
         let field = field.trim_matches('`');
         return format!("{path}.{field} is missing; expected {field} = …");
     }
-    let (wrong, expected) = error.split_once(", expected ").unwrap_or((error, ""));
+    let Some((wrong, expected)) = error.split_once(", expected ") else { return error.to_owned() };
     let expected = match expected {
-        "" => return error.to_owned(),
         "f64" => "a number",
         "u8" => "a whole number from 0 to 255",
         "u32" => "a whole number from 0 to 4294967295",
         "a string" => "a text in quotes",
         "a sequence" => "a list in brackets",
         other if other.starts_with("struct ") => "a table",
-        other => other,
+        other => &other.replace("an array", "a list"),
     };
-    match wrong.strip_prefix("invalid type: ").or(wrong.strip_prefix("invalid value: ")) {
-        Some(found) => format!("{path} is {found}; expected {expected}"),
-        None => format!("{path}: {wrong}; expected {expected}"),
-    }
+    let Some(found) = wrong.strip_prefix("invalid type: ").or(wrong.strip_prefix("invalid value: ")) else {
+        return format!("{path}: {wrong}; expected {expected}");
+    };
+    let found = match found.split_once(' ') {
+        None if found == "sequence" => "a list",
+        None if found == "map" => "a table",
+        Some(("string", text)) => &format!("the text {text}"),
+        // integer `7`, floating point `0.5`, boolean `true`
+        _ => found.split('`').nth(1).unwrap_or(found),
+    };
+    format!("{path} is {found}; expected {expected}")
 }
 
 /// That a table has no such key, and which it may have.

@@ -168,27 +168,27 @@ fn faults_are_named_with_their_place() {
         ("v 1,5 0 1", "it.obj:1:3: \"1,5\" is not a number; expected one"),
         ("v é 0 1", "it.obj:1:3: \"é\" is not a number; expected one"),
         ("v 1 2", "it.obj:1:1: has 2 numbers; expected three"),
-        ("v 1 2 3 0", "it.obj:1:9: \"0\" is no weight; expected a finite number that is not 0"),
+        ("v 1 2 3 0", "it.obj:1:9: \"0\" is not a weight; expected a finite number that is not 0"),
         ("v 0 0 0\nvn 0 x 1", "it.obj:2:6: \"x\" is not a number; expected one"),
         ("v 0 0 0\nf 1 1", "it.obj:2:1: a face has 2 corners; expected 3…4096"),
         ("v 0 0 0\nf 1 1 1", "it.obj: has no face with an area; expected at least one whose corners are apart"),
-        ("v 0 0 0\nf 1 1 0", "it.obj:2:7: place 0 does not exist; expected an index from 1, or -1 for the last"),
+        ("v 0 0 0\nf 1 1 0", "it.obj:2:7: vertex 0 does not exist; expected an index from 1, or -1 for the last"),
         (
             "v 0 0 0\nf 1 1 -2",
-            "it.obj:2:7: place -2 does not exist, there are 1 above; expected -1 for the last, or 1…",
+            "it.obj:2:7: vertex -2 does not exist, there are 1 above; expected -1 for the last, or 1…",
         ),
-        ("v 0 0 0\nf 1 1 2", "it.obj:2:7: place 2 does not exist; expected 1…1"),
+        ("v 0 0 0\nf 1 1 2", "it.obj:2:7: vertex 2 does not exist; expected 1…1"),
         (
             "v 0 0 0\nf 1//1 1 1",
-            "it.obj:2:3: normal 1 does not exist, the file has no normals; expected a corner without one",
+            "it.obj:2:3: normal 1 does not exist, the file has none; expected a corner without one",
         ),
-        ("f 1 2 3\nv 0 0 0", "it.obj:1:7: place 3 does not exist; expected 1…1"),
-        ("v 0 0 0\nf 1 1 1.5", "it.obj:2:7: \"1.5\" is no corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
-        ("v 0 0 0\nf 1 /1 1", "it.obj:2:5: \"/1\" is no corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
-        ("v 0 0 0\nf 1 1/1/1/1 1", "it.obj:2:5: \"1/1/1/1\" is no corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
+        ("f 1 2 3\nv 0 0 0", "it.obj:1:7: vertex 3 does not exist; expected 1…1"),
+        ("v 0 0 0\nf 1 1 1.5", "it.obj:2:7: \"1.5\" is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
+        ("v 0 0 0\nf 1 /1 1", "it.obj:2:5: \"/1\" is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
+        ("v 0 0 0\nf 1 1/1/1/1 1", "it.obj:2:5: \"1/1/1/1\" is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
         (
             "v 0 0 0\nf 1 1 99999999999999999999",
-            "it.obj:2:7: \"99999999999999999999\" is no corner of a face; expected 1, 1/1, 1//1 or 1/1/1",
+            "it.obj:2:7: \"99999999999999999999\" is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1",
         ),
     ] {
         assert_eq!(message(text), expected, "{text}");
@@ -208,10 +208,10 @@ fn faults_are_named_with_their_place() {
             );
         }
     }
-    // A face before its places, and before another fault.
+    // A face before its vertices, and before another fault.
     assert_eq!(
         message("f 1 2 3\nv 0 0 0\nv 0 0 x\n"),
-        "it.obj:1:7: place 3 does not exist; expected 1…2\nit.obj:3:7: \"x\" is not a number; expected one"
+        "it.obj:1:7: vertex 3 does not exist; expected 1…2\nit.obj:3:7: \"x\" is not a number; expected one"
     );
     assert!(obj::parse("it.obj", format!("f 1 2 3\n{triangle}").as_bytes(), 180.0).is_ok());
     // Several, in the order of the file, and not without end.

@@ -1,17 +1,21 @@
-//! BIDS 1.11, behavioural data: a table and a sidecar for each session, what sessions of a task have in common said once
-//! at the top, the pictures below `stimuli`, and the data as they were recorded below `sourcedata`.
+//! BIDS 1.11, behavioral data: a table and a sidecar for each session, what the sessions of a task share once at the top,
+//! the pictures below `stimuli`, and the data as they were recorded below `sourcedata`.
 
 use std::{collections::BTreeMap, path::Path};
 
 use serde_json::{Map, Value, json};
 
-use super::{Experiment, Exported, dataset, make_folder, note_once, psych_ds, rated, stimuli, stimuli::Stimuli};
+use super::{
+    psych_ds,
+    sessions::{Experiment, dataset, rated},
+    stimuli::{self, Stimuli},
+};
 use crate::{
-    experiment::{Column, Protocol, TrialRecord, columns},
+    experiment::{Column, Protocol, columns},
     store::{
         StoreError,
         description::DESCRIPTION,
-        file::{write_file, write_json},
+        file::{make_folder, write_file, write_json},
         recorded::Recorded,
         sidecar::Sitting,
     },
@@ -22,7 +26,7 @@ const VERSION: &str = "1.11.1";
 /// What stands for a value that is missing.
 const MISSING: &str = "n/a";
 /// Columns of ours that BIDS knows by another name; the first two lead the table, and the picture's file follows. Onset and
-/// duration keep our names: under those of BIDS, a behavioural table is taken for one of events.
+/// duration keep our names: under those of BIDS, a behavioral table is taken for one of events.
 const RENAMED: [(&str, &str); 4] = [
     ("phase", "trial_type"),
     ("response_time_s", "response_time"),
@@ -34,10 +38,10 @@ const LEADING: usize = 2;
 /// The column that names the picture.
 const STIM_FILE: &str = "stim_file";
 
-/// Writes the data set into `to`.
-pub(super) fn write(experiments: &[Experiment], to: &Path, exported: &mut Exported) -> Result<(), StoreError> {
-    let stimuli = stimuli::write(experiments, &to.join("stimuli"), exported)?;
-    write_json(&to.join(DESCRIPTION), &description(experiments, &mut exported.notes))?;
+/// Writes the data set into `to`. Gives the number of its pictures.
+pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<usize, StoreError> {
+    let (stimuli, pictures) = stimuli::write(experiments, &to.join("stimuli"), notes)?;
+    write_json(&to.join(DESCRIPTION), &description(experiments, notes))?;
     write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
     write_file(&to.join("CHANGES"), changes(experiments).as_bytes())?;
     write_participants(experiments, to)?;
@@ -46,13 +50,13 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, exported: &mut Export
         let common = experiment.has_one_definition();
         let protocol = &experiment.sessions[0].protocol;
         if common {
-            write_json(&to.join(format!("task-{}_beh.json", protocol.task())), &of_task(protocol))?;
+            write_json(&to.join(format!("task-{}_beh.json", protocol.task())), &of_task(protocol).into())?;
         }
         for session in &experiment.sessions {
             write_session(session, &stimuli, common, to)?;
         }
     }
-    Ok(())
+    Ok(pictures)
 }
 
 fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path) -> Result<(), StoreError> {
@@ -64,45 +68,35 @@ fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path)
     let mut sidecar = of_session(session);
     if !common {
         // What sessions of one name do not share stands with each of them.
-        sidecar.append(&mut of_task(&session.protocol).as_object().cloned().unwrap_or_default());
+        sidecar.append(&mut of_task(&session.protocol));
     }
     write_json(&folder.join(format!("{stem}.json")), &sidecar.into())
 }
 
 /// The columns in the order of the table, each with its place in a row; `None` for the picture's file.
 fn ordered(columns: &[Column]) -> Vec<(Option<usize>, &str)> {
-    let place = |name: &str| columns.iter().position(|column| column.name == name);
-    let leading = RENAMED[..LEADING].iter().filter_map(|(ours, theirs)| Some((Some(place(ours)?), *theirs)));
-    let named = |(i, column): (usize, &'_ Column)| {
-        let theirs = RENAMED.iter().find(|(ours, _)| *ours == column.name).map(|(_, theirs)| *theirs);
-        (i, theirs)
-    };
-    let rest = columns.iter().enumerate().map(named).zip(columns);
-    let rest = rest.filter(|((_, theirs), _)| !RENAMED[..LEADING].iter().any(|(_, leading)| Some(*leading) == *theirs));
-    leading
-        .chain([(None, STIM_FILE)])
-        .chain(rest.map(|((i, theirs), column)| (Some(i), theirs.unwrap_or(&column.name))))
-        .collect()
+    let leads = |column: &Column| RENAMED[..LEADING].iter().any(|(ours, _)| *ours == column.name);
+    let (leading, rest): (Vec<_>, Vec<_>) = columns.iter().enumerate().partition(|(_, column)| leads(column));
+    let places = leading.iter().map(Some).chain([None]).chain(rest.iter().map(Some));
+    places.map(|place| place.map_or((None, STIM_FILE), |(i, column)| (Some(*i), name(column)))).collect()
+}
+
+/// What BIDS calls a column.
+fn name(column: &Column) -> &str {
+    RENAMED.iter().find(|(ours, _)| *ours == column.name).map_or(&column.name, |(_, theirs)| theirs)
 }
 
 fn table(session: &Recorded, stimuli: &Stimuli) -> String {
     let columns = columns(&session.protocol);
     let ordered = ordered(&columns);
-    let line = |cells: Vec<String>| cells.join("\t") + "\n";
-    let mut text = line(ordered.iter().map(|(_, name)| (*name).to_owned()).collect());
+    let mut text = ordered.iter().map(|(_, name)| *name).collect::<Vec<_>>().join("\t") + "\n";
     for row in &session.rows {
         let cells = row.cells();
-        let cell = |(place, name): &(Option<usize>, &str)| {
-            let ours = place.map_or_else(|| picture(session, row, stimuli), |place| cells[place].clone());
-            clean(name, &ours)
-        };
-        text += &line(ordered.iter().map(cell).collect());
+        let picture = stimuli.of(session, row).unwrap_or_default();
+        let cell = |(place, name): &(Option<usize>, &str)| clean(name, place.map_or(picture, |place| &cells[place]));
+        text += &(ordered.iter().map(cell).collect::<Vec<_>>().join("\t") + "\n");
     }
     text
-}
-
-fn picture(session: &Recorded, row: &TrialRecord, stimuli: &Stimuli) -> String {
-    stimuli.of(session, row).unwrap_or_default().to_owned()
 }
 
 /// A cell of the table: never empty, and without what separates cells.
@@ -116,20 +110,26 @@ fn clean(name: &str, cell: &str) -> String {
 }
 
 /// What holds for every session of a task: what was asked, and what the columns mean.
-fn of_task(protocol: &Protocol) -> Value {
-    let mut said = Map::new();
-    said.insert("TaskName".to_owned(), protocol.task().into());
-    said.insert("TaskDescription".to_owned(), protocol.title.as_str().into());
-    said.insert("Instructions".to_owned(), instructions(protocol).into());
+fn of_task(protocol: &Protocol) -> Map<String, Value> {
     let columns = columns(protocol);
+    let mut entries = keys([
+        ("TaskName", Some(protocol.task().into())),
+        ("TaskDescription", Some(protocol.title.as_str().into())),
+        ("Instructions", Some(instructions(protocol).into())),
+    ]);
     for (place, name) in ordered(&columns) {
         let described = place.map_or_else(
             || json!({ "Description": "The picture that was shown, below stimuli/." }),
             |place| described(&columns[place]),
         );
-        said.insert(name.to_owned(), described);
+        entries.insert(name.to_owned(), described);
     }
-    said.into()
+    entries
+}
+
+/// The keys that have a value.
+fn keys<const N: usize>(entries: [(&str, Option<Value>); N]) -> Map<String, Value> {
+    entries.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
 }
 
 /// The page that a participant reads first, and the scale.
@@ -143,15 +143,13 @@ fn instructions(protocol: &Protocol) -> String {
 }
 
 fn described(column: &Column) -> Value {
-    let mut said = Map::new();
-    said.insert("Description".to_owned(), column.description.as_str().into());
-    if !column.unit.is_empty() {
-        said.insert("Units".to_owned(), column.unit.as_str().into());
-    }
-    if !column.levels.is_empty() {
-        said.insert("Levels".to_owned(), column.levels.clone().into());
-    }
-    said.into()
+    let unit = column.unit.as_str();
+    keys([
+        ("Description", Some(column.description.as_str().into())),
+        ("Units", (!unit.is_empty()).then(|| unit.into())),
+        ("Levels", (!column.levels.is_empty()).then(|| column.levels.clone().into())),
+    ])
+    .into()
 }
 
 /// What is known of one session. Keys that BIDS does not know are allowed beside its own.
@@ -161,67 +159,54 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
     // Where sittings differ, the session as a whole has no one value.
     let mut common = presented.first().cloned().unwrap_or_default();
     common.retain(|key, value| presented.iter().all(|other| other.get(key) == Some(value)));
-    let mut said = Map::new();
-    said.insert("StimulusPresentation".to_owned(), common.into());
-    let (rated, planned) = rated(session);
-    said.insert("TrialsPlanned".to_owned(), planned.into());
-    said.insert("TrialsRated".to_owned(), rated.into());
-    said.insert("Seed".to_owned(), session.sidecar.seed.into());
-    said.insert("OnsetDefinition".to_owned(), session.sidecar.onset.as_str().into());
-    let each = sittings.iter().zip(&presented).map(|(sitting, presented)| {
-        let mut said = Map::new();
-        said.insert("StartedAt".to_owned(), sitting.started_at.as_str().into());
-        said.extend(sitting.ended_at.as_ref().map(|ended| ("EndedAt".to_owned(), ended.as_str().into())));
-        said.extend(sitting.observer.as_ref().map(|observer| ("SimulatedObserver".to_owned(), observer.clone())));
-        said.extend(sitting.input.as_ref().map(|input| ("ResponseStamp".to_owned(), input.clone())));
-        said.insert("StimulusPresentation".to_owned(), presented.clone().into());
-        said.into()
+    let each = sittings.iter().zip(presented).map(|(sitting, presented)| {
+        let entries = keys([
+            ("StartedAt", Some(sitting.started_at.as_str().into())),
+            ("EndedAt", sitting.ended_at.as_deref().map(Value::from)),
+            ("SimulatedObserver", sitting.observer.clone()),
+            ("ResponseStamp", sitting.input.clone()),
+            ("StimulusPresentation", Some(presented.into())),
+        ]);
+        Value::from(entries)
     });
-    said.insert("Sittings".to_owned(), Value::Array(each.collect()));
-    said
+    let (rated, planned) = rated(session);
+    keys([
+        ("StimulusPresentation", Some(common.into())),
+        ("TrialsPlanned", Some(planned.into())),
+        ("TrialsRated", Some(rated.into())),
+        ("Seed", Some(session.sidecar.seed.into())),
+        ("OnsetDefinition", Some(session.sidecar.onset.as_str().into())),
+        ("Sittings", Some(each.collect())),
+    ])
 }
 
-/// Screen and program in the words and units of BIDS; what is not known is left out. `n/a`: there was no screen.
+/// Screen and program by the names and units of BIDS; what is not known is left out. `n/a`: there was no screen.
 fn presentation(sitting: &Sitting) -> Map<String, Value> {
-    let mut said = Map::new();
     let number = |part: &Option<Value>, key: &str| part.as_ref()?.get(key)?.as_f64();
-    let viewing = |key: &str| number(&sitting.viewing, key);
-    let pixels = (number(&sitting.monitor, "width_px"), number(&sitting.monitor, "height_px"));
-    if sitting.observer.is_some() && sitting.viewing.is_none() {
-        for key in ["ScreenDistance", "ScreenSize", "ScreenResolution"] {
-            said.insert(key.to_owned(), MISSING.into());
-        }
-    }
-    if let Some(distance) = viewing("distance_cm") {
-        said.insert("ScreenDistance".to_owned(), meters(distance));
-    }
+    let (wide, high) = (number(&sitting.monitor, "width_px"), number(&sitting.monitor, "height_px"));
+    let pixels = wide.zip(high).filter(|(wide, _)| *wide > 0.0);
     let measured = sitting.viewing.as_ref().and_then(|viewing| viewing.get("screen_width_measured")?.as_bool());
-    if let ((Some(wide), Some(high)), Some(width), Some(true)) = (pixels, viewing("screen_width_cm"), measured)
-        && wide > 0.0
-    {
-        // Pixels are square, as they are to the program.
-        said.insert("ScreenSize".to_owned(), json!([meters(width), meters(width * high / wide)]));
-    }
-    if let (Some(wide), Some(high)) = pixels {
-        said.insert("ScreenResolution".to_owned(), json!([wide as u64, high as u64]));
-    }
-    let measured_hz =
-        number(&sitting.frames, "refresh_s").filter(|seconds| *seconds > 0.0).map(|seconds| 1.0 / seconds);
-    if let Some(hertz) = measured_hz.or(number(&sitting.monitor, "refresh_hz")) {
-        said.insert("ScreenRefreshRate".to_owned(), rounded(hertz, 1e3));
-    }
-    if let Some(system) = &sitting.program.system {
-        said.insert("OperatingSystem".to_owned(), system.as_str().into());
-    }
-    said.insert("SoftwareName".to_owned(), sitting.program.name.as_str().into());
-    said.insert("SoftwareVersion".to_owned(), sitting.program.version.as_str().into());
-    if sitting.program.commit != "unknown" {
-        said.insert("SoftwareCommit".to_owned(), sitting.program.commit.as_str().into());
-    }
-    said
+    let width = number(&sitting.viewing, "screen_width_cm").filter(|_| measured == Some(true));
+    // Pixels are square, as they are to the program.
+    let size = width.zip(pixels).map(|(width, (wide, high))| json!([meters(width), meters(width * high / wide)]));
+    let refresh_hz = number(&sitting.frames, "refresh_s").filter(|seconds| *seconds > 0.0).map(f64::recip);
+    let refresh_hz = refresh_hz.or(number(&sitting.monitor, "refresh_hz"));
+    // `n/a`: there was no screen.
+    let no_screen = (sitting.observer.is_some() && sitting.viewing.is_none()).then(|| Value::from(MISSING));
+    let program = &sitting.program;
+    keys([
+        ("ScreenDistance", number(&sitting.viewing, "distance_cm").map(meters).or(no_screen.clone())),
+        ("ScreenSize", size.or(no_screen.clone())),
+        ("ScreenResolution", pixels.map(|(wide, high)| json!([wide as u64, high as u64])).or(no_screen)),
+        ("ScreenRefreshRate", refresh_hz.map(|hertz| rounded(hertz, 1e3))),
+        ("OperatingSystem", program.system.as_deref().map(Value::from)),
+        ("SoftwareName", Some(program.name.as_str().into())),
+        ("SoftwareVersion", Some(program.version.as_str().into())),
+        ("SoftwareCommit", (program.commit != "unknown").then(|| program.commit.as_str().into())),
+    ])
 }
 
-/// Metres of centimetres, to a hundredth of a millimetre.
+/// Meters of centimeters, to a hundredth of a millimetre.
 fn meters(centimeters: f64) -> Value {
     rounded(centimeters / 100.0, 1e5)
 }
@@ -234,41 +219,42 @@ fn rounded(value: f64, steps: f64) -> Value {
 fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
     let written = written(experiments);
     let titles: Vec<&str> = experiments.iter().map(|one| one.sessions[0].protocol.title.as_str()).collect();
-    let mut said = Map::new();
-    said.insert("Name".to_owned(), titles.join("; ").into());
-    said.insert("BIDSVersion".to_owned(), VERSION.into());
-    said.insert("DatasetType".to_owned(), "raw".into());
-    let lists = [("Authors", "author"), ("Funding", "funder"), ("Keywords", "keywords")];
-    for (theirs, ours) in lists {
+    let mut entries = keys([
+        ("Name", Some(titles.join("; ").into())),
+        ("BIDSVersion", Some(VERSION.into())),
+        ("DatasetType", Some("raw".into())),
+    ]);
+    let values = |ours: &str| written.iter().filter_map(|one| one.get(ours)).flat_map(texts).collect::<Vec<String>>();
+    for (theirs, ours) in [("Authors", "author"), ("Funding", "funder"), ("Keywords", "keywords")] {
         let mut all: Vec<String> = Vec::new();
-        for text in written.iter().filter_map(|one| one.get(ours)).flat_map(texts) {
+        for text in values(ours) {
             if !all.contains(&text) {
                 all.push(text);
             }
         }
         if !all.is_empty() {
-            said.insert(theirs.to_owned(), all.into());
+            entries.insert(theirs.to_owned(), all.into());
         }
     }
     for (theirs, ours) in [("License", "license"), ("HowToAcknowledge", "citation"), ("DatasetDOI", "identifier")] {
-        let mut all: Vec<String> = written.iter().filter_map(|one| one.get(ours)).flat_map(texts).collect();
+        let mut all = values(ours);
         all.sort();
         all.dedup();
         match all.as_slice() {
             [] => {}
             [one] => match doi(theirs, one) {
-                Some(value) => _ = said.insert(theirs.to_owned(), value.into()),
-                None => note_once(notes, format!("{DESCRIPTION}: {ours} is {one:?}, which is no DOI; it is left out")),
+                Some(value) => _ = entries.insert(theirs.to_owned(), value.into()),
+                None => notes.push(format!("{DESCRIPTION}: {ours} is {one:?}, which is not a DOI; it is left out")),
             },
-            several => note_once(
-                notes,
-                format!("{DESCRIPTION}: the experiments have {} values of {ours}; none is taken over", several.len()),
-            ),
+            several => notes.push(format!(
+                "{DESCRIPTION}: the experiments have {} values of {ours}; none of them is used",
+                several.len()
+            )),
         }
     }
     let program = json!({ "Name": env!("CARGO_PKG_NAME"), "Version": env!("CARGO_PKG_VERSION"), "Description": "machband export --format bids" });
-    said.insert("GeneratedBy".to_owned(), json!([program]));
-    said.into()
+    entries.insert("GeneratedBy".to_owned(), json!([program]));
+    entries.into()
 }
 
 /// A DOI as BIDS wants it, where one is asked; any other value as it is.
@@ -319,12 +305,12 @@ fn readme(experiments: &[Experiment]) -> String {
         );
     }
     text + "
-One row of a `_beh.tsv` is one trial; `n/a` is a missing value. Rows whose `trial_type` is practice are no data. A corrected
+One row of a `_beh.tsv` is one trial; `n/a` is a missing value. Rows whose `trial_type` is practice are not data. A corrected
 response is a row of its own with `attempt` + 1; the last attempt of a trial counts. `TrialsRated` below `TrialsPlanned`
 marks a session that was not finished; each of its `Sittings` says what ran it and on which screen. A sitting with a
 `SimulatedObserver` had neither a participant nor a screen.
 
-`stim_file` names the picture below `stimuli/`, made again from its recipe and proved by the hash of what was shown.
+`stim_file` names the picture below `stimuli/`, made again from its recipe; its hash matches what was shown.
 `sourcedata/` holds the data as they were recorded: a Psych-DS data set for each experiment, with the definition, the display
 profile and what happened during each session in the JSON beside each CSV.
 "

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use super::{Experiment, Exported, dataset, make_folder, note_once};
+use super::sessions::{Experiment, dataset};
 use crate::{
     experiment::columns,
     store::{
@@ -10,14 +10,14 @@ use crate::{
         dataset::{DATA_FILE, SIDECAR_SUFFIX},
         description,
         fault::io,
-        file::write_file,
+        file::{make_folder, write_file},
         frames,
         recorded::Recorded,
         results,
     },
 };
 
-/// What a data set says of itself as a whole. Nothing else is copied: what people keep beside their data is theirs.
+/// Files that describe a data set as a whole. Nothing else is copied: what people keep beside their data is theirs.
 const OWN: [&str; 8] = [
     description::DESCRIPTION,
     "README.md",
@@ -30,21 +30,21 @@ const OWN: [&str; 8] = [
 ];
 
 /// Writes a data set for each experiment below `to`.
-pub(super) fn write(experiments: &[Experiment], to: &Path, exported: &mut Exported) -> Result<(), StoreError> {
+pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
     for experiment in experiments {
         let folder = to.join(&experiment.name);
         copy(experiment, &folder)?;
         for session in &experiment.sessions {
             tidy(session, &folder.join("data"))?;
             if let Some(note) = description::describe(&folder, &session.protocol)? {
-                note_once(&mut exported.notes, format!("{}: {note}", experiment.name));
+                notes.push(format!("{}: {note}", experiment.name));
             }
         }
     }
     Ok(())
 }
 
-/// Copies an experiment's sessions as they are, with what their data set says of itself.
+/// Copies an experiment's sessions as they are, with the files that describe their data set.
 pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreError> {
     let data = folder.join("data");
     make_folder(&data)?;
@@ -66,7 +66,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
     Ok(())
 }
 
-/// Cuts a row off that is half written; the seal of the file with it holds no longer.
+/// Cuts off a row that is half written; then the seal of the file holds no longer.
 fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
     if session.torn.is_none() {
         return Ok(());

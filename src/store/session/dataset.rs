@@ -9,7 +9,10 @@ use std::{
 use super::{description, frames};
 use crate::{
     experiment::{Identity, Protocol},
-    store::{StoreError, fault::io, file::remove_temporary},
+    store::{
+        StoreError,
+        file::{make_folder, remove_temporary},
+    },
 };
 
 /// Ends the name of a data file of a Psych-DS data set, as our results are.
@@ -52,7 +55,7 @@ impl SessionPaths {
     pub fn prepare(&self, protocol: &Protocol) -> Result<Option<String>, StoreError> {
         self.refuse_links()?;
         let data = self.dataset.join("data");
-        fs::create_dir_all(&data).map_err(io(&data, "make the folder"))?;
+        make_folder(&data)?;
         // Other programs may be describing the data set too.
         remove_temporary(&self.dataset, "", Duration::from_secs(60));
         description::describe(&self.dataset, protocol)

@@ -1,0 +1,133 @@
+//! The sessions to be exported, read and checked.
+
+use std::{
+    collections::{BTreeMap, HashSet},
+    path::{Path, PathBuf},
+};
+
+use rayon::{
+    iter::Either,
+    prelude::*,
+};
+
+use crate::{
+    experiment::{columns, name_fault},
+    store::{FileFault, FileFaults, StoreError, recorded::Recorded, table::is_formula},
+};
+
+/// An experiment with all its sessions.
+pub(super) struct Experiment {
+    /// Name of its definition.
+    pub name: String,
+    /// In natural order of their paths.
+    pub sessions: Vec<Recorded>,
+}
+
+impl Experiment {
+    /// Whether its sessions have one definition, and so the same columns with the same meaning.
+    pub fn has_one_definition(&self) -> bool {
+        self.sessions.iter().all(|session| session.protocol == self.sessions[0].protocol)
+    }
+}
+
+/// The data set that a data file belongs to: the folder around its `data`.
+pub(super) fn dataset(csv: &Path) -> Option<&Path> {
+    let data = csv.parent()?;
+    (data.file_name()? == "data").then(|| data.parent())?
+}
+
+/// Reads all sessions, or names all their faults.
+pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileFaults> {
+    let (sessions, faults): (Vec<_>, Vec<_>) = files.par_iter().partition_map(|csv| match Recorded::open(csv) {
+        Ok(session) => match faults(&session) {
+            faults if faults.is_empty() => Either::Left(session),
+            faults => Either::Right(faults),
+        },
+        Err(StoreError::Faults(FileFaults(faults))) => Either::Right(faults),
+        Err(error) => Either::Right(vec![fault(csv, None, error.to_string())]),
+    });
+    FileFaults::none(faults.concat())?;
+    Ok(sessions)
+}
+
+/// A fault of a file.
+pub(super) fn fault(path: &Path, position: Option<(usize, usize)>, message: String) -> FileFault {
+    FileFault { file: path.display().to_string(), position, message }
+}
+
+/// What keeps a session that can be read from leaving its folder.
+fn faults(session: &Recorded) -> Vec<FileFault> {
+    let mut faults = Vec::new();
+    // The name becomes that of a folder, and a sidecar may say anything.
+    if let Some(message) = name_fault(&session.protocol.name) {
+        faults.push(fault(&session.sidecar_path, None, message));
+    }
+    let columns = columns(&session.protocol);
+    for (row, line) in session.rows.iter().zip(2..) {
+        let mut add = |message: String| faults.push(fault(&session.csv, Some((line, 1)), message));
+        if let Err(message) = row.planned_trial(&session.context()) {
+            add(message);
+        }
+        for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
+            add(format!(
+                "{} is {cell:?}, which spreadsheets take for a formula; expected a text that begins otherwise",
+                column.name
+            ));
+        }
+    }
+    faults
+}
+
+/// Leaves out what is not complete where that is asked, and notes what is not.
+pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
+    sessions.retain(|session| {
+        let (rated, planned) = rated(session);
+        if rated == planned && session.torn.is_none() {
+            return true;
+        }
+        let torn = if session.torn.is_some() { ", and a row is half written" } else { "" };
+        let done = if complete_only { "the session is left out" } else { "its whole rows are exported" };
+        notes.push(format!("{}: {rated} of {planned} trials are rated{torn}; {done}", session.csv.display()));
+        !complete_only
+    });
+    sessions
+}
+
+/// Planned trials that are rated, and all that are planned.
+pub(super) fn rated(session: &Recorded) -> (usize, usize) {
+    let trials: HashSet<_> = session.rows.iter().filter_map(|row| row.planned_trial(&session.context()).ok()).collect();
+    (trials.len(), session.schedule.trials.len())
+}
+
+/// # Errors
+/// Two sessions that claim one place: by their names, where a file system does not tell upper from lower case, or where
+/// names of tasks lose their hyphens.
+pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, FileFaults> {
+    let mut places: BTreeMap<String, &Recorded> = BTreeMap::new();
+    let mut subjects: BTreeMap<String, &str> = BTreeMap::new();
+    let mut faults = Vec::new();
+    for session in &sessions {
+        let (subject, id) = (session.identity.subject(), session.identity.session());
+        let known = subjects.entry(subject.to_ascii_lowercase()).or_insert(subject);
+        if *known != subject {
+            let message = format!(
+                "participant {subject} and participant {known} differ in upper and lower case only; expected names that differ otherwise"
+            );
+            faults.push(fault(&session.csv, None, message));
+        }
+        let place = format!("{}/{subject}/{id}", session.protocol.task()).to_ascii_lowercase();
+        if let Some(other) = places.insert(place, session) {
+            let message = format!(
+                "is the same session of the same task as {}; expected each once, and experiments whose names differ in more than hyphens",
+                other.csv.display()
+            );
+            faults.push(fault(&session.csv, None, message));
+        }
+    }
+    FileFaults::none(faults)?;
+    let mut experiments: BTreeMap<String, Vec<Recorded>> = BTreeMap::new();
+    for session in sessions {
+        experiments.entry(session.protocol.name.clone()).or_default().push(session);
+    }
+    Ok(experiments.into_iter().map(|(name, sessions)| Experiment { name, sessions }).collect())
+}

@@ -1,0 +1,120 @@
+//! An export: sessions in, a whole folder out.
+
+use std::{
+    collections::HashSet,
+    fs,
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
+
+use super::{bids, psych_ds, sessions};
+use crate::store::{FileFaults, StoreError, fault::io, file::make_folder, ratings};
+
+/// What a data set is exported as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Brain Imaging Data Structure 1.11, behavioral data: one data set for all experiments.
+    Bids,
+    /// Psych-DS 1.5: a data set for each experiment.
+    PsychDs,
+}
+
+/// What was written.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Exported {
+    /// Names of the experiments, in their order.
+    pub experiments: Vec<String>,
+    /// Sessions.
+    pub sessions: usize,
+    /// Their rows.
+    pub rows: usize,
+    /// Pictures, where the format has any.
+    pub pictures: usize,
+    /// What readers of the data should know, each once and as `WHERE: what`.
+    pub notes: Vec<String>,
+}
+
+/// Exports the sessions in `from`, a results folder, that of one experiment, or its `data` folder, into the new or empty
+/// folder `to`. `complete_only` leaves out sessions with trials that are not rated.
+///
+/// # Errors
+/// `to` holds something or lies in the data; no session; every fault of every session that cannot be read, was changed,
+/// or is there twice; pictures that differ from those that were shown; the system's refusal. Nothing is written then.
+pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Result<Exported, StoreError> {
+    let files = ratings::data_files(from)?;
+    let to = target(from, to, &files)?;
+    let mut exported = Exported::default();
+    let sessions = sessions::read(&files)?;
+    let sessions = sessions::chosen(sessions, complete_only, &mut exported.notes);
+    if sessions.is_empty() {
+        return Err(FileFaults::whole(
+            from.display().to_string(),
+            "has no complete session; expected one, or no --complete-only",
+        )
+        .into());
+    }
+    (exported.sessions, exported.rows) = (sessions.len(), sessions.iter().map(|session| session.rows.len()).sum());
+    let experiments = sessions::by_experiment(sessions)?;
+    exported.experiments = experiments.iter().map(|experiment| experiment.name.clone()).collect();
+    into_folder(&to, |folder| match format {
+        Format::Bids => {
+            exported.pictures = bids::write(&experiments, folder, &mut exported.notes)?;
+            Ok(())
+        }
+        Format::PsychDs => psych_ds::write(&experiments, folder, &mut exported.notes),
+    })?;
+    let mut seen = HashSet::new();
+    exported.notes.retain(|note| seen.insert(note.clone()));
+    Ok(exported)
+}
+
+/// The folder to write, by its full path; refused where it holds anything, or lies where sessions are looked for.
+fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreError> {
+    let fault = |message: String| FileFaults::whole(to.display().to_string(), message);
+    let refused = |error| io(to, "read")(error);
+    if to.exists() && !to.is_dir() {
+        return Err(fault("is a file; expected a new or empty folder".to_owned()).into());
+    }
+    if to.exists() && fs::read_dir(to).map_err(refused)?.next().is_some() {
+        return Err(fault("is not empty; expected a new or empty folder".to_owned()).into());
+    }
+    let full = full_path(to).map_err(refused)?;
+    for folder in files.iter().filter_map(|csv| sessions::dataset(csv)).chain([from]) {
+        if full.starts_with(full_path(folder).map_err(refused)?) {
+            let message = format!("lies in {}; expected a folder outside the data", folder.display());
+            return Err(fault(message).into());
+        }
+    }
+    Ok(full)
+}
+
+/// The full path, without links, of what may not exist yet.
+fn full_path(path: &Path) -> std::io::Result<PathBuf> {
+    let path = std::path::absolute(path)?;
+    match (path.canonicalize(), path.parent(), path.file_name()) {
+        (Err(error), Some(parent), Some(name)) if error.kind() == ErrorKind::NotFound => {
+            Ok(full_path(parent)?.join(name))
+        }
+        (canonical, ..) => canonical,
+    }
+}
+
+/// Fills a temporary folder beside `to`, and moves it there when it is whole.
+fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) -> Result<(), StoreError> {
+    let (Some(parent), Some(name)) = (to.parent(), to.file_name()) else {
+        return Err(FileFaults::whole(to.display().to_string(), "is not a folder that can be made; expected one").into());
+    };
+    make_folder(parent)?;
+    let prefix = format!(".{}.", name.to_string_lossy());
+    let mut builder = tempfile::Builder::new();
+    let temporary = builder.prefix(&prefix).suffix(".tmp").tempdir_in(parent).map_err(io(parent, "write"))?;
+    // Within the temporary folder, which is its owner's alone.
+    let folder = temporary.path().join(name);
+    make_folder(&folder)?;
+    fill(&folder)?;
+    if to.exists() {
+        // Fails where something was put there meanwhile.
+        fs::remove_dir(to).map_err(io(to, "replace"))?;
+    }
+    fs::rename(&folder, to).map_err(io(to, "write"))
+}

@@ -1,0 +1,224 @@
+//! Images written as PNG: gray where the color allows, with what the codes mean and how they were made.
+
+use std::{borrow::Cow, path::Path};
+
+use crate::{
+    light::{
+        CodeImage, Quantizer, Samples, Transfer, Transfers,
+        halftone::{Halftone, HalftoneError, Screen},
+        palette::{IndexedImage, Reduction, reduce},
+    },
+    stimulus::recipe::Recipe,
+    store::{StoreError, fault::io, file::write_whole},
+};
+
+/// Keyword of the text chunk that holds the recipe as JSON.
+pub(super) const KEYWORD: &str = "machband";
+/// Keyword of the text chunk that says how the palette was made, where there is one.
+pub(super) const PALETTE_KEYWORD: &str = "machband-palette";
+/// Keyword of the text chunk that names the halftone, where it is one.
+pub(super) const HALFTONE_KEYWORD: &str = "machband-halftone";
+/// Keyword of the text chunk that holds the parameters of a shaded mesh as JSON.
+pub(super) const SHADED_KEYWORD: &str = "machband-shading";
+/// Chromaticities of D65 and of the sRGB primaries, in the hundred-thousandths of PNG. IEC 61966-2-1.
+const SRGB_CHROMATICITIES: [[u32; 2]; 4] = [[31_270, 32_900], [64_000, 33_000], [30_000, 60_000], [15_000, 6_000]];
+/// Entries of the tone curves in an embedded profile.
+const CURVE_POINTS: u16 = 4096;
+
+/// Renders a recipe and writes it as PNG, whole or not at all. Gives the file's bytes.
+///
+/// # Errors
+/// The system's refusal.
+pub fn write_recipe(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<Vec<u8>, StoreError> {
+    save(path, encode(&recipe.codes(quantizer), &recipe.transfers, &[(KEYWORD, describe(recipe))]))
+}
+
+/// Renders a recipe, reduces it to a palette and writes an indexed PNG. The image knows its error in linear light.
+///
+/// # Errors
+/// 16 bits, which have no palette, or the system's refusal.
+pub fn write_reduced(
+    path: &Path,
+    recipe: &Recipe,
+    quantizer: &Quantizer,
+    reduction: Reduction,
+) -> Result<IndexedImage, StoreError> {
+    let image = reduce(&recipe.codes(quantizer), &recipe.transfers, reduction.colors, reduction.reducer)
+        .map_err(|error| failed(path, error))?;
+    let mut info = png::Info::with_size(image.width, image.height);
+    info.color_type = png::ColorType::Indexed;
+    info.palette = Some(Cow::Owned(image.palette.concat()));
+    let texts = [(KEYWORD, describe(recipe)), (PALETTE_KEYWORD, reduction.to_string())];
+    save(path, with_meaning(info, &recipe.transfers, false, &texts, &image.indices))?;
+    Ok(image)
+}
+
+/// Renders a recipe as dots of a device with few codes, each pixel a cell, and writes it.
+///
+/// # Errors
+/// Too many dots, or the system's refusal.
+pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
+    let image = dots(recipe, screen).map_err(|error| failed(path, error))?;
+    let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
+    save(path, encode(&image, &recipe.transfers, &texts)).map(drop)
+}
+
+/// Writes the picture of a shaded mesh, `parameters` saying how it was made.
+///
+/// # Errors
+/// The system's refusal.
+pub fn write_shaded(
+    path: &Path,
+    image: &CodeImage,
+    transfers: &Transfers,
+    parameters: &serde_json::Value,
+) -> Result<(), StoreError> {
+    // Text chunks are Latin-1, and the path of a mesh may be anything: JSON can say it in ASCII.
+    let escape = |c: char| {
+        let units = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|u| format!("\\u{u:04x}")).collect::<String>();
+        if c.is_ascii() { c.to_string() } else { units(c) }
+    };
+    let text = parameters.to_string().chars().map(escape).collect();
+    save(path, encode(image, transfers, &[(SHADED_KEYWORD, text)])).map(drop)
+}
+
+/// Writes codes for a screen with sRGB's transfer function, without a word of how they were made.
+///
+/// # Errors
+/// The system's refusal.
+pub fn write_codes(path: &Path, image: &CodeImage) -> Result<(), StoreError> {
+    save(path, encode(image, &Transfer::Srgb.into(), &[])).map(drop)
+}
+
+fn failed(path: &Path, error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> StoreError {
+    io(path, "encode")(std::io::Error::other(error))
+}
+
+fn save(path: &Path, bytes: Result<Vec<u8>, png::EncodingError>) -> Result<Vec<u8>, StoreError> {
+    let bytes = bytes.map_err(|error| failed(path, error))?;
+    write_whole(path, &bytes, false)?;
+    Ok(bytes)
+}
+
+/// A recipe as dots.
+///
+/// # Errors
+/// Too many dots.
+pub(super) fn dots(recipe: &Recipe, screen: Screen) -> Result<CodeImage, HalftoneError> {
+    let linear = recipe.linear();
+    let of = |transfer| Halftone::new(screen.matrix, screen.bits, transfer)?.enlarged(&linear);
+    if let Some(transfer) = recipe.transfers.uniform() {
+        return Ok(of(transfer)?.to_8_bits());
+    }
+    let [mut image, green, blue] = recipe.transfers.channels().each_ref().map(of);
+    if let Ok(image) = &mut image {
+        for (channel, other) in [(1, green?), (2, blue?)] {
+            let own = image.codes.iter_mut().skip(channel).step_by(3);
+            own.zip(other.codes.iter().skip(channel).step_by(3)).for_each(|(code, other)| *code = *other);
+        }
+    }
+    Ok(image?.to_8_bits())
+}
+
+/// The recipe as it stands in an image.
+pub fn describe(recipe: &Recipe) -> String {
+    serde_json::to_string(recipe).unwrap_or_default()
+}
+
+/// An image file as bytes. Equal inputs give equal bytes.
+fn encode(image: &CodeImage, transfers: &Transfers, texts: &[(&str, String)]) -> Result<Vec<u8>, png::EncodingError> {
+    // Equal codes of channels that differ are no gray.
+    let gray = transfers.uniform().is_some() && is_gray(&image.samples);
+    let mut info = png::Info::with_size(image.width, image.height);
+    info.color_type = if gray { png::ColorType::Grayscale } else { png::ColorType::Rgb };
+    info.bit_depth = match image.samples {
+        Samples::Eight(_) => png::BitDepth::Eight,
+        Samples::Sixteen(_) => png::BitDepth::Sixteen,
+    };
+    with_meaning(info, transfers, gray, texts, &raw_samples(&image.samples, gray))
+}
+
+/// Adds what the codes mean and how they were made, and encodes.
+fn with_meaning(
+    mut info: png::Info<'_>,
+    transfers: &Transfers,
+    gray: bool,
+    texts: &[(&str, String)],
+    samples: &[u8],
+) -> Result<Vec<u8>, png::EncodingError> {
+    let curve = match transfers.uniform() {
+        Some(Transfer::Srgb) => None,
+        Some(Transfer::Linear) => Some(1.0),
+        Some(Transfer::Gamma(gamma)) => Some(*gamma),
+        Some(Transfer::Gog(_) | Transfer::Table(_)) | None => {
+            info.icc_profile = profile(transfers, gray).map(Cow::Owned);
+            None
+        }
+    };
+    if let Some(gamma) = curve {
+        let [white, red, green, blue] = SRGB_CHROMATICITIES.map(|pair| pair.map(png::ScaledFloat::from_scaled).into());
+        info.source_gamma = Some(png::ScaledFloat::from_scaled((100_000.0 / gamma).round() as u32));
+        info.source_chromaticities = Some(png::SourceChromaticities { white, red, green, blue });
+    }
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::with_info(&mut bytes, info)?;
+    if transfers.uniform() == Some(&Transfer::Srgb) {
+        encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    }
+    // Neighboring rows of a stimulus are all but equal: their difference is zeros, and a fast coder is enough.
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Up);
+    for (keyword, text) in texts {
+        encoder.add_text_chunk((*keyword).to_owned(), text.clone())?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(samples)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+fn is_gray(samples: &Samples) -> bool {
+    fn equal<T: PartialEq>(codes: &[T]) -> bool {
+        codes.chunks_exact(3).all(|pixel| pixel[0] == pixel[1] && pixel[1] == pixel[2])
+    }
+    match samples {
+        Samples::Eight(codes) => equal(codes),
+        Samples::Sixteen(codes) => equal(codes),
+    }
+}
+
+/// The samples as PNG stores them: one a pixel for gray, 16 bits most significant byte first.
+fn raw_samples(samples: &Samples, gray: bool) -> Cow<'_, [u8]> {
+    let step = if gray { 3 } else { 1 };
+    match samples {
+        Samples::Eight(codes) if !gray => Cow::Borrowed(codes),
+        Samples::Eight(codes) => codes.iter().step_by(step).copied().collect(),
+        Samples::Sixteen(codes) => codes.iter().step_by(step).flat_map(|code| code.to_be_bytes()).collect(),
+    }
+}
+
+/// Measured transfer functions as an ICC profile, with sRGB's primaries.
+fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
+    let curve = |transfer: &Transfer| {
+        let points = (0..CURVE_POINTS).map(|i| {
+            let linear = transfer.linear_from_encoded(f64::from(i) / f64::from(CURVE_POINTS - 1));
+            (linear * f64::from(u16::MAX)).round() as u16
+        });
+        Some(moxcms::ToneReprCurve::Lut(points.collect()))
+    };
+    let [red, green, blue] = transfers.channels();
+    let mut profile =
+        if gray { moxcms::ColorProfile::new_gray_with_gamma(1.0) } else { moxcms::ColorProfile::new_srgb() };
+    // A fixed date: equal inputs give equal bytes.
+    profile.creation_date_time =
+        moxcms::ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, hours: 0, minutes: 0, seconds: 0 };
+    profile.cicp = None;
+    if gray {
+        profile.gray_trc = curve(red);
+    } else {
+        profile.red_trc = curve(red);
+        profile.green_trc = curve(green);
+        profile.blue_trc = curve(blue);
+    }
+    profile.encode().ok()
+}

@@ -1,0 +1,153 @@
+//! Images of this program, read back and held against the recipes in them.
+
+use std::{fs::File, io::BufReader, path::Path, str::FromStr};
+
+use super::{
+    decode::{content, decode},
+    encode::{HALFTONE_KEYWORD, KEYWORD, PALETTE_KEYWORD, SHADED_KEYWORD, dots},
+};
+use crate::{
+    light::{
+        CodeImage, Transfer,
+        halftone::Screen,
+        palette::{Reduction, reduce},
+    },
+    stimulus::recipe::{Recipe, SIZE_MAX},
+    store::FileFaults,
+};
+
+/// An image file of this program.
+#[derive(Clone, Debug)]
+pub struct ReadBack {
+    /// How it says it was made.
+    pub recipe: Recipe,
+    /// The palette it was reduced to, if it was.
+    pub reduction: Option<Reduction>,
+    /// The halftone it was made into, if it was.
+    pub halftone: Option<Screen>,
+    /// What is in it.
+    pub image: CodeImage,
+}
+
+fn text(info: &png::Info<'_>, keyword: &str) -> Option<String> {
+    let chunks = &info.uncompressed_latin1_text;
+    chunks.iter().find(|chunk| chunk.keyword == keyword).map(|chunk| chunk.text.clone())
+}
+
+/// The recipe's text in an image file, without looking at the pixels; `None` where there is none.
+pub(in crate::store) fn recipe_text(path: &Path) -> Option<String> {
+    let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
+    text(reader.info(), KEYWORD)
+}
+
+/// Reads an image with its recipe.
+///
+/// # Errors
+/// Not readable, not a PNG of this program, or too large.
+pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
+    parse(&path.display().to_string(), &content(path)?)
+}
+
+fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileFaults> {
+    let fail = |message: String| FileFaults::whole(name, message);
+    let side_max = |info: &png::Info<'_>| if text(info, HALFTONE_KEYWORD).is_some() { 16 * SIZE_MAX } else { SIZE_MAX };
+    let (image, info) = decode(name, content, side_max)?;
+    if let Some(parameters) = text(&info, SHADED_KEYWORD) {
+        return Err(fail(format!(
+            "is a shaded mesh, which cannot be proved; expected an image of `stimulus` or `stimuli`. It was made with {parameters}"
+        )));
+    }
+    let recipe = text(&info, KEYWORD)
+        .ok_or_else(|| fail("has no text chunk `machband`; expected an image that machband wrote".to_owned()))?;
+    let recipe: Recipe = serde_json::from_str(&recipe)
+        .map_err(|error| fail(format!("its text chunk `machband` cannot be read: {error}; expected a recipe")))?;
+    if let Err(faults) = recipe.stimulus.validate() {
+        let faults: Vec<_> = faults.iter().map(ToString::to_string).collect();
+        return Err(fail(faults.join("; ")));
+    }
+    let reduction = parsed(&info, PALETTE_KEYWORD).map_err(fail)?;
+    let halftone = parsed(&info, HALFTONE_KEYWORD).map_err(fail)?;
+    Ok(ReadBack { recipe, reduction, halftone, image })
+}
+
+fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &png::Info<'_>, keyword: &str) -> Result<Option<T>, String> {
+    let parsed = text(info, keyword).map(|text| text.parse());
+    parsed.transpose().map_err(|error| format!("its text chunk `{keyword}`: {error}"))
+}
+
+/// Proves an image: renders its recipe again and compares every code. Says in one sentence what it is.
+///
+/// # Errors
+/// As [`read`]; or how many codes differ, and the first of them.
+pub fn prove(path: &Path) -> Result<String, FileFaults> {
+    prove_content(&path.display().to_string(), &content(path)?)
+}
+
+/// As [`prove`], of the content of an image; `name` names it in messages.
+///
+/// # Errors
+/// As [`prove`].
+pub fn prove_content(name: &str, content: &[u8]) -> Result<String, FileFaults> {
+    let read = parse(name, content)?;
+    let (image, recipe) = (&read.image, &read.recipe);
+    let fail = |message: String| FileFaults::whole(name, message);
+    if recipe.size == 0 || recipe.size > SIZE_MAX {
+        return Err(fail(format!("its recipe asks for {} pixels a side; expected 1…{SIZE_MAX}", recipe.size)));
+    }
+    let side = recipe.size * read.halftone.map_or(1, |screen| screen.matrix.size());
+    if (image.width, image.height) != (side, side) {
+        let (width, height) = (image.width, image.height);
+        return Err(fail(format!("has {width} × {height} pixels; expected {side} a side, as its recipe says")));
+    }
+    let expected = read.expected().map_err(&fail)?;
+    if std::mem::discriminant(&expected.samples) != std::mem::discriminant(&image.samples) {
+        return Err(fail(format!("has another depth than its recipe; expected {} bits", recipe.bits)));
+    }
+    let mut differing = (0..image.height)
+        .flat_map(|y| (0..image.width).map(move |x| (x, y)))
+        .filter(|&(x, y)| image.pixel(x, y) != expected.pixel(x, y))
+        .peekable();
+    match differing.peek().copied() {
+        None => Ok(read.sentence()),
+        Some((x, y)) => {
+            let (found, wanted, count) = (image.pixel(x, y), expected.pixel(x, y), differing.count());
+            Err(fail(format!(
+                "{count} pixels differ from the recipe, the first at ({x}, {y}), which is {found:?}; expected {wanted:?}"
+            )))
+        }
+    }
+}
+
+impl ReadBack {
+    /// What the image should be.
+    fn expected(&self) -> Result<CodeImage, String> {
+        let recipe = &self.recipe;
+        if let Some(screen) = self.halftone {
+            return dots(recipe, screen).map_err(|error| error.to_string());
+        }
+        let codes = recipe.codes(&recipe.quantizer());
+        match self.reduction {
+            None => Ok(codes),
+            Some(Reduction { reducer, colors }) => reduce(&codes, &recipe.transfers, colors, reducer)
+                .map(|image| image.codes())
+                .map_err(|error| error.to_string()),
+        }
+    }
+
+    fn sentence(&self) -> String {
+        let recipe = &self.recipe;
+        let transfer = match recipe.transfers.uniform() {
+            Some(Transfer::Table(_)) => "measured table".to_owned(),
+            _ => recipe.transfers.to_string(),
+        };
+        let palette = self.reduction.map_or_else(String::new, |reduction| format!(", palette {reduction}"));
+        let halftone = self.halftone.map_or_else(String::new, |screen| format!(", halftone {screen}"));
+        format!(
+            "image of {}, {} pixels a side, {} bits, {transfer}, dither {}{palette}{halftone}: every code is as its recipe gives it",
+            recipe.stimulus.kind(),
+            recipe.size,
+            recipe.bits,
+            recipe.dither,
+        )
+    }
+}
