@@ -14,7 +14,7 @@ use serde_json::json;
 use super::{UsageError, progress_style};
 use crate::{
     experiment::{
-        Condition, FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions, TrialRecord,
+        Condition, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions, TrialRecord,
         UniformObserver, VisionObserver, simulate,
     },
     store::{
@@ -146,30 +146,21 @@ impl Simulation<'_> {
             pictures: Some(self.pictures.clone()),
             ..Sitting::default()
         };
-        let fresh = |sitting| -> anyhow::Result<_> {
-            let schedule = Schedule::new(protocol, &identity, arguments.seed)?;
-            let store = SessionStore::create(&arguments.results, protocol, &identity, arguments.seed, sitting)?;
-            Ok((store, schedule, Resumed::default(), 0.0, 1))
-        };
-        let (mut store, schedule, resumed, elapsed_s, sitting) = if arguments.resume {
-            match SessionStore::resume(&arguments.results, protocol, &identity, Some(arguments.seed), sitting.clone()) {
-                Ok((store, Interrupted { schedule, resumed, elapsed_s, sitting, torn, .. })) => {
-                    if torn.is_some() {
-                        bar.suspend(|| {
-                            eprintln!(
-                                "{}: a half-written last row was cut off and its trial asked again",
-                                store.csv().display()
-                            )
-                        });
-                    }
-                    (store, schedule, resumed, elapsed_s, sitting)
-                }
-                Err(StoreError::NothingToResume(_)) => fresh(sitting)?,
-                Err(error) => return Err(error.into()),
+        let seed = arguments.seed;
+        let resume = || SessionStore::resume(&arguments.results, protocol, &identity, Some(seed), sitting.clone());
+        let (mut store, left) = match arguments.resume.then(resume) {
+            None | Some(Err(StoreError::NothingToResume(_))) => {
+                let schedule = Schedule::new(protocol, &identity, seed)?;
+                let store = SessionStore::create(&arguments.results, protocol, &identity, seed, sitting)?;
+                (store, Interrupted::before_the_first_trial(schedule))
             }
-        } else {
-            fresh(sitting)?
+            Some(resumed) => resumed?,
         };
+        let Interrupted { schedule, resumed, elapsed_s, sitting, torn, .. } = left;
+        if torn.is_some() {
+            let file = store.csv().display();
+            bar.suspend(|| eprintln!("{file}: a half-written last row was cut off; its trial is shown again"));
+        }
         bar.inc(resumed.done.len() as u64);
         if store.is_complete() {
             return Ok(());

@@ -177,21 +177,14 @@ impl Faults {
 }
 
 fn stimulus(given: &Map<String, Value>, faults: &mut Faults) -> Stimulus {
-    let fallback = Stimulus::MachBand(MachBand::default());
-    let kind = match given.get("kind") {
-        Some(Value::String(kind)) => kind,
-        Some(other) => {
-            faults.unexpected("stimulus.kind", "stimulus.kind", other, "a text in quotes");
-            return fallback;
-        }
-        None => {
-            faults.add("stimulus.kind", "stimulus.kind is missing; expected kind = …");
-            return fallback;
-        }
-    };
-    let Some(mut stimulus) = Stimulus::default_of(kind) else {
-        faults.add("stimulus.kind", format!("kind {kind:?} is not known; {}", nearest(kind, KINDS)));
-        return fallback;
+    let kind = given.get("kind").map(|kind| (kind, kind.as_str().unwrap_or_default()));
+    let Some(mut stimulus) = kind.and_then(|(_, name)| Stimulus::default_of(name)) else {
+        let message = match kind {
+            Some((kind, name)) => format!("kind {kind} is not known; {}", nearest(name, KINDS)),
+            None => "stimulus.kind is missing; expected kind = …".to_owned(),
+        };
+        faults.add("stimulus.kind", message);
+        return Stimulus::MachBand(MachBand::default());
     };
     for (name, value) in given.iter().filter(|(name, _)| *name != "kind") {
         let path = format!("stimulus.{name}");

@@ -17,8 +17,8 @@ pub(super) struct Document<'t> {
     table: DeTable<'t>,
     /// Places in the text, and what is wrong there.
     faults: Vec<(usize, String)>,
-    /// How many of the faults are those of reading.
-    unread: usize,
+    /// Places of the values that could not be read.
+    unread: Vec<usize>,
 }
 
 /// Reads a document whose `schema` is 1. The caller checks the value, reports what is wrong with it by
@@ -36,15 +36,14 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
     }
     loop {
         let error = match serde_path_to_error::deserialize::<_, T>(&value) {
-            Ok(read) => {
-                document.unread = document.faults.len();
-                return Ok((read, document));
-            }
+            Ok(read) => return Ok((read, document)),
             Err(error) => error,
         };
         let path = error.path().to_string().replace('[', ".").replace(']', "");
-        document.fault(&path, explained(&path, &error.inner().to_string()));
-        if document.faults.len() > MOST_UNREAD || !remove(&mut value, &path) {
+        let place = document.locate(&path);
+        document.faults.push((place, explained(&path, &error.inner().to_string())));
+        document.unread.push(place);
+        if document.unread.len() > MOST_UNREAD || !remove(&mut value, &path) {
             return Err(document.located());
         }
     }
@@ -62,7 +61,7 @@ impl<'t> Document<'t> {
                 message: format!("is not valid TOML: {}", error.message().replace('\n', ", ")),
             }])
         })?;
-        Ok(Self { file, text, table: table.into_inner(), faults: Vec::new(), unread: 0 })
+        Ok(Self { file, text, table: table.into_inner(), faults: Vec::new(), unread: Vec::new() })
     }
 
     /// Whether there is such a key at the top.
@@ -74,7 +73,7 @@ impl<'t> Document<'t> {
     /// could not even be read, that fault is enough.
     pub(super) fn fault(&mut self, path: &str, message: impl Into<String>) {
         let place = self.locate(path);
-        if self.faults[..self.unread].iter().all(|(unread, _)| *unread != place) {
+        if !self.unread.contains(&place) {
             self.faults.push((place, message.into()));
         }
     }

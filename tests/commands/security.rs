@@ -3,33 +3,9 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output},
 };
 
-fn machband(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_machband")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn error(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// Every file below a folder with its content; links are not followed.
-fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_symlink() {
-            found.push((path.clone(), fs::read_link(&path).unwrap().into_os_string().into_encoded_bytes()));
-        } else if path.is_dir() {
-            found.extend(everything(&path));
-        } else {
-            found.push((path.clone(), fs::read(&path).unwrap()));
-        }
-    }
-    found.sort();
-    found
-}
+use crate::common::{everything, fails, machband, succeeds, text};
 
 #[cfg(unix)]
 #[test]
@@ -61,9 +37,8 @@ fn links_below_the_results_folder_are_refused() {
             let before = everything(folder.path());
             for resume in [false, true] {
                 let arguments = ["simulate", "quick", "--results", "results", "--resume"];
-                let done = machband(folder.path(), &arguments[..if resume { 5 } else { 4 }]);
-                assert_eq!(done.status.code(), Some(1), "{place}: {}", error(&done));
-                assert!(error(&done).starts_with("error: results/quick"), "{place}: {}", error(&done));
+                let error = fails(folder.path(), &arguments[..if resume { 5 } else { 4 }], 1);
+                assert!(error.starts_with("error: results/quick"), "{place}: {error}");
                 assert_eq!(everything(folder.path()), before, "{place}");
             }
         }
@@ -72,8 +47,7 @@ fn links_below_the_results_folder_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("disk")).unwrap();
     symlink(folder.path().join("disk"), folder.path().join("results")).unwrap();
-    let done = machband(folder.path(), &["simulate", "quick"]);
-    assert!(done.status.success(), "{}", error(&done));
+    succeeds(folder.path(), &["simulate", "quick"]);
     assert!(folder.path().join("disk/quick/data").is_dir());
 }
 
@@ -84,9 +58,8 @@ fn names_in_definitions_and_arguments_stay_names() {
         let text =
             format!("schema = 1\nname = {name:?}\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.2]\n");
         fs::write(folder.path().join("d.toml"), text).unwrap();
-        let done = machband(folder.path(), &["simulate", "d.toml"]);
-        assert_eq!(done.status.code(), Some(1), "{name:?}");
-        assert!(error(&done).starts_with("error: d.toml:2:1: name"), "{name:?}: {}", error(&done));
+        let error = fails(folder.path(), &["simulate", "d.toml"], 1);
+        assert!(error.starts_with("error: d.toml:2:1: name"), "{name:?}: {error}");
     }
     assert!(!folder.path().join("results").exists());
 }
@@ -110,13 +83,11 @@ fn no_table_has_a_formula_and_no_page_has_markup_from_data() {
     let folder = tempfile::tempdir().unwrap();
     let path = hostile(folder.path());
     let options = ["--subject", "id", "--response", "score", "--factors", "<b>shape</b>"];
-    let done = machband(folder.path(), &[&["analyze", path.to_str().unwrap(), "--out", "out"], &options[..]].concat());
-    assert!(done.status.success(), "{}", error(&done));
-    let done = machband(
-        folder.path(),
-        &[&["counts", path.to_str().unwrap(), "--out", "out/counts2.csv"], &options[..]].concat(),
-    );
-    assert!(done.status.success(), "{}", error(&done));
+    let path = path.to_str().unwrap();
+    for command in [["analyze", path, "--out", "out"], ["counts", path, "--out", "out/counts2.csv"]] {
+        let done = machband(folder.path(), &[&command[..], &options[..]].concat());
+        assert!(done.status.success(), "{}", text(&done.stderr));
+    }
     let (mut cells, mut pages) = (0, 0);
     for (path, content) in everything(&folder.path().join("out")) {
         let shown = path.display();

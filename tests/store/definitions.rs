@@ -96,140 +96,89 @@ fn every_file_in_experiments_loads_and_is_the_built_in_of_its_name() {
     }
 }
 
+/// A line of `BASE`, what it is replaced by, where the fault is, and parts of its message.
+const MISTAKES: &str = r##"
+# Unknown keys, with the nearest known one.
+title = "My study" => titel = "My study" => 3:1 => unknown key "titel" | did you mean title?
+low = 0.25 => lwo = 0.25 => 7:1 => "lwo" | [stimulus] | did you mean low?
+width = [0.1, 0.4] => widht = [0.1, 0.4] => 12:1 => "widht" | [factors] | did you mean width?
+break_every = 10 => breaks_every = 10 => 18:1 => [design] | did you mean break_every?
+level = 0.5 => levle = 0.5 => 24:1 => [recovery] | did you mean level?
+question = "How?" => qestion = "How?" => 27:1 => [response] | did you mean question?
+window_deg = 10.0 => window_dge = 10.0 => 33:1 => [viewing] | did you mean window_deg?
+welcome = "Hello" => wellcome = "Hello" => 36:1 => [instructions] | did you mean welcome?
+[recovery] => [recover] => 22:2 => unknown key "recover" | did you mean recovery?
+depth = [1, 2, "inf"] => loudness = [1, 2] => 13:1 => "loudness" | expected one of | orientation_deg
+# Values out of range.
+width = [0.1, 0.4] => width = [0.1, 1.5] => 12:15 => width 1.5 | 0…1
+depth = [1, 2, "inf"] => depth = [0] => 13:10 => depth 0 | 1 to 32
+depth = [1, 2, "inf"] => depth = [1, 33] => 13:13 => depth 33 | 1 to 32
+depth = [1, 2, "inf"] => depth = [1.5] => 13:10 => depth 1.5 is not a whole number
+depth = [1, 2, "inf"] => depth = ["infinite"] => 13:10 => depth "infinite" | or inf
+depth = [1, 2, "inf"] => depth = [-inf] => 13:10 => -inf
+depth = [1, 2, "inf"] => depth = [] => 13:1 => factor depth is empty | at least one level
+depth = [1, 2, "inf"] => orientation_deg = [0, nan] => 13:23 => orientation_deg "NaN" is not a number
+depth = [1, 2, "inf"] => orientation_deg = [inf] => 13:20 => orientation_deg | inf | an angle
+depth = [1, 2, "inf"] => orientation_deg = [-inf] => 13:20 => orientation_deg "-inf" is not a number
+width = [0.1, 0.4] => width = [1, 1.0] => 12:13 => level 1 of width stands twice
+depth = [1, 2, "inf"] => color = ["gray", "grey"] => 13:18 => level gray of color stands twice
+duration_s = 2.0 => duration_s = -2.0 => 23:1 => duration_s -2 | 0…600 | seconds
+duration_s = 2.0 => duration_s = nan => 23:1 => recovery.duration_s is the text "NaN" | a number
+level = 0.5 => level = 1.01 => 24:1 => level 1.01 | luminance
+repetitions = 2 => repetitions = 0 => 16:1 => repetitions is 0 | at least 1
+repetitions = 2 => repetitions = -1 => 16:1 => repetitions is -1 | whole number
+repetitions = 2 => repetitions = 1e12 => 16:1 => repetitions is 1000000000000.0 | whole number
+max_run = 3 => max_run = 0 => 20:1 => max_run is 0
+low = 0.25 => low = 0.9 => 5:2 => high 0.75 | below low | 0.9
+distance_cm = 50.0 => distance_cm = 0 => 32:1 => distance_cm 0 | cm
+window_deg = 10.0 => window_deg = 180 => 33:1 => window_deg 180 | degrees
+color = "yellow" => color = "purpel" => 9:1 => color "purpel" | yellow, gray
+color = "yellow" => color = "0,0,0" => 9:1 => color "0,0,0" | not all 0
+# Types.
+name = "mine" => name = 7 => 2:1 => name is 7 | a text in quotes
+width = [0.1, 0.4] => width = 0.1 => 12:1 => factors.width is 0.1 | a list of
+width = [0.1, 0.4] => width = [0.1, true] => 12:15 => factors.width is true
+practice = 4 => practice = "4" => 17:1 => design.practice is the text "4"
+duration_s = 2.0 => duration_s = [2.0] => 23:1 => recovery.duration_s is a list | a number
+labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", 4] => 28:26 => response.labels.3 is 4
+low = 0.25 => low = 2026-01-31 => 7:1 => low "2026-01-31" is not a number
+# The head.
+schema = 1\n => schema = 2\n => 1:1 => schema is 2 | expected 1
+schema = 1\n => \n => 1:1 => schema is missing | expected schema = 1
+name = "mine" =>  => 1:1 => name is missing
+kind = "mach-band" =>  => 5:2 => stimulus.kind is missing
+kind = "mach-band" => kind = "mach-bend" => 6:1 => kind "mach-bend" | did you mean mach-band?
+name = "mine" => name = "my/study" => 2:1 => name "my/study" | lower-case
+name = "mine" => name = "Mine" => 2:1 => name "Mine"
+name = "mine" => name = "con" => 2:1 => "con" is reserved by Windows
+name = "mine" => name = "" => 2:1 => name "" is not allowed
+# Order and scale.
+order = "random" => order = "shuffled" => 19:1 => order "shuffled" | blocked:FACTOR
+order = "random" => order = "latin:color" => 19:1 => latin:color names no factor | width, depth
+labels = ["a", "b", "c", "d"]\nkeys = ["0", "1", "2", "3"] => labels = ["a", "b", "c"] => 28:1 => 3 categories | expected 4
+keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2"] => 29:1 => 3 keys; expected 4
+keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "1"] => 29:24 => key '1' stands twice
+keys = ["0", "1", "2", "3"] => keys = ["a", "A", "2", "3"] => 29:14 => key 'A' stands twice
+keys = ["0", "1", "2", "3"] => keys = ["a", "s", "d", "f"] => 29:14 => key 's' cannot be an answer
+keys = ["0", "1", "2", "3"] => keys = ["a", "ß", "d", "f"] => 29:14 => key 'ß' cannot be an answer
+keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "33"] => 29:24 => "33" is not one character
+labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label is empty
+# Too much.
+practice = 4 => practice = 4000000000 => 11:2 => 4000000012 trials | at most
+repetitions = 2 => repetitions = 4000000000 => 11:2 => 24000000004 trials | at most
+# No TOML.
+practice = 4 => repetitions = 3 => 17:1 => not valid TOML | duplicate key
+low = 0.25 => low =  => 7:7 => not valid TOML
+[viewing] => [viewing => 31:9 => not valid TOML
+"##;
+
 /// Each is one fault, at its place, with a message that no other mistake has.
 #[test]
 fn every_mistake_has_a_message_of_its_own() {
-    let cases: &[(&str, &str, &str, &[&str])] = &[
-        // Unknown keys, with the nearest known one.
-        ("title = \"My study\"", "titel = \"My study\"", "3:1", &["unknown key \"titel\"", "did you mean title?"]),
-        ("low = 0.25", "lwo = 0.25", "7:1", &["\"lwo\"", "[stimulus]", "did you mean low?"]),
-        ("width = [0.1, 0.4]", "widht = [0.1, 0.4]", "12:1", &["\"widht\"", "[factors]", "did you mean width?"]),
-        ("break_every = 10", "breaks_every = 10", "18:1", &["[design]", "did you mean break_every?"]),
-        ("level = 0.5", "levle = 0.5", "24:1", &["[recovery]", "did you mean level?"]),
-        ("question = \"How?\"", "qestion = \"How?\"", "27:1", &["[response]", "did you mean question?"]),
-        ("window_deg = 10.0", "window_dge = 10.0", "33:1", &["[viewing]", "did you mean window_deg?"]),
-        ("welcome = \"Hello\"", "wellcome = \"Hello\"", "36:1", &["[instructions]", "did you mean welcome?"]),
-        ("[recovery]", "[recover]", "22:2", &["unknown key \"recover\"", "did you mean recovery?"]),
-        (
-            "depth = [1, 2, \"inf\"]",
-            "loudness = [1, 2]",
-            "13:1",
-            &["\"loudness\"", "expected one of", "orientation_deg"],
-        ),
-        // Values out of range.
-        ("width = [0.1, 0.4]", "width = [0.1, 1.5]", "12:15", &["width 1.5", "0…1"]),
-        ("depth = [1, 2, \"inf\"]", "depth = [0]", "13:10", &["depth 0", "1 to 32"]),
-        ("depth = [1, 2, \"inf\"]", "depth = [1, 33]", "13:13", &["depth 33", "1 to 32"]),
-        ("depth = [1, 2, \"inf\"]", "depth = [1.5]", "13:10", &["depth 1.5 is not a whole number"]),
-        ("depth = [1, 2, \"inf\"]", "depth = [\"infinite\"]", "13:10", &["depth \"infinite\"", "or inf"]),
-        ("depth = [1, 2, \"inf\"]", "depth = [-inf]", "13:10", &["-inf"]),
-        ("depth = [1, 2, \"inf\"]", "depth = []", "13:1", &["factor depth is empty", "at least one level"]),
-        (
-            "depth = [1, 2, \"inf\"]",
-            "orientation_deg = [0, nan]",
-            "13:23",
-            &["orientation_deg \"NaN\" is not a number"],
-        ),
-        ("depth = [1, 2, \"inf\"]", "orientation_deg = [inf]", "13:20", &["orientation_deg", "inf", "an angle"]),
-        (
-            "depth = [1, 2, \"inf\"]",
-            "orientation_deg = [-inf]",
-            "13:20",
-            &["orientation_deg \"-inf\" is not a number"],
-        ),
-        ("width = [0.1, 0.4]", "width = [1, 1.0]", "12:13", &["level 1 of width stands twice"]),
-        ("depth = [1, 2, \"inf\"]", "color = [\"gray\", \"grey\"]", "13:18", &["level gray of color stands twice"]),
-        ("duration_s = 2.0", "duration_s = -2.0", "23:1", &["duration_s -2", "0…600", "seconds"]),
-        ("duration_s = 2.0", "duration_s = nan", "23:1", &["recovery.duration_s is the text \"NaN\"", "a number"]),
-        ("level = 0.5", "level = 1.01", "24:1", &["level 1.01", "luminance"]),
-        ("repetitions = 2", "repetitions = 0", "16:1", &["repetitions is 0", "at least 1"]),
-        ("repetitions = 2", "repetitions = -1", "16:1", &["repetitions is -1", "whole number"]),
-        ("repetitions = 2", "repetitions = 1e12", "16:1", &["repetitions is 1000000000000.0", "whole number"]),
-        ("max_run = 3", "max_run = 0", "20:1", &["max_run is 0"]),
-        ("low = 0.25", "low = 0.9", "5:2", &["high 0.75", "below low", "0.9"]),
-        ("distance_cm = 50.0", "distance_cm = 0", "32:1", &["distance_cm 0", "cm"]),
-        ("window_deg = 10.0", "window_deg = 180", "33:1", &["window_deg 180", "degrees"]),
-        ("color = \"yellow\"", "color = \"purpel\"", "9:1", &["color \"purpel\"", "yellow, gray"]),
-        ("color = \"yellow\"", "color = \"0,0,0\"", "9:1", &["color \"0,0,0\"", "not all 0"]),
-        // Types.
-        ("name = \"mine\"", "name = 7", "2:1", &["name is 7", "a text in quotes"]),
-        ("width = [0.1, 0.4]", "width = 0.1", "12:1", &["factors.width is 0.1", "a list of"]),
-        ("width = [0.1, 0.4]", "width = [0.1, true]", "12:15", &["factors.width is true"]),
-        ("practice = 4", "practice = \"4\"", "17:1", &["design.practice is the text \"4\""]),
-        ("duration_s = 2.0", "duration_s = [2.0]", "23:1", &["recovery.duration_s is a list", "a number"]),
-        (
-            "labels = [\"a\", \"b\", \"c\", \"d\"]",
-            "labels = [\"a\", \"b\", \"c\", 4]",
-            "28:26",
-            &["response.labels.3 is 4"],
-        ),
-        ("low = 0.25", "low = 2026-01-31", "7:1", &["low \"2026-01-31\" is not a number"]),
-        // The head.
-        ("schema = 1\n", "schema = 2\n", "1:1", &["schema is 2", "expected 1"]),
-        ("schema = 1\n", "\n", "1:1", &["schema is missing", "schema = "]),
-        ("name = \"mine\"", "", "1:1", &["name is missing"]),
-        ("kind = \"mach-band\"", "", "5:2", &["stimulus.kind is missing"]),
-        ("kind = \"mach-band\"", "kind = \"mach-bend\"", "6:1", &["kind \"mach-bend\"", "did you mean mach-band?"]),
-        ("name = \"mine\"", "name = \"my/study\"", "2:1", &["name \"my/study\"", "lower-case"]),
-        ("name = \"mine\"", "name = \"Mine\"", "2:1", &["name \"Mine\""]),
-        ("name = \"mine\"", "name = \"con\"", "2:1", &["\"con\" is reserved by Windows"]),
-        ("name = \"mine\"", "name = \"\"", "2:1", &["name \"\" is not allowed"]),
-        // Order and scale.
-        ("order = \"random\"", "order = \"shuffled\"", "19:1", &["order \"shuffled\"", "blocked:FACTOR"]),
-        ("order = \"random\"", "order = \"latin:color\"", "19:1", &["latin:color names no factor", "width, depth"]),
-        (
-            "labels = [\"a\", \"b\", \"c\", \"d\"]\nkeys = [\"0\", \"1\", \"2\", \"3\"]",
-            "labels = [\"a\", \"b\", \"c\"]",
-            "28:1",
-            &["3 categories", "expected 4"],
-        ),
-        ("keys = [\"0\", \"1\", \"2\", \"3\"]", "keys = [\"0\", \"1\", \"2\"]", "29:1", &["3 keys; expected 4"]),
-        (
-            "keys = [\"0\", \"1\", \"2\", \"3\"]",
-            "keys = [\"0\", \"1\", \"2\", \"1\"]",
-            "29:24",
-            &["key '1' stands twice"],
-        ),
-        (
-            "keys = [\"0\", \"1\", \"2\", \"3\"]",
-            "keys = [\"a\", \"A\", \"2\", \"3\"]",
-            "29:14",
-            &["key 'A' stands twice"],
-        ),
-        (
-            "keys = [\"0\", \"1\", \"2\", \"3\"]",
-            "keys = [\"a\", \"s\", \"d\", \"f\"]",
-            "29:14",
-            &["key 's' cannot be an answer"],
-        ),
-        (
-            "keys = [\"0\", \"1\", \"2\", \"3\"]",
-            "keys = [\"a\", \"ß\", \"d\", \"f\"]",
-            "29:14",
-            &["key 'ß' cannot be an answer"],
-        ),
-        (
-            "keys = [\"0\", \"1\", \"2\", \"3\"]",
-            "keys = [\"0\", \"1\", \"2\", \"33\"]",
-            "29:24",
-            &["\"33\" is not one character"],
-        ),
-        (
-            "labels = [\"a\", \"b\", \"c\", \"d\"]",
-            "labels = [\"a\", \" \", \"c\", \"d\"]",
-            "28:16",
-            &["label is empty"],
-        ),
-        // Too much.
-        ("practice = 4", "practice = 4000000000", "11:2", &["4000000012 trials", "at most"]),
-        ("repetitions = 2", "repetitions = 4000000000", "11:2", &["24000000004 trials", "at most"]),
-        // No TOML.
-        ("practice = 4", "repetitions = 3", "17:1", &["not valid TOML", "duplicate key"]),
-        ("low = 0.25", "low = ", "7:7", &["not valid TOML"]),
-        ("[viewing]", "[viewing", "31:9", &["not valid TOML"]),
-    ];
     let mut seen = HashSet::new();
-    for (line, replacement, position, parts) in cases {
+    for mistake in MISTAKES.lines().filter(|line| line.contains(" => ")) {
+        let fields: Vec<String> = mistake.split(" => ").map(|field| field.replace("\\n", "\n")).collect();
+        let [line, replacement, position, parts] = &fields[..] else { panic!("{mistake}") };
         let error = definition::parse("mine.toml", &edited(line, replacement)).expect_err(replacement);
         let found = messages(&error);
         assert_eq!(found.len(), 1, "{replacement}: {found:#?}");
@@ -238,7 +187,7 @@ fn every_mistake_has_a_message_of_its_own() {
             "{replacement}: {}, not {position}",
             found[0]
         );
-        for part in *parts {
+        for part in parts.split(" | ") {
             assert!(found[0].contains(part), "{replacement}: {} lacks {part:?}", found[0]);
         }
         assert!(

@@ -426,7 +426,7 @@ mod interrupted {
             let before = everything(folder.path());
             let error = resume(folder.path()).unwrap_err().to_string();
             assert!(
-                error.starts_with(&format!("{}:", sidecar.display())) && error.contains("is no sidecar"),
+                error.starts_with(&format!("{}:", sidecar.display())) && error.contains("is not a sidecar"),
                 "{error}"
             );
             assert!(everything(folder.path()) == before);

@@ -519,7 +519,7 @@ mod faults {
             (bytes(&[b'x'; 2_000_000]), "1:1: the first row has more than 65,000 bytes; expected a".into(), 12),
             (
                 Box::new(|file| fs::write(file.with_extension("json"), "{").unwrap()),
-                "1:1: is no sidecar of a session: EOF while parsing an object at line 1 column 1".into(),
+                "1:1: is not a sidecar of a session: EOF while parsing an object at line 1 column 1".into(),
                 24,
             ),
         ];

@@ -136,7 +136,7 @@ fn everything_that_is_touched_is_named() {
         (
             "a broken sidecar",
             |_, sidecar| edit(sidecar, |text| text.replacen('{', "", 1)),
-            &["is no sidecar of a session"],
+            &["is not a sidecar of a session"],
         ),
     ];
     for (what, touch, expected) in ways {

@@ -5,7 +5,7 @@ use std::{borrow::Cow, path::Path};
 use crate::{
     light::{
         CodeImage, Quantizer, Samples, Transfer, Transfers,
-        halftone::{Halftone, HalftoneError, Screen},
+        halftone::{Halftone, Screen},
         palette::{IndexedImage, Reduction, reduce},
     },
     stimulus::recipe::Recipe,
@@ -58,7 +58,8 @@ pub fn write_reduced(
 /// # Errors
 /// Too many dots, or the system's refusal.
 pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
-    let image = dots(recipe, screen).map_err(|error| failed(path, error))?;
+    let image = Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear());
+    let image = image.map_err(|error| failed(path, error))?;
     let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
     save(path, encode(&image, &recipe.transfers, &texts)).map(drop)
 }
@@ -98,26 +99,6 @@ fn save(path: &Path, bytes: Result<Vec<u8>, png::EncodingError>) -> Result<Vec<u
     let bytes = bytes.map_err(|error| failed(path, error))?;
     write_whole(path, &bytes, false)?;
     Ok(bytes)
-}
-
-/// A recipe as dots.
-///
-/// # Errors
-/// Too many dots.
-pub(super) fn dots(recipe: &Recipe, screen: Screen) -> Result<CodeImage, HalftoneError> {
-    let linear = recipe.linear();
-    let of = |transfer| Halftone::new(screen.matrix, screen.bits, transfer)?.enlarged(&linear);
-    if let Some(transfer) = recipe.transfers.uniform() {
-        return Ok(of(transfer)?.to_8_bits());
-    }
-    let [mut image, green, blue] = recipe.transfers.channels().each_ref().map(of);
-    if let Ok(image) = &mut image {
-        for (channel, other) in [(1, green?), (2, blue?)] {
-            let own = image.codes.iter_mut().skip(channel).step_by(3);
-            own.zip(other.codes.iter().skip(channel).step_by(3)).for_each(|(code, other)| *code = *other);
-        }
-    }
-    Ok(image?.to_8_bits())
 }
 
 /// The recipe as it stands in an image.

@@ -4,12 +4,12 @@ use std::{fs::File, io::BufReader, path::Path, str::FromStr};
 
 use super::{
     decode::{content, decode},
-    encode::{HALFTONE_KEYWORD, KEYWORD, PALETTE_KEYWORD, SHADED_KEYWORD, dots},
+    encode::{HALFTONE_KEYWORD, KEYWORD, PALETTE_KEYWORD, SHADED_KEYWORD},
 };
 use crate::{
     light::{
         CodeImage, Transfer,
-        halftone::Screen,
+        halftone::{Halftone, Screen},
         palette::{Reduction, reduce},
     },
     stimulus::recipe::{Recipe, SIZE_MAX},
@@ -123,7 +123,8 @@ impl ReadBack {
     fn expected(&self) -> Result<CodeImage, String> {
         let recipe = &self.recipe;
         if let Some(screen) = self.halftone {
-            return dots(recipe, screen).map_err(|error| error.to_string());
+            let image = Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear());
+            return image.map_err(|error| error.to_string());
         }
         let codes = recipe.codes(&recipe.quantizer());
         match self.reduction {

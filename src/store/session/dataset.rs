@@ -27,7 +27,7 @@ pub struct SessionPaths {
     pub dataset: PathBuf,
     /// The rows.
     pub csv: PathBuf,
-    /// Everything else that is known of the session.
+    /// Everything else about the session.
     pub sidecar: PathBuf,
     /// Every frame interval.
     pub frames: PathBuf,
@@ -47,8 +47,8 @@ impl SessionPaths {
         }
     }
 
-    /// Makes the folders and describes the data set, if nobody has yet. Gives what of its description cannot be read,
-    /// as a sentence.
+    /// Makes the folders and describes the data set, if nobody has yet. If its description cannot be read, says so in a
+    /// sentence.
     ///
     /// # Errors
     /// The folder cannot be made or written; a link.
@@ -61,8 +61,8 @@ impl SessionPaths {
         description::describe(&self.dataset, protocol)
     }
 
-    /// Nothing below the results folder may lead out of it: who has put a link there decides where a session is
-    /// written, or reads what it must not. The results folder itself may be one.
+    /// Nothing below the results folder may lead out of it: anyone who puts a link there could decide where a session is
+    /// written, or read what they must not. The results folder itself may be a link.
     ///
     /// # Errors
     /// The first link.

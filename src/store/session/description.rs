@@ -1,5 +1,5 @@
-//! What describes a results folder to people and to programs that know Psych-DS 1.5: `dataset_description.json`,
-//! `README.md`, `CHANGES.md` and the list of what is no data.
+//! The files that describe a results folder to people and to programs that know Psych-DS 1.5: `dataset_description.json`,
+//! `README.md`, `CHANGES.md` and the list of files that are not data.
 
 use std::{fs, path::Path};
 
@@ -18,56 +18,49 @@ use crate::{
 /// Name of the file that describes a data set.
 pub const DESCRIPTION: &str = "dataset_description.json";
 
-/// Both names by which the list of what is no data is known: that of the standard's text and that of its validator.
+/// Both names by which the list of files that are not data is known: that of the standard's text and that of its validator.
 const IGNORE: [&str; 2] = [".psychds-ignore", ".psychdsignore"];
 
-/// Writes what is not there yet, and adds columns that the description lacks. What people wrote stays. Gives what could
-/// not be read, as a sentence.
+/// Writes what is not there yet, and adds columns that the description lacks. What people wrote stays. If the description
+/// cannot be read, says so in a sentence.
 ///
 /// # Errors
 /// The system's refusal.
 pub(in crate::store) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<String>, StoreError> {
-    let absent = |name: &str| -> Result<_, StoreError> {
+    let [by_text, by_validator] = IGNORE;
+    for (name, text) in [
+        ("README.md", readme(protocol)),
+        ("CHANGES.md", CHANGES.to_owned()),
+        (by_text, ignored()),
+        (by_validator, ignored()),
+    ] {
         let path = dataset.join(name);
-        Ok(if is_there(&path)? { None } else { Some(path) })
-    };
-    // The session waits for the disk only where data depend on it.
-    if let Some(path) = absent("README.md")? {
-        write_whole(&path, readme(protocol).as_bytes(), false)?;
-    }
-    if let Some(path) = absent("CHANGES.md")? {
-        write_whole(&path, changes().as_bytes(), false)?;
-    }
-    for name in IGNORE {
-        if let Some(path) = absent(name)? {
-            write_whole(&path, ignored().as_bytes(), false)?;
+        if !is_there(&path)? {
+            // The session waits for the disk only where data depend on it.
+            write_whole(&path, text.as_bytes(), false)?;
         }
     }
     let path = dataset.join(DESCRIPTION);
     if !is_there(&path)? {
-        return write_json(&path, &description(&protocol.name, &protocol.title, &columns(protocol))).map(|()| None);
+        return write_json(&path, &description(protocol)).map(|()| None);
     }
     let found = fs::read(&path).map_err(io(&path, "read"))?;
-    let described = match serde_json::from_slice::<Value>(&found) {
-        Ok(mut described) => add_columns(&mut described, &columns(protocol)).map(|changed| (described, changed)),
-        Err(_) => None,
-    };
-    match described {
-        Some((described, true)) => write_json(&path, &described).map(|()| None),
-        Some(_) => Ok(None),
-        None => Ok(Some(format!("{DESCRIPTION} is no description with a list variableMeasured; it was left as it is"))),
+    let mut described: Value = serde_json::from_slice(&found).unwrap_or_default();
+    match add_columns(&mut described, &columns(protocol)) {
+        Some(true) => write_json(&path, &described).map(|()| None),
+        Some(false) => Ok(None),
+        None => Ok(Some(format!("{DESCRIPTION} has no list variableMeasured; it was left as it is"))),
     }
 }
 
 /// A data set's description: its name, what it is, and every column.
-pub(in crate::store) fn description(name: &str, title: &str, columns: &[Column]) -> Value {
-    let variables: Vec<_> = columns.iter().map(variable).collect();
+fn description(protocol: &Protocol) -> Value {
     json!({
         "@context": "https://schema.org/",
         "@type": "Dataset",
-        "name": name,
-        "description": title,
-        "variableMeasured": variables,
+        "name": protocol.name,
+        "description": protocol.title,
+        "variableMeasured": columns(protocol).iter().map(variable).collect::<Vec<_>>(),
     })
 }
 
@@ -117,22 +110,20 @@ Ratings recorded with machband {version} by its definition `{name}`.
 - `data/…{frames}`: every frame interval, where a screen was used.
 
 Missing values are empty. A corrected response is a row of its own with `attempt` + 1; the last attempt of a trial
-counts. Rows with `phase` practice are no data.
+counts. Rows with `phase` practice are not data.
 
-`machband verify` proves the rows and the pictures from the sidecars; `machband analyze` analyses them.
-Author, licence and the like belong in `{DESCRIPTION}`: what is written there stays.
+`machband verify` proves the rows and the pictures from the sidecars; `machband analyze` analyzes the ratings.
+Author, license and the like belong in `{DESCRIPTION}`: what is written there stays.
 ",
         frames = frames::SUFFIX
     )
 }
 
-fn changes() -> &'static str {
-    "# Changes
+const CHANGES: &str = "# Changes
 
 Sessions are added while they are recorded, and never changed afterwards. Note here, with a date, whatever is changed by
 hand.
-"
-}
+";
 
 fn ignored() -> String {
     let [by_the_text, _] = IGNORE;

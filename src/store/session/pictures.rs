@@ -1,5 +1,5 @@
-//! What a sitting showed: how its stimuli became codes, and the hash of each picture, so that rendering it again proves
-//! it.
+//! What a sitting showed: how its stimuli became codes, and the hash of each picture, by which a new rendering can be
+//! compared with it.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ const SIZE_WITHOUT_SCREEN: u32 = 256;
 /// The pictures of a sitting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pictures {
-    /// How light became codes. The stimulus in it is the definition's, before its factors are set.
+    /// How light became codes. Its stimulus is the definition's, before the factors are set.
     pub recipe: Recipe,
     /// [`hash`] of the picture of each condition, by the condition's number: from 1, as the factors are crossed, the
     /// last one fastest.
@@ -27,7 +27,7 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Those of a screen: `size` pixels a side, 8 bits, no dither. None is hashed yet.
+    /// Pictures for a screen: `size` pixels a side, 8 bits, no dither. None is hashed yet.
     #[must_use]
     pub fn new(protocol: &Protocol, size: u32, transfers: &Transfers, display_sha256: Option<String>) -> Self {
         let recipe = Recipe {
@@ -42,7 +42,7 @@ impl Pictures {
         Self { recipe, sha256: BTreeMap::new() }
     }
 
-    /// Those of a session without a screen: 256 pixels a side, sRGB. None is hashed yet.
+    /// Pictures of a session without a screen: 256 pixels a side, sRGB. None is hashed yet.
     #[must_use]
     pub fn without_screen(protocol: &Protocol) -> Self {
         Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None)

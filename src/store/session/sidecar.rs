@@ -1,4 +1,4 @@
-//! The sidecar of a result file: everything that is known of a session but its rows.
+//! The sidecar of a result file: everything about a session except its rows.
 
 use std::path::Path;
 
@@ -17,16 +17,16 @@ const ONSET: &str = "Start of the frame that presents the stimulus, by the progr
 /// The sidecar's content.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sidecar {
-    /// For readers of linked data, as those of Psych-DS are: which of the keys here are machband's own.
+    /// For readers of linked data, such as those of Psych-DS: which of the keys here are machband's own.
     #[serde(rename = "@context", default = "context")]
     pub context: Value,
-    /// The definition in the form of its file.
+    /// The definition, with the keys of its file.
     pub definition: Value,
     /// [`definition::hash`] of it.
     pub definition_sha256: String,
     /// Seed of the order of the trials.
     pub seed: u64,
-    /// How the order follows from the seed.
+    /// The generator that makes the order from the seed.
     pub generator: String,
     /// How an onset is defined.
     pub onset: String,
@@ -36,25 +36,25 @@ pub struct Sidecar {
     pub sittings: Vec<Sitting>,
     /// Description, unit and levels of every column.
     pub columns: Map<String, Value>,
-    /// By which is seen that files were touched since the session ended; absent while it is not ended.
+    /// Shows whether files were changed after the session ended; absent until then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seal: Option<Seal>,
 }
 
-/// Hashes of a session's files at its end. They tell an accident, and an honest change by hand; who wants to deceive
+/// Hashes of a session's files at its end. They reveal accidents and honest changes by hand; anyone who wants to deceive
 /// can make new ones.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Seal {
     /// SHA-256 of the data file.
     pub data_sha256: String,
-    /// SHA-256 of the file of the frames, where there is one.
+    /// SHA-256 of the frames file, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames_sha256: Option<String>,
     /// [`Sidecar::own_sha256`].
     pub sidecar_sha256: String,
 }
 
-/// Keys of a sidecar mean nothing to schema.org: without this, a reader of linked data would look for them there.
+/// The keys of a sidecar mean nothing to schema.org; without this, a reader of linked data would look for them there.
 fn context() -> Value {
     let own =
         ["definition", "definition_sha256", "seed", "generator", "onset", "complete", "sittings", "columns", "seal"];
@@ -76,7 +76,7 @@ pub struct Sitting {
     /// Parameters of the simulated observer; absent for a person.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub observer: Option<Value>,
-    /// The display profile in words.
+    /// The display profile.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub display: Option<Value>,
     /// The monitor as the system describes it.
@@ -85,19 +85,19 @@ pub struct Sitting {
     /// Distance, screen size, size of the stimulus.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viewing: Option<Value>,
-    /// What was found before the session, each with a plain sentence.
+    /// Findings before the session, each with a plain sentence.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub preflight: Vec<PreflightNote>,
     /// Frame intervals over the sitting.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<Value>,
-    /// How ratings are stamped, and for how long at most a key may have waited for that.
+    /// How ratings are stamped, and how long at most a key may have waited for its stamp.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<Value>,
-    /// What was shown, to be rendered again by who doubts it.
+    /// What was shown, so that anyone can render it again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pictures: Option<Pictures>,
-    /// What was mended or moved.
+    /// What was repaired or moved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub incidents: Vec<String>,
 }
@@ -130,7 +130,7 @@ impl Default for Program {
 /// One finding before a session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PreflightNote {
-    /// What was looked at.
+    /// What was checked.
     pub check: String,
     /// Whether it is as it should be.
     pub ok: bool,
@@ -159,7 +159,7 @@ impl Sidecar {
         }
     }
 
-    /// SHA-256 of what the sidecar says but for its seal.
+    /// SHA-256 of the sidecar without its seal.
     #[must_use]
     pub fn own_sha256(&self) -> String {
         let open = Self { seal: None, ..self.clone() };
@@ -181,7 +181,7 @@ impl Sidecar {
             StoreError::Faults(FileFaults(vec![FileFault {
                 file: path.display().to_string(),
                 position: Some((error.line(), error.column())),
-                message: format!("is no sidecar of a session: {error}"),
+                message: format!("is not a sidecar of a session: {error}"),
             }]))
         })
     }

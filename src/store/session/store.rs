@@ -24,14 +24,13 @@ pub struct SessionStore {
     paths: SessionPaths,
     rows: ResultFile,
     sidecar: Sidecar,
-    frames: FrameFile,
-    /// That the frames cannot be written was noted.
+    /// `None` if another file is in their place.
+    frames: Option<FrameFile>,
+    /// It was noted that the frames cannot be written.
     frames_refused: bool,
-    /// There is a file in their place that is not theirs.
-    frames_unread: bool,
 }
 
-/// What is known of an interrupted session.
+/// What an interrupted session left.
 #[derive(Debug)]
 pub struct Interrupted {
     /// The order it had.
@@ -48,11 +47,19 @@ pub struct Interrupted {
     pub torn: Option<String>,
 }
 
+impl Interrupted {
+    /// A session without a trial yet.
+    pub fn before_the_first_trial(schedule: Schedule) -> Self {
+        let (resumed, rows) = (Resumed::default(), Vec::new());
+        Self { schedule, resumed, elapsed_s: 0.0, rows, sitting: 1, torn: None }
+    }
+}
+
 impl SessionStore {
-    /// Makes the files of a new session.
+    /// Creates the files of a new session.
     ///
     /// # Errors
-    /// [`StoreError::Exists`] where they are, or the system's refusal.
+    /// [`StoreError::Exists`], or the system's refusal.
     pub fn create(
         results: &Path,
         protocol: &Protocol,
@@ -72,18 +79,18 @@ impl SessionStore {
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
         if let Err(error) = sidecar.write(&paths.sidecar) {
-            // Nothing is recorded yet: the next try must not find a session, and least of all a sidecar without rows.
+            // Nothing is recorded yet: the next attempt must not find a session, and least of all a sidecar without rows.
             let _ = std::fs::remove_file(&paths.sidecar);
             drop(rows);
             let _ = std::fs::remove_file(&paths.csv);
             return Err(error);
         }
-        let frames = FrameFile::new(&paths.frames);
+        let frames = Some(FrameFile::new(&paths.frames));
         let (protocol, identity) = (protocol.clone(), identity.clone());
-        Ok(Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false, frames_unread: false })
+        Ok(Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false })
     }
 
-    /// Goes on with an interrupted session.
+    /// Resumes an interrupted session.
     ///
     /// # Errors
     /// [`StoreError::NothingToResume`]; [`StoreError::Mismatch`] where definition, seed or a row are not this
@@ -104,15 +111,11 @@ impl SessionStore {
         let mut rows = ResultFile::open(&paths.csv)?;
         let found = Sidecar::read(&paths.sidecar)?;
         if let Some(sidecar) = &found {
-            matches(sidecar, protocol, seed, &paths.sidecar)?;
+            check_same(sidecar, protocol, seed, &paths.sidecar)?;
         }
         let recovered = rows.recover(&columns(protocol))?;
-        let seed = found
-            .as_ref()
-            .map(|sidecar| sidecar.seed)
-            .or(seed)
-            .or(recovered.rows.first().map(|row| row.seed))
-            .unwrap_or_default();
+        let recorded = found.as_ref().map(|sidecar| sidecar.seed);
+        let seed = recorded.or(seed).or(recovered.rows.first().map(|row| row.seed)).unwrap_or_default();
         let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
         let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
         let context = RowContext { protocol, schedule: &schedule, identity, sitting: 1 };
@@ -129,20 +132,10 @@ impl SessionStore {
         });
         let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
         let finished = complete && sidecar.complete;
-        let (frames, unread) = match FrameFile::resume(&paths.frames) {
-            Ok(frames) => (frames, None),
-            Err(error) => (FrameFile::new(&paths.frames), Some(error)),
-        };
-        let mut store = Self {
-            protocol: protocol.clone(),
-            identity: identity.clone(),
-            paths,
-            rows,
-            sidecar,
-            frames,
-            frames_refused: false,
-            frames_unread: unread.is_some(),
-        };
+        let frames = FrameFile::resume(&paths.frames);
+        let unread = frames.as_ref().err().map(ToString::to_string);
+        let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
+        let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false };
         // From here on the files change; a session that has ended well stays as it is.
         if !finished {
             // The session is locked: nobody else is about to write its sidecar.
@@ -152,10 +145,10 @@ impl SessionStore {
             store.sidecar.seal = None;
             store.sidecar.sittings.push(sitting);
             if let Some(torn) = &recovered.torn {
-                store.note(format!("a half-written last row was cut off and its trial asked again: {torn:?}"));
+                store.note(format!("a half-written last row was cut off, and its trial is shown again: {torn:?}"));
             }
             if let Some(error) = unread {
-                store.note(format!("the frames of this sitting are not kept: {error}"));
+                store.note(format!("the frames of this sitting are not saved: {error}"));
             }
             // An earlier version may have described fewer columns.
             store.prepare()?;
@@ -187,12 +180,10 @@ impl SessionStore {
         self.rows.append(record)
     }
 
-    /// Adds frames. What cannot be written is noted once, tried again with the next, and keeps no session from going on.
+    /// Adds frames. A failure is noted once, writing is tried again with the next frames, and the session continues.
     pub fn append_frames(&mut self, rows: &[FrameRow]) {
-        if self.frames_unread {
-            return;
-        }
-        if let Err(error) = self.frames.append(rows)
+        let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.append(rows));
+        if let Err(error) = written
             && !std::mem::replace(&mut self.frames_refused, true)
         {
             self.note(format!("frames could not be written when they were shown: {error}"));
@@ -201,8 +192,8 @@ impl SessionStore {
 
     /// Name of the file of the frames, where it has any.
     pub fn frames_file(&self) -> Option<String> {
-        let name = self.frames.path().file_name()?.to_string_lossy().into_owned();
-        (!self.frames_unread && !self.frames.is_empty()).then_some(name)
+        let frames = self.frames.as_ref().filter(|frames| !frames.is_empty())?;
+        Some(frames.path().file_name()?.to_string_lossy().into_owned())
     }
 
     /// Tries again to write what is not on disk yet.
@@ -227,10 +218,10 @@ impl SessionStore {
         Ok(())
     }
 
-    /// Puts everything recorded so far into another results folder and goes on there.
+    /// Moves everything recorded so far into another results folder, and continues there.
     ///
     /// # Errors
-    /// The new folder refuses, or has this session already; the old one is then kept.
+    /// The new folder refuses, or has this session already; the session then stays in the old one.
     pub fn move_to(&mut self, results: &Path) -> Result<(), StoreError> {
         let paths = SessionPaths::new(results, &self.protocol, &self.identity);
         if paths == self.paths {
@@ -241,9 +232,7 @@ impl SessionStore {
         let undescribed = paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
         self.rows.move_to(&paths.csv)?;
-        if !self.frames_unread
-            && let Err(error) = self.frames.move_to(&paths.frames)
-        {
+        if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.move_to(&paths.frames)) {
             self.note(format!("the frames could not be moved: {error}"));
         }
         self.paths = paths;
@@ -257,29 +246,33 @@ impl SessionStore {
         self.sidecar.complete
     }
 
-    /// Whether a session is there, and complete: `None` where there is none.
+    /// Whether a session is complete; `None` if there is none.
     pub fn exists(results: &Path, protocol: &Protocol, identity: &Identity) -> Option<bool> {
         let paths = SessionPaths::new(results, protocol, identity);
         paths.csv.exists().then(|| matches!(Sidecar::read(&paths.sidecar), Ok(Some(sidecar)) if sidecar.complete))
     }
 
-    /// Notes what was mended, for the sidecar's next writing.
+    fn sitting(&mut self) -> Option<&mut Sitting> {
+        self.sidecar.sittings.last_mut()
+    }
+
+    /// Notes an incident, for the sidecar's next writing.
     pub fn note(&mut self, incident: String) {
-        if let Some(sitting) = self.sidecar.sittings.last_mut() {
+        if let Some(sitting) = self.sitting() {
             sitting.incidents.push(incident);
         }
     }
 
     /// Notes the hash of a picture that is shown, for the sidecar's next writing; `condition` from 0.
     pub fn note_picture(&mut self, condition: usize, sha256: String) {
-        if let Some(pictures) = self.sidecar.sittings.last_mut().and_then(|sitting| sitting.pictures.as_mut()) {
+        if let Some(pictures) = self.sitting().and_then(|sitting| sitting.pictures.as_mut()) {
             pictures.sha256.insert(condition + 1, sha256);
         }
     }
 
-    /// How ratings were stamped, for the sidecar's next writing.
+    /// Notes how ratings were stamped, for the sidecar's next writing.
     pub fn describe_input(&mut self, input: serde_json::Value) {
-        if let Some(sitting) = self.sidecar.sittings.last_mut() {
+        if let Some(sitting) = self.sitting() {
             sitting.input = Some(input);
         }
     }
@@ -295,32 +288,30 @@ impl SessionStore {
         frames: Option<serde_json::Value>,
     ) -> Result<(), StoreError> {
         self.sidecar.complete = complete;
-        if let Some(sitting) = self.sidecar.sittings.last_mut() {
+        if let Some(sitting) = self.sitting() {
             sitting.ended_at = Some(ended_at);
             sitting.frames = frames;
         }
         self.sidecar.seal = Some(Seal {
             data_sha256: self.rows.sha256(),
-            frames_sha256: self.frames_file().map(|_| self.frames.sha256()),
+            frames_sha256: self.frames.as_ref().filter(|frames| !frames.is_empty()).map(FrameFile::sha256),
             sidecar_sha256: self.sidecar.own_sha256(),
         });
         self.sidecar.write(&self.paths.sidecar)
     }
 }
 
-fn matches(sidecar: &Sidecar, protocol: &Protocol, seed: Option<u64>, path: &Path) -> Result<(), StoreError> {
-    let mismatch = |what: String| Err(StoreError::Mismatch { path: path.to_owned(), what });
+fn check_same(sidecar: &Sidecar, protocol: &Protocol, seed: Option<u64>, path: &Path) -> Result<(), StoreError> {
     let hash = definition::hash(protocol);
-    if sidecar.definition_sha256 != hash {
-        return mismatch(format!(
+    let what = if sidecar.definition_sha256 != hash {
+        format!(
             "the session was recorded with another definition (sha256 {}); expected that one, not {} (sha256 {hash})",
             sidecar.definition_sha256, protocol.name
-        ));
-    }
-    match seed {
-        Some(seed) if seed != sidecar.seed => {
-            mismatch(format!("the session has seed {}; expected that or none, not {seed}", sidecar.seed))
-        }
-        _ => Ok(()),
-    }
+        )
+    } else if let Some(seed) = seed.filter(|seed| *seed != sidecar.seed) {
+        format!("the session has seed {}; expected that or none, not {seed}", sidecar.seed)
+    } else {
+        return Ok(());
+    };
+    Err(StoreError::Mismatch { path: path.to_owned(), what })
 }
