@@ -9,13 +9,7 @@ use std::{fmt::Debug, path::PathBuf, sync::LazyLock};
 use machband::{
     experiment::{Column, Identity, RatingRow, Schedule, columns},
     light::Transfer,
-    store::{
-        FileFaults, definition,
-        image,
-        mesh, observer, profile, ratings,
-        ratings::ReadOptions,
-        readings, results,
-    },
+    store::{FileFaults, definition, image, mesh, observer, profile, ratings, ratings::ReadOptions, readings, results},
 };
 
 /// A target by its name.

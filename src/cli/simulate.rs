@@ -14,8 +14,8 @@ use serde_json::json;
 use super::{UsageError, progress_style};
 use crate::{
     experiment::{
-        Condition, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions, TrialRecord,
-        UniformObserver, VisionObserver, simulate,
+        Condition, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions,
+        TrialRecord, UniformObserver, VisionObserver, simulate,
     },
     store::{
         StoreError, definition, observer,
@@ -107,10 +107,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// The observer, and how the sidecars describe it.
-fn observer(
-    arguments: &Arguments,
-    protocol: &Protocol,
-) -> anyhow::Result<(Box<dyn Observer>, serde_json::Value)> {
+fn observer(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<(Box<dyn Observer>, serde_json::Value)> {
     let file = arguments.observer_file.as_deref();
     Ok(match arguments.observer {
         Rule::Random if file.is_some() => {

@@ -309,10 +309,7 @@ fn sessions_of_one_name_may_differ_in_their_definition() {
         let head = "schema = 1\nname = \"small\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n";
         fs::write(scratch.path().join("small.toml"), format!("{head}{factor}\n")).unwrap();
         let folder = format!("results/{folder}");
-        succeeds(
-            scratch.path(),
-            &["simulate", "small.toml", "--participants", participants, "--results", &folder],
-        );
+        succeeds(scratch.path(), &["simulate", "small.toml", "--participants", participants, "--results", &folder]);
     }
     for file in [session_csv(&results.join("b"), "small", "S001"), sidecar(&results.join("b"), "small", "S001")] {
         fs::remove_file(file).unwrap();
@@ -320,7 +317,8 @@ fn sessions_of_one_name_may_differ_in_their_definition() {
     let bids = scratch.path().join("bids");
     assert_eq!(written(&results, &bids, Format::Bids).sessions, 2);
     assert!(!bids.join("task-small_beh.json").exists());
-    let described =
-        |subject: &str| read_json(&bids.join(format!("sub-{subject}/ses-1/beh/sub-{subject}_ses-1_task-small_beh.json")));
+    let described = |subject: &str| {
+        read_json(&bids.join(format!("sub-{subject}/ses-1/beh/sub-{subject}_ses-1_task-small_beh.json")))
+    };
     assert!(described("S001")["tanh_k"].is_object() && described("S002")["tanh_k"].is_null());
 }

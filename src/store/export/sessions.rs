@@ -5,10 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use rayon::{
-    iter::Either,
-    prelude::*,
-};
+use rayon::{iter::Either, prelude::*};
 
 use crate::{
     experiment::{columns, name_fault},

@@ -71,9 +71,8 @@ pub(super) fn write(
             let recipe = pictures.recipe_of(condition);
             let place = *by_recipe.entry(image::describe(&recipe)).or_insert_with(|| {
                 let label = label(&session.protocol, condition);
-                let alike = |other: &&Wanted| {
-                    other.recipe.transfers == recipe.transfers && other.recipe.bits == recipe.bits
-                };
+                let alike =
+                    |other: &&Wanted| other.recipe.transfers == recipe.transfers && other.recipe.bits == recipe.bits;
                 let quantizer = match wanted.iter().find(alike) {
                     Some(other) => Arc::clone(&other.quantizer),
                     None => Arc::new(recipe.quantizer()),
@@ -88,8 +87,7 @@ pub(super) fn write(
             shown.push(((session.csv.clone(), sitting, index), place));
         }
     }
-    let hashes: Vec<String> =
-        wanted.par_iter().map(|one| pictures::hash(&one.recipe.codes(&one.quantizer))).collect();
+    let hashes: Vec<String> = wanted.par_iter().map(|one| pictures::hash(&one.recipe.codes(&one.quantizer))).collect();
     prove(&wanted, &hashes)?;
     let unproved = wanted.iter().filter(|one| one.expected.is_empty()).count();
     if unproved > 0 {

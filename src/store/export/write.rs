@@ -102,7 +102,9 @@ fn full_path(path: &Path) -> std::io::Result<PathBuf> {
 /// Fills a temporary folder beside `to`, and moves it there when it is whole.
 fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) -> Result<(), StoreError> {
     let (Some(parent), Some(name)) = (to.parent(), to.file_name()) else {
-        return Err(FileFaults::whole(to.display().to_string(), "is not a folder that can be made; expected one").into());
+        return Err(
+            FileFaults::whole(to.display().to_string(), "is not a folder that can be made; expected one").into()
+        );
     };
     make_folder(parent)?;
     let prefix = format!(".{}.", name.to_string_lossy());
