@@ -29,7 +29,7 @@ use crate::{
 /// several waiting sessions together, so this is more than there are cores.
 const AT_A_TIME: usize = 32;
 
-/// Run sessions with a simulated observer: the same session and the same files, without a window.
+/// Run sessions with a simulated observer: the same session and files as in the window, without a window.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband simulate bangay2003 --participants 8 --seed 1 --results results")]
 pub(super) struct Arguments {
@@ -38,7 +38,7 @@ pub(super) struct Arguments {
     /// Number of participants, S001 onwards.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     participants: u32,
-    /// Seed of the orders and of the observers.
+    /// Seed for the order of the trials and for the observers.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Folder for the results.
@@ -47,7 +47,7 @@ pub(super) struct Arguments {
     /// Who rates.
     #[arg(long, value_enum, default_value_t = Rule::Paper)]
     observer: Rule,
-    /// Parameters of the `paper` or the `vision` observer; the documented defaults are in experiments/observers.
+    /// Parameters of the paper or vision observer; experiments/observers has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
     /// Resume what an interrupted run left; complete sessions stay as they are.

@@ -23,7 +23,7 @@ pub(super) struct Arguments {
     /// Folder for the images.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Only the I-th of N parts, I from 1: for several machines, or the tasks of a job array.
+    /// Make only part I of N, counted from 1: for several machines, or the tasks of a job array.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]

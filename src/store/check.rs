@@ -68,7 +68,7 @@ fn check_toml(file: &str, text: &str) -> Result<Checked, FileFaults> {
     }
     if document.has("spread") {
         observer::parse_vision(file, text)?;
-        return Ok("parameters of the observer who sees".to_owned().into());
+        return Ok("parameters of the vision observer".to_owned().into());
     }
     if document.has("thresholds") {
         observer::parse(file, text)?;

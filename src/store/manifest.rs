@@ -1,5 +1,5 @@
-//! The images of a definition's conditions, and the list of them. An interrupted run is gone on with: what is there, and
-//! is what was written, is not made again.
+//! The images of a definition's conditions, and the list of them. An interrupted run can be resumed: images that are still
+//! as they were written are not made again.
 
 use std::{
     collections::HashMap,

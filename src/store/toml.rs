@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::{FileFault, FileFaults, text::position};
 
-/// Most faults of reading, of which each makes the file be read once more.
+/// Most values that cannot be read: for each of them the file is read once more.
 const MOST_UNREAD: usize = 100;
 
 /// A TOML document, and the faults found in it so far.

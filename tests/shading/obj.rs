@@ -1,4 +1,4 @@
-//! OBJ files: what they hold becomes a mesh, and whatever else they hold a message.
+//! OBJ files: a valid file becomes a mesh, any other a message.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -140,7 +140,7 @@ fn normals_are_the_files_where_it_has_some() {
 }
 
 #[test]
-fn equal_places_are_one_and_close_ones_are_not() {
+fn equal_positions_are_one_and_close_ones_are_not() {
     let seam = |y: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv -0 0 0\nv 0 {y} 0\nv -1 0 0\nf 4 5 6\n");
     let smooth = |text: &str| Edges::of(&mesh(text)).edges.iter().filter(|e| e.kind == EdgeKind::Smooth).count();
     assert_eq!(smooth(&seam("1.0")), 1);
@@ -221,7 +221,7 @@ fn faults_are_named_with_their_place() {
 }
 
 #[test]
-fn files_that_are_no_obj_are_named() {
+fn files_of_other_kinds_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let fault = |path: &Path| obj::read(path, 180.0).expect_err("a fault").to_string();
     let missing = folder.path().join("missing.obj");

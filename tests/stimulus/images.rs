@@ -87,7 +87,7 @@ fn an_image_says_what_its_codes_mean() {
 }
 
 #[test]
-fn a_touched_image_is_found_out() {
+fn a_changed_image_is_detected() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     let recipe = recipe("kanizsa");

@@ -1,4 +1,4 @@
-//! Definitions, display profiles and observers: what loads, and what every kind of mistake is told.
+//! Definitions, display profiles and observers: what loads, and the message for every kind of mistake.
 
 use std::{
     collections::HashSet,
@@ -196,13 +196,13 @@ fn every_mistake_has_a_message_of_its_own() {
             found[0]
         );
         let message = found[0].split_once(": ").unwrap().1.to_owned();
-        assert!(seen.insert(message), "{replacement}: {} is said of another mistake too", found[0]);
+        assert!(seen.insert(message), "{replacement}: {} is the message of another mistake too", found[0]);
     }
     definition::parse("mine.toml", BASE).unwrap();
 }
 
 #[test]
-fn all_faults_are_told_in_the_order_of_the_file() {
+fn all_faults_are_reported_in_the_order_of_the_file() {
     let text = edited("name = \"mine\"", "name = \"My Study\"")
         .replace("width = [0.1, 0.4]", "width = [2, true, -1]")
         .replace("repetitions = 2", "repetitions = 0")
@@ -220,9 +220,9 @@ fn soon<T>(what: &str, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Refused, or taken, in no time and without memory for what is refused.
+/// Refused, or accepted, at once and without memory for what is refused.
 #[test]
-fn size_is_no_way_to_stop_the_program() {
+fn a_large_file_does_not_stop_the_program() {
     let list =
         |count: u32, scale: f64| (0..count).map(|i| (f64::from(i) * scale).to_string()).collect::<Vec<_>>().join(",");
     let head = "schema = 1\nname = \"huge\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n";
@@ -266,7 +266,7 @@ fn deep_nesting_is_refused() {
 }
 
 #[test]
-fn files_that_are_none_are_named() {
+fn files_that_are_not_definitions_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let write = |name: &str, content: &[u8]| {

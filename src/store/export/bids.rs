@@ -21,9 +21,9 @@ use crate::{
     },
 };
 
-/// The version of the standard that the tables are written by.
+/// The version of the standard.
 const VERSION: &str = "1.11.1";
-/// What stands for a value that is missing.
+/// A missing value.
 const MISSING: &str = "n/a";
 /// Columns of ours that BIDS knows by another name; the first two lead the table, and the picture's file follows. Onset and
 /// duration keep our names: under those of BIDS, a behavioral table is taken for one of events.
@@ -38,7 +38,7 @@ const LEADING: usize = 2;
 /// The column that names the picture.
 const STIM_FILE: &str = "stim_file";
 
-/// Writes the data set into `to`. Gives the number of its pictures.
+/// Writes the data set into `to`. Returns the number of its pictures.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<usize, StoreError> {
     let (stimuli, pictures) = stimuli::write(experiments, &to.join("stimuli"), notes)?;
     write_json(&to.join(DESCRIPTION), &description(experiments, notes))?;
@@ -67,7 +67,7 @@ fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path)
     write_file(&folder.join(format!("{stem}.tsv")), table(session, stimuli).as_bytes())?;
     let mut sidecar = of_session(session);
     if !common {
-        // What sessions of one name do not share stands with each of them.
+        // Sessions of one name that differ in their definition each have their own.
         sidecar.append(&mut of_task(&session.protocol));
     }
     write_json(&folder.join(format!("{stem}.json")), &sidecar.into())
@@ -109,7 +109,7 @@ fn clean(name: &str, cell: &str) -> String {
     }
 }
 
-/// What holds for every session of a task: what was asked, and what the columns mean.
+/// What all sessions of a task share: what was asked, and what the columns mean.
 fn of_task(protocol: &Protocol) -> Map<String, Value> {
     let columns = columns(protocol);
     let mut entries = keys([
@@ -152,7 +152,7 @@ fn described(column: &Column) -> Value {
     .into()
 }
 
-/// What is known of one session. Keys that BIDS does not know are allowed beside its own.
+/// One session. BIDS allows keys of our own beside its own.
 fn of_session(session: &Recorded) -> Map<String, Value> {
     let sittings = &session.sidecar.sittings;
     let presented: Vec<Map<String, Value>> = sittings.iter().map(presentation).collect();
@@ -215,7 +215,7 @@ fn rounded(value: f64, steps: f64) -> Value {
     ((value * steps).round() / steps).into()
 }
 
-/// The data set's own description: what people wrote into those of the experiments is taken over.
+/// The description of the whole data set, with what people wrote into those of the experiments.
 fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
     let written = written(experiments);
     let titles: Vec<&str> = experiments.iter().map(|one| one.sessions[0].protocol.title.as_str()).collect();
@@ -257,7 +257,7 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
     entries.into()
 }
 
-/// A DOI as BIDS wants it, where one is asked; any other value as it is.
+/// A DOI in the form of BIDS; values of other keys are unchanged.
 fn doi(key: &str, value: &str) -> Option<String> {
     if key != "DatasetDOI" {
         return Some(value.to_owned());
@@ -266,7 +266,7 @@ fn doi(key: &str, value: &str) -> Option<String> {
     bare.or(value.starts_with("10.").then_some(value)).map(|bare| format!("doi:{bare}"))
 }
 
-/// The descriptions beside the data, where they are there and JSON.
+/// The descriptions beside the data, if they exist and are JSON.
 fn written(experiments: &[Experiment]) -> Vec<Value> {
     let mut files: Vec<_> = experiments
         .iter()
@@ -307,7 +307,7 @@ fn readme(experiments: &[Experiment]) -> String {
     text + "
 One row of a `_beh.tsv` is one trial; `n/a` is a missing value. Rows whose `trial_type` is practice are not data. A corrected
 response is a row of its own with `attempt` + 1; the last attempt of a trial counts. `TrialsRated` below `TrialsPlanned`
-marks a session that was not finished; each of its `Sittings` says what ran it and on which screen. A sitting with a
+marks a session that was not finished; its `Sittings` say what ran it and on which screen. A sitting with a
 `SimulatedObserver` had neither a participant nor a screen.
 
 `stim_file` names the picture below `stimuli/`, made again from its recipe; its hash matches what was shown.

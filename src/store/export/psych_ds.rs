@@ -1,4 +1,4 @@
-//! Psych-DS: the results folder is one already. A copy has whole rows only, and describes every column.
+//! Psych-DS. The results folder is such a data set already; the copy has whole rows only, and describes every column.
 
 use std::{fs, path::Path};
 
@@ -66,7 +66,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
     Ok(())
 }
 
-/// Cuts off a row that is half written; then the seal of the file holds no longer.
+/// Cuts off a row that is half written, and removes the seal, which holds no longer.
 fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
     if session.torn.is_none() {
         return Ok(());
@@ -82,7 +82,7 @@ fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// Content alone: a new file has no rights of the old one, so that a data set that is write-protected can be copied.
+/// Copies the content alone: the new file is writable even if the data set is write-protected.
 fn copy_file(from: &Path, to: &Path) -> Result<(), StoreError> {
     let content = fs::read(from).map_err(io(from, "read"))?;
     write_file(to, &content)

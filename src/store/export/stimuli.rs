@@ -1,4 +1,4 @@
-//! The pictures that were shown, each once: rendered again from the sidecars' recipes and held against the hashes there.
+//! The pictures that were shown, each once: rendered again from the sidecars' recipes and compared with the hashes there.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
@@ -44,7 +44,7 @@ struct Wanted {
     expected: BTreeMap<String, (PathBuf, usize)>,
 }
 
-/// Writes every picture into `folder`. Gives their number too.
+/// Writes every picture into `folder`. Returns their number too.
 ///
 /// # Errors
 /// Every picture that differs from the one that was shown; the system's refusal.

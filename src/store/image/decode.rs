@@ -1,4 +1,4 @@
-//! What is in a PNG file: its codes and its text chunks.
+//! The codes and the text chunks of a PNG file.
 
 use std::{io::Cursor, path::Path};
 
@@ -44,7 +44,7 @@ pub(super) fn content(path: &Path) -> Result<Vec<u8>, FileFaults> {
     read_bytes(path, FILE_MAX, "an image")
 }
 
-/// The codes of an opaque PNG and what is said around them. `side_max`: its largest side.
+/// The codes of an opaque PNG, and the chunks around them. `side_max`: the largest side it may have.
 pub(super) fn decode(
     name: &str,
     content: &[u8],
@@ -70,7 +70,7 @@ pub(super) fn decode(
             ));
         }
     };
-    // A small file that claims to hold a huge image would otherwise take the memory before it is found not to.
+    // Otherwise a small file that claims to hold a huge image would take the memory before the lie is found.
     let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(EXPANSION_MAX));
     let Some(size) = size else {
         return Err(fail(format!("is too short for {width} × {height} pixels; expected a whole PNG")));

@@ -14,9 +14,9 @@ use crate::{
 
 /// Keyword of the text chunk that holds the recipe as JSON.
 pub(super) const KEYWORD: &str = "machband";
-/// Keyword of the text chunk that says how the palette was made, where there is one.
+/// Keyword of the text chunk that names the palette, if there is one.
 pub(super) const PALETTE_KEYWORD: &str = "machband-palette";
-/// Keyword of the text chunk that names the halftone, where it is one.
+/// Keyword of the text chunk that names the halftone, if there is one.
 pub(super) const HALFTONE_KEYWORD: &str = "machband-halftone";
 /// Keyword of the text chunk that holds the parameters of a shaded mesh as JSON.
 pub(super) const SHADED_KEYWORD: &str = "machband-shading";
@@ -25,7 +25,7 @@ const SRGB_CHROMATICITIES: [[u32; 2]; 4] = [[31_270, 32_900], [64_000, 33_000], 
 /// Entries of the tone curves in an embedded profile.
 const CURVE_POINTS: u16 = 4096;
 
-/// Renders a recipe and writes it as PNG, whole or not at all. Gives the file's bytes.
+/// Renders a recipe and writes it as PNG, whole or not at all. Returns the file's bytes.
 ///
 /// # Errors
 /// The system's refusal.
@@ -33,7 +33,8 @@ pub fn write_recipe(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Resu
     save(path, encode(&recipe.codes(quantizer), &recipe.transfers, &[(KEYWORD, describe(recipe))]))
 }
 
-/// Renders a recipe, reduces it to a palette and writes an indexed PNG. The image knows its error in linear light.
+/// Renders a recipe, reduces it to a palette and writes an indexed PNG. Returns the image, which knows its error in linear
+/// light.
 ///
 /// # Errors
 /// 16 bits, which have no palette, or the system's refusal.
@@ -64,7 +65,7 @@ pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<()
     save(path, encode(&image, &recipe.transfers, &texts)).map(drop)
 }
 
-/// Writes the picture of a shaded mesh, `parameters` saying how it was made.
+/// Writes the picture of a shaded mesh; `parameters` say how it was made.
 ///
 /// # Errors
 /// The system's refusal.
@@ -83,7 +84,7 @@ pub fn write_shaded(
     save(path, encode(image, transfers, &[(SHADED_KEYWORD, text)])).map(drop)
 }
 
-/// Writes codes for a screen with sRGB's transfer function, without a word of how they were made.
+/// Writes codes for a screen with sRGB's transfer function, without saying how they were made.
 ///
 /// # Errors
 /// The system's refusal.
@@ -108,7 +109,7 @@ pub fn describe(recipe: &Recipe) -> String {
 
 /// An image file as bytes. Equal inputs give equal bytes.
 fn encode(image: &CodeImage, transfers: &Transfers, texts: &[(&str, String)]) -> Result<Vec<u8>, png::EncodingError> {
-    // Equal codes of channels that differ are no gray.
+    // Equal codes are gray only if the channels are alike.
     let gray = transfers.uniform().is_some() && is_gray(&image.samples);
     let mut info = png::Info::with_size(image.width, image.height);
     info.color_type = if gray { png::ColorType::Grayscale } else { png::ColorType::Rgb };

@@ -1,4 +1,4 @@
-//! Images of this program, read back and held against the recipes in them.
+//! Images of this program, read back and compared with the recipes in them.
 
 use std::{fs::File, io::BufReader, path::Path, str::FromStr};
 
@@ -19,11 +19,11 @@ use crate::{
 /// An image file of this program.
 #[derive(Clone, Debug)]
 pub struct ReadBack {
-    /// How it says it was made.
+    /// How it was made.
     pub recipe: Recipe,
-    /// The palette it was reduced to, if it was.
+    /// The palette it was reduced to, if any.
     pub reduction: Option<Reduction>,
-    /// The halftone it was made into, if it was.
+    /// Its halftone, if any.
     pub halftone: Option<Screen>,
     /// What is in it.
     pub image: CodeImage,
@@ -34,7 +34,7 @@ fn text(info: &png::Info<'_>, keyword: &str) -> Option<String> {
     chunks.iter().find(|chunk| chunk.keyword == keyword).map(|chunk| chunk.text.clone())
 }
 
-/// The recipe's text in an image file, without looking at the pixels; `None` where there is none.
+/// The recipe's text in an image file, without reading the pixels; `None` if there is none.
 pub(in crate::store) fn recipe_text(path: &Path) -> Option<String> {
     let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
     text(reader.info(), KEYWORD)
@@ -75,7 +75,7 @@ fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &png::Info<'_>, keyword: &st
     parsed.transpose().map_err(|error| format!("its text chunk `{keyword}`: {error}"))
 }
 
-/// Proves an image: renders its recipe again and compares every code. Says in one sentence what it is.
+/// Proves an image: renders its recipe again and compares every code. Returns a sentence that says what it is.
 ///
 /// # Errors
 /// As [`read`]; or how many codes differ, and the first of them.
@@ -97,7 +97,7 @@ pub fn prove_content(name: &str, content: &[u8]) -> Result<String, FileFaults> {
     let side = recipe.size * read.halftone.map_or(1, |screen| screen.matrix.size());
     if (image.width, image.height) != (side, side) {
         let (width, height) = (image.width, image.height);
-        return Err(fail(format!("has {width} × {height} pixels; expected {side} a side, as its recipe says")));
+        return Err(fail(format!("has {width} × {height} pixels; expected {side} a side, by its recipe")));
     }
     let expected = read.expected().map_err(&fail)?;
     if std::mem::discriminant(&expected.samples) != std::mem::discriminant(&image.samples) {
@@ -144,7 +144,7 @@ impl ReadBack {
         let palette = self.reduction.map_or_else(String::new, |reduction| format!(", palette {reduction}"));
         let halftone = self.halftone.map_or_else(String::new, |screen| format!(", halftone {screen}"));
         format!(
-            "image of {}, {} pixels a side, {} bits, {transfer}, dither {}{palette}{halftone}: every code is as its recipe gives it",
+            "image of {}, {} pixels a side, {} bits, {transfer}, dither {}{palette}{halftone}: every code matches its recipe",
             recipe.stimulus.kind(),
             recipe.size,
             recipe.bits,

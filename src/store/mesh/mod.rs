@@ -23,7 +23,7 @@ use crate::shading::{Mesh, MeshError};
 /// Largest file, in bytes: about two million triangles.
 const LARGEST_FILE: u64 = 1 << 28;
 
-/// Reads an OBJ file. Faces that meet at more than `crease_deg` degrees share no normals, where the file has none;
+/// Reads an OBJ file. Where the file has no normals, faces that meet at more than `crease_deg` degrees do not share any;
 /// 180 makes everything smooth.
 ///
 /// # Errors
@@ -35,9 +35,9 @@ pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileFaults> {
 /// Reads the content of an OBJ file; `file` names it in messages.
 ///
 /// # Errors
-/// The first faults, each with its line and column: what is not text, numbers and indices that are none, coordinates that
-/// are not finite, vertices and normals that do not exist, faces with too few corners. A file without faces, or whose
-/// faces have no area.
+/// The first faults, each with its line and column: content that is not text, numbers or indices that cannot be read,
+/// coordinates that are not finite, vertices and normals that do not exist, faces with too few corners. A file without
+/// faces, or whose faces have no area.
 pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileFaults> {
     let (positions, polygons) = obj::polygons(file, content)?;
     Mesh::from_polygons(&positions, &polygons, crease_deg).map_err(|error| {

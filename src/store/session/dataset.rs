@@ -91,7 +91,7 @@ pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
     (1..).map(|number| format!("P{number:03}")).find(|id| !taken.contains(id)).unwrap_or_default()
 }
 
-/// The part of a data file's name before `_data.csv`, and whose session it says it is.
+/// The part of a data file's name before `_data.csv`, and the participant and session in it.
 pub(in crate::store) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";

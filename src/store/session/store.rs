@@ -136,9 +136,9 @@ impl SessionStore {
         let unread = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
         let mut store = Self { protocol, identity, paths, rows, sidecar, frames, frames_refused: false };
-        // From here on the files change; a session that has ended well stays as it is.
+        // From here on the files change, unless the session is complete.
         if !finished {
-            // The session is locked: nobody else is about to write its sidecar.
+            // The session is locked: no other program is about to write its sidecar.
             let sidecar = store.paths.sidecar.file_name().unwrap_or_default().to_string_lossy();
             remove_temporary(&store.paths.dataset.join("data"), &sidecar, Duration::ZERO);
             store.sidecar.complete = false;
