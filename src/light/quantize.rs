@@ -4,6 +4,8 @@
 
 use std::sync::{Arc, OnceLock};
 
+use rayon::prelude::*;
+
 use super::dither::{Dither, Levels, Thresholds};
 use super::gamma::Transfer;
 use super::image::{CodeImage, LinearImage, Samples};
@@ -186,7 +188,23 @@ impl Quantizer {
     /// The codes of a whole image.
     #[must_use]
     pub fn quantize(&self, image: &LinearImage) -> CodeImage {
-        self.coded(image, |_, rgb| self.codes(rgb))
+        let samples = match self.bits {
+            // An 8-bit code fits: the largest is 255.
+            Bits::Eight => Samples::Eight(self.in_threads(image, |code| code as u8)),
+            Bits::Sixteen => Samples::Sixteen(self.in_threads(image, |code| code)),
+        };
+        CodeImage { width: image.width, height: image.height, samples }
+    }
+
+    fn in_threads<T: Clone + Default + Send>(&self, image: &LinearImage, sample: impl Fn(u16) -> T + Sync) -> Vec<T> {
+        const BLOCK: usize = 3 << 12;
+        let mut samples = vec![T::default(); image.data.len() / 3 * 3];
+        samples.par_chunks_mut(BLOCK).zip(image.data.par_chunks(BLOCK)).for_each(|(samples, light)| {
+            for (codes, rgb) in samples.as_chunks_mut().0.iter_mut().zip(light.as_chunks().0) {
+                *codes = self.codes(*rgb).map(&sample);
+            }
+        });
+        samples
     }
 
     /// The codes of a whole image, each one of the two that enclose its value, chosen by `dither` such

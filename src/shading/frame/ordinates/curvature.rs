@@ -1,7 +1,6 @@
 //! Gradients from the curvature of the mesh: dI/dp = (∂I/∂N)·(dN/dp) + the light's own change, brought to the screen.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use super::{clough_tocher::Gradient, ring::Ring};
 use crate::shading::frame::{Frame, FrameVertex};
@@ -18,21 +17,16 @@ const STEP: f64 = 1e-5;
 /// Largest difference between a vertex's light and its lighting's at which the light is that of the lighting.
 const SAME: f64 = 1e-9;
 
-/// The gradients of all vertices.
-pub(super) fn gradients(frame: &Frame, ring: &Ring) -> Vec<Gradient> {
-    (0..frame.vertices.len())
-        .into_par_iter()
-        .map(|v| {
-            let mut equations = ring.plane(frame, v);
-            if equations.trace() > 0.0 && is_lit(frame, &frame.vertices[v]) {
-                equations.scale(RING_WEIGHT / equations.trace());
-                for (offset, light) in steps(frame, &frame.vertices[v]) {
-                    equations.add(offset, light, 1.0);
-                }
-            }
-            equations.solve()
-        })
-        .collect()
+/// The gradient of vertex `v`.
+pub(super) fn gradient(frame: &Frame, v: usize, ring: &Ring) -> Gradient {
+    let mut equations = ring.plane(frame, v);
+    if equations.trace() > 0.0 && is_lit(frame, &frame.vertices[v]) {
+        equations.scale(RING_WEIGHT / equations.trace());
+        for (offset, light) in steps(frame, &frame.vertices[v]) {
+            equations.add(offset, light, 1.0);
+        }
+    }
+    equations.solve()
 }
 
 /// Whether the light of `vertex` is that of the frame's lighting.

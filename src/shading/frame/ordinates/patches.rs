@@ -16,7 +16,8 @@ use rayon::prelude::*;
 
 use super::{
     clough_tocher::{self, ControlPoints, Gradient},
-    curvature, ring,
+    curvature,
+    ring::{Ring, quadric},
 };
 use crate::{
     light::names::named,
@@ -49,12 +50,13 @@ impl Patches {
     /// was replaced takes [`Gradients::Ring`] instead.
     #[must_use]
     pub fn new(frame: &Frame, gradients: Gradients) -> Patches {
-        let ring = ring::Ring::of(frame);
-        let gradients = match gradients {
-            Gradients::Ring => ring::linear(frame, &ring),
-            Gradients::Quadric => ring::quadric(frame, &ring),
-            Gradients::Curvature => curvature::gradients(frame, &ring),
+        let ring = Ring::of(frame);
+        let gradient = |v: usize| match gradients {
+            Gradients::Ring => ring.plane(frame, v).solve(),
+            Gradients::Quadric => quadric(frame, v, &ring).unwrap_or_else(|| ring.plane(frame, v).solve()),
+            Gradients::Curvature => curvature::gradient(frame, v, &ring),
         };
+        let gradients = (0..frame.vertices.len()).into_par_iter().map(gradient).collect();
         Patches::with_gradients(frame, gradients)
     }
 

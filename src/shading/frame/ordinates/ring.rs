@@ -1,49 +1,33 @@
 //! Gradients from the lights of the vertices around.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use super::clough_tocher::Gradient;
 use crate::shading::frame::Frame;
 
 /// For each vertex, the vertices that it shares a drawn triangle with, each once.
-pub(super) struct Ring {
-    /// Where each vertex's neighbors begin and end.
-    begin: Vec<u32>,
-    end: Vec<u32>,
-    neighbors: Vec<u32>,
-}
+pub(super) struct Ring(Vec<Vec<u32>>);
 
 impl Ring {
     pub fn of(frame: &Frame) -> Ring {
-        let mut begin = vec![0; frame.vertices.len() + 1];
-        for vertex in frame.triangles.iter().flat_map(|t| t.vertices) {
-            begin[vertex as usize + 1] += 2;
-        }
-        for v in 1..begin.len() {
-            begin[v] += begin[v - 1];
-        }
-        // Every triangle gives each of its corners two; those named before take no room.
-        let mut end = begin.clone();
-        let mut neighbors = vec![0; begin.last().copied().unwrap_or(0) as usize];
+        let mut neighbors = vec![Vec::new(); frame.vertices.len()];
         for triangle in &frame.triangles {
             for k in 0..3 {
-                let v = triangle.vertices[k] as usize;
+                let own: &mut Vec<u32> = &mut neighbors[triangle.vertices[k] as usize];
                 for other in [triangle.vertices[(k + 1) % 3], triangle.vertices[(k + 2) % 3]] {
-                    if !neighbors[begin[v] as usize..end[v] as usize].contains(&other) {
-                        neighbors[end[v] as usize] = other;
-                        end[v] += 1;
+                    if !own.contains(&other) {
+                        own.push(other);
                     }
                 }
             }
         }
-        Ring { begin, end, neighbors }
+        Ring(neighbors)
     }
 
     /// Offset on the screen and difference in light of every neighbor of `vertex` that lies elsewhere.
     fn differences<'a>(&'a self, frame: &'a Frame, vertex: usize) -> impl Iterator<Item = (DVec2, DVec3)> + 'a {
         let own = &frame.vertices[vertex];
-        self.neighbors[self.begin[vertex] as usize..self.end[vertex] as usize]
+        self.0[vertex]
             .iter()
             .map(|other| &frame.vertices[*other as usize])
             .map(move |other| (other.screen - own.screen, other.light - own.light))
@@ -58,11 +42,6 @@ impl Ring {
         }
         sum
     }
-}
-
-/// The gradients of those planes.
-pub(super) fn linear(frame: &Frame, ring: &Ring) -> Vec<Gradient> {
-    (0..frame.vertices.len()).into_par_iter().map(|v| ring.plane(frame, v).solve()).collect()
 }
 
 /// Normal equations of a gradient, the same matrix for every channel.
@@ -112,18 +91,12 @@ impl Equations {
     }
 }
 
-/// The quadric through each vertex that fits its neighbors best, weighted 1/d²; the plane where they do not settle one.
-pub(super) fn quadric(frame: &Frame, ring: &Ring) -> Vec<Gradient> {
-    (0..frame.vertices.len())
-        .into_par_iter()
-        .map(|v| quadric_at(frame, v, ring).unwrap_or_else(|| ring.plane(frame, v).solve()))
-        .collect()
-}
-
 /// Smallest pivot of the quadric's equations, relative to the largest, for which they settle it.
 const UNSETTLED: f64 = 0.03;
 
-fn quadric_at(frame: &Frame, vertex: usize, ring: &Ring) -> Option<Gradient> {
+/// The slope of the quadric through `vertex` that fits its neighbors best, weighted 1/d²; `None` where they do not settle
+/// one.
+pub(super) fn quadric(frame: &Frame, vertex: usize, ring: &Ring) -> Option<Gradient> {
     let steps: Vec<(DVec2, DVec3)> = ring.differences(frame, vertex).collect();
     if steps.len() < 5 {
         return None;
