@@ -45,7 +45,18 @@ impl FigureView {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         ui.add_space(6.0);
         let width = ui.available_width().min(WIDEST[usize::from(self.figure.wide)]);
-        let px = (width * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
+        let size = Vec2::new(width, (width * self.figure.height as f32 / 800.0).ceil());
+        let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+        describe(&response, &format!("{}. {}", self.figure.title, self.figure.caption));
+        if ui.is_rect_visible(rect) {
+            self.draw(ui, rect);
+        }
+        paragraph(ui, RichText::new(&self.figure.title).strong());
+        hint(ui, &self.figure.caption);
+    }
+
+    fn draw(&mut self, ui: &mut egui::Ui, rect: Rect) {
+        let px = (rect.width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
         let figure = &self.figure;
         self.drawn.want(ui.ctx(), px, || {
             let figure = figure.clone();
@@ -63,9 +74,6 @@ impl FigureView {
             Some(Err(error)) => fault(ui, error),
             _ => {}
         }
-        let size = Vec2::new(width, (width * self.figure.height as f32 / 800.0).ceil());
-        let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-        describe(&response, &format!("{}. {}", self.figure.title, self.figure.caption));
         match &self.shown {
             Some((Some(shown), texture)) if *shown == px => draw_centered(ui, texture, rect),
             Some((_, texture)) => {
@@ -74,7 +82,5 @@ impl FigureView {
             }
             None => _ = ui.painter().rect_filled(rect, 0.0, Color32::WHITE),
         }
-        paragraph(ui, RichText::new(&self.figure.title).strong());
-        hint(ui, &self.figure.caption);
     }
 }
