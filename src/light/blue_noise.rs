@@ -7,7 +7,7 @@
 pub const MASK_SIZE: u32 = 64;
 
 /// The mask's ranks, 16 bits each, lower byte first.
-pub const MASK_BYTES: &[u8; 2 * MASK_SIZE as usize * MASK_SIZE as usize] = include_bytes!("blue_noise_64.bin");
+const MASK_BYTES: &[u8; 2 * MASK_SIZE as usize * MASK_SIZE as usize] = include_bytes!("blue_noise_64.bin");
 
 /// The ranks of the committed mask, each of 0…[`MASK_SIZE`]²−1 once, row by row from the top left.
 #[must_use]

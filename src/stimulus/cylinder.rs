@@ -3,8 +3,8 @@
 
 use super::{
     color::{self, StimulusColor},
+    drawing::Profile,
     kind::{Range, kind, low_above_high, text_field},
-    line::Profile,
     parameter::ParameterError,
 };
 use crate::light::names::named;

@@ -1,9 +1,9 @@
 //! The Kanizsa triangle: edges where nothing is drawn.
 
 use super::{
-    area::Area,
     color::{self, StimulusColor},
     coverage::{Point, Polygon, area_in_disc, pixel, within},
+    drawing::Area,
     kind::{Range, kind, low_above_high},
     orientation::{cos_sin, light, place},
     parameter::ParameterError,

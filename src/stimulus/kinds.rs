@@ -3,12 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    area::Area,
     chevreul::Chevreul,
     cornsweet::Cornsweet,
     cylinder::Cylinder,
+    drawing::{self, Area, Profile},
     kanizsa::Kanizsa,
-    line::{self, Profile},
     mach_band::MachBand,
     orientation::{light, place},
     parameter::{Parameter, ParameterError, ParameterValue},
@@ -148,7 +147,7 @@ impl Stimulus {
     #[must_use]
     pub fn linear(&self, size: u32) -> LinearImage {
         match self.form() {
-            Form::Line(profile) => line::linear(profile.as_ref(), size),
+            Form::Line(profile) => drawing::linear(profile.as_ref(), size),
             Form::Area(area) => area.linear(size),
         }
     }
@@ -158,7 +157,7 @@ impl Stimulus {
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
         match self.form() {
             Form::Line(profile) if quantizer.bits() == Bits::Eight => {
-                let samples = Samples::Eight(line::codes(profile.as_ref(), size, quantizer));
+                let samples = Samples::Eight(drawing::codes(profile.as_ref(), size, quantizer));
                 CodeImage { width: size, height: size, samples }
             }
             _ => quantizer.quantize(&self.linear(size)),

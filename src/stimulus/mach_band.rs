@@ -2,8 +2,8 @@
 
 use super::{
     color::{self, StimulusColor},
+    drawing::Profile,
     kind::{Range, kind, low_above_high},
-    line::Profile,
     parameter::ParameterError,
     ramp_space::{Between, RampSpace},
 };

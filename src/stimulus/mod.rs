@@ -2,17 +2,16 @@
 //!
 //! [`catalog`] lists every kind: the one place that commands, the gallery and the tests take them from.
 
-mod area;
 pub mod catalog;
 mod chevreul;
 pub mod color;
 mod cornsweet;
 mod coverage;
 mod cylinder;
+mod drawing;
 mod kanizsa;
 mod kind;
 mod kinds;
-mod line;
 mod mach_band;
 mod orientation;
 pub mod parameter;

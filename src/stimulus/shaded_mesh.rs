@@ -5,8 +5,8 @@ use std::{fmt, str::FromStr};
 use glam::{DVec2, DVec3};
 
 use super::{
-    area::Area,
     color::{self, StimulusColor},
+    drawing::Area,
     kind::{Range, kind, low_above_high, text_field},
     parameter::ParameterError,
     shot::{Renderer, Shot},

@@ -1,9 +1,9 @@
 //! Vasarely's nested squares: graded steps whose corners glow.
 
 use super::{
-    area::Area,
     color::{self, StimulusColor},
     coverage::{Point, area, pixel, within},
+    drawing::Area,
     kind::{Range, kind, low_above_high},
     orientation::{Grid, light, place},
     parameter::ParameterError,

@@ -5,9 +5,8 @@ mod bare_window;
 mod creases;
 mod facts;
 mod long_session;
-mod odog_time;
-mod picture_time;
 mod sample_study;
+mod times;
 
 use std::path::PathBuf;
 
@@ -77,8 +76,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             facts::run();
             Ok(())
         }
-        Tool::Odog { size, px_per_deg, file } => odog_time::run(size, px_per_deg, file.as_deref()),
-        Tool::Picture { size, px_per_deg } => picture_time::run(size, px_per_deg),
+        Tool::Odog { size, px_per_deg, file } => times::odog(size, px_per_deg, file.as_deref()),
+        Tool::Picture { size, px_per_deg } => times::picture(size, px_per_deg),
         Tool::LongSession { folder } => long_session::run(&folder.unwrap_or_else(std::env::temp_dir)),
         Tool::SampleStudy { results } => sample_study::run(&results),
         Tool::BareWindow { frames } => bare_window::run(frames),

@@ -174,7 +174,7 @@ impl Gallery {
         }
         ui::hint(ui, catalog::all()[self.entry].about);
         ui.add_space(8.0);
-        let mut show = |ui: &mut Ui, name: Option<&str>| {
+        let show = |ui: &mut Ui, name: Option<&str>| {
             faults.iter().filter(|(of, _)| *of == name).for_each(|(_, fault)| ui::fault(ui, fault));
         };
         for (parameter, text) in &mut self.values {

@@ -1,10 +1,19 @@
-//! Windows that vary in one direction only: from a profile to the light of every pixel, and to its code.
+//! How stimuli are drawn. Most vary in one direction only: from a profile to the light of every pixel, and to its code.
 //!
 //! An edge that runs along the pixels is exactly sharp; an oblique one is anti-aliased by the share of each pixel's
 //! area that lies on either side, in linear light.
 
 use super::orientation::Grid;
 use crate::light::{LinearImage, Quantizer};
+
+/// A stimulus that varies in both directions, and is drawn pixel by pixel.
+pub(super) trait Area {
+    /// The light of a window of `size` × `size` pixels.
+    fn linear(&self, size: u32) -> LinearImage;
+
+    /// The light at the pixel centers of a row of `size` through the middle, along the orientation.
+    fn profile(&self, size: u32) -> Vec<[f32; 3]>;
+}
 
 /// A luminance that varies along one direction only. Positions are window sides from the center line, positive toward
 /// the orientation.

@@ -1,0 +1,10 @@
+#![no_main]
+//! The fuzzer of the target that has this program's name.
+
+#[path = "targets.rs"]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|content: &[u8]| {
+    let (_, target) = targets::ALL.iter().find(|(name, _)| *name == env!("CARGO_BIN_NAME")).expect("a target");
+    target(content);
+});
