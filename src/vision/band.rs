@@ -1,4 +1,4 @@
-//! When an energy peak is a band, and how strong it is.
+//! Which energy peaks are bands, and how strong these are.
 
 use rustfft::num_complex::Complex64;
 
@@ -13,7 +13,7 @@ pub enum Polarity {
     Dark,
 }
 
-/// A band that the model sees.
+/// A band that the model finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     /// Where, degrees from the middle: to the right, and up.
@@ -22,13 +22,13 @@ pub struct Band {
     pub orientation_deg: f64,
     /// Bright or dark.
     pub polarity: Polarity,
-    /// In multiples of what is just seen: contrast times sensitivity.
+    /// In multiples of the strength that is just visible: contrast times sensitivity.
     pub strength: f64,
-    /// The channel that sees it, cycles a degree; its scale is the reciprocal.
+    /// The channel that finds it, cycles per degree; its scale is the reciprocal.
     pub frequency: f64,
 }
 
-/// How strong bands are seen, over all channels.
+/// How visible bands are, over all channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Visibility {
     /// The strongest bright band.
@@ -38,7 +38,7 @@ pub struct Visibility {
 }
 
 impl Visibility {
-    /// Of the stronger of both; 0 for no band.
+    /// Visibility of the stronger band; 0 for no band.
     #[must_use]
     pub fn max(&self) -> f64 {
         self.bright.max(self.dark)
@@ -48,22 +48,22 @@ impl Visibility {
 /// Part of the odd response that the even one has to exceed: at 1 a band's phase is within 45° of a line's, at ½ within
 /// 63°. Morrone & Burr 1988 (Proc. R. Soc. B 235:221): a feature looks like a line or like an edge by its phase.
 pub(super) const ODD: f64 = 0.5;
-/// Energy has to fall on both sides by this share before there is anything, and by the second for all of it: the crests
+/// A peak counts from where the energy falls by the first share on both sides, and in full from the second: the crests
 /// of a grating are no bands.
 const PROMINENCE: [f64; 2] = [0.3, 0.5];
-/// What is left of the energy at most where anything stands out.
+/// Share of a peak's energy to which it must fall at least to count at all.
 pub(super) const STANDS_OUT: f64 = 1.0 - PROMINENCE[0];
-/// What is left of it where all of it stands out.
+/// Share to which it must fall to count in full.
 pub(super) const FALLEN: f64 = 1.0 - PROMINENCE[1];
-/// How far it may take to fall, periods of the channel.
+/// Within how many periods of the channel it must fall.
 pub(super) const FALL_PERIODS: f64 = 2.0;
 /// Exponent with which channels add up; Quick 1974 (Kybernetik 16:65), 3 to 4 over frequencies.
 const POOLING: i32 = 3;
-/// Parts of a finer channel's energy at the same place: a channel that has less than the first is masked by it wholly, one
-/// that has the second not at all. What strong fine structure leaves of coarse responses is no band.
+/// Strong fine detail masks coarser channels: a channel with less than the first share of a finer channel's energy at the
+/// same place is masked completely, one with more than the second not at all.
 const MASKED: [f64; 2] = [0.3, 0.35];
-/// Light that is everywhere, relative to white: the room's on the screen, and scattered in the eye. Without it bands on
-/// black would have no end.
+/// Light that is everywhere, relative to white: reflected by the screen, and scattered in the eye. Without it bands on
+/// black would be infinitely strong.
 pub(super) const VEIL: f64 = 0.01;
 
 /// Strength of a peak of the energy, 0 for none: `response` is even + i·odd in light × sensitivity, `lowest` the energy's
@@ -78,7 +78,7 @@ pub(super) fn strength(response: Complex64, lowest: f64, light: f64) -> f64 {
     even * fall.clamp(0.0, 1.0) / (light.max(0.0) + VEIL)
 }
 
-/// Share of a band's strength that is left beside a finer channel of the energy `finer`, where its own is `energy`.
+/// Share of a band's strength that is not masked by a finer channel of the energy `finer`, where its own is `energy`.
 pub(super) fn unmasked(energy: f64, finer: f64) -> f64 {
     if finer <= 0.0 {
         return 1.0;
@@ -123,7 +123,7 @@ impl Visibility {
         Visibility { bright: over(|channel| channel.bright), dark: over(|channel| channel.dark) }
     }
 
-    /// Keeps the stronger.
+    /// Keeps the stronger of two.
     pub(super) fn take(&mut self, polarity: Polarity, strength: f64) {
         let strongest = match polarity {
             Polarity::Bright => &mut self.bright,

@@ -1,13 +1,13 @@
-//! How sensitive the eye is to fine and to coarse gratings.
+//! How sensitive the eye is to gratings, from coarse to fine.
 
 use std::f64::consts::LN_2;
 
 /// The eye of a standard observer, adapted to a screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eye {
-    /// Mean luminance of what is seen, cd/m².
+    /// Mean luminance of the field, cd/m².
     pub luminance: f64,
-    /// Side of the field that is seen, degrees.
+    /// Side of the field, degrees.
     pub field_deg: f64,
 }
 
@@ -19,8 +19,8 @@ impl Default for Eye {
 }
 
 impl Eye {
-    /// Contrast sensitivity for a grating of `frequency` cycles a degree, above 0: the reciprocal of the contrast that
-    /// is just seen. Barten 2003, *Formula for the contrast sensitivity of the human eye* (Proc. SPIE 5294),
+    /// Contrast sensitivity for a grating of `frequency` cycles per degree, above 0: the reciprocal of the contrast that
+    /// is just visible. Barten 2003, *Formula for the contrast sensitivity of the human eye* (Proc. SPIE 5294),
     /// which holds the optics ([`Eye::optics`]), the noise of photons and neurons, and lateral inhibition, by which
     /// coarse gratings are lost.
     #[must_use]
@@ -44,7 +44,7 @@ impl Eye {
 /// Soc. Am. A 4:2379).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Channel {
-    /// The frequency that it passes best, cycles a degree.
+    /// The frequency that it passes best, cycles per degree.
     pub frequency: f64,
 }
 
@@ -53,11 +53,11 @@ pub struct Channel {
 const RATIO: f64 = 0.65;
 /// σ of the Gaussian over which the eye takes its mean light, degrees: light adapts in places, not over the whole field.
 pub(super) const ADAPTATION_DEG: f64 = 0.5;
-/// Lowest channel, cycles a degree: half a period is the window of 8°.
+/// Lowest channel, cycles per degree: half a period is the window of 8°.
 const LOWEST: f64 = 0.0625;
-/// Channels in an octave: with fewer, what is seen of a smooth end depends on where the channels happen to lie.
+/// Channels per octave: with fewer, the response to a smooth end depends on where the channels happen to lie.
 pub(super) const PER_OCTAVE: u32 = 4;
-/// The highest is 11.3 cycles a degree, above which the eye sees little: 7.5 octaves.
+/// The highest is 11.3 cycles per degree, above which the eye is hardly sensitive: 7.5 octaves.
 const CHANNELS: u32 = 31;
 /// Beyond this ratio of frequencies a channel passes less than a hundred-thousandth.
 pub(super) const REACH: f64 = 8.0;

@@ -1,4 +1,4 @@
-//! Along a line: for stimuli that vary in one direction only.
+//! Prediction along a line, for stimuli that vary in one direction only.
 
 use std::{cell::RefCell, f64::consts::PI, sync::Arc};
 
@@ -16,17 +16,17 @@ use super::{
 const BEYOND_DEG: f64 = 16.0;
 /// Samples of a channel's response in a period of it.
 const SAMPLES_PER_PERIOD: f64 = 16.0;
-/// Samples of the mean light, and of what masks, in a degree.
+/// Samples per degree of the mean light, and of the energy that masks.
 const MEAN_PER_DEG: f64 = 16.0;
 
-/// Sees profiles of one length and one sampling; makes its filters once.
+/// A model for profiles of one length and one sampling, whose filters are made once.
 pub struct Line {
     samples: usize,
     px_per_deg: f64,
     /// Samples until the profile repeats.
     period: usize,
     forward: Arc<dyn Fft<f64>>,
-    /// For each place of the spectrum: from a jump of the light to what is seen of it.
+    /// For each place of the spectrum: from a jump of the light to the eye's response.
     weights: Vec<f64>,
     channels: Arc<[Filter]>,
 }
@@ -42,8 +42,7 @@ struct Filter {
 }
 
 thread_local! {
-    /// Those made last, with the length that they are for: conditions that are seen one after another have one length, and
-    /// each an eye of its own.
+    /// The filters made last, and their length: successive conditions have the same length, but each an eye of its own.
     static LAST: RefCell<Option<(f64, Arc<[Filter]>)>> = const { RefCell::new(None) };
 }
 
@@ -69,7 +68,7 @@ fn last_place(frequency: f64, length: f64) -> usize {
     ((frequency * REACH * length).floor() as usize).max(1)
 }
 
-/// What is seen along a line.
+/// The prediction for a line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineView {
     /// Of every channel, the strongest first.
@@ -102,7 +101,7 @@ impl Line {
         Ok(Line { samples, px_per_deg, period, forward, weights, channels })
     }
 
-    /// What is seen of `light`, linear, 1 for white. It goes on beyond its ends as it ends.
+    /// The prediction for `light`, linear, 1 for white. It continues beyond its ends as it ends.
     ///
     /// # Errors
     /// [`VisionError`] for another number of samples, light that is negative or no number, and all black.

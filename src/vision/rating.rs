@@ -1,7 +1,7 @@
-//! From how visible a band is to how it is rated.
+//! From the visibility of a band to its rating.
 
-/// Where one rating gives way to the next: the rating is above k where ln visibility, with logistic noise, is above the
-/// logarithm of threshold k.
+/// Thresholds between ratings: the rating is above k if ln visibility plus logistic noise is above the logarithm of
+/// threshold k.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Criterion {
     /// Visibility at which half of the ratings are above 0, 1, 2; above 0 and rising.
@@ -11,8 +11,8 @@ pub struct Criterion {
 }
 
 impl Default for Criterion {
-    /// What `machband predict bangay2003 --fit` finds in 40 simulated sessions of the `paper` observer, seed 1: it rates as
-    /// Bangay's Figure 4 looks, and no eye has said it.
+    /// What `machband predict bangay2003 --fit` finds in 40 simulated sessions of the `paper` observer, seed 1: it reproduces
+    /// Bangay's Figure 4, and was not fitted to people.
     fn default() -> Self {
         Self { thresholds: [1.01, 4.83, 32.0], spread: 1.29 }
     }

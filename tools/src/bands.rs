@@ -34,7 +34,7 @@ pub fn run(is_default: bool) -> Result<(), Box<dyn Error>> {
         ("torus", usual, shape(shapes::Shape::Torus, 768)?, shape(shapes::Shape::Torus, FINE)?),
         ("blob-622", blob, shape(shapes::Shape::Blob, 313)?, fine_blob.clone()),
         ("blob-1538", blob, shape(shapes::Shape::Blob, 771)?, fine_blob),
-        ("sheet-512", sheet, waves(16, shapes::MOST_JITTER)?, waves(250, 0.0)?),
+        ("sheet-512", sheet, waves(16, 0.24)?, waves(250, 0.0)?),
     ];
     let subjects: Vec<Subject> = subjects
         .into_iter()

@@ -1,18 +1,18 @@
-//! What the model of vision predicts, made ready to be shown: marks along a line, pictures of band maps, numbers.
+//! Predictions of the vision model, ready to be shown: marks along a line, pictures of band maps, numbers.
 
 use crate::{
     light::{CodeImage, Samples, Transfer},
     vision::{Band, BandMap, LineView, Polarity, pooled},
 };
 
-/// Peaks of two channels that are no farther apart than this, periods of the coarser one, are one band.
+/// Peaks of two channels are one band if they are no farther apart than this many periods of the coarser channel.
 const ONE_BAND_PERIODS: f64 = 0.5;
-/// Strength of a band that is just seen; what is less is not shown.
-const JUST_SEEN: f64 = 1.0;
+/// Strength of a band that is just visible; weaker bands are not shown.
+const JUST_VISIBLE: f64 = 1.0;
 
-/// What a channel sees of less than this is no place for coarser channels to join: noise of the smallest numbers has peaks.
+/// Weaker peaks are noise, and no band that a coarser channel could join.
 const LEAST: f64 = 0.25;
-/// A band is where the finest channel sees it that sees this share of what the strongest does.
+/// A band stands where the finest channel has it whose peak reaches this share of the strongest peak.
 const CLEAR: f64 = 0.5;
 
 /// One band along a line, over all channels.
@@ -22,12 +22,12 @@ pub struct Mark {
     pub at_deg: f64,
     /// Bright or dark.
     pub polarity: Polarity,
-    /// In multiples of what is just seen, added up over channels.
+    /// In multiples of the strength that is just visible, pooled over channels.
     pub strength: f64,
 }
 
-/// The bands of a line that are seen, each once. Fine channels see a band where it is, coarse ones a little beside it:
-/// each joins the nearest that the finer ones have found.
+/// The visible bands of a line, each once. Fine channels locate a band exactly and coarse channels a little beside it, so
+/// each peak joins the nearest band that finer channels have found.
 pub fn marks(view: &LineView) -> Vec<Mark> {
     let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= LEAST).collect();
     finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
@@ -44,10 +44,10 @@ pub fn marks(view: &LineView) -> Vec<Mark> {
             None => clusters.push(vec![band]),
         }
     }
-    clusters.iter_mut().filter_map(|cluster| mark(cluster)).filter(|mark| mark.strength >= JUST_SEEN).collect()
+    clusters.iter_mut().filter_map(|cluster| mark(cluster)).filter(|mark| mark.strength >= JUST_VISIBLE).collect()
 }
 
-/// The mark of the bands that are one.
+/// The mark of the peaks that are one band.
 fn mark(bands: &mut [&Band]) -> Option<Mark> {
     bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let most = bands.first()?.strength;
@@ -56,7 +56,7 @@ fn mark(bands: &mut [&Band]) -> Option<Mark> {
     Some(Mark { at_deg: finest.at_deg[0], polarity: finest.polarity, strength: over_channels(bands) })
 }
 
-/// Strength over channels, of each the strongest. `bands` has the strongest first.
+/// The strength pooled over channels, each with its strongest peak. `bands` has the strongest first.
 fn over_channels(bands: &[&Band]) -> f64 {
     let first = |i: &usize| !bands[..*i].iter().any(|earlier| earlier.frequency == bands[*i].frequency);
     pooled((0..bands.len()).filter(first).map(|i| bands[i].strength))
@@ -67,10 +67,10 @@ pub fn strongest(map: &BandMap) -> f64 {
     map.bright.iter().chain(&map.dark).copied().fold(0.0, f64::max)
 }
 
-/// Codes of the ground, under black and under white: what bands lie on, so that they are the brightest and darkest.
+/// Codes of black and of white in the dimmed picture under the bands, so that bands are the brightest and darkest parts.
 const GROUND: [f64; 2] = [88.0, 148.0];
 
-/// A band map over the picture in which the bands are, dimmed. Bands of the strength `most` are white or black.
+/// A band map over the dimmed picture. Bands of the strength `most` are white or black.
 pub struct Drawing<'a> {
     /// What is drawn.
     pub map: &'a BandMap,
@@ -83,7 +83,7 @@ pub struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    /// As a picture of `width` × `height` pixels; the map's lines, one pixel wide, get two.
+    /// As a picture of `width` × `height` pixels; the map's lines, one pixel wide, become two pixels wide.
     pub fn codes(&self, width: u32, height: u32) -> CodeImage {
         let scale = [self.size[0] as f64 / f64::from(width.max(1)), self.size[1] as f64 / f64::from(height.max(1))];
         let at = |x: u32, y: u32| [(f64::from(x) + 0.5) * scale[0] - 0.5, (f64::from(y) + 0.5) * scale[1] - 0.5];
@@ -103,7 +103,7 @@ impl Drawing<'_> {
             strength = if here.abs() > strength.abs() { here } else { strength };
         }
         let share =
-            if strength.abs() < JUST_SEEN { 0.0 } else { (strength / self.most.max(JUST_SEEN)).clamp(-1.0, 1.0) };
+            if strength.abs() < JUST_VISIBLE { 0.0 } else { (strength / self.most.max(JUST_VISIBLE)).clamp(-1.0, 1.0) };
         let clamped = |place: isize, side: usize| place.clamp(0, side.saturating_sub(1) as isize);
         let light =
             self.index(clamped(column, self.size[0]), clamped(row, self.size[1])).map_or(0.0, |i| self.light[i]);
@@ -118,7 +118,7 @@ impl Drawing<'_> {
     }
 }
 
-/// A strength for people.
+/// A strength as text.
 pub fn number(strength: f64) -> String {
     format!("{strength:.1}")
 }

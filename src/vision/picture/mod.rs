@@ -1,4 +1,4 @@
-//! In an image: wherever bands are, and whichever way they run.
+//! Prediction for an image, wherever its bands are and whichever way they run.
 
 mod clear;
 mod field;
@@ -37,7 +37,7 @@ pub struct Picture<'a> {
     pub mask: Option<&'a [bool]>,
 }
 
-/// What is seen in an image.
+/// The prediction for an image.
 #[derive(Clone, Debug, Default)]
 pub struct PictureView {
     /// Of every channel, at every place of its lines, the strongest first.
@@ -61,7 +61,7 @@ pub struct BandMap {
 }
 
 impl Picture<'_> {
-    /// What `eye` sees of it.
+    /// The prediction for `eye`.
     ///
     /// # Errors
     /// [`VisionError`] for an image smaller than 16 × 16 pixels or than three periods of the finest channel, for light
@@ -70,7 +70,7 @@ impl Picture<'_> {
         self.check()?;
         let (spectrum, clear) = rayon::join(|| Spectrum::new(self, eye), || Clear::new(self));
         let side = self.width.min(self.height) as f64 / self.px_per_deg;
-        // A channel without room between its margins sees nothing.
+        // A channel without room between its margins finds nothing.
         let channels: Vec<Channel> = Channel::all()
             .filter(|channel| 2.0 * Border::Cut.margin_deg(channel.frequency) < side)
             .filter(|channel| is_sampled(*channel, self.px_per_deg))
