@@ -3,7 +3,11 @@
 
 use serde::Serialize;
 
-use super::{counts::Counts, ordinal::chi_squared_tail, summary::category_values};
+use super::{
+    counts::Counts,
+    ordinal::{chi_squared_tail, two_sided},
+    summary::category_values,
+};
 
 /// Subjects' mean ratings at each level of a factor, over everything else. With equally many ratings everywhere these
 /// rank as the sums do.
@@ -191,7 +195,7 @@ fn exact_probability(ranks: &[f64], v: f64) -> f64 {
 fn normal_probability(n: f64, ties: f64, v: f64) -> f64 {
     let variance = n * (n + 1.0) * (2.0 * n + 1.0) / 24.0 - ties / 48.0;
     let distance = ((v - n * (n + 1.0) / 4.0).abs() - 0.5).max(0.0);
-    statrs::function::erf::erfc(distance / variance.sqrt() * std::f64::consts::FRAC_1_SQRT_2)
+    two_sided(distance / variance.sqrt())
 }
 
 /// Probabilities corrected for their number by Holm's method (1979), in the order given.

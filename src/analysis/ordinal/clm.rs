@@ -115,7 +115,7 @@ impl ClmData {
     }
 
     /// The gradient of bound j of a row by the parameters.
-    fn bound_gradient(&self, row: usize, j: usize, bound: f64, scale: f64, gradient: &mut [f64]) {
+    fn bound_gradient(&self, row: usize, j: usize, bound: f64, scale: f64, gradient: &mut DVector<f64>) {
         gradient.fill(0.0);
         let thresholds = self.thresholds();
         gradient[j] = 1.0 / scale;
@@ -152,7 +152,7 @@ impl ClmData {
         let mut sum =
             Derivatives { loglik: 0.0, gradient: DVector::zeros(size), information: DMatrix::zeros(size, size) };
         let mut bounds = vec![0.0; thresholds];
-        let mut gradients = vec![vec![0.0; size]; thresholds];
+        let mut gradients = vec![DVector::zeros(size); thresholds];
         for row in 0..self.counts.nrows() {
             let scale = self.bounds(parameters, row, &mut bounds);
             let (mut first, mut second, mut mixed) =
@@ -179,7 +179,7 @@ impl ClmData {
             }
             for (j, gradient) in gradients.iter_mut().enumerate() {
                 self.bound_gradient(row, j, bounds[j], scale, gradient);
-                add_scaled(&mut sum.gradient, first[j], gradient);
+                sum.gradient.axpy(first[j], gradient, 1.0);
             }
             for j in 0..thresholds {
                 add_product(&mut sum.information, -second[j], &gradients[j], &gradients[j]);
@@ -194,7 +194,14 @@ impl ClmData {
     }
 
     /// The second derivative of a bound, which only a scale bends: times z against every other parameter.
-    fn add_scale_curvature(&self, sum: &mut DMatrix<f64>, row: usize, factor: f64, bound: f64, gradient: &[f64]) {
+    fn add_scale_curvature(
+        &self,
+        sum: &mut DMatrix<f64>,
+        row: usize,
+        factor: f64,
+        bound: f64,
+        gradient: &DVector<f64>,
+    ) {
         let first = self.first_zeta();
         for c in 0..self.scale.ncols() {
             let z = factor * self.scale[(row, c)];
@@ -211,13 +218,13 @@ impl ClmData {
     /// The largest change of a bound of any rating that a step makes.
     fn reach(&self, parameters: &DVector<f64>, step: &DVector<f64>) -> f64 {
         let mut bounds = vec![0.0; self.thresholds()];
-        let mut gradient = vec![0.0; self.parameters()];
+        let mut gradient = DVector::zeros(self.parameters());
         let mut most: f64 = 0.0;
         for row in 0..self.counts.nrows() {
             let scale = self.bounds(parameters, row, &mut bounds);
             for (j, &bound) in bounds.iter().enumerate() {
                 self.bound_gradient(row, j, bound, scale, &mut gradient);
-                most = most.max(dot(&gradient, step).abs());
+                most = most.max(gradient.dot(step).abs());
             }
         }
         most
@@ -227,7 +234,7 @@ impl ClmData {
     /// and one of them moves (Albert & Anderson 1984, for ordered categories).
     fn is_recession(&self, direction: &DVector<f64>) -> bool {
         const SLACK: f64 = 1e-3;
-        let mut gradient = vec![0.0; self.parameters()];
+        let mut gradient = DVector::zeros(self.parameters());
         let (mut least, mut most): (f64, f64) = (0.0, 0.0);
         for row in 0..self.counts.nrows() {
             for k in 0..self.categories() {
@@ -237,7 +244,7 @@ impl ClmData {
                 for (j, sign) in [(k.wrapping_sub(1), -1.0), (k, 1.0)] {
                     if j < self.thresholds() {
                         self.bound_gradient(row, j, 0.0, 1.0, &mut gradient);
-                        let moved = sign * dot(&gradient, direction);
+                        let moved = sign * gradient.dot(direction);
                         (least, most) = (least.min(moved), most.max(moved));
                     }
                 }
@@ -326,22 +333,10 @@ pub(super) fn category_bounds(bounds: &[f64], category: usize) -> (f64, f64) {
     (upper, lower)
 }
 
-fn dot(left: &[f64], right: &DVector<f64>) -> f64 {
-    left.iter().zip(right.iter()).map(|(l, r)| l * r).sum()
-}
-
-fn add_scaled(sum: &mut DVector<f64>, factor: f64, vector: &[f64]) {
-    for (element, value) in sum.iter_mut().zip(vector) {
-        *element += factor * value;
-    }
-}
-
 /// Adds the outer product of two vectors, leaving out the zeros that treatment contrasts are full of.
-pub(super) fn add_product(sum: &mut DMatrix<f64>, factor: f64, left: &[f64], right: &[f64]) {
+pub(super) fn add_product(sum: &mut DMatrix<f64>, factor: f64, left: &DVector<f64>, right: &DVector<f64>) {
     for (column, &r) in right.iter().enumerate().filter(|(_, r)| **r != 0.0) {
-        for (element, &l) in sum.column_mut(column).iter_mut().zip(left) {
-            *element += factor * r * l;
-        }
+        sum.column_mut(column).axpy(factor * r, left, 1.0);
     }
 }
 

@@ -212,14 +212,14 @@ impl ClmmData {
         let mut sum = DMatrix::zeros(size, size);
         for (index, range) in self.subjects.iter().enumerate() {
             let (u, curvature) = (modes.u[index], modes.curvature[index]);
-            let mut by_mode = vec![0.0; size];
+            let mut by_mode = DVector::zeros(size);
             let mut g1 = 0.0;
             for observation in &self.observations[range.clone()] {
                 let (a, b) = category_bounds(thetas, observation.category);
                 let shift = location[observation.row] + sigma * u;
                 let (a, b) = (a - shift, b - shift);
                 let cell = self.link.cell(a, b);
-                let mut shift: Vec<f64> = vec![0.0; size];
+                let mut shift = DVector::zeros(size);
                 for c in 0..self.x.ncols() {
                     shift[thresholds + c] = -self.x[(observation.row, c)];
                 }
@@ -236,10 +236,8 @@ impl ClmmData {
                 add_product(&mut sum, -count * cell.bb, &lower, &lower);
                 add_product(&mut sum, -count * cell.ab, &upper, &lower);
                 add_product(&mut sum, -count * cell.ab, &lower, &upper);
-                for index in 0..size {
-                    by_mode[index] -=
-                        sigma * count * (upper[index] * (cell.aa + cell.ab) + lower[index] * (cell.ab + cell.bb));
-                }
+                by_mode.axpy(-sigma * count * (cell.aa + cell.ab), &upper, 1.0);
+                by_mode.axpy(-sigma * count * (cell.ab + cell.bb), &lower, 1.0);
                 g1 += count * (cell.a + cell.b);
             }
             by_mode[size - 1] -= g1;

@@ -126,33 +126,3 @@ fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result
             .collect(),
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::analysis::counts::CountsBuilder;
-
-    fn columns(terms: &str) -> Vec<String> {
-        let mut builder = CountsBuilder::new(&["a", "b", "depth"]);
-        for (a, b, depth) in [("x", "1", "1"), ("y", "2", "2"), ("z", "1", "inf"), ("x", "2", "4")] {
-            for rating in ["0", "1"] {
-                builder.add("s", &[a, b, depth], rating, 1).unwrap();
-            }
-        }
-        let counts = builder.finish();
-        let terms = Terms::parse(terms).unwrap();
-        let (frame, _) = Frame::new(&counts, &[&terms]).unwrap();
-        Design::new(&frame, &terms).unwrap().columns.into_iter().map(|column| column.name).collect()
-    }
-
-    /// Names from `colnames(model.matrix(~ ..., data))[-1]`, R 4.2.2.
-    #[test]
-    fn columns_are_coded_and_named_as_in_r() {
-        assert_eq!(columns("a,b"), ["ay", "az", "b2"]);
-        assert_eq!(columns("a*b"), ["ay", "az", "b2", "ay:b2", "az:b2"]);
-        assert_eq!(columns("a,a:b"), ["ay", "az", "ax:b2", "ay:b2", "az:b2"]);
-        assert_eq!(columns("a:b"), ["ax:b1", "ay:b1", "az:b1", "ax:b2", "ay:b2", "az:b2"]);
-        assert_eq!(columns("num:b,a:num:b"), ["b", "b:ay", "b:az"]);
-        assert_eq!(columns("num:inv_n,depth"), ["inv_n", "depth2", "depth4", "depthinf"]);
-    }
-}

@@ -219,6 +219,6 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
 }
 
 /// The two-sided probability of a standard normal z.
-fn two_sided(z: f64) -> f64 {
+pub(in crate::analysis) fn two_sided(z: f64) -> f64 {
     statrs::function::erf::erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)
 }

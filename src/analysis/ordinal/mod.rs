@@ -34,7 +34,7 @@ pub use notes::{ModelError, Note};
 pub use predictions::Prediction;
 
 pub(super) use design::Design;
-pub(super) use estimates::{finite_product, predictors};
+pub(super) use estimates::{finite_product, predictors, two_sided};
 pub(super) use fitting::fit_counts;
 pub(super) use likelihood_ratios::{chi_squared_tail, without_terms};
 pub(super) use span::Span;

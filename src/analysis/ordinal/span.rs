@@ -38,25 +38,3 @@ impl Span {
         part
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::DMatrix;
-
-    #[test]
-    fn a_column_that_follows_from_others_is_found() {
-        let x = DMatrix::from_row_slice(
-            4,
-            4,
-            &[
-                0.0, 0.0, 1.0, 5.0, //
-                1.0, 1.0, 0.0, 5.0, //
-                0.0, 0.0, 1.0, 5.0, //
-                3.0, 0.0, 1.0, 5.0,
-            ],
-        );
-        let mut span = Span::with_constant(4);
-        assert_eq!(x.column_iter().map(|column| span.add(column)).collect::<Vec<_>>(), [true, true, false, false]);
-    }
-}
