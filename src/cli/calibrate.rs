@@ -46,8 +46,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DATE")]
     on: Option<Date>,
     /// The model of the profile.
-    #[arg(long, default_value = "auto")]
-    model: Model,
+    #[arg(long, default_value = "auto", value_parser = ["auto", "gamma", "gog", "srgb", "table"])]
+    model: String,
     /// Readings, curves and errors as a chart.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<PathBuf>,
@@ -56,32 +56,12 @@ pub(super) struct Arguments {
     report: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Model {
-    Auto,
-    Gamma,
-    Gog,
-    Srgb,
-    Table,
-}
-
-impl Model {
-    fn family(self, chosen: Family) -> Family {
-        match self {
-            Self::Auto => chosen,
-            Self::Gamma => Family::Gamma,
-            Self::Gog => Family::Gog,
-            Self::Srgb => Family::Srgb,
-            Self::Table => Family::Table,
-        }
-    }
-}
-
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     check(arguments)?;
     let readings = readings::open(&arguments.readings)?;
     let calibration = Calibration::new(&readings);
-    let family = arguments.model.family(calibration.chosen);
+    let requested = Family::ALL.into_iter().find(|family| family.name() == arguments.model);
+    let family = requested.unwrap_or(calibration.chosen);
     print(arguments, &calibration, family)?;
     let stem = arguments.out.file_stem().map_or_else(|| "display".into(), |stem| stem.to_string_lossy().into_owned());
     let measured = Measurement {
@@ -168,7 +148,7 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     calibration.notes.iter().try_for_each(|note| say(&format!("note: {note}")))?;
     let better = calibration.chosen;
     say(&format!("better by cross-validation: {better} (the simplest of the models that predict best)"))?;
-    say(&format!("chosen: {family}{}", if arguments.model == Model::Auto { "" } else { ", as requested" }))
+    say(&format!("chosen: {family}{}", if arguments.model == "auto" { "" } else { ", as requested" }))
 }
 
 fn line(family: Family, channel: &FittedChannel) -> String {

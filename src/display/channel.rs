@@ -20,37 +20,39 @@ impl Channel {
     /// All of them, in the order of tables.
     pub const ALL: [Self; 4] = [Self::Red, Self::Green, Self::Blue, Self::Gray];
 
-    /// The name in words: red, green, blue, gray.
+    /// Name, name at the beginning of a line, and name in a file.
+    fn names(self) -> [&'static str; 3] {
+        match self {
+            Self::Red => ["red", "Red", "r"],
+            Self::Green => ["green", "Green", "g"],
+            Self::Blue => ["blue", "Blue", "b"],
+            Self::Gray => ["gray", "Gray", "gray"],
+        }
+    }
+
+    /// red, green, blue or gray.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Red => "red",
-            Self::Green => "green",
-            Self::Blue => "blue",
-            Self::Gray => "gray",
-        }
+        self.names()[0]
     }
 
-    /// The name at the beginning of a line.
+    /// Red, Green, Blue or Gray.
     #[must_use]
     pub fn capitalized(self) -> &'static str {
-        match self {
-            Self::Red => "Red",
-            Self::Green => "Green",
-            Self::Blue => "Blue",
-            Self::Gray => "Gray",
-        }
+        self.names()[1]
     }
 
-    /// The name in a file: r, g, b, gray.
+    /// r, g, b or gray, as in a file.
     #[must_use]
     pub fn key(self) -> &'static str {
-        match self {
-            Self::Red => "r",
-            Self::Green => "g",
-            Self::Blue => "b",
-            Self::Gray => "gray",
-        }
+        self.names()[2]
+    }
+
+    /// Whether a profile can be made from measurements of these channels: red, green and blue, or gray, each once.
+    #[must_use]
+    pub fn make_a_profile(channels: &[Self]) -> bool {
+        let [red, green, blue, gray] = Self::ALL.map(|one| channels.iter().filter(|channel| **channel == one).count());
+        (gray == 1 || red + green + blue == 3) && [red, green, blue, gray].iter().all(|count| *count < 2)
     }
 
     /// The pixel that has `code` in this channel and 0 in the others.
@@ -92,12 +94,9 @@ impl FromStr for Channel {
 
     /// Reads r, g, b, gray; red, green, blue and grey too, in any case.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text.trim().to_ascii_lowercase().as_str() {
-            "r" | "red" => Ok(Self::Red),
-            "g" | "green" => Ok(Self::Green),
-            "b" | "blue" => Ok(Self::Blue),
-            "gray" | "grey" => Ok(Self::Gray),
-            _ => Err(UnknownChannel(text.to_owned())),
-        }
+        let lower = text.trim().to_ascii_lowercase();
+        let is_named = |channel: &Self| channel.names().contains(&lower.as_str());
+        let found = Self::ALL.into_iter().find(is_named).or((lower == "grey").then_some(Self::Gray));
+        found.ok_or_else(|| UnknownChannel(text.to_owned()))
     }
 }

@@ -1,45 +1,28 @@
-//! Visual angle, centimetres and physical pixels: two givens fix the third.
+//! Visual angle, centimeters and physical pixels.
 //!
-//! A size is centred on the line of sight and square to it, so that size = 2·distance·tan(angle/2).
+//! A size is centered on the line of sight and square to it, so that size = 2·distance·tan(angle/2).
 //! Pixels are the display's own, not the window system's scaled ones, and are square.
 
-/// Width in centimetres of an identity or bank card, ISO/IEC 7810 ID-1: what most people have at
+/// Width in centimeters of an identity or bank card, ISO/IEC 7810 ID-1: what most people have at
 /// hand to measure a screen.
 pub const CARD_WIDTH_CM: f64 = 8.56;
 
 /// Pixels a screen could have along a side.
-const SIDE_PX: std::ops::RangeInclusive<u32> = 16..=65_536;
+const SIDE_PX: std::ops::RangeInclusive<f64> = 16.0..=65_536.0;
 /// Widths a screen could have: a viewfinder's to a hall's.
 const WIDTH_CM: std::ops::RangeInclusive<f64> = 1.0..=10_000.0;
 /// Distances one could look from.
 const DISTANCE_CM: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
-/// Sizes one could look at.
-const SIZE_CM: std::ops::RangeInclusive<f64> = 1e-4..=100_000.0;
-/// Angles a flat thing could fill.
-const ANGLE_DEG: std::ops::RangeInclusive<f64> = 1e-4..=179.0;
-
-/// Why a geometry makes no sense.
+/// A quantity outside what could be true.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum GeometryError {
-    /// A quantity outside what could be true.
-    #[error("{quantity} {value} is outside {lowest}…{highest} {unit}; expected {expected}")]
-    OutOfRange {
-        /// What the value measures.
-        quantity: &'static str,
-        /// The value.
-        value: f64,
-        /// Its unit.
-        unit: &'static str,
-        /// Lowest value accepted.
-        lowest: f64,
-        /// Highest value accepted.
-        highest: f64,
-        /// What to enter instead.
-        expected: &'static str,
-    },
-    /// Not exactly two of three given.
-    #[error("{0} of angle, size and distance are given; expected exactly two, which fix the third")]
-    NotTwo(usize),
+#[error("{quantity} {value} is outside {lowest}…{highest} {unit}; expected {expected}")]
+pub struct GeometryError {
+    quantity: &'static str,
+    value: f64,
+    unit: &'static str,
+    lowest: f64,
+    highest: f64,
+    expected: &'static str,
 }
 
 fn check(
@@ -53,19 +36,7 @@ fn check(
         return Ok(value);
     }
     let (lowest, highest) = (*range.start(), *range.end());
-    Err(GeometryError::OutOfRange { quantity, value, unit, lowest, highest, expected })
-}
-
-fn check_distance_cm(value: f64) -> Result<f64, GeometryError> {
-    check("distance", value, &DISTANCE_CM, "cm", "the distance from the eye to the screen")
-}
-
-fn check_size_cm(value: f64) -> Result<f64, GeometryError> {
-    check("size", value, &SIZE_CM, "cm", "the size on the screen")
-}
-
-fn check_angle_deg(value: f64) -> Result<f64, GeometryError> {
-    check("angle", value, &ANGLE_DEG, "°", "the visual angle of the whole size")
+    Err(GeometryError { quantity, value, unit, lowest, highest, expected })
 }
 
 /// Degrees that `size_cm` fills, seen from `distance_cm`.
@@ -73,61 +44,15 @@ fn angle_deg(size_cm: f64, distance_cm: f64) -> f64 {
     2.0 * (size_cm / (2.0 * distance_cm)).atan().to_degrees()
 }
 
-/// Centimetres that fill `angle_deg`, seen from `distance_cm`.
+/// Centimeters that fill `angle_deg`, seen from `distance_cm`.
 fn size_cm(angle_deg: f64, distance_cm: f64) -> f64 {
     2.0 * distance_cm * (angle_deg.to_radians() / 2.0).tan()
 }
 
-/// Angle, size and distance that belong together.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Geometry {
-    angle_deg: f64,
-    size_cm: f64,
-    distance_cm: f64,
-}
-
-impl Geometry {
-    /// The third of visual angle (degrees), size (cm) and distance (cm) from the two that are
-    /// given.
-    ///
-    /// # Errors
-    /// When not exactly two are given, or one of the three, the third included, could not be true.
-    pub fn resolve(angle: Option<f64>, size: Option<f64>, distance: Option<f64>) -> Result<Geometry, GeometryError> {
-        let angle = angle.map(check_angle_deg).transpose()?;
-        let size = size.map(check_size_cm).transpose()?;
-        let distance = distance.map(check_distance_cm).transpose()?;
-        let (angle, size, distance) = match (angle, size, distance) {
-            (Some(angle), Some(size), None) => {
-                let distance = size / (2.0 * (angle.to_radians() / 2.0).tan());
-                (angle, size, check_distance_cm(distance)?)
-            }
-            (Some(angle), None, Some(distance)) => (angle, check_size_cm(size_cm(angle, distance))?, distance),
-            (None, Some(size), Some(distance)) => (check_angle_deg(angle_deg(size, distance))?, size, distance),
-            _ => {
-                let given = [angle, size, distance].iter().flatten().count();
-                return Err(GeometryError::NotTwo(given));
-            }
-        };
-        Ok(Geometry { angle_deg: angle, size_cm: size, distance_cm: distance })
-    }
-
-    /// Visual angle of the whole size, in degrees.
-    #[must_use]
-    pub fn angle_deg(&self) -> f64 {
-        self.angle_deg
-    }
-
-    /// Size in centimetres.
-    #[must_use]
-    pub fn size_cm(&self) -> f64 {
-        self.size_cm
-    }
-
-    /// Distance from the eye in centimetres.
-    #[must_use]
-    pub fn distance_cm(&self) -> f64 {
-        self.distance_cm
-    }
+/// The distance, cm, from which `size_cm` fills `deg` degrees.
+#[must_use]
+pub fn distance_cm(deg: f64, size_cm: f64) -> f64 {
+    size_cm / (2.0 * (deg.to_radians() / 2.0).tan())
 }
 
 /// A screen: its physical pixels, which are square, and its width.
@@ -146,16 +71,7 @@ impl Screen {
     /// When a side is not within 16…65536 pixels, or the width not within 1…10000 cm.
     pub fn new(width_px: u32, height_px: u32, width_cm: f64) -> Result<Screen, GeometryError> {
         for (quantity, side) in [("screen width", width_px), ("screen height", height_px)] {
-            if !SIDE_PX.contains(&side) {
-                return Err(GeometryError::OutOfRange {
-                    quantity,
-                    value: side.into(),
-                    unit: "pixels",
-                    lowest: (*SIDE_PX.start()).into(),
-                    highest: (*SIDE_PX.end()).into(),
-                    expected: "the screen's physical pixels",
-                });
-            }
+            check(quantity, side.into(), &SIDE_PX, "pixels", "the screen's physical pixels")?;
         }
         let expected = "the width of the lit part of the screen";
         let width_cm = check("screen width", width_cm, &WIDTH_CM, "cm", expected)?;
@@ -174,13 +90,13 @@ impl Screen {
         self.height_px
     }
 
-    /// Width of the lit part in centimetres.
+    /// Width of the lit part in centimeters.
     #[must_use]
     pub fn width_cm(&self) -> f64 {
         self.width_cm
     }
 
-    /// Height of the lit part in centimetres.
+    /// Height of the lit part in centimeters.
     #[must_use]
     pub fn height_cm(&self) -> f64 {
         f64::from(self.height_px) / self.px_per_cm()
@@ -201,12 +117,13 @@ pub struct Viewing {
 }
 
 impl Viewing {
-    /// `screen`, seen from `distance_cm` centimetres.
+    /// `screen`, seen from `distance_cm` centimeters.
     ///
     /// # Errors
     /// When the distance is not within 1…100000 cm.
     pub fn new(screen: Screen, distance_cm: f64) -> Result<Viewing, GeometryError> {
-        Ok(Viewing { screen, distance_cm: check_distance_cm(distance_cm)? })
+        let expected = "the distance from the eye to the screen";
+        Ok(Viewing { screen, distance_cm: check("distance", distance_cm, &DISTANCE_CM, "cm", expected)? })
     }
 
     /// The screen.
@@ -215,27 +132,27 @@ impl Viewing {
         self.screen
     }
 
-    /// Distance from the eye in centimetres.
+    /// Distance from the eye in centimeters.
     #[must_use]
     pub fn distance_cm(&self) -> f64 {
         self.distance_cm
     }
 
-    /// Centimetres on the screen, centred on the line of sight, that fill `deg` degrees (0 ≤ `deg`
+    /// Centimeters on the screen, centered on the line of sight, that fill `deg` degrees (0 ≤ `deg`
     /// < 180).
     #[must_use]
     pub fn cm_from_deg(&self, deg: f64) -> f64 {
         size_cm(deg, self.distance_cm)
     }
 
-    /// Physical pixels, centred on the line of sight, that fill `deg` degrees (0 ≤ `deg` < 180).
+    /// Physical pixels, centered on the line of sight, that fill `deg` degrees (0 ≤ `deg` < 180).
     /// Not rounded.
     #[must_use]
     pub fn px_from_deg(&self, deg: f64) -> f64 {
         self.cm_from_deg(deg) * self.screen.px_per_cm()
     }
 
-    /// Degrees that `px` physical pixels fill, centred on the line of sight.
+    /// Degrees that `px` physical pixels fill, centered on the line of sight.
     #[must_use]
     pub fn deg_from_px(&self, px: f64) -> f64 {
         angle_deg(px / self.screen.px_per_cm(), self.distance_cm)
@@ -249,7 +166,7 @@ impl Viewing {
     }
 }
 
-/// Width in centimetres of a screen of `screen_width_px` physical pixels on which a card of
+/// Width in centimeters of a screen of `screen_width_px` physical pixels on which a card of
 /// [`CARD_WIDTH_CM`] covers `card_px` physical pixels.
 ///
 /// # Errors

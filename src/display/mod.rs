@@ -9,5 +9,5 @@ pub mod profile;
 pub mod steps;
 
 pub use channel::{Channel, UnknownChannel};
-pub use geometry::{Geometry, GeometryError, Screen, Viewing};
+pub use geometry::{GeometryError, Screen, Viewing};
 pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

@@ -415,19 +415,11 @@ fn equal_brightness_steps_are_equal_ratios() {
 /// cm.
 #[test]
 fn two_givens_fix_the_third() {
-    use machband::display::geometry::{Geometry, Screen, Viewing, width_cm_from_card};
-    let by_angle = Geometry::resolve(Some(10.0), None, Some(50.0)).unwrap();
-    assert!((by_angle.size_cm() - 8.748_866_352_592_4).abs() < 1e-12);
-    let by_size = Geometry::resolve(None, Some(by_angle.size_cm()), Some(50.0)).unwrap();
-    assert!((by_size.angle_deg() - 10.0).abs() < 1e-12);
-    let by_both = Geometry::resolve(Some(10.0), Some(by_angle.size_cm()), None).unwrap();
-    assert!((by_both.distance_cm() - 50.0).abs() < 1e-12);
-    assert!(Geometry::resolve(Some(10.0), None, None).unwrap_err().to_string().contains("exactly two"));
-    assert!(Geometry::resolve(Some(10.0), Some(1.0), Some(1.0)).is_err());
-    assert!(Geometry::resolve(Some(180.0), None, Some(50.0)).is_err());
-
+    use machband::display::geometry::{Screen, Viewing, distance_cm, width_cm_from_card};
     let viewing = Viewing::new(Screen::new(1920, 1080, 53.1).unwrap(), 50.0).unwrap();
     let px = viewing.px_from_deg(10.0);
+    assert!((viewing.cm_from_deg(10.0) - 8.748_866_352_592_4).abs() < 1e-12);
+    assert!((distance_cm(10.0, 8.748_866_352_592_4) - 50.0).abs() < 1e-12);
     assert!((px - 8.748_866_352_592_4 * 1920.0 / 53.1).abs() < 1e-9);
     assert!((viewing.deg_from_px(px) - 10.0).abs() < 1e-12);
     assert!((viewing.px_from_deg(0.001) / 0.001 / viewing.px_per_degree() - 1.0).abs() < 1e-9);

@@ -422,6 +422,10 @@ fn display_profiles_and_observers_are_checked_alike() {
                 primaries = { red = [0.64, 0.33], green = [0.3, 0.6], blue = [0.15, 0.06], white = [0.3127, 0.329] }\n";
     let each = "schema = 1\nname = \"Each\"\n[channels.red]\ntransfer = \"table\"\nencoded = [0, 0.5, 1]\n\
                 linear = [0, 0.2, 1]\n[channels.green]\ntransfer = \"gamma:2.1\"\n[channels.blue]\ntransfer = \"srgb\"\n";
+    // Sidecars hold this hash: it must not change.
+    let canonical = "{\"schema\":1,\"name\":\"Left\",\"transfer\":\"gamma:2.2\",\"screen_width_cm\":53.1,\
+                     \"measured\":{\"on\":\"2026-01-31\"}}";
+    assert_eq!(profile::value(&profile::parse("p.toml", good).unwrap()).to_string(), canonical);
     // What is written reads back the same, and the same profile has the same hash.
     let folder = tempfile::tempdir().unwrap();
     for text in [good, table, full, each] {
@@ -433,31 +437,31 @@ fn display_profiles_and_observers_are_checked_alike() {
         assert_ne!(profile::hash(&read), profile::hash(&DisplayProfile { name: "x".to_owned(), ..read }));
     }
     let cases = [
-        (full, "200", "0.1", "5:15", "not above black_cd_m2"),
-        (full, "white_cd_m2 = 200\n", "", "4:15", "black_cd_m2 stands alone"),
-        (full, "bits = 8", "bits = 80", "6:8", "bits 80"),
-        (full, "[1920, 1080]", "[1920]", "7:13", "native_px"),
-        (full, "2026-01-31", "31.1.2026", "8:19", "measured.on"),
+        (full, "200", "0.1", "5:1", "not above black_cd_m2"),
+        (full, "white_cd_m2 = 200\n", "", "4:1", "black_cd_m2 stands alone"),
+        (full, "bits = 8", "bits = 80", "6:1", "bits 80"),
+        (full, "[1920, 1080]", "[1920]", "7:1", "native_px"),
+        (full, "2026-01-31", "31.1.2026", "8:14", "measured.on"),
         (full, "by = ", "bye = ", "8:33", "did you mean by?"),
-        (full, "[0.3, 0.6]", "[0.3, 0.8]", "9:43", "primaries.green"),
-        (full, "blue = [0.15, 0.06], ", "", "9:13", "primaries.blue is missing"),
-        (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:12", "expected one, or three"),
-        (each, "\"gamma:2.1\"", "\"gamma:2.1/srgb/srgb\"", "8:12", "expected"),
-        (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:2", "channels.blue.transfer is missing"),
-        (each, "name = \"Each\"\n", "name = \"Each\"\ntransfer = \"srgb\"\n", "3:12", "stands beside [channels]"),
+        (full, "[0.3, 0.6]", "[0.3, 0.8]", "9:35", "primaries.green"),
+        (full, "blue = [0.15, 0.06], ", "", "9:1", "primaries.blue is missing"),
+        (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:1", "expected one, or three"),
+        (each, "\"gamma:2.1\"", "\"gamma:2.1/srgb/srgb\"", "8:1", "expected one"),
+        (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:2", "channels.blue is missing"),
+        (each, "name = \"Each\"\n", "name = \"Each\"\ntransfer = \"srgb\"\n", "3:1", "stands beside [channels]"),
         (good, "schema = 1\n", "", "1:1", "schema is missing"),
-        (good, "schema = 1", "schema = 3", "1:10", "schema 3"),
+        (good, "schema = 1", "schema = 3", "1:1", "schema is 3"),
         (good, "name = ", "nmae = ", "2:1", "did you mean name?"),
-        (good, "\"gamma:2.2\"", "\"gama:2.2\"", "3:12", "gama:2.2"),
-        (good, "\"gamma:2.2\"", "\"gamma:0\"", "3:12", "expected"),
-        (good, "\"gamma:2.2\"", "2.2", "3:12", "transfer is 2.2"),
-        (good, "\"gamma:2.2\"", "\"table\"", "3:12", "expected"),
-        (good, "53.1", "-1", "5:19", "screen_width_cm -1"),
-        (good, "53.1", "\"wide\"", "5:19", "screen_width_cm is the text"),
-        (table, "0.2, 1]", "0.2, 0.1]", "3:12", "expected"),
-        (table, "[0, 0.2, 1]", "[0, 1]", "3:12", "expected"),
-        (table, "[0, 0.2, 1]", "[0, nan, 1]", "3:12", "expected"),
-        (table, "\"table\"", "\"srgb\"", "3:12", "belong to transfer = \"table\""),
+        (good, "\"gamma:2.2\"", "\"gama:2.2\"", "3:1", "gama:2.2"),
+        (good, "\"gamma:2.2\"", "\"gamma:0\"", "3:1", "expected"),
+        (good, "\"gamma:2.2\"", "2.2", "3:1", "transfer is floating point `2.2`"),
+        (good, "\"gamma:2.2\"", "\"table\"", "3:1", "expected"),
+        (good, "53.1", "-1", "5:1", "screen_width_cm -1"),
+        (good, "53.1", "\"wide\"", "5:1", "screen_width_cm is string"),
+        (table, "0.2, 1]", "0.2, 0.1]", "3:1", "expected"),
+        (table, "[0, 0.2, 1]", "[0, 1]", "3:1", "expected"),
+        (table, "[0, 0.2, 1]", "[0, nan, 1]", "5:14", "expected"),
+        (table, "\"table\"", "\"srgb\"", "3:1", "belong to transfer = \"table\""),
     ];
     for (text, from, to, position, part) in cases {
         let found = messages(&profile::parse("p.toml", &text.replacen(from, to, 1)).expect_err(to));

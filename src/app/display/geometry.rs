@@ -8,7 +8,7 @@ use crate::{
         Field, Monitor, ScreenFields, Step, describe, fault, note, number, platform::Platform, quiet, theme::QUIET,
         tool_page,
     },
-    display::{Geometry, GeometryError, Screen, Viewing},
+    display::{GeometryError, Screen, Viewing, geometry::distance_cm},
 };
 
 /// Centimeters of the ruler that is drawn.
@@ -107,8 +107,8 @@ impl GeometryPage {
             fault(
                 ui,
                 format!(
-                    "A stimulus of {planned}° would be {wanted:.0} pixels a side: only {share:.0} % of that fits. {}",
-                    farthest(viewing, planned)
+                    "A stimulus of {planned}° would be {wanted:.0} pixels a side: only {share:.0} % of that fits. It fits from {:.0} cm or less.",
+                    distance_cm(planned, screen.width_cm().min(screen.height_cm())).floor()
                 ),
             );
         }
@@ -120,16 +120,6 @@ fn viewing(monitor: &Monitor, fields: &ScreenFields) -> Result<Viewing, Geometry
     let number = |text: &str| number(text).unwrap_or(f64::NAN);
     let screen = Screen::new(monitor.width_px, monitor.height_px, number(&fields.screen_width_cm))?;
     Viewing::new(screen, number(&fields.distance_cm))
-}
-
-/// From where the planned angle would just fit.
-fn farthest(viewing: &Viewing, planned_deg: f64) -> String {
-    let screen = viewing.screen();
-    let least_cm = screen.width_cm().min(screen.height_cm());
-    match Geometry::resolve(Some(planned_deg), Some(least_cm), None) {
-        Ok(fits) => format!("It fits from {:.0} cm or less.", fits.distance_cm().floor()),
-        Err(_) => String::new(),
-    }
 }
 
 /// A ruler and the length of a degree, to be held against real ones.

@@ -84,9 +84,7 @@ impl MatchSettings {
     }
 
     fn check(&self) -> Result<(), SettingsError> {
-        let count = |channel: Channel| self.channels.iter().filter(|one| **one == channel).count();
-        let [red, green, blue, gray] = Channel::ALL.map(count);
-        if [red, green, blue, gray].iter().any(|count| *count > 1) || (gray == 0 && red + green + blue < 3) {
+        if !Channel::make_a_profile(&self.channels) {
             return Err(SettingsError::Channels);
         }
         if (2..=50).contains(&self.matches) { Ok(()) } else { Err(SettingsError::Matches(self.matches)) }

@@ -9,119 +9,28 @@ pub const LEAST_LEVELS: usize = 5;
 /// Why no profile can be made from readings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReadingFault {
-    /// A level above 1, and none that could not be an 8-bit code.
+    /// A level above 1 that could be an 8-bit code.
     #[error("level {0} looks like a code of 0…255; expected a level of 0…1, the code divided by 255 ({relative:.4})", relative = .0 / 255.0)]
     LevelIsCode(f64),
-    /// A level that is no encoded value.
+    /// A level that is not an encoded value.
     #[error("level {0} is outside 0…1; expected the code divided by the largest code")]
     Level(f64),
-    /// A luminance that is none.
-    #[error("luminance {0} is no luminance; expected cd/m², 0 or more")]
+    /// Not a luminance.
+    #[error("luminance {0} is not a luminance; expected cd/m², 0 or more")]
     Luminance(f64),
-    /// Nothing at all.
-    #[error("there are no readings; expected red, green and blue, or gray, at {LEAST_LEVELS} levels or more")]
-    Empty,
-    /// The photometer saw nothing.
-    #[error("every reading is 0 cd/m²; expected light: is the photometer on the screen, and its cap off?")]
-    Dark,
-    /// One of red, green and blue, and no gray.
-    #[error(
-        "single channel: only {0} was read, which says nothing of the other two; expected red, green and blue, or gray, each from level 0 to 1"
-    )]
-    SingleChannel(Channel),
-    /// Two of red, green and blue, and no gray.
-    #[error(
-        "channel {missing} is missing: only {first} and {second} were read; expected red, green and blue, or gray, each from level 0 to 1"
-    )]
-    MissingChannel {
-        /// The channel without readings.
-        missing: Channel,
-        /// A channel with readings.
-        first: Channel,
-        /// The other one.
-        second: Channel,
-    },
-    /// Too few points for a curve.
-    #[error(
-        "{channel}: too few levels: {levels}; expected {LEAST_LEVELS} or more (9 are good, 17 better), 0 and 1 among them"
-    )]
-    TooFewLevels {
+    /// Light that does not rise between two levels of a channel, which may have been misread.
+    #[error("{channel}: {message}")]
+    Misread {
         /// The channel.
         channel: Channel,
-        /// How many different levels it has.
-        levels: usize,
+        /// The lower level and the higher one.
+        levels: [f64; 2],
+        /// What is wrong; what is expected.
+        message: String,
     },
-    /// No reading of black.
-    #[error("no reading at level 0; expected the black of the screen, which every curve starts from")]
-    NoBlack,
-    /// No reading of the most light.
-    #[error("{channel}: no reading at level 1 (the highest is {highest}); expected the channel's most light")]
-    NoWhite {
-        /// The channel.
-        channel: Channel,
-        /// Its highest level.
-        highest: f64,
-    },
-    /// Less light at a higher level.
-    #[error(
-        "{channel}: not monotone: level {upper} gives {upper_cd_m2} cd/m², less than the {lower_cd_m2} cd/m² of level {lower}; expected more light at every higher level: measure both again"
-    )]
-    NotMonotone {
-        /// The channel.
-        channel: Channel,
-        /// The lower level.
-        lower: f64,
-        /// Its light.
-        lower_cd_m2: f64,
-        /// The higher level.
-        upper: f64,
-        /// Its light, less.
-        upper_cd_m2: f64,
-    },
-    /// No more light at the highest levels.
-    #[error(
-        "{channel}: saturated: the light stops rising at level {level}, {level_cd_m2} cd/m² there and {white_cd_m2} cd/m² at level 1; expected it to rise up to level 1: lower the screen's contrast, turn off dynamic contrast, or set the photometer to a wider range"
-    )]
-    Saturated {
-        /// The channel.
-        channel: Channel,
-        /// The lowest level as light as level 1.
-        level: f64,
-        /// Its light.
-        level_cd_m2: f64,
-        /// The light at level 1.
-        white_cd_m2: f64,
-    },
-    /// No light at any level.
-    #[error("{channel}: level 1 gives {white_cd_m2} cd/m², no more than black ({black_cd_m2} cd/m²); expected light")]
-    NoLight {
-        /// The channel.
-        channel: Channel,
-        /// Its light at level 1.
-        white_cd_m2: f64,
-        /// Black.
-        black_cd_m2: f64,
-    },
-    /// Luminances that belong to other channels.
-    #[error(
-        "swapped channels: level 1 gives {}; expected more light in gray than in green, in green than in red, in red than in blue, as on every screen{}",
-        luminances(.white_cd_m2), question(.exchanged)
-    )]
-    Swapped {
-        /// The light at level 1 of each channel, from the one that should have most.
-        white_cd_m2: Vec<(Channel, f64)>,
-        /// The two channels whose exchange explains it, where two do.
-        exchanged: Option<(Channel, Channel)>,
-    },
-}
-
-fn luminances(white_cd_m2: &[(Channel, f64)]) -> String {
-    let each: Vec<String> = white_cd_m2.iter().map(|(channel, light)| format!("{channel} {light}")).collect();
-    format!("{} cd/m²", each.join(", "))
-}
-
-fn question(exchanged: &Option<(Channel, Channel)>) -> String {
-    exchanged.map_or_else(String::new, |(one, other)| format!(": are {one} and {other} exchanged?"))
+    /// Something is missing, or wrong with all of them.
+    #[error("{0}")]
+    Set(String),
 }
 
 /// A fault of readings, and which of them has it.
@@ -176,9 +85,20 @@ fn each(readings: &[Reading]) -> Vec<Fault> {
         .flat_map(|(index, one)| of(one).map(move |fault| Fault { index: Some(index), fault }))
         .collect();
     if readings.is_empty() {
-        faults.push(Fault { index: None, fault: ReadingFault::Empty });
+        faults.push(Fault {
+            index: None,
+            fault: ReadingFault::Set(format!(
+                "there are no readings; expected red, green and blue, or gray, at {LEAST_LEVELS} levels or more"
+            )),
+        });
     } else if readings.iter().all(|one| one.luminance_cd_m2 == 0.0) {
-        faults.push(Fault { index: None, fault: ReadingFault::Dark });
+        faults.push(Fault {
+            index: None,
+            fault: ReadingFault::Set(
+                "every reading is 0 cd/m²; expected light: is the photometer on the screen, and its cap off?"
+                    .to_owned(),
+            ),
+        });
     }
     faults
 }
@@ -188,7 +108,7 @@ fn together(readings: &Readings) -> Vec<Fault> {
     let mut faults: Vec<ReadingFault> = channels(readings.channels()).into_iter().collect();
     let before = faults.len();
     if !readings.all().iter().any(|one| one.level == 0.0) {
-        faults.push(ReadingFault::NoBlack);
+        faults.push(set("no reading at level 0; expected the black of the screen, which every curve starts from"));
     }
     for channel in readings.channels() {
         faults.extend(levels(*channel, &readings.means(*channel)));
@@ -205,15 +125,20 @@ fn together(readings: &Readings) -> Vec<Fault> {
     faults.into_iter().map(|fault| Fault { index: None, fault }).collect()
 }
 
+fn set(message: impl Into<String>) -> ReadingFault {
+    ReadingFault::Set(message.into())
+}
+
 fn channels(read: &[Channel]) -> Option<ReadingFault> {
-    if read.contains(&Channel::Gray) {
-        return None;
-    }
+    let expected = "expected red, green and blue, or gray, each from level 0 to 1";
     match *read {
-        [only] => Some(ReadingFault::SingleChannel(only)),
+        _ if read.contains(&Channel::Gray) => None,
+        [only] => Some(set(format!(
+            "single channel: only {only} was read, which says nothing about the other two; {expected}"
+        ))),
         [first, second] => {
             let missing = Channel::ALL.into_iter().find(|channel| !read.contains(channel))?;
-            Some(ReadingFault::MissingChannel { missing, first, second })
+            Some(set(format!("channel {missing} is missing: only {first} and {second} were read; {expected}")))
         }
         _ => None,
     }
@@ -222,11 +147,15 @@ fn channels(read: &[Channel]) -> Option<ReadingFault> {
 fn levels(channel: Channel, means: &[LevelMean]) -> Vec<ReadingFault> {
     let mut faults = Vec::new();
     if means.len() < LEAST_LEVELS {
-        faults.push(ReadingFault::TooFewLevels { channel, levels: means.len() });
+        faults.push(set(format!(
+            "{channel}: too few levels: {}; expected {LEAST_LEVELS} or more (9 are good, 17 better), 0 and 1 among them",
+            means.len()
+        )));
     }
-    match means.last() {
-        Some(last) if last.level != 1.0 => faults.push(ReadingFault::NoWhite { channel, highest: last.level }),
-        _ => {}
+    if let Some(LevelMean { level, .. }) = means.last().filter(|last| last.level != 1.0) {
+        faults.push(set(format!(
+            "{channel}: no reading at level 1 (the highest is {level}); expected the channel's most light"
+        )));
     }
     faults
 }
@@ -240,17 +169,18 @@ fn curve(readings: &Readings, channel: Channel) -> Vec<ReadingFault> {
     let (share, steps, of_most) = FALL;
     let still = steps * readings.resolution_cd_m2() + of_most * readings.largest_cd_m2();
     if white_cd_m2 <= black_cd_m2 * (1.0 + share) + still {
-        return vec![ReadingFault::NoLight { channel, white_cd_m2, black_cd_m2 }];
+        return vec![set(format!(
+            "{channel}: level 1 gives {white_cd_m2} cd/m², no more than black ({black_cd_m2} cd/m²); expected light"
+        ))];
     }
-    let falls = means.windows(2).filter_map(|pair| {
-        let [lower, upper] = [pair[0], pair[1]];
-        (upper.luminance_cd_m2 < lower.luminance_cd_m2 * (1.0 - share) - still).then_some(ReadingFault::NotMonotone {
-            channel,
-            lower: lower.level,
-            lower_cd_m2: lower.luminance_cd_m2,
-            upper: upper.level,
-            upper_cd_m2: upper.luminance_cd_m2,
-        })
+    let falls =
+        means.windows(2).filter(|pair| pair[1].luminance_cd_m2 < pair[0].luminance_cd_m2 * (1.0 - share) - still);
+    let falls = falls.map(|pair| {
+        let [(lower, lower_cd_m2), (upper, upper_cd_m2)] = [pair[0], pair[1]].map(|at| (at.level, at.luminance_cd_m2));
+        let message = format!(
+            "not monotone: level {upper} gives {upper_cd_m2} cd/m², less than the {lower_cd_m2} cd/m² of level {lower}; expected more light at every higher level: measure both again"
+        );
+        ReadingFault::Misread { channel, levels: [lower, upper], message }
     });
     let falls: Vec<ReadingFault> = falls.collect();
     if falls.is_empty() {
@@ -281,12 +211,11 @@ fn saturated(channel: Channel, means: &[LevelMean], black_cd_m2: f64, resolution
         below.iter().rev().filter(|one| one.level > 0.0).take_while(|one| light(one) > 0.0).collect();
     let level = upper.into_iter().find(stopped)?;
     let lowest = below.iter().find(|one| (light(white) / light(one)).ln() < STOPPED * CLEAR_RISE).unwrap_or(level);
-    Some(ReadingFault::Saturated {
-        channel,
-        level: lowest.level,
-        level_cd_m2: lowest.luminance_cd_m2,
-        white_cd_m2: white.luminance_cd_m2,
-    })
+    let message = format!(
+        "saturated: the light stops rising at level {}, {} cd/m² there and {} cd/m² at level 1; expected it to rise up to level 1: lower the screen's contrast, turn off dynamic contrast, or set the photometer to a wider range",
+        lowest.level, lowest.luminance_cd_m2, white.luminance_cd_m2
+    );
+    Some(ReadingFault::Misread { channel, levels: [lowest.level, 1.0], message })
 }
 
 /// Luminances of the channels at level 1: gray above green above red above blue.
@@ -302,6 +231,13 @@ fn order(readings: &Readings) -> Option<ReadingFault> {
     sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
     let moved: Vec<Channel> =
         white_cd_m2.iter().zip(&sorted).filter(|(called, is)| called.0 != is.0).map(|(called, _)| called.0).collect();
-    let exchanged = if let [one, other] = moved[..] { Some((one, other)) } else { None };
-    Some(ReadingFault::Swapped { white_cd_m2, exchanged })
+    let question = match moved[..] {
+        [one, other] => format!(": are {one} and {other} exchanged?"),
+        _ => String::new(),
+    };
+    let each: Vec<String> = white_cd_m2.iter().map(|(channel, light)| format!("{channel} {light}")).collect();
+    Some(set(format!(
+        "swapped channels: level 1 gives {} cd/m²; expected more light in gray than in green, in green than in red, in red than in blue, as on every screen{question}",
+        each.join(", ")
+    )))
 }

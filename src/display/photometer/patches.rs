@@ -88,9 +88,7 @@ pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, SettingsError> {
 
 /// The channel that white is shown in.
 fn check(settings: &PatchSettings) -> Result<Channel, SettingsError> {
-    let count = |channel: Channel| settings.channels.iter().filter(|one| **one == channel).count();
-    let [red, green, blue, gray] = Channel::ALL.map(count);
-    if [red, green, blue, gray].iter().any(|count| *count > 1) || (gray == 0 && red + green + blue < 3) {
+    if !Channel::make_a_profile(&settings.channels) {
         return Err(SettingsError::Channels);
     }
     if !(LEAST_LEVELS..=256).contains(&settings.levels) {
@@ -99,5 +97,5 @@ fn check(settings: &PatchSettings) -> Result<Channel, SettingsError> {
     if !(1..=20).contains(&settings.repeats) {
         return Err(SettingsError::Repeats(settings.repeats));
     }
-    Ok(if gray == 1 { Channel::Gray } else { Channel::Green })
+    Ok(if settings.channels.contains(&Channel::Gray) { Channel::Gray } else { Channel::Green })
 }

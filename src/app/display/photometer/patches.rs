@@ -241,8 +241,7 @@ impl Run for PatchRun {
     fn questionable(&self) -> Vec<usize> {
         let Err(faults) = Readings::new(self.readings()) else { return Vec::new() };
         let named = |fault: &ReadingFault| match *fault {
-            ReadingFault::NotMonotone { channel, lower, upper, .. } => vec![(channel, lower), (channel, upper)],
-            ReadingFault::Saturated { channel, level, .. } => vec![(channel, level), (channel, 1.0)],
+            ReadingFault::Misread { channel, levels, .. } => levels.map(|level| (channel, level)).to_vec(),
             _ => Vec::new(),
         };
         let named: Vec<(Channel, f64)> = faults.iter().flat_map(|found| named(&found.fault)).collect();
