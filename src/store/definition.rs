@@ -119,7 +119,7 @@ struct Form {
 struct ResponseForm {
     question: String,
     labels: Vec<String>,
-    keys: Option<Vec<String>>,
+    keys: Option<Vec<char>>,
 }
 
 impl Default for ResponseForm {
@@ -250,21 +250,14 @@ fn parameter(value: &Value) -> Option<ParameterValue> {
 
 fn scale(form: ResponseForm, faults: &mut Faults) -> ResponseScale {
     let count = form.labels.len();
-    let keys = form.keys.unwrap_or_else(|| (0..count).map(|i| i.to_string()).collect());
+    let digits = || ('0'..='9').cycle();
+    let keys = form.keys.unwrap_or_else(|| digits().take(count).collect());
     if keys.len() != count {
         let message = format!("response.keys has {} keys; expected {count}, one for each label", keys.len());
         faults.add("response.keys", message);
     }
-    let mut categories = Vec::with_capacity(count);
-    for (i, label) in form.labels.into_iter().enumerate() {
-        let key = keys.get(i).map_or("", String::as_str);
-        let mut characters = key.chars();
-        let (first, rest) = (characters.next(), characters.next());
-        if i < keys.len() && (first.is_none() || rest.is_some()) {
-            let message = format!("response key {key:?} is not one character; expected a digit or a letter");
-            faults.add(format!("response.keys.{i}"), message);
-        }
-        categories.push(Category { label, key: first.unwrap_or(char::from_digit(i as u32 % 10, 10).unwrap_or('0')) });
-    }
+    // A key that is missing is a fault already; a digit stands in for it.
+    let keys = digits().enumerate().map(|(i, digit)| keys.get(i).copied().unwrap_or(digit));
+    let categories = form.labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
     ResponseScale { question: form.question, categories }
 }

@@ -1,8 +1,17 @@
-//! Floor 4: every file format, one file each. Errors carry file, line and column.
+//! Floor 4: every file format. Faults carry file, line and column.
 //!
-//! Read: [`definition`], [`profile`], [`observer`] (TOML), [`mesh`] (OBJ), [`readings`] (CSV). Written while a session runs: [`results`]
-//! and [`frames`] (CSV), [`sidecar`] and [`dataset`] (JSON), joined in [`session`], read back in [`recorded`] and proved in [`verify`](mod@verify). Exported: [`mod@export`] (BIDS, Psych-DS), [`image`] (PNG), [`curve`] (CSV) and
-//! [`manifest`] (many images).
+//! | what | where |
+//! |---|---|
+//! | a session's data set, rows, frames and sidecar: written, resumed, read back, proved | [`session`] |
+//! | any table of ratings | [`ratings`] |
+//! | recorded sessions as BIDS or Psych-DS | [`mod@export`] |
+//! | images (PNG), and many of them | [`image`], [`manifest`] |
+//! | meshes (OBJ) | [`mesh`] |
+//! | definitions, display profiles, simulated observers (TOML) | [`definition`], [`profile`], [`observer`] |
+//! | photometer readings, matches by eye, profiles of a stimulus (CSV) | [`readings`], [`matches`], [`curve`] |
+//! | what a file is, and everything that is wrong with it | [`check`](mod@check) |
+//!
+//! Below them: files that are whole or appended to, located tables and TOML.
 
 pub mod check;
 pub mod curve;

@@ -40,10 +40,12 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
             Err(error) => error,
         };
         let path = error.path().to_string().replace('[', ".").replace(']', "");
-        let place = document.locate(&path);
-        document.faults.push((place, explained(&path, &error.inner().to_string())));
+        // A dot alone is the document.
+        let path = path.trim_matches('.');
+        let place = document.locate(path);
+        document.faults.push((place, explained(path, &error.inner().to_string())));
         document.unread.push(place);
-        if document.unread.len() > MOST_UNREAD || !remove(&mut value, &path) {
+        if document.unread.len() > MOST_UNREAD || !remove(&mut value, path) {
             return Err(document.located());
         }
     }
@@ -55,11 +57,8 @@ impl<'t> Document<'t> {
     pub(super) fn parse(file: &'t str, text: &'t str) -> Result<Self, FileFaults> {
         let table = DeTable::parse(text).map_err(|error| {
             let at = error.span().map_or(text.len(), |span| span.start);
-            FileFaults(vec![FileFault {
-                file: file.to_owned(),
-                position: Some(position(text, at)),
-                message: format!("is not valid TOML: {}", error.message().replace('\n', ", ")),
-            }])
+            let message = format!("is not valid TOML: {}", error.message().replace('\n', ", "));
+            FileFaults(vec![FileFault::at(file, position(text, at), message)])
         })?;
         Ok(Self { file, text, table: table.into_inner(), faults: Vec::new(), unread: Vec::new() })
     }
@@ -101,7 +100,7 @@ impl<'t> Document<'t> {
             let (lines, columns) = position(&self.text[from..], at - from);
             (line, column) = if lines > 1 { (line + lines - 1, columns) } else { (line, column + columns - 1) };
             from = at;
-            FileFault { file: self.file.to_owned(), position: Some((line, column)), message }
+            FileFault::at(self.file, (line, column), message)
         });
         FileFaults(located.collect())
     }
@@ -168,7 +167,8 @@ fn explained(path: &str, error: &str) -> String {
     }
     if let Some(field) = error.strip_prefix("missing field ") {
         let field = field.trim_matches('`');
-        return format!("{path}.{field} is missing; expected {field} = …");
+        let name = format!("{path}.{field}");
+        return format!("{} is missing; expected {field} = …", name.trim_start_matches('.'));
     }
     let Some((wrong, expected)) = error.split_once(", expected ") else { return error.to_owned() };
     let expected = match expected {

@@ -161,7 +161,7 @@ keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "1"] => 29:24 => key '1' s
 keys = ["0", "1", "2", "3"] => keys = ["a", "A", "2", "3"] => 29:14 => key 'A' stands twice
 keys = ["0", "1", "2", "3"] => keys = ["a", "s", "d", "f"] => 29:14 => key 's' cannot be an answer
 keys = ["0", "1", "2", "3"] => keys = ["a", "ß", "d", "f"] => 29:14 => key 'ß' cannot be an answer
-keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "33"] => 29:24 => "33" is not one character
+keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "33"] => 29:24 => response.keys.3 is the text "33" | a character
 labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label is empty
 # Too much.
 practice = 4 => practice = 4000000000 => 11:2 => 4000000012 trials | at most

@@ -41,15 +41,10 @@ pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileFaults> {
             faults => Either::Right(faults),
         },
         Err(StoreError::Faults(FileFaults(faults))) => Either::Right(faults),
-        Err(error) => Either::Right(vec![fault(csv, None, error.to_string())]),
+        Err(error) => Either::Right(vec![FileFault::whole(csv.display().to_string(), error.to_string())]),
     });
     FileFaults::none(faults.concat())?;
     Ok(sessions)
-}
-
-/// A fault of a file.
-pub(super) fn fault(path: &Path, position: Option<(usize, usize)>, message: String) -> FileFault {
-    FileFault { file: path.display().to_string(), position, message }
 }
 
 /// What keeps a session that can be read from leaving its folder.
@@ -57,11 +52,12 @@ fn faults(session: &Recorded) -> Vec<FileFault> {
     let mut faults = Vec::new();
     // The name becomes that of a folder, and a sidecar may say anything.
     if let Some(message) = name_fault(&session.protocol.name) {
-        faults.push(fault(&session.sidecar_path, None, message));
+        faults.push(FileFault::whole(session.sidecar_path.display().to_string(), message));
     }
     let columns = columns(&session.protocol);
+    let file = session.csv.display().to_string();
     for (row, line) in session.rows.iter().zip(2..) {
-        let mut add = |message: String| faults.push(fault(&session.csv, Some((line, 1)), message));
+        let mut add = |message: String| faults.push(FileFault::at(&file, (line, 1), message));
         if let Err(message) = row.planned_trial(&session.context()) {
             add(message);
         }
@@ -110,7 +106,7 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
             let message = format!(
                 "participant {subject} and participant {known} differ in upper and lower case only; expected names that differ otherwise"
             );
-            faults.push(fault(&session.csv, None, message));
+            faults.push(FileFault::whole(session.csv.display().to_string(), message));
         }
         let place = format!("{}/{subject}/{id}", session.protocol.task()).to_ascii_lowercase();
         if let Some(other) = places.insert(place, session) {
@@ -118,7 +114,7 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
                 "is the same session of the same task as {}; expected each once, and experiments whose names differ in more than hyphens",
                 other.csv.display()
             );
-            faults.push(fault(&session.csv, None, message));
+            faults.push(FileFault::whole(session.csv.display().to_string(), message));
         }
     }
     FileFaults::none(faults)?;

@@ -8,12 +8,12 @@ use std::{
 
 use rayon::prelude::*;
 
-use super::sessions::{Experiment, fault};
+use super::sessions::Experiment;
 use crate::{
     experiment::{Condition, Protocol, TrialRecord},
     light::Quantizer,
     stimulus::recipe::Recipe,
-    store::{FileFaults, StoreError, file::make_folder, image, pictures, recorded::Recorded},
+    store::{FileFault, FileFaults, StoreError, file::make_folder, image, pictures, recorded::Recorded},
 };
 
 /// Digits of a hash in a file's name.
@@ -114,7 +114,7 @@ fn prove(wanted: &[Wanted], hashes: &[String]) -> Result<(), FileFaults> {
         for (expected, (sidecar, number)) in one.expected.iter().filter(|(expected, _)| *expected != hash) {
             let message =
                 format!("condition {number} renders to sha256 {hash}; expected {expected}, that of what was shown");
-            faults.push(fault(sidecar, None, message));
+            faults.push(FileFault::whole(sidecar.display().to_string(), message));
         }
     }
     FileFaults::none(faults)

@@ -1,6 +1,6 @@
 //! Reads an OBJ file line by line into polygons; every fault has its place.
 
-use std::collections::HashMap;
+use std::{borrow::Cow, collections::HashMap};
 
 use glam::DVec3;
 
@@ -20,14 +20,15 @@ const MOST_FAULTS: usize = 20;
 /// # Errors
 /// The first faults, each with its line and column.
 pub(super) fn polygons(file: &str, content: &[u8]) -> Result<(Vec<DVec3>, Polygons), FileFaults> {
-    let mut reader = Reader { file, ..Reader::default() };
-    reader.lines(content);
-    // After an early end, what faces name could have followed.
-    if reader.faults.len() < MOST_FAULTS {
-        reader.check_indices();
-        reader.faults.sort_by_key(|fault| fault.position);
-    }
-    if reader.faults.is_empty() { Ok(reader.polygons()) } else { Err(FileFaults(reader.faults)) }
+    let lines = lines(content).map_err(|number| {
+        FileFaults(vec![fault(file, ((number, 1), "is not text; expected an OBJ file".to_owned()))])
+    })?;
+    let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
+    let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
+    let faults = lines.iter().filter_map(|(number, line)| reader.line(*number, line).err());
+    let faults: Vec<FileFault> = faults.take(MOST_FAULTS).map(|found| fault(file, found)).collect();
+    FileFaults::none(faults)?;
+    Ok(reader.polygons())
 }
 
 /// Line and column, from 1.
@@ -36,9 +37,49 @@ type Position = (usize, usize);
 /// What is wrong, and where.
 type Fault = (Position, String);
 
+fn fault(file: &str, (position, message): Fault) -> FileFault {
+    FileFault::at(file, position, message)
+}
+
+/// The lines with their numbers, from 1. A backslash at its end continues a line.
+///
+/// # Errors
+/// The number of a line that is not text.
+fn lines(content: &[u8]) -> Result<Vec<(usize, Cow<'_, [u8]>)>, usize> {
+    // A byte order mark.
+    let content = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content);
+    let end = if content.contains(&b'\n') { b'\n' } else { b'\r' };
+    let mut split = content.split(|byte| *byte == end).zip(1..);
+    let mut lines = Vec::new();
+    while let Some((line, number)) = split.next() {
+        let mut begun = Vec::new();
+        let mut last = line;
+        while let Some(piece) = last.trim_ascii_end().strip_suffix(b"\\") {
+            begun.push(piece);
+            last = split.next().map_or(&[], |(next, _)| next);
+        }
+        let line = if begun.is_empty() {
+            Cow::Borrowed(line)
+        } else {
+            begun.push(last);
+            Cow::Owned(begun.join(&b' '))
+        };
+        if line.contains(&0) {
+            return Err(number);
+        }
+        lines.push((number, line));
+    }
+    Ok(lines)
+}
+
+fn keyword(line: &[u8]) -> &[u8] {
+    line.trim_ascii_start().split(u8::is_ascii_whitespace).next().unwrap_or_default()
+}
+
 #[derive(Default)]
-struct Reader<'a> {
-    file: &'a str,
+struct Reader {
+    /// How many vertices and normals the whole file has: a face may come before them.
+    counts: [usize; 2],
     vertices: Vec<DVec3>,
     /// `None` for one that is zero or not finite.
     normals: Vec<Option<DVec3>>,
@@ -46,56 +87,11 @@ struct Reader<'a> {
     corners: Vec<(usize, Option<usize>)>,
     /// Where each face ends in `corners`.
     ends: Vec<usize>,
-    /// The highest vertex and the highest normal, from 1, that a face names before it exists.
-    ahead: [Option<(usize, Position)>; 2],
-    faults: Vec<FileFault>,
 }
 
-/// What an index counts.
-const COUNTED: [&str; 2] = ["vertex", "normal"];
-
-impl Reader<'_> {
-    fn lines(&mut self, content: &[u8]) {
-        // A byte order mark.
-        let content = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content);
-        let end = if content.contains(&b'\n') { b'\n' } else { b'\r' };
-        let mut lines = content.split(|byte| *byte == end).zip(1..);
-        while let Some((line, number)) = lines.next() {
-            if line.contains(&0) {
-                // Nothing else about it is of use.
-                self.faults.clear();
-                self.fault(((number, 1), "is not text; expected an OBJ file".to_owned()));
-                return;
-            }
-            // A backslash at its end continues a line.
-            let mut joined = Vec::new();
-            let mut next = line;
-            while let Some(begun) = next.trim_ascii_end().strip_suffix(b"\\") {
-                joined.extend_from_slice(begun);
-                joined.push(b' ');
-                next = lines.next().map_or(&[][..], |(line, _)| line);
-            }
-            let read = if joined.is_empty() {
-                self.line(number, line)
-            } else {
-                joined.extend_from_slice(next);
-                self.line(number, &joined)
-            };
-            if let Err(fault) = read {
-                self.fault(fault);
-            }
-            if self.faults.len() >= MOST_FAULTS {
-                return;
-            }
-        }
-    }
-
-    fn fault(&mut self, (position, message): Fault) {
-        self.faults.push(FileFault { file: self.file.to_owned(), position: Some(position), message });
-    }
-
+impl Reader {
     fn line(&mut self, number: usize, line: &[u8]) -> Result<(), Fault> {
-        let keyword = line.trim_ascii_start().split(u8::is_ascii_whitespace).next().unwrap_or_default();
+        let keyword = keyword(line);
         if !matches!(keyword, b"v" | b"vn" | b"f") {
             return Ok(());
         }
@@ -145,36 +141,21 @@ impl Reader<'_> {
     }
 
     /// The index, from 0, that `text`, a part of `word`, means.
-    fn index(&mut self, statement: &Statement<'_>, word: &str, kind: usize, text: &str) -> Result<usize, Fault> {
+    fn index(&self, statement: &Statement<'_>, word: &str, kind: usize, text: &str) -> Result<usize, Fault> {
         let given: i64 = text.parse().map_err(|_| statement.not_a_corner(word))?;
-        let (count, name) = ([self.vertices.len(), self.normals.len()][kind], COUNTED[kind]);
-        let fail = |message: String| Err((statement.position(word), format!("{name} {given} does not exist{message}")));
+        let (above, count) = ([self.vertices.len(), self.normals.len()][kind], self.counts[kind]);
         // Indices count from 1, or back from -1.
         let found = usize::try_from(given.unsigned_abs()).unwrap_or(usize::MAX);
-        match given {
-            0 => fail("; expected an index from 1, or -1 for the last".to_owned()),
-            ..0 if found > count => fail(format!(", there are {count} above; expected -1 for the last, or 1…")),
-            ..0 => Ok(count - found),
-            _ => {
-                // The file may give it further down.
-                if found > count && self.ahead[kind].is_none_or(|(highest, _)| found > highest) {
-                    self.ahead[kind] = Some((found, statement.position(word)));
-                }
-                Ok(found - 1)
-            }
-        }
-    }
-
-    fn check_indices(&mut self) {
-        for (kind, count) in [self.vertices.len(), self.normals.len()].into_iter().enumerate() {
-            let Some((index, position)) = self.ahead[kind].filter(|(index, _)| *index > count) else { continue };
-            let name = COUNTED[kind];
-            let message = match (kind, count) {
-                (1, 0) => format!("normal {index} does not exist, the file has none; expected a corner without one"),
-                _ => format!("{name} {index} does not exist; expected 1…{count}"),
-            };
-            self.fault((position, message));
-        }
+        let problem = match given {
+            0 => "; expected an index from 1, or -1 for the last".to_owned(),
+            ..0 if found <= above => return Ok(above - found),
+            ..0 => format!(", there are {above} above; expected -1 for the last, or 1…"),
+            _ if found <= count => return Ok(found - 1),
+            _ if kind == 1 && count == 0 => ", the file has none; expected a corner without one".to_owned(),
+            _ => format!("; expected 1…{count}"),
+        };
+        let name = ["vertex", "normal"][kind];
+        Err((statement.position(word), format!("{name} {given} does not exist{problem}")))
     }
 
     /// Vertices in exactly one position are one.

@@ -178,11 +178,9 @@ impl Sidecar {
             Err(error) => return Err(io(path, "read")(error)),
         };
         serde_json::from_slice(&text).map(Some).map_err(|error| {
-            StoreError::Faults(FileFaults(vec![FileFault {
-                file: path.display().to_string(),
-                position: Some((error.line(), error.column())),
-                message: format!("is not a sidecar of a session: {error}"),
-            }]))
+            let message = format!("is not a sidecar of a session: {error}");
+            let fault = FileFault::at(path.display().to_string(), (error.line(), error.column()), message);
+            StoreError::Faults(FileFaults(vec![fault]))
         })
     }
 
