@@ -51,11 +51,8 @@ const fn binomial(n: usize, k: usize) -> u128 {
 /// Coefficients c_j of u^(n+j), j = 0 … n−1, of the polynomial I_N(u) on 0…1: `[3, −2]` for N = 2,
 /// `[10, −15, 6]` for N = 3.
 ///
-/// For shaders and other places that want a plain polynomial. They cancel. Evaluated by Horner's
-/// rule, on the whole of 0…1: within 1e-12 up to N = 6 in f64, and within 1e-6 up to N = 3, 1e-5 up
-/// to N = 4 in f32; on 0…½, with I(u) = 1 − I(1−u) above: within 1e-12 up to N = 12 in f64 and
-/// within 1e-6 up to N = 5 in f32. [`Interpolation::value`] has no such limit. Does not compile for
-/// N outside 1…32.
+/// For shaders and other places that want a plain polynomial. The coefficients cancel, the more the larger N is;
+/// [`Interpolation::value`] does not. Does not compile for N outside 1…32.
 #[must_use]
 pub const fn coefficients<const N: usize>() -> [f64; N] {
     const { assert!(N >= 1 && N <= MAX, "depth outside 1…32") }

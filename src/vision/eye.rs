@@ -2,6 +2,8 @@
 
 use std::f64::consts::LN_2;
 
+use crate::light::LinearImage;
+
 /// The eye of a standard observer, adapted to a screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eye {
@@ -79,4 +81,16 @@ impl Channel {
     pub(super) fn passes_log(&self, ratio: f64) -> f64 {
         (-0.5 * (ratio / RATIO.ln()).powi(2)).exp()
     }
+}
+
+/// Luminance of linear light in the primaries of a common screen, 1 for white (IEC 61966-2-1).
+#[must_use]
+pub fn luminance([red, green, blue]: [f32; 3]) -> f64 {
+    0.2126 * f64::from(red) + 0.7152 * f64::from(green) + 0.0722 * f64::from(blue)
+}
+
+/// Luminance of every pixel of an image.
+#[must_use]
+pub fn luminances(image: &LinearImage) -> Vec<f64> {
+    image.data.chunks_exact(3).map(|pixel| luminance([pixel[0], pixel[1], pixel[2]])).collect()
 }

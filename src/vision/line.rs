@@ -5,9 +5,10 @@ use std::{cell::RefCell, f64::consts::PI, sync::Arc};
 use rustfft::{Fft, num_complex::Complex64};
 
 use super::{
-    Border, VisionError,
     band::{Band, FALL_PERIODS, Polarity, Visibility, peak, strength, unmasked},
+    border::Border,
     eye::{ADAPTATION_DEG, Channel, Eye, REACH},
+    fault::{VisionError, check},
     fft::{self, smooth},
 };
 
@@ -106,7 +107,7 @@ impl Line {
     /// # Errors
     /// [`VisionError`] for another number of samples, light that is negative or no number, and all black.
     pub fn see(&self, light: &[f64], border: Border) -> Result<LineView, VisionError> {
-        super::check(light.iter().copied(), self.samples, 1, light.len())?;
+        check(light.iter().copied(), self.samples, 1, light.len())?;
         let spectrum = self.spectrum(light, border);
         let mean = Mean::new(light, self.px_per_deg);
         let length = self.period as f64 / self.px_per_deg;

@@ -296,18 +296,6 @@ fn a_codes_own_light_has_no_noise() {
                 }
             }
         }
-        // Every code meets the smallest and the largest threshold of the mask.
-        let ends = [0, 4095].map(|rank| blue_noise::mask().iter().position(|&r| r == rank).unwrap() as u32);
-        for at in ends.map(|place| (place % 64, place / 64)) {
-            let image = gray(64 * 16, 64 * 16, |x, y| {
-                let code = if (x % 64, y % 64) == at { x / 64 + y / 64 * 16 } else { 0 };
-                quantizer.channel(0).linear(code as u16) as f32
-            });
-            let codes = quantizer.quantize_with(&image, &Dither::BlueNoise);
-            for code in 0..256 {
-                assert_eq!(codes.pixel(code % 16 * 64 + at.0, code / 16 * 64 + at.1)[0], code as u16);
-            }
-        }
     }
 }
 
@@ -573,67 +561,30 @@ fn the_local_mean_of_uniform_fields_is_right() {
     }
 }
 
-/// How long codes stay the same along the ramp.
-#[derive(Debug)]
-struct Runs {
-    /// Longest run of one code, over all rows.
-    longest: usize,
-    /// Median over the rows of the longest run of a row.
-    median: usize,
-    /// Mean run.
-    mean: f64,
-    /// Most columns side by side with one code in all of their pixels: the widest band that is there to
-    /// be seen.
-    band: usize,
-    /// The same in any 64 rows.
-    band_64: usize,
-}
-
-/// Within the ramp, the columns that begin and end in it.
-fn runs(codes: &CodeImage) -> Runs {
+/// Within the ramp: the mean run of one code along a row, and the most columns side by side with one code in all of their
+/// pixels, the widest band that can be seen.
+fn runs(codes: &CodeImage) -> (f64, usize) {
     let columns = (codes.width as usize).div_ceil(10)..codes.width as usize * 9 / 10;
     let rows: Vec<Vec<u16>> = (0..codes.height).map(|y| reds(codes, y)[columns.clone()].to_vec()).collect();
-    let pieces = |row: &[u16]| -> Vec<usize> { row.chunk_by(|a, b| a == b).map(<[u16]>::len).collect() };
-    let mut longest: Vec<usize> = rows.iter().map(|row| pieces(row).into_iter().max().unwrap()).collect();
-    longest.sort_unstable();
-    let all: usize = rows.iter().map(|row| pieces(row).len()).sum();
-    let band = |rows: &[Vec<u16>]| -> usize {
-        let uniform = |x: usize| rows.iter().all(|row| row[x] == rows[0][x]).then(|| rows[0][x]);
-        let columns: Vec<Option<u16>> = (0..rows[0].len()).map(uniform).collect();
-        let same = columns.chunk_by(|a, b| a.is_some() && a == b);
-        same.filter(|piece| piece[0].is_some()).map(<[_]>::len).max().unwrap_or(0)
-    };
-    Runs {
-        longest: longest[longest.len() - 1],
-        median: longest[longest.len() / 2],
-        mean: (rows.len() * columns.len()) as f64 / all as f64,
-        band: band(&rows),
-        band_64: rows.windows(64).map(band).max().unwrap(),
-    }
+    let count: usize = rows.iter().map(|row| row.chunk_by(|a, b| a == b).count()).sum();
+    let uniform = |x: usize| rows.iter().all(|row| row[x] == rows[0][x]).then(|| rows[0][x]);
+    let uniform: Vec<Option<u16>> = (0..columns.len()).map(uniform).collect();
+    let same = uniform.chunk_by(|a, b| a.is_some() && a == b).filter(|piece| piece[0].is_some());
+    let mean = (rows.len() * columns.len()) as f64 / count as f64;
+    (mean, same.map(<[_]>::len).max().unwrap_or(0))
 }
 
-/// The issue asks that the longest run of equal code falls by at least 8 × with blue noise. Of the bands
-/// that are to be seen, columns of one code, that is true. Of the runs within a row it cannot be, with
-/// any dither that decides between the two enclosing codes and is right in the mean: where the ramp
-/// crosses a code's own light, W pixels from the next, the share of pixels that may differ from it i
-/// columns away is i/W. While the sum of these shares over neighboring columns is below 1, some row has
-/// no other code in them: a run of about 2√W. Here W = 12.3 and the sum over 6 columns is at most 9/W:
-/// 13 pixels cannot become fewer than 6, and 8 × needs a W of about 256, an image of 21,000 pixels.
+/// With dither runs are at most a third as long, and with blue noise the widest band at most an eighth as wide.
 #[test]
 fn bands_fall_apart() {
     let asked = ramp(1024, 0.0);
-    let none = runs(&SRGB_8.quantize(&asked));
-    println!("none: {none:?}");
-    assert_eq!((none.longest, none.median, none.band, none.band_64), (13, 13, 13, 13));
+    let (mean, band) = runs(&SRGB_8.quantize(&asked));
+    assert_eq!(band, 13);
     for text in ["ordered", "random", "blue-noise"] {
-        let with = runs(&SRGB_8.quantize_with(&asked, &text.parse().unwrap()));
-        println!("{text}: {with:?}; mean run shorter by {:.1} ×", none.mean / with.mean);
-        assert!(none.mean / with.mean >= 3.0);
-        assert!(with.longest >= 6, "the bound above");
-        if text == "blue-noise" {
-            assert!(8 * with.band <= none.band && 8 * with.band_64 <= none.band_64);
-            assert!(with.median < none.median);
-        }
+        let (with_mean, with_band) = runs(&SRGB_8.quantize_with(&asked, &text.parse().unwrap()));
+        println!("{text}: mean run {mean:.1} → {with_mean:.1}, widest band {band} → {with_band}");
+        assert!(3.0 * with_mean <= mean);
+        assert!(text != "blue-noise" || 8 * with_band <= band);
     }
 }
 

@@ -142,41 +142,14 @@ proptest! {
     }
 }
 
-/// Largest error of the polynomial by Horner's rule, on 0…`end`, in f64 and in f32.
-fn coefficient_errors<const N: usize>(end: f64) -> (f64, f64) {
-    const STEPS: u32 = 4096;
-    let c = coefficients::<N>();
-    let i = Interpolation::new(Depth::finite(N as u32).unwrap());
-    (0..=STEPS).fold((0.0, 0.0), |(worst, worst_f32), step| {
-        let u = end * f64::from(step) / f64::from(STEPS);
-        let u_f32 = u as f32;
-        let value = c.iter().rev().fold(0.0, |sum, c| sum * u + c) * u.powi(N as i32);
-        let value_f32 = c.iter().rev().fold(0f32, |sum, &c| sum * u_f32 + c as f32) * u_f32.powi(N as i32);
-        let error = (value - i.value(u)).abs();
-        let error_f32 = (f64::from(value_f32) - i.value(f64::from(u_f32))).abs();
-        (error.max(worst), error_f32.max(worst_f32))
-    })
-}
-
 #[test]
-fn coefficients_are_exact_and_as_good_as_documented() {
+fn coefficients_are_exact() {
     assert_eq!(coefficients::<1>(), [1.0]);
     assert_eq!(coefficients::<2>(), [3.0, -2.0]);
     assert_eq!(coefficients::<3>(), [10.0, -15.0, 6.0]);
     assert_eq!(coefficients::<4>(), [35.0, -84.0, 70.0, -20.0]);
     const AT_COMPILE_TIME: [f64; 5] = coefficients::<5>();
     assert_eq!(AT_COMPILE_TIME, [126.0, -420.0, 540.0, -315.0, 70.0]);
-    macro_rules! errors { ($end:expr; $($n:literal)*) => { vec![$(($n, coefficient_errors::<$n>($end))),*] }; }
-    for (n, (in_f64, in_f32)) in errors!(1.0; 1 2 3 4 5 6) {
-        assert!(in_f64 <= 1e-12, "N={n} on 0…1: {in_f64}");
-        assert!(in_f32 <= [1e-6, 1e-6, 1e-6, 1e-5, 1.0, 1.0][n - 1], "N={n} on 0…1 in f32: {in_f32}");
-    }
-    for (n, (in_f64, in_f32)) in errors!(0.5; 1 2 3 4 5 6 7 8 9 10 11 12) {
-        assert!(in_f64 <= 1e-12, "N={n} on 0…½: {in_f64}");
-        assert!(n > 5 || in_f32 <= 1e-6, "N={n} on 0…½ in f32: {in_f32}");
-    }
-    // Beyond them the bound is broken: the documentation is not too modest.
-    assert!(errors!(1.0; 7)[0].1.0 > 1e-12 && errors!(0.5; 6)[0].1.1 > 1e-6);
 }
 
 #[test]

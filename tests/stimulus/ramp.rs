@@ -1,5 +1,5 @@
-//! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and the fast path against
-//! the reference.
+//! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and its codes against
+//! its light.
 
 use super::draw::Draw as _;
 use machband::light::{Bits, Depth, LinearImage, Quantizer, Samples, Transfer, TransferTable, Transfers};
@@ -17,17 +17,17 @@ fn quantizers() -> Vec<Quantizer> {
     alike.chain([Quantizer::new(dark_toe, Bits::Eight), Quantizer::new(differing, Bits::Eight)]).collect()
 }
 
-/// The fast path gives the reference's bytes, or says where it does not.
-fn assert_fast_is_reference(band: &MachBand, size: u32, quantizer: &Quantizer) {
-    let fast = band.codes(size, quantizer);
+/// The codes are those of the quantized light; else says where they are not.
+fn assert_codes_are_right(band: &MachBand, size: u32, quantizer: &Quantizer) {
+    let codes = band.codes(size, quantizer);
     let plain = quantizer.quantize(&band.linear(size));
-    if fast == plain {
+    if codes == plain {
         return;
     }
     let place = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
-    let (x, y) = place.into_iter().find(|&(x, y)| fast.pixel(x, y) != plain.pixel(x, y)).unwrap();
-    let (fast, plain) = (fast.pixel(x, y), plain.pixel(x, y));
-    panic!("{band:?}, size {size}, {}: pixel ({x}, {y}) is {fast:?}, not {plain:?}", quantizer.transfers());
+    let (x, y) = place.into_iter().find(|&(x, y)| codes.pixel(x, y) != plain.pixel(x, y)).unwrap();
+    let (found, plain) = (codes.pixel(x, y), plain.pixel(x, y));
+    panic!("{band:?}, size {size}, {}: pixel ({x}, {y}) is {found:?}, not {plain:?}", quantizer.transfers());
 }
 
 fn assert_point_mirrored(a: &LinearImage, b: &LinearImage) {
@@ -35,35 +35,13 @@ fn assert_point_mirrored(a: &LinearImage, b: &LinearImage) {
     assert!(a.data == reversed);
 }
 
-const ORIENTATIONS: [f64; 24] = [
-    0.0,
-    45.0,
-    90.0,
-    135.0,
-    180.0,
-    225.0,
-    270.0,
-    315.0,
-    33.0,
-    26.565,
-    26.565_051_177_077_99,
-    1e-3,
-    89.999,
-    90.001,
-    1e-9,
-    89.0,
-    91.0,
-    -33.0,
-    213.0,
-    147.0,
-    500.7,
-    -1234.5,
-    60.0,
-    63.434_948_823,
+const ORIENTATIONS: [f64; 22] = [
+    0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0, 33.0, 26.565, 1e-3, 89.999, 90.001, 1e-9, 89.0, 91.0, -33.0,
+    213.0, 147.0, 500.7, -1234.5, 60.0,
 ];
 
 #[test]
-fn fast_path_is_the_reference_for_every_orientation_and_shape() {
+fn codes_are_those_of_the_light_for_every_orientation_and_shape() {
     let quantizers = quantizers();
     let color = "1,0.5,0.2".parse().unwrap();
     let mut which = 0;
@@ -85,7 +63,7 @@ fn fast_path_is_the_reference_for_every_orientation_and_shape() {
                     if which % 11 == 0 {
                         band.tanh_k = 10.0;
                     }
-                    assert_fast_is_reference(&band, size, &quantizers[which % quantizers.len()]);
+                    assert_codes_are_right(&band, size, &quantizers[which % quantizers.len()]);
                 }
             }
         }
@@ -95,7 +73,7 @@ fn fast_path_is_the_reference_for_every_orientation_and_shape() {
 /// Orientations whose tangent is a ratio of small numbers, and widths that put steps on pixel
 /// centers.
 #[test]
-fn fast_path_is_the_reference_where_steps_meet_pixel_centers() {
+fn codes_are_those_of_the_light_where_steps_meet_pixel_centers() {
     let linear = Quantizer::new(&Transfer::Linear, Bits::Eight);
     for size in [16, 51, 255, 256] {
         for orientation_deg in [0.0, 45.0, 135.0, 225.0, 0.5f64.atan().to_degrees(), 0.75f64.atan().to_degrees()] {
@@ -105,7 +83,7 @@ fn fast_path_is_the_reference_where_steps_meet_pixel_centers() {
                     let high = f64::from(steps) / 255.0;
                     let band =
                         MachBand { width: width.min(1.0), low: 0.0, high, orientation_deg, ..MachBand::default() };
-                    assert_fast_is_reference(&band, size, &linear);
+                    assert_codes_are_right(&band, size, &linear);
                 }
             }
         }
@@ -114,7 +92,7 @@ fn fast_path_is_the_reference_where_steps_meet_pixel_centers() {
 
 /// The jumps of the infinite depth, and the step, put on pixel centers in rows whose shifts are whole or nearly whole.
 #[test]
-fn fast_path_is_the_reference_where_jumps_meet_pixel_centers() {
+fn codes_are_those_of_the_light_where_jumps_meet_pixel_centers() {
     let srgb = Quantizer::new(&Transfer::Srgb, Bits::Eight);
     for size in [16, 51, 255, 256] {
         for (rise, run) in [(1, 1), (1, 2), (-1, 2), (2, 1), (3, 4), (1, 3), (-2, 3), (1, 200), (80, 1), (67, 1)] {
@@ -125,7 +103,7 @@ fn fast_path_is_the_reference_where_jumps_meet_pixel_centers() {
                 for turn in [0.0, 180.0] {
                     let orientation_deg = orientation_deg + turn;
                     let band = MachBand { width, depth: Depth::Infinite, orientation_deg, ..MachBand::default() };
-                    assert_fast_is_reference(&band, size, &srgb);
+                    assert_codes_are_right(&band, size, &srgb);
                 }
             }
         }
@@ -134,7 +112,7 @@ fn fast_path_is_the_reference_where_jumps_meet_pixel_centers() {
 
 /// A plateau a hair below a threshold, and a ramp so flat at its foot that L's rounding decides where it crosses.
 #[test]
-fn fast_path_is_the_reference_where_rounding_moves_a_step() {
+fn codes_are_those_of_the_light_where_rounding_moves_a_step() {
     let linear = Quantizer::new(&Transfer::Linear, Bits::Eight);
     for code in [1, 20, 64, 100, 127] {
         let threshold = linear.channel(0).threshold(code);
@@ -146,19 +124,19 @@ fn fast_path_is_the_reference_where_rounding_moves_a_step() {
             for depth in [2, 4, 8, 16, 32] {
                 let depth = Depth::Finite(depth);
                 let band = MachBand { width: 1.0, depth, low, high, orientation_deg: 33.0, ..MachBand::default() };
-                assert_fast_is_reference(&band, 256, &linear);
+                assert_codes_are_right(&band, 256, &linear);
             }
         }
     }
 }
 
 #[test]
-fn fast_path_is_the_reference_at_full_size() {
+fn codes_are_those_of_the_light_at_full_size() {
     let srgb = Quantizer::new(&Transfer::Srgb, Bits::Eight);
     for orientation_deg in [33.0, 45.0, 89.0, 89.9, -61.3, 170.0] {
         let band = MachBand { depth: Depth::Finite(3), orientation_deg, ..MachBand::default() };
-        assert_fast_is_reference(&band, 1024, &srgb);
-        assert_fast_is_reference(&band, 1023, &srgb);
+        assert_codes_are_right(&band, 1024, &srgb);
+        assert_codes_are_right(&band, 1023, &srgb);
     }
 }
 
@@ -229,7 +207,7 @@ fn codes_that_a_dark_toe_skips_are_skipped() {
     {
         for depth in (1..=32).map(Depth::Finite) {
             let band = MachBand { width, depth, orientation_deg, low: 0.0, high: 1.0, ..MachBand::default() };
-            assert_fast_is_reference(&band, 93, &quantizer);
+            assert_codes_are_right(&band, 93, &quantizer);
         }
     }
 }
@@ -238,7 +216,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1500))]
 
     #[test]
-    fn fast_path_is_the_reference(
+    fn codes_are_those_of_the_light(
         band in band(),
         size in prop_oneof![1u32..140, Just(255), Just(256)],
         (transfer, gamma) in (0usize..8, 0.1..10.0f64),
@@ -248,7 +226,7 @@ proptest! {
             7 => Quantizer::new(Transfer::gamma(gamma).unwrap(), Bits::Eight),
             other => quantizers().swap_remove(other),
         };
-        assert_fast_is_reference(&band, size, &quantizer);
+        assert_codes_are_right(&band, size, &quantizer);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! How far every place of an image is from where bands do not count.
 
-use super::Picture;
+use super::image::Picture;
 
 /// Distances in pixels.
 pub(super) struct Clear {

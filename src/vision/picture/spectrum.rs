@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::{
-    Picture,
     field::{Field, Grid},
+    image::Picture,
 };
 use crate::vision::{
     eye::{ADAPTATION_DEG, Channel, Eye},
