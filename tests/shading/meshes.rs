@@ -239,16 +239,16 @@ fn faults_of_triangles_are_named() {
     let places = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X * 2.0];
     let message =
         |places: &[DVec3], triangles: &[[u32; 3]]| Mesh::new(places, triangles, 180.0).unwrap_err().to_string();
-    assert_eq!(message(&places, &[]), "there is no triangle; expected at least one");
-    assert_eq!(message(&places, &[[0, 1, 2], [0, 1, 4]]), "face 1 names position 4 of 4; expected one below that");
+    assert_eq!(message(&places, &[]), "the mesh has no triangles; expected at least one");
+    assert_eq!(message(&places, &[[0, 1, 2], [0, 1, 4]]), "face 1 names position 4 of 4; expected a smaller number");
     assert_eq!(
         message(&places, &[[0, 1, 3], [0, 0, 1]]),
-        "none of the 2 triangles has an area; expected at least one that has"
+        "none of the 2 triangles has an area; expected at least one that does"
     );
     for bad in [f64::NAN, f64::INFINITY, 1e31] {
         assert_eq!(
             message(&[DVec3::ZERO, DVec3::X, DVec3::Y * bad], &[[0, 1, 2]]),
-            "position 2 is not finite, or beyond ±1e30; expected three numbers within"
+            "position 2 is not finite or is beyond ±1e30; expected three finite numbers within it"
         );
     }
     assert_eq!(shapes::jittered_grid(0, 3, 0.0, |_, _| 0.0), Err(MeshError::NoTriangles));

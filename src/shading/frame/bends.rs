@@ -1,4 +1,4 @@
-//! How the light bends at the edges of triangles, Bangay §4: what each edge must know of both its triangles.
+//! How the light bends at the edges of triangles, Bangay §4: what each edge must know about both its triangles.
 //!
 //! Corners are A, B, C; the edge opposite A runs from B to C and D is the neighbor's apex across it. All places are
 //! those on the **screen**.
@@ -10,13 +10,13 @@ use super::frame::{Across, Frame};
 /// Least m of [`Bend`]: how near to a corner the foot of an apex is taken to be at least, in edge lengths.
 const LEAST_REACH: f64 = 1.0 / 16.0;
 
-/// What a triangle must know of one of its edges. Computed once a frame by [`bends`].
+/// What a triangle must know about one of its edges. Computed once a frame by [`bends`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bend {
     /// c = I_BC(X) − I_AD(X), X where the lines AD and BC cross on the screen: how far the light at the edge lies above
     /// a straight way from A to D. Raising the slope of the light along w_A by c on both sides makes it one slope. For a
-    /// parallelogram (I_B + I_C − I_A − I_D)/2. Equal bit for bit on both sides of an edge; zero where there is nothing
-    /// to be smooth with; see [`level`] for [`Across::Several`].
+    /// parallelogram (I_B + I_C − I_A − I_D)/2. Equal bit for bit on both sides of an edge; zero where there is no neighbor
+    /// to join smoothly; see [`level`] for [`Across::Several`].
     pub c: DVec3,
     /// s_A: where the perpendicular from the triangle's own apex meets the edge; 0 at corner k+1, 1 at corner k+2.
     pub foot: f64,
@@ -60,8 +60,8 @@ pub fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend
     Some((Bend { c: bend, foot: sa, start, end }, Bend { c: bend, foot: 1.0 - sd, start: end, end: start }))
 }
 
-/// The constants of an edge at which every triangle is to arrive with no slope across: `c = I_BC(s_A) − I_A`. What
-/// edges of three triangles and more get.
+/// The constants of an edge at which every triangle is to arrive with no slope across: `c = I_BC(s_A) − I_A`. Used for
+/// edges of three triangles and more.
 #[must_use]
 pub fn level(a: Corner, b: Corner, c: Corner) -> Bend {
     let s = foot(a.0, b.0, c.0);

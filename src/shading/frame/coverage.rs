@@ -67,8 +67,8 @@ pub fn inside_outlines(frame: &Frame) -> Vec<bool> {
     inside
 }
 
-/// Whether the surface goes on from one triangle at one pixel to another at its neighbor: they share a corner, or are as
-/// far away as their own slopes would have them.
+/// Whether the surface continues from one triangle at one pixel to another at its neighbor: they share a corner, or their
+/// depths agree with their own slopes.
 fn is_joined(frame: &Frame, one: usize, other: usize, here: usize, there: usize) -> bool {
     let corners = [one, other].map(|t| frame.triangles[t].vertices);
     if corners[0].iter().any(|vertex| corners[1].contains(vertex)) {

@@ -1,4 +1,4 @@
-//! A surface seen and lit: all that the shaders need of one frame.
+//! A surface seen and lit: everything that the shaders need for one frame.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -76,7 +76,7 @@ pub enum Across {
         /// Its third vertex D, an index into [`Frame::vertices`].
         apex: u32,
     },
-    /// Nothing to be smooth with: the border of the surface, a crease, or a silhouette (the neighbor looks away, or
+    /// No neighbor to join smoothly: the border of the surface, a crease, or a silhouette (the neighbor faces away, or
     /// lies on the same side of the edge on the screen).
     Nothing,
     /// More than one triangle.
@@ -162,7 +162,7 @@ impl Frame {
         [wa, wb, 1.0 - wa - wb]
     }
 
-    /// The same frame with the vertices' lights encoded for a display: what a renderer that knows nothing of gamma
+    /// The same frame with the vertices' lights encoded for a display: what a renderer that ignores gamma
     /// interpolates. Its picture holds encoded values and is quantized without a transfer function.
     #[must_use]
     pub fn encoded(mut self, transfers: &Transfers) -> Frame {

@@ -1,4 +1,4 @@
-//! A scene in few numbers: what a command, a definition and the pane let people set.
+//! A scene in few numbers: those that a command, a definition and the window can set.
 
 use glam::DVec3;
 
@@ -47,7 +47,7 @@ pub struct Scene {
     pub highlight: Highlight,
     /// m, the exponent of the highlight. Small mirrors have the slope √(2/(m + 2)), as sharp as Blinn's.
     pub shininess: f64,
-    /// Light around the surface, in its color.
+    /// Light around the surface, in the surface's color.
     pub background: f64,
     /// How much of the smaller side of the window the bounding sphere fills.
     pub fill: f64,
@@ -104,7 +104,7 @@ impl Scene {
         }
     }
 
-    /// From where it is seen, in a window of `width` × `height` pixels.
+    /// The view of it in a window of `width` × `height` pixels.
     #[must_use]
     pub fn view(&self, width: u32, height: u32) -> View {
         View { width, height, fill: self.fill, distance: self.distance, ..View::square(1) }.rotated(self.rotate_deg)

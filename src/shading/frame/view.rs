@@ -1,4 +1,4 @@
-//! From where a mesh is seen, and onto how many pixels.
+//! The viewpoint, and the size of the window.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -22,7 +22,7 @@ pub struct View {
 }
 
 impl View {
-    /// A square window of `size` pixels, nine tenths of it filled in parallel projection, nothing turned.
+    /// A square window of `size` pixels, nine tenths of it filled in parallel projection, with no rotation.
     #[must_use]
     pub fn square(size: u32) -> View {
         View { width: size, height: size, rotation: DMat3::IDENTITY, fill: 0.9, distance: f64::INFINITY }

@@ -1,10 +1,10 @@
-//! What a surface does with the light of one lamp.
+//! How a surface reflects the light of one lamp.
 
 use glam::DVec3;
 
 use super::microfacets::Microfacets;
 
-/// What a surface does with light.
+/// How a surface reflects light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// O_d, the diffuse color: of red, green and blue, 0…1.

@@ -52,8 +52,8 @@ impl Creases {
         Creases::of_field_at(frame, STEP, light)
     }
 
-    /// The same with steps that change no weight by more than `step`, 0…1, of the smaller weight at the edge: for
-    /// strips that are narrow.
+    /// The same with steps that change no weight by more than `step`, 0…1, of the smaller weight at the edge, for
+    /// narrow strips.
     fn of_field_at(frame: &Frame, step: f64, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
         let edges = shared_edges(frame)
             .into_par_iter()
@@ -72,20 +72,20 @@ impl Creases {
         Creases::of_field_at(frame, step_within(shade), |triangle, weights| reference.light(triangle, weights))
     }
 
-    /// Those that Gouraud's shader leaves in `frame`, to compare with.
+    /// The creases that Gouraud's shader leaves in `frame`, for comparison.
     #[must_use]
     pub fn of_gouraud(frame: &Frame) -> Creases {
         Creases::of(frame, &Shade::new(Shader::Gouraud))
     }
 
-    /// Those of a picture that shows the light of `shade` through the `decode` of a frame whose lights were encoded.
+    /// The creases of the light that a display sends for a `frame` of encoded lights; `decode` turns values into light.
     #[must_use]
     pub fn of_encoded(frame: &Frame, shade: &Shade, decode: impl Fn(DVec3) -> DVec3 + Sync) -> Creases {
         let reference = Reference::new(frame, shade);
         Creases::of_field_at(frame, step_within(shade), |triangle, weights| decode(reference.light(triangle, weights)))
     }
 
-    /// This rms in units of the `other`'s; `None` where that has no creases but those of rounding, [`NOISE`].
+    /// This rms in units of the `other`'s; `None` where that is only rounding, [`NOISE`].
     #[must_use]
     pub fn over(&self, other: &Creases) -> Option<f64> {
         (other.rms > NOISE).then(|| self.rms / other.rms)
@@ -132,7 +132,7 @@ fn shared_edge(frame: &Frame, t: usize, k: usize) -> Option<SharedEdge> {
     })
 }
 
-/// All of them, each once.
+/// Every shared edge, once.
 fn shared_edges(frame: &Frame) -> Vec<SharedEdge> {
     let of_triangles = (0..frame.triangles.len()).flat_map(|t| [0, 1, 2].map(|k| shared_edge(frame, t, k)));
     of_triangles.flatten().filter(|edge| edge.triangles[0] < edge.triangles[1]).collect()
@@ -145,7 +145,7 @@ const POINTS: usize = 6;
 /// steps wide; rounding is still ten digits below the slope.
 pub(super) const STEP: f64 = 1e-5;
 
-/// Jumps that are none: what rounding makes of a field without creases, linear light per pixel.
+/// The largest jump that rounding makes of a field without creases, linear light per pixel.
 pub const NOISE: f64 = 1e-9;
 
 /// A step that fits into the strips of `shade` many times. Below b = 1e-6 rounding would take over.
@@ -190,7 +190,7 @@ impl SharedEdge {
         let (along, up) = (corners[j] - corners[i], corners[k] - corners[i]);
         let foot = up.dot(along) / along.length_squared();
         let height = along.perp_dot(up).abs() / along.length();
-        // Per pixel along the normal: w_k grows by 1/height, and the others pay according to where its foot is.
+        // Per pixel along the normal: w_k grows by 1/height, at the cost of the others according to where its foot is.
         let rates = (-(1.0 - foot) / height, -foot / height);
         let fastest = rates.0.abs().max(rates.1.abs()).max(1.0 / height);
         let h = step * s.min(1.0 - s) / fastest;

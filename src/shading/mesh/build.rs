@@ -14,17 +14,17 @@ pub const LARGEST_COORDINATE: f64 = 1e30;
 /// Why triangles are not a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
-    /// There is nothing to show.
-    #[error("there is no triangle; expected at least one")]
+    /// No triangles.
+    #[error("the mesh has no triangles; expected at least one")]
     NoTriangles,
-    /// There is nothing to see.
-    #[error("none of the {0} triangles has an area; expected at least one that has")]
+    /// No triangle has an area.
+    #[error("none of the {0} triangles has an area; expected at least one that does")]
     NoArea(usize),
-    /// A place is not a place.
-    #[error("position {0} is not finite, or beyond ±1e30; expected three numbers within")]
+    /// A position that is not a place.
+    #[error("position {0} is not finite or is beyond ±1e30; expected three finite numbers within it")]
     NotFinite(usize),
     /// A face has a corner that does not exist.
-    #[error("face {face} names position {index} of {positions}; expected one below that")]
+    #[error("face {face} names position {index} of {positions}; expected a smaller number")]
     OutOfRange {
         /// Which face, from 0.
         face: usize,
@@ -33,7 +33,7 @@ pub enum MeshError {
         /// How many positions there are.
         positions: usize,
     },
-    /// More than can be indexed.
+    /// Too many to be indexed.
     #[error("{positions} positions and {faces} faces are too many; expected at most {most} of each", most = MOST)]
     TooMany {
         /// How many positions.
@@ -63,7 +63,7 @@ impl Polygons {
         all
     }
 
-    /// Adds one, by its corners' sites and unit normals. One with fewer than three corners shows nothing.
+    /// Adds one, by its corners' sites and unit normals. A polygon with fewer than three corners shows nothing.
     pub fn push(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>)>) {
         for (site, normal) in corners {
             if normal.is_some() && !self.has_normals {
@@ -123,7 +123,7 @@ impl Mesh {
                 }
             }
         }
-        // Where all are given, averages are not worth the search for creases.
+        // Where all normals are given, the search for creases is not worth its time.
         let all_given = polygons.has_normals && given.iter().flatten().all(Option::is_some);
         let crease_deg = if all_given { 180.0 } else { crease_deg };
         let mesh = averaged(&Faced { positions, triangles: &triangles, normals, faces: Some(&faces) }, crease_deg)?;

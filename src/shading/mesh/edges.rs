@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::mesh::Mesh;
 
-/// What an edge is, whatever the view.
+/// The kind of an edge, independent of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeKind {
     /// Two triangles that share both vertices, normals and all.
@@ -13,8 +13,8 @@ pub enum EdgeKind {
     Crease,
     /// One triangle only.
     Border,
-    /// Three triangles or more, or two that go round it in the same sense; or none but triangles that name one place
-    /// twice, which have no sides.
+    /// Three triangles or more, or two with opposite windings; or only triangles that name one place twice, which have
+    /// no sides.
     NonManifold,
 }
 
@@ -24,9 +24,9 @@ pub struct Edge {
     /// The two sites at its ends, the lower first.
     pub sites: [u32; 2],
     /// The triangles at it, and which corner of each is opposite the edge. Triangles that name one site twice are left
-    /// out: they have no area in any view, and must not come between two that have.
+    /// out: they have no area in any view, and must not separate two that have one.
     pub sides: Vec<(u32, u8)>,
-    /// What it is.
+    /// Its kind.
     pub kind: EdgeKind,
 }
 
@@ -62,7 +62,7 @@ impl Edges {
         all
     }
 
-    /// The edges among triangles given by their sites; none of them is told apart yet.
+    /// The edges among triangles given by their sites; their kinds are not known yet.
     pub(super) fn among(triangles: impl ExactSizeIterator<Item = [u32; 3]>) -> Edges {
         let likely = triangles.len() * 3 / 2 + 3;
         let mut index: HashMap<[u32; 2], u32> = HashMap::with_capacity(likely);

@@ -27,7 +27,7 @@ pub fn newell(corners: &[DVec3]) -> DVec3 {
         let (p, q) = (at(i), at(if i + 1 == corners.len() { 0 } else { i + 1 }));
         sum += DVec3::new((p.y - q.y) * (p.z + q.z), (p.z - q.z) * (p.x + q.x), (p.x - q.x) * (p.y + q.y));
     }
-    // Below this, what is left is rounding.
+    // Anything smaller is rounding.
     if sum.length() > 1e-14 { sum.normalize() } else { DVec3::ZERO }
 }
 
@@ -82,8 +82,8 @@ pub(super) fn averaged(faced: &Faced, crease_deg: f64) -> Mesh {
                     }
                     return *at;
                 }
-                // Faces that look in opposite directions have no normal between them: each keeps its own. What has
-                // no area is never lit, but its normal must be one.
+                // Faces that look in opposite directions have no mean normal: each keeps its own. A face without area
+                // is never lit, but needs some normal.
                 let normal = if own == DVec3::ZERO { DVec3::Z } else { own };
                 *lone.entry((group, normal.to_array().map(f64::to_bits))).or_insert_with(|| push(normal))
             })
@@ -92,8 +92,8 @@ pub(super) fn averaged(faced: &Faced, crease_deg: f64) -> Mesh {
     Mesh { vertices, triangles }
 }
 
-/// For each corner the fan of faces around its site that it belongs to, named by one of the fan's corners. A fan goes
-/// on across every edge at which the faces make no more than `crease_deg` degrees, so that two triangles on either
+/// For each corner the fan of faces around its site that it belongs to, named by one of the fan's corners. A fan continues
+/// across every edge at which the faces make no more than `crease_deg` degrees, so that two triangles on either
 /// side of such an edge share the vertices at both its ends.
 fn fans(triangles: &[[u32; 3]], normals: &[DVec3], crease_deg: f64) -> Vec<u32> {
     // The tolerance keeps the two triangles of a flat quad together at 0°.
@@ -131,13 +131,13 @@ fn root(parent: &mut [u32], mut at: u32) -> u32 {
     at
 }
 
-/// Given normals of one place that are no farther apart than this are one normal: files round theirs.
+/// Given normals of one place that are no farther apart than this are one normal, because files round theirs.
 const SAME_DEG: f64 = 0.1;
 
 /// How many of a place's normals, the newest first, a further one is compared with: a fan of any size stays fast.
 const COMPARED: usize = 64;
 
-/// `mesh` with the normals that are `given` for the corners of its triangles in the place of its own. Corners without
+/// `mesh` with the normals that are `given` for the corners of its triangles in place of its own. Corners without
 /// one keep theirs.
 pub(super) fn replaced(mesh: &Mesh, given: &[[Option<DVec3>; 3]]) -> Mesh {
     let least_cosine = SAME_DEG.to_radians().cos();

@@ -6,10 +6,10 @@ use glam::{DVec2, DVec3};
 
 use super::normals;
 
-/// The triangles of a polygon, as indices into its corners, in its own sense of going round: always two fewer than it
+/// The triangles of a polygon, as indices into its corners, in its own winding: always two fewer than it
 /// has corners, none for fewer than three corners. A convex polygon becomes a fan around its first corner; a concave
-/// one is cut ear by ear on its Newell plane, in time quadratic in its corners; one that crosses itself, or has no
-/// area, becomes a fan where no ear is left.
+/// one is cut ear by ear on its Newell plane, in time quadratic in its corners; one that crosses itself or has no
+/// area becomes a fan where no ear is left.
 #[must_use]
 pub fn triangulated(corners: &[DVec3]) -> Vec<[u32; 3]> {
     let count = corners.len();

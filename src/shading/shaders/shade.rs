@@ -6,7 +6,7 @@ use crate::{
 };
 
 named! {
-    /// The ladder, from flat to smooth everywhere.
+    /// The shaders, from flat to smooth everywhere.
     Shader, ShaderError {
         /// One light a triangle, that of its own normal.
         Flat = "flat",
@@ -32,7 +32,7 @@ named! {
 }
 
 named! {
-    /// Whether a correction of Bangay's is made, and how.
+    /// Whether and how one of Bangay's corrections is made.
     Correction, CorrectionError {
         /// Not made.
         Off = "off",

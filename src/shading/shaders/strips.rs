@@ -8,7 +8,7 @@ use crate::shading::number::{Number, select};
 /// The other two corners, in order.
 pub const OTHERS: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
-/// What narrows a strip of no width to nothing instead of dividing by it.
+/// Stands for the width of a strip that has none, so that nothing is divided by zero.
 pub const NARROWEST: f64 = 1e-30;
 
 /// φ(x) = x − x²/4 below 2, where it reaches 1 with slope 0; 1 beyond; 0 for negative x. φ(x) ≤ x.

@@ -79,8 +79,8 @@ impl<T: Constant, const C: usize> Fans<T, C> {
     /// I_e), I_e mixed from I_B and I_C by squared weights; and it gives way to `value` with ρ = √(1−d_A), which both
     /// triangles at an edge share, over the radius 2·min(b, ¼): value + Σ q·(1 − I_n(ρ/radius))·(I_V − value).
     ///
-    /// At angles above 120° the radius reaches beyond the opposite edge, where the neighbor knows nothing of it. There
-    /// q = I_2(4·w_A), which is 1 for w_A ≥ ¼, ends it with the edge.
+    /// At angles above 120° the radius reaches beyond the opposite edge, where the neighbor does not continue it. There
+    /// q = I_2(4·w_A), which is 1 for w_A ≥ ¼, ends it at the edge.
     ///
     /// Uniform light stays uniform, and C1 across edges stays C1.
     #[inline(always)]

@@ -18,7 +18,7 @@ pub(super) trait Rows<const C: usize>: Sync {
     /// The row of `triangle` whose first pixel is in column `x` of row `y`.
     fn row(&self, triangle: u32, x: u32, y: u32) -> Self::Row;
 
-    /// The light of a few of its pixels; whatever it likes for those not wanted.
+    /// The light of a few of its pixels; any values for those that are not wanted.
     fn light<S: Simd>(&self, row: &Self::Row, chunk: Chunk<S>) -> [Lanes<S>; C];
 }
 
@@ -131,7 +131,7 @@ impl Band<'_> {
 
     /// Finds the spans of the triangles, and fills `C` channels with the background.
     ///
-    /// Returns whether any pixel is covered twice: if not, nothing is hidden and depth need not be looked at.
+    /// Returns whether any pixel is covered twice: if not, nothing is hidden, and depths are not compared.
     #[inline(always)]
     fn begin<const C: usize>(&self, scratch: &mut Scratch) -> bool {
         let width = self.frame.width;
@@ -165,7 +165,7 @@ impl Band<'_> {
         twice != 0
     }
 
-    /// Draws the triangles: their light comes to lie in `scratch.light`.
+    /// Draws the triangles: their light is left in `scratch.light`.
     pub fn paint<const C: usize, R: Rows<C>>(&self, rows: &R, scratch: &mut Scratch, arch: Arch) {
         arch.dispatch(Paint { rows, band: self, scratch });
     }
@@ -207,7 +207,7 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
         let mut spans = spans.iter();
         for &triangle in band.triangles {
             let Some((_, first, end)) = band.rows(triangle) else { continue };
-            // Zeros, not nothing: a compiler may compute with what is not there, and what lies in its place can be slow.
+            // Zeros rather than uninitialized memory: the compiler may compute with them, and odd values can be slow.
             let depths = if overlap { coverage::depths(band.frame, triangle as usize) } else { Planes::ZERO };
             for y in first..end {
                 let Some(&(left, right)) = spans.next() else { return };
@@ -228,7 +228,7 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
                     } else {
                         steps.below(Lanes::splat(simd, (right - left) as f32))
                     };
-                    // Hidden pixels are not even shaded.
+                    // Hidden pixels are not shaded.
                     if !overlap || Lanes::any(wanted) {
                         let values: [Lanes<S>; C] = rows.light(&row, Chunk { steps, first, count });
                         for c in 0..C {

@@ -83,7 +83,7 @@ impl<'f> Prepared<'f> {
     }
 
     /// Draws codes into `pixels`: red, green, blue and an opaque alpha of every pixel, row by row from the top left,
-    /// 4 · width · height bytes. Of a shorter slice, the rows that fit; bytes beyond are left as they are.
+    /// 4 · width · height bytes. A shorter slice gets the rows that fit; bytes beyond the picture stay unchanged.
     pub fn codes(&self, encoder: &Encoder, pixels: &mut [u8]) {
         self.draw(Arch::new(), encoder, pixels);
     }

@@ -12,7 +12,7 @@ use crate::{
     shading::{Frame, Shade},
 };
 
-/// Draws frames with a device that may be somebody else's, into textures of one format.
+/// Draws frames with a device that it may share, into textures of one format.
 #[derive(Debug)]
 pub struct Gpu {
     device: wgpu::Device,

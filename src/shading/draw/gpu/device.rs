@@ -1,4 +1,4 @@
-//! What a graphics card must have, and what can go wrong with it.
+//! The requirements on a graphics card, and its errors.
 
 /// Storage buffers that a stage reads.
 const STORAGE_BUFFERS: u32 = 4;
@@ -6,10 +6,10 @@ const STORAGE_BUFFERS: u32 = 4;
 /// Why a card does not draw.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
-    /// The card, or the device that was made of it, cannot read what the shaders read.
+    /// The device has too few storage buffers for the shaders.
     #[error("the graphics device gives a shader {0} storage buffers; expected at least {STORAGE_BUFFERS}")]
     NoStorage(u32),
-    /// More than the card takes.
+    /// More than the card accepts.
     #[error("{what} of {size} is too large for the graphics device; expected at most {most}")]
     TooLarge {
         /// What is too large: `a side`, in pixels, `a buffer`, in bytes, or `a number of lamps`.
@@ -37,7 +37,7 @@ pub(super) fn check(device: &wgpu::Device) -> Result<(), GpuError> {
     if buffers < STORAGE_BUFFERS { Err(GpuError::NoStorage(buffers)) } else { Ok(()) }
 }
 
-/// What `make` makes; an error, not a panic, where the device refuses it.
+/// The result of `make`; an error, not a panic, if the device refuses it.
 pub(super) fn guarded<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, GpuError> {
     let filters = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation];
     let mut scopes = filters.map(|filter| Some(device.push_error_scope(filter)));

@@ -131,8 +131,8 @@ fn pack_lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
     }
 }
 
-/// The points of the transfer table, if it is one; of gain, offset and gamma, so many that the straight lines between
-/// them are less than a tenth of a code off.
+/// The points of the transfer table, if it is one. Gain, offset and gamma get enough points that the straight lines
+/// between them are less than a tenth of a code off.
 pub fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
     let points: Vec<[f64; 2]> = match transfer {
         Transfer::Table(table) => table.linear().iter().zip(table.encoded()).map(|(l, e)| [*l, *e]).collect(),
@@ -175,7 +175,7 @@ pub const fn rows(shader: Shader) -> u32 {
     }
 }
 
-/// What the shader needs of each triangle beside its vertices: [`rows`] each.
+/// What the shader needs to know about each triangle in addition to its vertices: [`rows`] each.
 pub fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
     let triangles = 0..frame.triangles.len();
     match shade.shader {
@@ -201,8 +201,8 @@ fn cut(edges: &[Bend; 3]) -> [[f32; 4]; 6] {
     [a, b, c, d, e, f]
 }
 
-/// The ordinates from which the others follow, beside the corners' lights: toward the next corners, toward those
-/// after, and the middles.
+/// The ordinates from which, with the corners' lights, all others follow: toward the next corners, toward those after,
+/// and the middles.
 fn ordinates(points: &ControlPoints) -> [[f32; 4]; 9] {
     [3, 5, 7, 4, 6, 8, 12, 13, 14].map(|at| four(points[at], 0.0))
 }

@@ -58,7 +58,7 @@ impl Shape {
 }
 
 /// The mesh of `shape` with `vertices` places: exactly so many for the blob, about so many for sphere and torus, whose
-/// triangles would lose their shape otherwise; cube and pyramid have 8 whatever is asked for.
+/// triangles would otherwise be distorted; cube and pyramid always have 8.
 ///
 /// # Errors
 /// [`ShapeError`] outside [`Shape::least_vertices`]…[`MOST_VERTICES`].
