@@ -95,3 +95,13 @@ pub fn grid(n: usize, size: f64, jitter: f64, seed: u64) -> (Vec<DVec2>, Vec<[u3
     }
     (places, triangles)
 }
+
+/// Whether a triangle holds a place, on a left or top edge too. Exact: places are multiples of 1/256 pixel.
+pub fn covers(frame: &Frame, triangle: usize, p: DVec2) -> bool {
+    let [a, b, c] = frame.corners(triangle).map(|v| v.screen);
+    [(b, c), (c, a), (a, b)].into_iter().all(|(from, to)| {
+        let owns = to.y > from.y || (to.y == from.y && to.x < from.x);
+        let area = Frame::area2(p, from, to);
+        area > 0.0 || (area == 0.0 && owns)
+    })
+}

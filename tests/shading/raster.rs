@@ -1,11 +1,13 @@
 //! Drawing in lanes of f32 against the f64 reference: the same pixels, the same light, whatever the threads.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use machband::light::{Depth, LinearImage, Transfer};
 use machband::shading::{
     Correction, Encoder, Frame, Gradients, Lamp, LampPlace, Lighting, Mesh, Prepared, Reference, Shade, Shader,
     Specular, Surface, View, coverage, shapes,
 };
+
+use crate::plane::covers;
 
 /// A number within −1…1 that looks random.
 fn noise(seed: u32) -> f64 {
@@ -168,8 +170,20 @@ fn every_pixel_shows_the_triangle_that_is_seen_there() {
             triangle.vertices = [3 * t, 3 * t + 1, 3 * t + 2];
         }
         frame.background = DVec3::splat(-1.0);
-        let expected: Vec<f32> =
-            coverage::visible(&frame).iter().map(|t| if *t == coverage::NONE { -1.0 } else { *t as f32 }).collect();
+        let seen_at = |x: u32, y: u32| {
+            let p = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+            let mut seen = (f64::INFINITY, coverage::NONE);
+            for t in (0..frame.triangles.len()).filter(|t| covers(&frame, *t, p)) {
+                let depths = frame.corners(t).map(|v| v.depth);
+                let depth = frame.weights(t, p).iter().zip(depths).map(|(w, depth)| w * depth).sum();
+                seen = if depth < seen.0 { (depth, t as u32) } else { seen };
+            }
+            seen.1
+        };
+        let visible: Vec<u32> =
+            (0..frame.height).flat_map(|y| (0..frame.width).map(move |x| (x, y))).map(|(x, y)| seen_at(x, y)).collect();
+        assert!(coverage::visible(&frame) == visible, "{name}");
+        let expected: Vec<f32> = visible.iter().map(|t| if *t == coverage::NONE { -1.0 } else { *t as f32 }).collect();
         let image = drawn(&frame, &Shade::new(Shader::Gouraud));
         let seen: Vec<f32> = image.data.iter().step_by(3).copied().collect();
         assert!(seen == expected, "{name}");

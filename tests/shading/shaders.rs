@@ -511,16 +511,6 @@ fn quadratic_goes_through_vertices_and_middles() {
     }
 }
 
-/// Whether a triangle holds a place, on a left or top edge too. Exact: places are multiples of 1/256 pixel.
-fn covers(frame: &Frame, triangle: usize, p: DVec2) -> bool {
-    let [a, b, c] = frame.corners(triangle).map(|v| v.screen);
-    [(b, c), (c, a), (a, b)].into_iter().all(|(from, to)| {
-        let owns = to.y > from.y || (to.y == from.y && to.x < from.x);
-        let area = Frame::area2(p, from, to);
-        area > 0.0 || (area == 0.0 && owns)
-    })
-}
-
 #[test]
 fn each_pixel_of_a_surface_belongs_to_one_triangle() {
     // Vertices on pixel centers, and in steps of 1/256.
@@ -534,7 +524,7 @@ fn each_pixel_of_a_surface_belongs_to_one_triangle() {
     for y in 0..200u32 {
         for x in 0..200u32 {
             let p = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let holders: Vec<usize> = (0..50).filter(|t| covers(&grid, *t, p)).collect();
+            let holders: Vec<usize> = (0..50).filter(|t| plane::covers(&grid, *t, p)).collect();
             let triangle = seen[(y * 200 + x) as usize];
             if (22..178).contains(&x) && (22..178).contains(&y) {
                 assert_eq!(holders, [triangle as usize], "({x}, {y})");
