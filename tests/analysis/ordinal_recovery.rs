@@ -1,10 +1,7 @@
-//! Known effects, found again: how often 95 % intervals cover the truth over simulated studies of the design of
-//! bangay2003. Takes seconds in a release build:
-//!
-//!     cargo test --release --test ordinal_recovery -- --ignored --nocapture
+//! Known effects of simulated studies of the design of bangay2003, found again.
 
 use machband::analysis::{
-    Model, ModelSpec, Random,
+    ModelSpec, Random,
     counts::{Counts, CountsBuilder},
     fit,
     terms::Terms,
@@ -50,79 +47,24 @@ fn truth(name: &str) -> f64 {
     found.unwrap()
 }
 
-/// Intervals that cover, and all.
-#[derive(Default)]
-struct Coverage {
-    covered: [usize; 3],
-    all: [usize; 3],
-    sds: Vec<f64>,
-    errors: f64,
-}
-
-impl Coverage {
-    fn count(&mut self, kind: usize, estimate: f64, se: f64, truth: f64) {
-        self.covered[kind] += usize::from((estimate - truth).abs() <= 1.959_963_985 * se);
-        self.all[kind] += 1;
-    }
-
-    fn add(&mut self, model: &Model, sd: f64) {
-        assert!(model.converged() && model.gradient < 1e-6);
-        for coefficient in &model.coefficients {
-            self.count(0, coefficient.estimate, coefficient.se.unwrap(), truth(&coefficient.name));
-            self.errors += coefficient.estimate - truth(&coefficient.name);
-        }
-        for (threshold, truth) in model.thresholds.iter().zip(THRESHOLDS) {
-            self.count(1, threshold.estimate, threshold.se.unwrap(), truth);
-        }
-        if let Some(random) = &model.random {
-            self.sds.push(random.sd);
-            self.count(2, random.sd, random.se.unwrap_or(0.0), sd);
-        }
-    }
-
-    fn rate(&self, kind: usize) -> f64 {
-        self.covered[kind] as f64 / self.all[kind] as f64
-    }
-}
-
-fn recover(studies: usize, subjects: usize, sd: f64, random: Random, nodes: usize, seed: u64) -> Coverage {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let terms = Terms::factors(&["width", "depth", "orientation_deg"]);
-    let spec = ModelSpec { random, quadrature: nodes, ..ModelSpec::new(terms) };
-    let mut coverage = Coverage::default();
-    for _ in 0..studies {
-        coverage.add(&fit(&study(subjects, sd, &mut rng), &spec).unwrap(), sd);
-    }
-    println!(
-        "{random:?}, sd {sd}, {nodes} nodes, {studies} studies of {subjects}: effects {:.4} of {}, thresholds {:.3}, sd {:.3}; mean error {:.4}, mean sd {:.3}",
-        coverage.rate(0),
-        coverage.all[0],
-        coverage.rate(1),
-        coverage.rate(2),
-        coverage.errors / coverage.all[0] as f64,
-        coverage.sds.iter().sum::<f64>() / coverage.sds.len().max(1) as f64,
-    );
-    coverage
-}
-
-#[test]
-#[ignore = "seconds of simulation: figures for the report"]
-fn intervals_cover_true_effects_as_often_as_they_say() {
-    for coverage in [
-        recover(200, 8, 0.0, Random::None, 1, 1),
-        recover(200, 8, 0.6, Random::Subject, 1, 2),
-        recover(200, 8, 0.6, Random::Subject, 10, 2),
-    ] {
-        assert!((0.93..0.97).contains(&coverage.rate(0)), "{}", coverage.rate(0));
-    }
-    // Leaving out the subjects' variance where there is some biases the effects towards 0.
-    recover(200, 8, 0.6, Random::None, 1, 2);
-}
-
-/// The same with few studies, for every run of the tests.
+/// Over a few studies, 95 % intervals of the effects cover the truth about as often as they say, and the estimates are
+/// not biased.
 #[test]
 fn a_few_studies_recover_their_effects() {
-    let coverage = recover(12, 8, 0.6, Random::Subject, 1, 3);
-    assert!((0.88..0.995).contains(&coverage.rate(0)), "{}", coverage.rate(0));
-    assert!((coverage.errors / coverage.all[0] as f64).abs() < 0.05);
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let terms = Terms::factors(&["width", "depth", "orientation_deg"]);
+    let spec = ModelSpec { random: Random::Subject, ..ModelSpec::new(terms) };
+    let (mut covered, mut all, mut errors) = (0.0, 0.0, 0.0);
+    for _ in 0..12 {
+        let model = fit(&study(8, 0.6, &mut rng), &spec).unwrap();
+        assert!(model.converged() && model.gradient < 1e-6);
+        for coefficient in &model.coefficients {
+            let error = coefficient.estimate - truth(&coefficient.name);
+            covered += f64::from(u8::from(error.abs() <= 1.959_963_985 * coefficient.se.unwrap()));
+            errors += error;
+            all += 1.0;
+        }
+    }
+    assert!((0.88..0.995).contains(&(covered / all)), "{covered} of {all}");
+    assert!((errors / all).abs() < 0.05, "{errors} over {all}");
 }
