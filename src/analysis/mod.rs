@@ -23,6 +23,7 @@ mod ordinal;
 pub mod power;
 pub mod rank_tests;
 pub mod results;
+pub mod retest;
 pub mod summary;
 pub mod times;
 

@@ -2,9 +2,10 @@
 //! with versions, are in `tests/golden/ordinal/ranks.csv` and `scripts/golden_ordinal.py`.
 
 use machband::analysis::{
-    agreement::{Retest, ordinal_alpha},
+    agreement::ordinal_alpha,
     bootstrap::Bootstrap,
     rank_tests::{PMethod, SubjectMeans, friedman, pairs, wilcoxon},
+    retest::Retest,
 };
 
 use crate::golden::{counts, read};

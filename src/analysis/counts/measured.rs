@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::table::{CountRow, Counts, Factor};
-use crate::analysis::{agreement::Retest, levels, times::Times};
+use crate::analysis::{levels, retest::Retest, times::Times};
 
 /// The ratings of a study.
 #[derive(Clone, Debug, Default, PartialEq)]

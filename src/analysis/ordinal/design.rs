@@ -15,7 +15,7 @@ use crate::analysis::frame::{Frame, Resolved};
 
 /// One column of a design matrix.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::analysis) struct Column {
+pub(crate) struct Column {
     /// R's name of the coefficient.
     pub name: String,
     /// Index of the term in [`Design::terms`].
@@ -26,7 +26,7 @@ pub(in crate::analysis) struct Column {
 
 /// The columns of some terms.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::analysis) struct Design {
+pub(crate) struct Design {
     pub terms: Terms,
     pub columns: Vec<Column>,
     /// Columns that were left out because others say the same.

@@ -158,7 +158,7 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
 }
 
 /// The linear predictor of each of these conditions, thresholds apart.
-pub(in crate::analysis) fn predictors(fitted: &Fitted, conditions: &[u32]) -> Vec<f64> {
+pub(crate) fn predictors(fitted: &Fitted, conditions: &[u32]) -> Vec<f64> {
     let estimates = estimates(fitted);
     let coefficients = estimates.rows(fitted.frame.categories.len() - 1, fitted.x.columns.len());
     let x = fitted.x.matrix(conditions);
@@ -166,10 +166,7 @@ pub(in crate::analysis) fn predictors(fitted: &Fitted, conditions: &[u32]) -> Ve
 }
 
 /// The scalar product, where nothing of something infinite is nothing.
-pub(in crate::analysis) fn finite_product<'a>(
-    weights: impl Iterator<Item = &'a f64>,
-    values: impl Iterator<Item = &'a f64>,
-) -> f64 {
+pub(crate) fn finite_product<'a>(weights: impl Iterator<Item = &'a f64>, values: impl Iterator<Item = &'a f64>) -> f64 {
     weights.zip(values).filter(|(weight, _)| weight.abs() > 1e-12).map(|(weight, value)| weight * value).sum()
 }
 
@@ -219,6 +216,6 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
 }
 
 /// The two-sided probability of a standard normal z.
-pub(in crate::analysis) fn two_sided(z: f64) -> f64 {
+pub(crate) fn two_sided(z: f64) -> f64 {
     statrs::function::erf::erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)
 }

@@ -20,7 +20,7 @@ use super::{
 use crate::analysis::{counts::Counts, frame::Frame};
 
 /// Everything about a fit that the tests need again.
-pub(in crate::analysis) struct Fitted<'a> {
+pub(crate) struct Fitted<'a> {
     pub(super) frame: Frame<'a>,
     pub(super) spec: ModelSpec,
     pub(super) notes: Vec<Note>,
@@ -34,11 +34,7 @@ pub(in crate::analysis) struct Fitted<'a> {
 
 /// Fits a model, with another baseline where the first has no finite estimates. The standard errors of a mixed model,
 /// which take as long as its estimates, only with `errors`.
-pub(in crate::analysis) fn fit_counts<'a>(
-    counts: &'a Counts,
-    spec: &ModelSpec,
-    errors: bool,
-) -> Result<Fitted<'a>, ModelError> {
+pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
     if spec.random == Random::Subject && !(1..=quadrature::MOST_NODES).contains(&spec.quadrature) {
         return Err(ModelError::Quadrature { nodes: spec.quadrature, most: quadrature::MOST_NODES });
     }

@@ -72,7 +72,7 @@ pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, 
 
 /// Likelihood-ratio tests against the model without each term. A term that is part of an interaction of the model is
 /// not tested: the model without it would be the same one (R's `drop1`).
-pub(in crate::analysis) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
+pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let mut tests = Vec::new();
     for part in [Part::Location, Part::Scale] {
         let terms = if part == Part::Location { &full.spec.terms } else { &full.spec.scale };
@@ -151,6 +151,6 @@ impl TermTest {
 }
 
 /// P(χ² > x).
-pub(in crate::analysis) fn chi_squared_tail(x: f64, df: usize) -> f64 {
+pub(crate) fn chi_squared_tail(x: f64, df: usize) -> f64 {
     if x <= 0.0 { 1.0 } else { statrs::function::gamma::gamma_ur(df as f64 / 2.0, x / 2.0) }
 }

@@ -81,7 +81,10 @@ fn mean_gradient(model: &Model, values: &[f64], bounds: &[f64], scale: f64, x: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::{Link, ModelSpec, counts::CountsBuilder, fit_with_tests, terms::Terms};
+    use crate::analysis::{
+        counts::CountsBuilder,
+        ordinal::{estimates::report, fitting::fit_counts, link::Link, model::ModelSpec, terms::Terms},
+    };
 
     fn predict(spec: &ModelSpec) -> Vec<Prediction> {
         let mut builder = CountsBuilder::new(&["width"]);
@@ -90,7 +93,9 @@ mod tests {
                 builder.add("S1", &[width], &rating.to_string(), count).unwrap();
             }
         }
-        fit_with_tests(&builder.finish(), spec).unwrap().predictions
+        let counts = builder.finish();
+        let fitted = fit_counts(&counts, spec, true).unwrap();
+        predictions(&fitted, &report(&fitted))
     }
 
     /// A model without terms has the proportions of the ratings, and the binomial error of the mean.

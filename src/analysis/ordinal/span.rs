@@ -6,7 +6,7 @@ use nalgebra::{DVector, DVectorView};
 const TOLERANCE: f64 = 1e-7;
 
 /// An orthonormal basis.
-pub(in crate::analysis) struct Span {
+pub(crate) struct Span {
     pub basis: Vec<DVector<f64>>,
 }
 

@@ -21,4 +21,4 @@ mod presets;
 mod scan;
 
 pub use comparison::{Comparison, MeshChoice, title};
-pub(in crate::app) use page::ShadingPage;
+pub(crate) use page::ShadingPage;
