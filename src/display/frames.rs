@@ -1,4 +1,4 @@
-//! The screen's refresh and the frames that met it: without a clock, the times come in.
+//! The screen's refresh and the frames that met it. There is no clock in here: times are arguments.
 //!
 //! A frame is judged by the interval to the next one. Durations are held to whole refreshes, since a picture can change
 //! only with one.
@@ -9,7 +9,7 @@ use std::time::Duration;
 pub const DROPPED_ABOVE: f64 = 1.5;
 /// Intervals that an estimate of the refresh needs at least.
 pub const ESTIMATE_LEAST: usize = 30;
-/// Longer intervals, in refreshes, are no dropped frames but interruptions, and say nothing of the refresh.
+/// Longer intervals, in refreshes, are not dropped frames but interruptions, and say nothing about the refresh.
 const ESTIMATE_LONGEST: f64 = 8.5;
 /// Share of the intervals that must be of one refresh for an estimate.
 const ESTIMATE_STEADY: f64 = 0.7;
@@ -21,14 +21,14 @@ const HELD_JITTER: f64 = 0.1;
 const HELD_LONG: f64 = 0.01;
 /// Longest refresh that frames are taken to be held to, seconds: slower ones wait for something else.
 const ESTIMATE_SLOWEST_S: f64 = 0.1;
-/// Longest refresh that is taken for one, seconds.
+/// Longest refresh that is accepted, seconds.
 const LONGEST_S: f64 = 10.0;
 
 /// The time from one refresh of a screen to the next.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Refresh(f64);
 
-/// Why a number is no refresh.
+/// A number that is not a refresh.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("a refresh of {0} s is impossible; expected more than 0 and at most 10 seconds")]
 pub struct RefreshError(pub f64);
@@ -50,11 +50,11 @@ impl Refresh {
         Self::new(1.0 / hz)
     }
 
-    /// The refresh of the screen from the intervals of its frames: the time that they took together, over the number of
-    /// refreshes that this was. Single frames that came late or were dropped change nothing, and the result is not
-    /// moved to a rate that is usual. `None` from fewer than [`ESTIMATE_LEAST`] intervals, where too few of them are of
-    /// one refresh, and below 10 Hz: then nothing holds the frames to the screen. Where nothing does, but each frame
-    /// takes equally long, that is what comes out: only the window system knows better.
+    /// The refresh of the screen from the intervals of its frames: their total time over the number of refreshes in it.
+    /// Single frames that came late or were dropped change nothing, and the result is not moved to a usual rate. `None`
+    /// for fewer than [`ESTIMATE_LEAST`] intervals, where too few of them are one refresh long, and below 10 Hz: then
+    /// nothing holds the frames to the screen. Where nothing does, but each frame takes equally long, the result is
+    /// that time: only the window system knows better.
     #[must_use]
     pub fn estimate(intervals_us: &[u32]) -> Option<Self> {
         if intervals_us.len() < ESTIMATE_LEAST {
@@ -62,7 +62,7 @@ impl Refresh {
         }
         let mut refresh = f64::from(quantile(intervals_us, 0.5)?) * 1e-6;
         let mut ones = 0;
-        // The median is rough; each round counts the refreshes anew. More than a few change nothing.
+        // The median is rough; each round counts the refreshes again. A few rounds are enough.
         for _ in 0..4 {
             let (mut time, mut refreshes) = (0.0, 0.0);
             ones = 0;
@@ -81,9 +81,9 @@ impl Refresh {
         Self::new(refresh).ok().filter(|_| steady && refresh <= ESTIMATE_SLOWEST_S)
     }
 
-    /// Whether frames that stood for these times follow this refresh: nearly all of them stood for a whole number of
-    /// refreshes, and 99 % of them for one, or for several as dropped frames do. Frames that stand for as long as their
-    /// work takes scatter in between; to count dropped frames among those would be to make them up.
+    /// Whether frames shown for these times follow this refresh: nearly all of them were shown for a whole number of
+    /// refreshes, and 99 % of them for one, or for several as dropped frames are. Frames that last as long as their work
+    /// takes scatter in between; dropped frames among those would be made up.
     #[must_use]
     pub fn is_followed_by(self, intervals_us: &[u32]) -> bool {
         let refreshes = intervals_us.iter().map(|us| f64::from(*us) * 1e-6 / self.0);
@@ -105,26 +105,26 @@ impl Refresh {
         1.0 / self.0
     }
 
-    /// Whether a frame that stood for `interval` means that one was dropped: above [`DROPPED_ABOVE`] refreshes.
+    /// Whether a frame shown for `interval` means that one was dropped: above [`DROPPED_ABOVE`] refreshes.
     #[must_use]
     pub fn is_dropped(self, interval: Duration) -> bool {
         interval.as_secs_f64() > DROPPED_ABOVE * self.0
     }
 
-    /// Refreshes within `interval` that brought no new frame: the refreshes that it took, less one.
+    /// Refreshes within `interval` that brought no new frame: the refreshes it took, less one.
     #[must_use]
     pub fn missed(self, interval: Duration) -> u64 {
         ((interval.as_secs_f64() / self.0).round() as u64).saturating_sub(1)
     }
 
-    /// A duration as the whole number of refreshes next to it; at least one, but none for no duration.
+    /// A duration as the nearest whole number of refreshes; at least one, but 0 for 0.
     #[must_use]
     pub fn count(self, duration: Duration) -> u64 {
         let count = (duration.as_secs_f64() / self.0).round() as u64;
         count.max(u64::from(!duration.is_zero()))
     }
 
-    /// Whether a frame `elapsed` after the start of something that is to last `duration` is the one to end it: the
+    /// Whether a frame `elapsed` after the start of something that should last `duration` is the one to end it: the
     /// first that comes half a refresh or less before its refresh, so that no jitter adds or drops a frame.
     #[must_use]
     pub fn is_due(self, elapsed: Duration, duration: Duration) -> bool {
@@ -174,8 +174,8 @@ impl FrameTimes {
         self.last = Some((now, refresh));
     }
 
-    /// The frame that began last has stood until `now`. It is judged against the refresh of its own time: a screen that
-    /// changes is judged anew from its first frame on. `None` where no frame has begun.
+    /// The frame that began last was shown until `now`. It is judged against the refresh it began with: after a change
+    /// of screens, judging starts again with the first frame. `None` where no frame has begun.
     pub fn end(&mut self, now: Duration) -> Option<FrameInterval> {
         let (last, refresh) = self.last.take()?;
         let interval = now.saturating_sub(last);
@@ -190,7 +190,7 @@ impl FrameTimes {
         Some(FrameInterval { us, refresh, dropped })
     }
 
-    /// The next frame does not follow the last: a page was shown between that asks for no frames.
+    /// The next frame does not follow the last: a page that asks for no frames was shown in between.
     pub fn interrupt(&mut self) {
         self.last = None;
     }

@@ -1,20 +1,19 @@
-//! What is known of a screen: how codes become light, how much light that is, of which colours, and how large it is.
+//! What is known of a screen: how codes become light, how much light, of which colors, and how large the screen is.
 
 use jiff::civil::Date;
 use serde::{Deserialize, Serialize};
 
 use crate::light::{Transfer, Transfers};
 
-/// Days after which a measurement is to be repeated.
+/// Days after which a measurement should be repeated.
 pub const VALID_DAYS: i32 = 30;
 
-/// A display profile. Without a measurement it is an assumption, and says so.
+/// A display profile. Without a measurement it is an assumption.
 ///
 /// Linear light is what a code adds to the screen's black, relative to what the largest code adds: 0…1. The luminance of
 /// both ends is in [`DisplayProfile::luminance`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplayProfile {
-    /// For people.
     pub name: String,
     /// Encoded value to linear light, channel by channel.
     pub transfers: Transfers,
@@ -54,7 +53,7 @@ impl LuminanceRange {
         self.black_cd_m2 / self.white_cd_m2
     }
 
-    /// Both for people: "0.251 to 134 cd/m²".
+    /// Both, as in "0.251 to 134 cd/m²".
     #[must_use]
     pub fn sentence(&self) -> String {
         format!("{} to {} cd/m²", short(self.black_cd_m2), short(self.white_cd_m2))
@@ -90,6 +89,7 @@ pub struct Measurement {
     pub with: Option<String>,
 }
 
+/// A missing day, or one that can be read.
 fn day<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Date>, D::Error> {
     let text = String::deserialize(deserializer)?;
     let wrong = |_| serde::de::Error::custom(format!("measured.on is {text:?}; expected a day such as \"2026-01-31\""));
@@ -126,8 +126,8 @@ impl DisplayProfile {
     #[must_use]
     pub fn sentence(&self) -> String {
         let transfer = match self.transfers.uniform() {
-            Some(transfer) => in_words(transfer),
-            None => self.transfers.channels().each_ref().map(in_words).join(" / "),
+            Some(transfer) => described(transfer),
+            None => self.transfers.channels().each_ref().map(described).join(" / "),
         };
         let luminance = self.luminance.map_or_else(String::new, |range| format!(", {}", range.sentence()));
         let Some(measured) = &self.measured else {
@@ -144,7 +144,7 @@ impl DisplayProfile {
         )
     }
 
-    /// What speaks against relying on the profile on the day `today`, in one sentence; `None` where nothing does.
+    /// Why not to rely on the profile on the day `today`, in one sentence; `None` where nothing speaks against it.
     #[must_use]
     pub fn warning(&self, today: Date) -> Option<String> {
         let Some(measured) = &self.measured else {
@@ -155,16 +155,14 @@ impl DisplayProfile {
             Some(days) if days > VALID_DAYS => Some(format!(
                 "The screen was measured {days} days ago; after {VALID_DAYS} days it should be measured again."
             )),
-            Some(days) if days < 0 => {
-                Some("The profile says that the screen was measured on a day that is still to come.".to_owned())
-            }
+            Some(days) if days < 0 => Some("The profile's date of measurement is in the future.".to_owned()),
             Some(_) => None,
         }
     }
 }
 
-/// A transfer function for people: no more digits than a measurement has.
-fn in_words(transfer: &Transfer) -> String {
+/// A transfer function with no more digits than a measurement has.
+fn described(transfer: &Transfer) -> String {
     match transfer {
         Transfer::Gamma(gamma) => format!("γ {gamma:.3}"),
         Transfer::Gog(gog) => format!("γ {:.3}, gain {:.3}, offset {:+.3}", gog.gamma, gog.gain, gog.offset),
@@ -172,7 +170,7 @@ fn in_words(transfer: &Transfer) -> String {
     }
 }
 
-/// A number for people: three digits that count, at most six after the point.
+/// A number with three significant digits, at most six after the point.
 #[must_use]
 pub fn short(value: f64) -> String {
     let digits = (2 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;

@@ -1,5 +1,5 @@
 //! Steps of equal brightness on a screen, Shoaff §2.1.1: levels I_j = r^j·I₀ with r = (1/I₀)^(1/n), and the codes that
-//! come nearest to them.
+//! are nearest to them.
 
 use super::DisplayProfile;
 use crate::light::{
@@ -20,7 +20,7 @@ pub struct Step {
     pub codes: [u8; 3],
     /// What green's code makes, relative to white, black included.
     pub emitted: f64,
-    /// The level nearest to that: another than j where 8 bits are too few.
+    /// The level nearest to that: not j where 8 bits are too few.
     pub nearest: usize,
 }
 

@@ -11,7 +11,7 @@ use crate::{
 /// One place of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Window sides from the centre, along the orientation.
+    /// Window sides from the center, along the orientation.
     pub x: f64,
     /// Light asked of the strongest channel.
     pub linear: f64,
@@ -21,7 +21,7 @@ pub struct Sample {
     pub emitted: f64,
 }
 
-/// A profile at the pixel centres of the recipe's size, along the orientation through the centre; dithered as a row of
+/// A profile at the pixel centers of the recipe's size, along the orientation through the center; dithered as a row of
 /// pixels would be.
 pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
     let (stimulus, size) = (&recipe.stimulus, recipe.size);

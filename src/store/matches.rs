@@ -1,5 +1,5 @@
 //! The matches of a display by eye: one CSV file, one row a match, on disk before the next picture. A match that is taken
-//! back stays, and a row says so.
+//! back stays in the file, followed by a row that cancels it.
 
 use std::path::Path;
 

@@ -135,7 +135,7 @@ struct ChannelForms {
     blue: TransferForm,
 }
 
-/// What a table says of one channel, or of all three.
+/// The transfer function of one channel, or of all three.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TransferForm {
@@ -193,7 +193,7 @@ fn transfers(form: &ProfileForm, document: &mut Document<'_>) -> Transfers {
         [("transfer", form.transfer.is_some()), ("encoded", form.encoded.is_some()), ("linear", form.linear.is_some())]
     {
         if is_there {
-            document.fault(key, format!("{key} stands beside [channels]; expected one or the other"));
+            document.fault(key, format!("{key} cannot be combined with [channels]; expected one or the other"));
         }
     }
     let mut one = |name: &str, form: &TransferForm| {
@@ -238,8 +238,8 @@ fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<Luminanc
         (Some(black), Some(white)) => {
             ("white_cd_m2", format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected more"))
         }
-        (Some(_), None) => ("black_cd_m2", "black_cd_m2 stands alone; expected white_cd_m2 too".to_owned()),
-        (None, Some(_)) => ("white_cd_m2", "white_cd_m2 stands alone; expected black_cd_m2 too".to_owned()),
+        (Some(_), None) => ("black_cd_m2", "black_cd_m2 is given without white_cd_m2; expected both".to_owned()),
+        (None, Some(_)) => ("white_cd_m2", "white_cd_m2 is given without black_cd_m2; expected both".to_owned()),
     };
     document.fault(key, message);
     None
@@ -275,7 +275,7 @@ pub fn value(profile: &DisplayProfile) -> serde_json::Value {
     serde_json::to_value(ProfileForm::from(profile)).unwrap_or_default()
 }
 
-/// SHA-256 of what the profile says, in lower-case hexadecimal: the same for every file that says the same.
+/// SHA-256 of the profile's content, in lower-case hexadecimal: the same for every file with the same content.
 #[must_use]
 pub fn hash(profile: &DisplayProfile) -> String {
     let canonical = value(profile).to_string();

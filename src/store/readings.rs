@@ -173,7 +173,7 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
     if faults.is_empty() { Ok(rows) } else { Err(summarized(file, faults)) }
 }
 
-/// The reading of a row; `place` says where a cell stands.
+/// The reading of a row; `place` gives the position of a cell.
 fn reading(
     cells: &[&str],
     columns: [usize; 3],

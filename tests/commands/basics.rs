@@ -518,9 +518,7 @@ mod profiles {
 
     #[test]
     fn a_doubtful_one_is_warned_of_once_and_used() {
-        for (day, expected) in
-            [("2020-02-29", "days ago; after 30 days"), ("2999-01-01", "a day that is still to come")]
-        {
+        for (day, expected) in [("2020-02-29", "days ago; after 30 days"), ("2999-01-01", "is in the future")] {
             let folder = tempfile::tempdir().unwrap();
             fs::write(folder.path().join("p.toml"), profile(&format!("[measured]\non = \"{day}\"\n"))).unwrap();
             for arguments in COMMANDS {

@@ -85,7 +85,7 @@ fn what_was_written_and_replaced_is_named_and_an_old_day_is_warned_of() {
     assert!(said.contains("replaced left.toml: left (γ 2.200"), "{said}");
     assert!(warned.starts_with("warning: left.toml: ") && warned.contains("days ago; after 30 days"), "{warned}");
     let (_, warned) = calibrate(&["--on", "2999-01-01"]);
-    assert!(warned.starts_with("warning: left.toml: ") && warned.contains("still to come"), "{warned}");
+    assert!(warned.starts_with("warning: left.toml: ") && warned.contains("in the future"), "{warned}");
 }
 
 #[test]

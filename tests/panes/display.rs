@@ -17,8 +17,8 @@ use machband::{
 use super::{
     common::succeeds,
     window::{
-        self, Window, builder, click, has_graphics, home, press, type_into, value, wait_for, walk_to_first_trial,
-        wrong_pixels,
+        self, Window, builder, click, has_graphics, home, press, take_picture, type_into, value, wait_for,
+        walk_to_first_trial, wrong_pixels,
     },
 };
 
@@ -166,6 +166,7 @@ fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
     let mut harness = home(SIZE, STEP_S);
     click(&mut harness, "Measure…");
     harness.get_by_label_contains("sRGB (srgb), assumed");
+    take_picture(&mut harness, "display_tools");
     harness.get_by_label("Size and distance").click();
     harness.run_steps(2);
     for (field, text) in [
@@ -181,6 +182,7 @@ fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
     // 40° need 2 · 57.3 · tan 20° = 41.7 cm, and the lesser side has 24.
     harness.get_by_label_contains("only 58 % of that fits");
     harness.get_by_label_contains("It fits from 32 cm or less");
+    take_picture(&mut harness, "display_size");
     press(&mut harness, Key::Escape);
     harness.run_steps(2);
     harness.get_by_label("Size and distance");

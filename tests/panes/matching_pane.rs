@@ -17,7 +17,7 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
     eye::matched_code,
-    window::{Window, click, home, press, type_into},
+    window::{Window, click, home, press, take_picture, type_into},
 };
 
 const GAMMAS: [f64; 3] = [1.9, 2.2, 2.5];
@@ -90,6 +90,7 @@ fn an_observer_at_the_keys_gets_the_gamma_of_the_screen() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut window = tool("Gamma by eye");
     window.get_by_label_contains("30 matches, about 5 minutes");
+    take_picture(&mut window, "display_by_eye");
     // Too few channels are told at once.
     click(&mut window, "red, green, blue");
     window.get_by_label_contains("expected red, green and blue, or gray");
@@ -99,6 +100,9 @@ fn an_observer_at_the_keys_gets_the_gamma_of_the_screen() {
     press(&mut window, Key::Enter);
     for given in 0.. {
         let Some(now) = next(&mut window) else { break };
+        if given == 0 {
+            take_picture(&mut window, "display_match");
+        }
         adjust(&mut window, now, &mut rng);
         if given == 2 {
             // Taken back, the match comes again as it was accepted. A pause keeps what was done.
@@ -114,6 +118,7 @@ fn an_observer_at_the_keys_gets_the_gamma_of_the_screen() {
     }
     window.get_by_label_contains("Red: gamma");
     window.get_by_label_contains("Blue: gamma");
+    take_picture(&mut window, "display_by_eye_result");
     click(&mut window, "Check on the screen…");
     window.get_by_label_contains("examples of a wrong profile");
     press(&mut window, Key::Escape);
@@ -153,6 +158,7 @@ fn an_observer_at_the_keys_gets_the_gamma_of_the_screen() {
 #[test]
 fn the_check_and_the_steps_can_be_seen() {
     let mut window = tool("Check the gamma");
+    take_picture(&mut window, "display_check");
     for label in
         ["gray, 1 of 4 rows", "red, 1 of 2 rows", "blue, 3 of 4 rows", "green, wrong by −0.2", "blue, wrong by +0.2"]
     {
@@ -165,6 +171,7 @@ fn the_check_and_the_steps_can_be_seen() {
     click(&mut window, "Steps of equal brightness");
     window.get_by_label_contains("A wedge of 13 uniform bars");
     window.get_by_label_contains("Black was not measured");
+    take_picture(&mut window, "display_steps");
     type_into(&mut window, "Number of steps n", "4");
     window.get_by_label_contains("A wedge of 5 uniform bars");
     type_into(&mut window, "Lowest intensity I₀, black over white", "2");

@@ -9,7 +9,7 @@ use machband::{
     store::{profile, readings},
 };
 
-use super::window::{self, Window, click, home, type_into as fill, value};
+use super::window::{self, Window, click, home, take_picture, type_into as fill, value};
 
 fn harness() -> Window {
     home([1000.0, 1000.0], 1.0 / 10.0)
@@ -78,6 +78,7 @@ fn patches_are_read_and_become_a_profile() {
     assert_eq!(middle(&mut harness), [255, 255, 255]);
     answer(&mut harness, "bright");
     harness.get_by_label_contains("is not a luminance; expected cd/m²");
+    take_picture(&mut harness, "display_patch");
     assert_eq!(readings::open_begun(&csv).unwrap(), []);
     fill(&mut harness, "gray 255 · cd/m²", "115.3");
     press(&mut harness, Key::Enter);
@@ -102,6 +103,7 @@ fn patches_are_read_and_become_a_profile() {
     press(&mut harness, Key::Enter);
     // Left and come back to: the same settings go on where they were.
     click(&mut harness, "Pause");
+    take_picture(&mut harness, "display_photometer");
     harness.get_by_label_contains("Paused after 2 of");
     click(&mut harness, "Back");
     click(&mut harness, "Photometer");
@@ -226,11 +228,13 @@ fn a_file_of_readings_is_fitted_and_a_bad_one_explained() {
     fill(&mut harness, "File of readings", &bad.display().to_string());
     click(&mut harness, "Use this file");
     harness.get_by_label_contains("red: too few levels: 3");
+    take_picture(&mut harness, "display_photometer_fault");
     click(&mut harness, "Back");
     fill(&mut harness, "File of readings", &good.display().to_string());
     click(&mut harness, "Use this file");
     harness.get_by_label_contains("Chosen: gamma");
     harness.get_by_label_contains("Gray differs from the sum of its channels");
+    take_picture(&mut harness, "display_photometer_result");
     press(&mut harness, Key::Escape);
     harness.get_by_label("Show patches");
 }

@@ -9,7 +9,7 @@ use machband::app::{
     timing::{Patch, Scene, TimingPlan, TimingRequest},
 };
 
-use super::window::{Window, builder, click, home, type_into};
+use super::window::{Window, builder, click, home, take_picture, type_into};
 
 /// Display, then Timing, from Home.
 fn pane() -> Window {
@@ -36,6 +36,7 @@ fn the_pane_measures_tells_and_exports() {
     }
     assert!(says(&window, "16.667 ms"));
     assert!(says(&window, "The frames follow the refresh of 60.00 Hz one by one: none of 600 was dropped."));
+    take_picture(&mut window, "display_timing");
     type_into(&mut window, "Export to", out.to_str().unwrap());
     click(&mut window, "Export");
     let csv = fs::read_to_string(&out).unwrap();

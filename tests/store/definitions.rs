@@ -438,7 +438,7 @@ fn display_profiles_and_observers_are_checked_alike() {
     }
     let cases = [
         (full, "200", "0.1", "5:1", "not above black_cd_m2"),
-        (full, "white_cd_m2 = 200\n", "", "4:1", "black_cd_m2 stands alone"),
+        (full, "white_cd_m2 = 200\n", "", "4:1", "black_cd_m2 is given without white_cd_m2"),
         (full, "bits = 8", "bits = 80", "6:1", "bits 80"),
         (full, "[1920, 1080]", "[1920]", "7:1", "native_px"),
         (full, "2026-01-31", "31.1.2026", "8:14", "measured.on"),
@@ -448,7 +448,13 @@ fn display_profiles_and_observers_are_checked_alike() {
         (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:1", "expected one, or three"),
         (each, "\"gamma:2.1\"", "\"gamma:2.1/srgb/srgb\"", "8:1", "expected one"),
         (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:2", "channels.blue is missing"),
-        (each, "name = \"Each\"\n", "name = \"Each\"\ntransfer = \"srgb\"\n", "3:1", "stands beside [channels]"),
+        (
+            each,
+            "name = \"Each\"\n",
+            "name = \"Each\"\ntransfer = \"srgb\"\n",
+            "3:1",
+            "cannot be combined with [channels]",
+        ),
         (good, "schema = 1\n", "", "1:1", "schema is missing"),
         (good, "schema = 1", "schema = 3", "1:1", "schema is 3"),
         (good, "name = ", "nmae = ", "2:1", "did you mean name?"),

@@ -1,4 +1,4 @@
-//! The check: rows beside the uniform code that a profile says has their light. A border shows where it is wrong.
+//! The check: rows beside the uniform code that should have their light. A visible border means the profile is wrong.
 
 use eframe::egui::{self, TextureHandle};
 

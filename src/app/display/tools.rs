@@ -85,7 +85,7 @@ impl Display {
             Step::Back => {}
             Step::Next(saved) => {
                 self.fields.profile = saved.path.display().to_string();
-                // What was there before is no longer what is there.
+                // The file has changed.
                 self.read = None;
                 self.saved = Some(saved);
             }
@@ -114,7 +114,9 @@ impl Display {
     fn list(&mut self, ui: &mut egui::Ui) -> Step {
         let found = self.profile();
         let (back, chosen) = tool_page(ui, "Display", |ui| {
-            ui.label("The eye sees light, not codes. A profile says how much light this screen makes of each code.");
+            ui.label(
+                "The eye sees light, not codes. A profile describes how much light this screen makes of each code.",
+            );
             ui.add_space(8.0);
             self.profile_field(ui, &found);
             ui.add_space(8.0);
@@ -146,7 +148,7 @@ impl Display {
         match found {
             Ok(profile) => {
                 hint(ui, format!("{}.", profile.sentence()));
-                // An assumption says so itself.
+                // The sentence above says so of an assumption.
                 let warning = profile.measured.as_ref().and_then(|_| profile.warning(today()));
                 warning.iter().for_each(|warning| note(ui, warning));
             }

@@ -1,4 +1,4 @@
-//! Fields that show whether a profile is right: rows beside the uniform code that it says has their light.
+//! Fields that show whether a profile is right: rows beside the uniform code that should have their light.
 
 use super::rows::Rows;
 use crate::{

@@ -12,7 +12,7 @@
 //! from row to row shows the lit rows of a period of 2 with one polarity only, which flickers and shifts their light.
 //!
 //! **Which rows.** Where a match is good to a relative ε, it gives γ to within γ·ε/|ln p| for a light share p: one row of
-//! four tells twice as much as half of the rows.
+//! four is twice as precise as half of the rows.
 //!
 //! [`Matching`] presents the matches, [`estimate()`] derives γ from them, [`CheckField`] shows whether a profile is
 //! right. No clock, no file and no source of chance in here: a seed is given.

@@ -24,7 +24,7 @@ const START_GAMMA: (f64, f64) = (1.2, 4.0);
 pub enum Pattern {
     /// One row of four.
     Quarter,
-    /// Half of the rows: they blend from half as far away, and each match tells half as much.
+    /// Half of the rows: they blend from half as far away, and each match is half as precise.
     Half,
 }
 
@@ -59,7 +59,9 @@ pub enum SettingsError {
     #[error("{0} matches of each channel; expected 2 to 50")]
     Matches(usize),
     /// Matches of an earlier run that this run would not have asked for.
-    #[error("match {0} belongs to other settings; expected the settings it was begun with, or another file")]
+    #[error(
+        "match {0} belongs to other settings; expected the settings that the file was started with, or another file"
+    )]
     Other(usize),
 }
 

@@ -117,7 +117,7 @@ fn together(readings: &Readings) -> Vec<Fault> {
         for channel in readings.channels() {
             faults.extend(curve(readings, *channel));
         }
-        // What a faulty reading makes of white says nothing of the channels' order.
+        // A faulty white says nothing about the order of the channels.
         if faults.len() == before {
             faults.extend(order(readings));
         }

@@ -4,8 +4,8 @@
 
 use super::{models::Curve, sample::Sample};
 
-/// How many times the least error a simpler model may have, whatever its standard error: a few levels tell little of
-/// that.
+/// How many times the least error a simpler model may have, whatever its standard error: with few
+/// levels that is poorly known.
 const MOST_TIMES: f64 = 1.5;
 /// Mean squared errors below this, in units of the assumed noise, are none.
 const EXACT: f64 = 1e-8;

@@ -9,7 +9,7 @@ use crate::light::{Transfer, TransferTable};
 const POINTS: usize = 256;
 /// Least rise from point to point, so that a table can be inverted.
 const LEAST_RISE: f64 = 1e-9;
-/// A reading this close to black, in standard deviations, says nothing of the encoded value.
+/// A reading this close to black, in standard deviations, says nothing about the encoded value.
 const CLEAR: f64 = 3.0;
 
 /// An encoded value, the one that the curve would need for the light that was read, and the weight of this.

@@ -21,7 +21,7 @@ use crate::{
     store::matches::MatchFile,
 };
 
-/// Periods a degree from which on rows of full contrast blend: near the limit of sight, 50 to 60.
+/// Periods per degree from which rows of full contrast blend: near the limit of sight, 50 to 60.
 const BLEND_PER_DEG: f64 = 40.0;
 
 /// The settings.
@@ -49,7 +49,7 @@ impl Method for ByEye {
         Field::new("Lit rows").radio(
             ui,
             &mut settings.pattern,
-            &[(Pattern::Quarter, "one of four"), (Pattern::Half, "half: they blend from nearer, but tell less")],
+            &[(Pattern::Quarter, "one of four"), (Pattern::Half, "half: they blend from nearer, but are less precise")],
         );
         Field::new("Matches of each channel").slider(ui, &mut settings.matches, 2..=20, 1.0);
         let mut pairs = settings.row_px == 2;

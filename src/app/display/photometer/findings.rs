@@ -63,7 +63,7 @@ impl Findings for PhotometerFindings {
         }
         calibration.notes.iter().for_each(|text| note(ui, text));
         let chosen = calibration.chosen;
-        ui.strong(format!("Chosen: {chosen}. It is the simplest of the models that best predict levels left out."));
+        ui.strong(format!("Chosen: {chosen}. It is the simplest of the models that best predict left-out levels."));
         let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.map(Some)).collect();
         Field::new("Model").width(180.0).choice(ui, &mut self.family, &all, |family| match family {
             None => format!("automatic ({chosen})"),
@@ -79,7 +79,7 @@ impl Findings for PhotometerFindings {
         let rows = models.iter().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
         table(ui, "fits", ["model", "channel", "γ", "offset", "R²", "codes", "cd/m²"], rows);
         ui.add_space(8.0);
-        hint(ui, "Root mean square error of levels left out in turn.");
+        hint(ui, "Root mean square error when each level is left out in turn.");
         let rows = models.iter().map(|model| {
             let found = &model.validation;
             [model.family.to_string(), format!("{:.2}", found.rms_codes), format!("{:.3}", found.rms_cd_m2)]

@@ -61,7 +61,7 @@ impl PatchRun {
     /// Begins, or resumes from the file of an earlier time.
     ///
     /// # Errors
-    /// The file is of another plan, or cannot be written.
+    /// The file belongs to other settings, or cannot be written.
     pub fn begin(patches: Vec<Patch>, path: &Path, view: PatchView) -> Result<Self, StoreError> {
         let mut taken = vec![None; patches.len()];
         if path.exists() {
@@ -70,7 +70,7 @@ impl PatchRun {
                 let free = (0..taken.len()).find(|at| taken[*at].is_none() && same(&patches[*at]));
                 let Some(free) = free else {
                     let what = format!(
-                        "has a reading of {} at level {} that these settings do not ask for; expected another file, or the settings it was begun with",
+                        "has a reading of {} at level {} that these settings do not ask for; expected another file, or the settings that it was started with",
                         one.channel, one.level
                     );
                     return Err(StoreError::Mismatch { path: path.to_owned(), what });
@@ -123,7 +123,7 @@ impl PatchRun {
             let field = ui.add(field).labelled_by(label.id);
             accept = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             previous = empty && field.has_focus() && ui.input(|input| input.key_pressed(Key::Backspace));
-            // The line is all there is to type into.
+            // There is nothing else to type into.
             if ui.memory(|memory| memory.focused().is_none()) {
                 field.request_focus();
             }
@@ -175,7 +175,7 @@ impl PatchRun {
     fn take(&mut self, at: usize, value: f64) -> Option<String> {
         let before = self.taken[at].replace(value);
         if let Err(error) = self.write() {
-            // It stays in the line, to be tried again.
+            // It remains in the line, to be tried again.
             self.taken[at] = before;
             return Some(error.to_string());
         }

@@ -70,7 +70,7 @@ impl TimingReport {
         ]
     }
 
-    /// Whether the frames follow the screen's refresh one by one; `None` where there are too few to tell.
+    /// Whether the frames follow the screen's refresh one by one; `None` where there are too few to judge.
     #[must_use]
     pub fn is_one_by_one(&self) -> Option<bool> {
         let enough = self.intervals_us().len() >= ESTIMATE_LEAST;

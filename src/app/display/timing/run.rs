@@ -15,7 +15,7 @@ use crate::{
 
 /// Frames before the measurement: caches fill, and a window comes to rest.
 const SETTLING: u32 = 30;
-/// How long the warning stands before something flickers, seconds.
+/// How long the warning is shown before something flickers, seconds.
 const WARNING_S: f64 = 3.0;
 /// What everyone must know before something flickers.
 pub const FLICKER_WARNING: &str = "A patch will flicker between black and white with every frame. Flicker can cause seizures in people with photosensitive epilepsy: do not look at it, and keep anyone at risk from looking at it.";

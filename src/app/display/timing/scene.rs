@@ -121,7 +121,7 @@ impl Trial {
     fn show(&mut self, ui: &mut egui::Ui, frame: u32) {
         let trial = frame / (FIELD_FRAMES + STIMULUS_FRAMES);
         if self.picture.as_ref().is_none_or(|(made, _)| *made != trial) {
-            // As in a session: made while the field stands.
+            // As in a session: made while the field is shown.
             let stimulus = Self::stimulus(trial);
             let texture = pixels::texture(ui.ctx(), "timing", &stimulus, STIMULUS_PX, &self.quantizer);
             self.picture = Some((trial, texture));
