@@ -317,7 +317,7 @@ mod usage {
             "bad.toml:6:10: ",
             "bad.toml:6:15: ",
             "bad.toml:7:2: ",
-            "screen.toml:3:12: ",
+            "screen.toml:3:1: ",
             "rows.csv:1:",
             "rows.csv:2:1: ",
             "twice.csv:6:",

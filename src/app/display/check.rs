@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, TextureHandle};
 
-use super::signed;
+use super::signs::signed;
 use crate::{
     app::ui::{Step, hint, paragraph, pixels, quiet, tool_page},
     display::{

@@ -6,6 +6,7 @@
 //! | [`geometry`], [`card`] | size and distance; a card as a ruler |
 //! | [`photometer`], [`matching`] | the light of each code, with a photometer or by eye |
 //! | [`calibrate`] | what these two have in common |
+//! | [`signs`] | the minus sign of print |
 //! | [`check`] | fields that show whether a profile is right |
 //! | [`steps`] | steps of equal brightness |
 //! | [`timing`] | whether frames follow the screen's refresh |
@@ -16,14 +17,10 @@ mod check;
 mod geometry;
 mod matching;
 mod photometer;
+mod signs;
 mod steps;
 pub mod timing;
 mod tools;
 
 pub use card::{CardHelper, CardOutcome};
 pub use tools::Display;
-
-/// A number in a text, with the minus sign of print.
-fn signed(number: &str) -> String {
-    number.replace('-', "−")
-}

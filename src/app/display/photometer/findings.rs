@@ -9,7 +9,7 @@ use crate::{
     app::{
         display::{
             calibrate::{Findings, series},
-            signed,
+            signs::signed,
         },
         ui::{Field, hint, note, still_plot, table},
     },
