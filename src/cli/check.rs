@@ -4,7 +4,7 @@ use super::UsageError;
 
 /// Check definitions, result files, display profiles, observers and images; every fault is named.
 ///
-/// A display profile that is old, or dated in the future, is no fault: a warning on stderr says so.
+/// A display profile that is old, or dated in the future, is not a fault; a warning on stderr says so.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
 pub(super) struct Arguments {

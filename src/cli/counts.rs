@@ -7,8 +7,8 @@ use crate::{report::tables, store::write_file};
 
 /// Reduce ratings to counts, the sufficient statistic: one row per subject, condition and rating.
 ///
-/// `analyze` takes the table in place of the files, with the same --subject and --response if they were named: its description, models and tests are the same. Repeated ratings
-/// and response times are not in it.
+/// `analyze` takes the table in place of the files, with the same --subject and --response if they were named; description, models and tests are the same. It has no repeated
+/// ratings and no response times.
 #[derive(clap::Args)]
 #[command(after_help = "Examples: machband counts results/bangay2003 --out counts.csv\n          \
     machband counts ratings.csv --subject id --response score --factors width,depth --out counts.csv")]

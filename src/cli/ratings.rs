@@ -20,7 +20,7 @@ pub(super) struct RatingOptions {
     /// Column of the ordered response; unless named, rating, on the scale 0–3.
     #[arg(long, value_name = "COL")]
     response: Option<String>,
-    /// The response's categories, the lowest first, where they are no numbers.
+    /// The response's categories, the lowest first, if they are not numbers.
     #[arg(long, value_name = "C,…", value_delimiter = ',', requires = "response")]
     categories: Option<Vec<String>>,
     /// Column that says how many trials a row stands for; count, where there is one.

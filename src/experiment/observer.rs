@@ -155,11 +155,11 @@ impl Default for VisionRater {
     }
 }
 
-/// A [`VisionRater`] in front of the conditions of an experiment, each looked at once.
+/// A [`VisionRater`] in front of the conditions of an experiment, each computed once.
 #[derive(Clone, Debug)]
 pub struct VisionObserver {
     rater: VisionRater,
-    seen: Vec<(Stimulus, f64)>,
+    visibilities: Vec<(Stimulus, f64)>,
 }
 
 impl VisionObserver {
@@ -170,15 +170,15 @@ impl VisionObserver {
     pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, VisionError> {
         // A validated protocol has them.
         let conditions = protocol.conditions().unwrap_or_default();
-        let seen = visibilities(&conditions, &Sight::new(protocol.viewing.window_deg), None)?;
+        let found = visibilities(&conditions, &Sight::new(protocol.viewing.window_deg), None)?;
         let stimuli = conditions.into_iter().map(|condition| condition.stimulus);
-        Ok(Self { rater, seen: stimuli.zip(seen.iter().map(Visibility::max)).collect() })
+        Ok(Self { rater, visibilities: stimuli.zip(found.iter().map(Visibility::max)).collect() })
     }
 
     /// How visible it finds a stimulus of the experiment; 0 for any other.
     #[must_use]
     pub fn visibility(&self, stimulus: &Stimulus) -> f64 {
-        self.seen.iter().find(|(known, _)| known == stimulus).map_or(0.0, |(_, visibility)| *visibility)
+        self.visibilities.iter().find(|(known, _)| known == stimulus).map_or(0.0, |(_, visibility)| *visibility)
     }
 }
 
@@ -205,7 +205,7 @@ const RESPONSE_SIGMA: f64 = 0.4;
 
 /// Lets an observer rate every trial that is left, as fast as the records can be stored. Time is simulated and starts
 /// at `start`. A rating depends on the seed, the participant, the session, the trial and the attempt alone, so a
-/// session that was interrupted goes on as if it had not been.
+/// session that was interrupted continues as if it had not been.
 ///
 /// # Errors
 /// The first error of `record`, which must have the response on disk when it returns.

@@ -30,7 +30,7 @@ impl Fault {
     }
 }
 
-/// An experiment: what is varied, in what order, how it is shown and rated. Serialised, it has the form of a
+/// An experiment: what is varied, in what order, how it is shown and rated. Serialized, it has the form of a
 /// definition, so that what a sidecar keeps can be read again.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Protocol {
@@ -140,7 +140,7 @@ impl<'de> Deserialize<'de> for Order {
 pub struct Recovery {
     /// Seconds, 0…600.
     pub duration_s: f64,
-    /// Relative luminance in linear light, 0…1, of the stimulus colour.
+    /// Relative luminance in linear light, 0…1, of the stimulus color.
     pub level: f64,
 }
 

@@ -99,7 +99,7 @@ impl Cell for Rating {
     }
 }
 
-/// Longest time that a row may hold, some thirty years: what is longer is no measurement, and no clock could add it.
+/// Longest time that a row may hold, about thirty years: anything longer is not a measurement and would overflow clocks.
 const LONGEST_S: f64 = 1e9;
 
 /// A time in seconds, written to a tenth of a millisecond.
@@ -148,7 +148,7 @@ macro_rules! record {
         $($name:ident: $kind:ty, $unit:literal, $description:literal;)*
         .. $($late:ident: $late_kind:ty, $late_unit:literal, $late_description:literal;)*
     ) => {
-        /// One trial as it was seen and rated; one row of a result file.
+        /// One trial as it was shown and rated; one row of a result file.
         #[derive(Clone, Debug, PartialEq)]
         pub struct TrialRecord {
             $(#[doc = $description] pub $name: $kind,)*
@@ -189,7 +189,7 @@ macro_rules! record {
     };
 }
 
-/// Reads the cell at `next`, and goes on to the one after it.
+/// Reads the cell at `next`, and advances to the one after it.
 fn cell<T: Cell>(cells: &[&str], next: &mut usize, name: &str) -> Result<T, (usize, String)> {
     let at = *next;
     *next += 1;
@@ -291,7 +291,7 @@ fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_js
     }
 }
 
-/// A rating as it stands in any file, or some alike: what an analysis needs of a row.
+/// A rating, or several equal ones, as any file may hold it: what an analysis needs of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatingRow<'a> {
     /// Who.
@@ -302,8 +302,8 @@ pub struct RatingRow<'a> {
     pub rating: &'a str,
     /// How often.
     pub count: u64,
-    /// Session and repetition, in whose natural order a condition's first rating is told from its second. None where
-    /// they are not known: such ratings are in no pair.
+    /// Session and repetition: their natural order tells a condition's first rating from its second. None where they
+    /// are not known; such a rating is in no pair.
     pub place: Option<(&'a str, u32)>,
     /// From onset to rating, seconds, where it is known.
     pub response_time_s: Option<f64>,

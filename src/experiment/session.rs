@@ -15,7 +15,7 @@ use crate::display::frames::{FrameTimes, Refresh};
 pub enum Event {
     /// A frame begins that will show the present [`State`]; without a screen, the time has come to look again.
     Frame,
-    /// Go on from a page or a break.
+    /// Continue from a page or a break.
     Continue,
     /// The stimulus is rated now.
     Rate(u8),
@@ -32,7 +32,7 @@ pub enum Event {
     TakeBack,
     /// Stop at the next possible moment: at once.
     Pause,
-    /// Go on after a pause.
+    /// Continue after a pause.
     Resume,
     /// End the session here; what is rated stays.
     Leave,
@@ -77,7 +77,7 @@ pub enum State {
         /// Achieved duration of the stimulus.
         stimulus: Duration,
     },
-    /// A rest; goes on when the participant does.
+    /// A rest, until the participant continues.
     Break,
     /// The uniform field after the last trial: its rating can still be taken back.
     Closing {

@@ -20,7 +20,7 @@ macro_rules! texts {
     };
 }
 
-/// What is said of colour and light unless the definition says otherwise.
+/// The text on color and light unless the definition has its own.
 const LIGHT: &str = "If you see colors differently from most people, say so before you begin: the same experiment can be shown in gray. Nothing flickers; the screen changes from even color to image and back every few seconds. If flickering light has ever made you ill, ask before you begin, and stop with Esc whenever you feel unwell.";
 
 fn is_light_default(light: &str) -> bool {
@@ -52,13 +52,13 @@ texts! {
     paused = "Paused";
     /// While paused.
     paused_text = "Everything rated so far is saved. The image you were looking at will be shown again.";
-    /// Button and hint that go on.
+    /// Button and hint to continue.
     next = "Continue";
-    /// The key that goes on, named.
+    /// Name of the key that continues.
     next_key = "Space";
     /// Button that leaves the session.
     leave = "Leave the session";
-    /// When a session goes on after an interruption; `{done}` and `{total}` are filled in.
+    /// When a session is resumed after an interruption; `{done}` and `{total}` are filled in.
     resumed = "Welcome back. {done} of {total} are done; the session goes on with the ones that are missing.";
     /// Heading at the end.
     thanks = "Thank you!";

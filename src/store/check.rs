@@ -53,7 +53,7 @@ pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
             .unwrap_or_else(|| FileFaults::whole(name_or_path, "cannot be checked; expected a .toml or .csv file"))),
         _ => Err(FileFaults::whole(
             name_or_path,
-            "is of no known kind; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
+            "is not a known kind of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
         )),
     };
     sentence.map(Checked::from)

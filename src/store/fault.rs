@@ -78,7 +78,7 @@ pub enum StoreError {
         source: std::io::Error,
     },
     /// A new session would overwrite an old one.
-    #[error("{}: this participant and session already have a file; expected another session, or --resume to go on with it", .0.display())]
+    #[error("{}: this participant and session already have a file; expected another session, or --resume to continue it", .0.display())]
     Exists(PathBuf),
     /// Another program writes the same session.
     #[error("{}: another machband is writing this session; expected it to be closed first", .0.display())]

@@ -46,7 +46,7 @@ fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<(
     prefix.push(".");
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(TEMPORARY);
-    // As any other file; temporary files are their owner's alone unless told otherwise.
+    // As any other file; a temporary file would otherwise be readable by its owner only.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut temporary = builder.tempfile_in(folder_of(path))?;
@@ -110,7 +110,7 @@ pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// Whether there is something of this name. A disk that does not answer has not said no.
+/// Whether there is something of this name. No answer from the disk is not a no.
 ///
 /// # Errors
 /// The system's refusal to say.

@@ -90,8 +90,8 @@ pub fn read<T: Send>(
     Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, faults }, found))
 }
 
-/// Goes through the rows of all result files, to find out which of them count. What is wrong with them is said when
-/// they are handed on.
+/// Goes through the rows of all result files, to find out which of them count. What is wrong with them is reported
+/// when they are read again.
 fn trials(selection: &Selection) -> Trials {
     let noted: Vec<Trials> = (selection.inputs.par_iter().enumerate())
         .map(|(file, input)| {

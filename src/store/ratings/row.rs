@@ -57,7 +57,7 @@ impl<'a> Cells<'a> {
 /// What is wrong with a cell: its index, and what is expected there.
 pub(super) type CellFault = (usize, Cow<'static, str>);
 
-/// The fault of a cell in words.
+/// Words the fault of a cell.
 pub(super) fn fault(input: &Input, cells: &Cells<'_>, (cell, expected): CellFault) -> RowFault {
     let name = input.header.names.get(cell).map_or("", String::as_str);
     let message = match cells.get(cell) {

@@ -30,7 +30,7 @@ pub(super) struct Input {
     pub columns: Columns,
     pub sidecar: Option<Sidecar>,
     pub protocol: Option<Protocol>,
-    /// What the file is, in words: files are read together where these are the same.
+    /// Description of what the file is; files with the same description are read together.
     kind: String,
 }
 
@@ -198,7 +198,7 @@ impl Input {
 }
 
 /// What a file with this header is. One that lacks a single column of a result file is meant as one if it has a
-/// sidecar or names of rows, or if nobody has said how else to read it.
+/// sidecar or a `row_id` column, or if the options do not say how else to read it.
 fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     let has = |name: &str| header.position(name).is_some();
     if options.count.as_deref().is_some_and(has) {
@@ -214,7 +214,7 @@ fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     }
 }
 
-/// What a file is, in words.
+/// Describes what a file is.
 fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
     match file.layout {
         Layout::Results => Ok(match (&file.sidecar, file.experiment()) {
@@ -243,9 +243,9 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
     }
 }
 
-/// The fault of a table of which nobody has said what the factors are.
+/// The fault of a table whose factors are not named.
 fn without_factors(file: &Input, options: &ReadOptions) -> FileFault {
-    // A file of another kind is told by the columns that every table of ratings has.
+    // A file of another kind lacks columns that every table of ratings has.
     if let Err(missing) = columns(file, &[], options)
         && let Some(first) = missing.into_iter().next()
     {
@@ -380,17 +380,12 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         repetition: optional("repetition", details),
         time: optional("response_time_s", details),
     };
-    if faults.is_empty() {
-        let mut taken: Vec<(&str, usize)> = vec![("subject", columns.subject)];
-        let further = [("response", Some(columns.response)), ("count", columns.count)];
-        let further = further.into_iter().filter_map(|(role, place)| Some((role, place?)));
-        for (role, place) in further.chain(columns.factors.iter().map(|&place| ("factor", place))) {
-            if let Some((other, _)) = taken.iter().find(|(_, other)| *other == place) {
-                let name = &header.names[place];
-                let message = format!("the column {name} is the {other} and the {role}; expected a column for each");
-                faults.push(file.fault(header.column(place), message));
-            }
-            taken.push((role, place));
+    let mut taken = HashSet::new();
+    let places = [Some(columns.subject), Some(columns.response), columns.count].into_iter().flatten();
+    for place in places.chain(columns.factors.iter().copied()) {
+        if !taken.insert(place) && faults.is_empty() {
+            let message = format!("the column {} has two uses; expected a column for each", header.names[place]);
+            faults.push(file.fault(header.column(place), message));
         }
     }
     if faults.is_empty() { Ok(columns) } else { Err(faults) }

@@ -1,7 +1,7 @@
 //! Every frame interval of a session: a CSV file beside the data, one row for each stretch of frames that showed one
 //! thing.
 //!
-//! The frames describe a session and are not its data: where this file cannot be written the session goes on.
+//! The frames describe a session and are not its data: where this file cannot be written the session continues.
 
 use std::path::Path;
 

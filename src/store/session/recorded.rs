@@ -1,4 +1,4 @@
-//! Recorded sessions as they lie on disk, for those who read whole data sets: nothing is changed or locked.
+//! Recorded sessions as they are on disk, for code that reads whole data sets: nothing is changed or locked.
 
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ pub struct Recorded {
     pub sidecar: Sidecar,
     /// Its rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// A last line that is half written: the session was interrupted and not gone on with.
+    /// A last line that is half written: the session was interrupted and not resumed.
     pub torn: Option<String>,
 }
 

@@ -77,7 +77,7 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
             check_seal(&recorded, &mut found);
             check_frames(&recorded, &mut found);
             check_pictures(&recorded, renderer, &mut found);
-            found.notes.extend(told(&recorded));
+            found.notes.extend(incidents(&recorded));
         }
         Err(StoreError::Faults(FileFaults(faults))) => found.faults = faults,
         Err(error) => found.faults.push(fault(csv, error.to_string())),
@@ -227,8 +227,8 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
     }
 }
 
-/// What the sidecar tells of mishaps.
-fn told(recorded: &Recorded) -> Vec<String> {
+/// The incidents that the sidecar records.
+fn incidents(recorded: &Recorded) -> Vec<String> {
     let sittings = (1..).zip(&recorded.sidecar.sittings);
     sittings
         .flat_map(|(number, sitting)| {
