@@ -98,6 +98,7 @@ impl<'a> Row<'a> {
     pub fn place(&self, cell: usize) -> (usize, usize) {
         let raw = self.raw();
         let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
+        let raw = &raw[..raw.iter().rposition(|byte| !is_line_end(*byte)).map_or(0, |last| last + 1)];
         let mut at = raw.iter().take_while(|byte| is_line_end(**byte)).count();
         at += cell_start(&raw[at..], self.separator, cell);
         if let Some(bytes) = self.record.get(cell)
