@@ -35,7 +35,7 @@ fn text(info: &png::Info<'_>, keyword: &str) -> Option<String> {
 }
 
 /// The recipe's text in an image file, without reading the pixels; `None` if there is none.
-pub(in crate::store) fn recipe_text(path: &Path) -> Option<String> {
+pub(crate) fn recipe_text(path: &Path) -> Option<String> {
     let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
     text(reader.info(), KEYWORD)
 }

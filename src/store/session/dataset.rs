@@ -18,7 +18,7 @@ use crate::{
 /// Ends the name of a data file of a Psych-DS data set, as our results are.
 pub const DATA_FILE: &str = "_data.csv";
 /// Ends the name of a sidecar.
-pub(in crate::store) const SIDECAR_SUFFIX: &str = "_data.json";
+pub(crate) const SIDECAR_SUFFIX: &str = "_data.json";
 
 /// Where the files of one session are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ impl SessionPaths {
     ///
     /// # Errors
     /// The first link.
-    pub(in crate::store) fn refuse_links(&self) -> Result<(), StoreError> {
+    pub(crate) fn refuse_links(&self) -> Result<(), StoreError> {
         let data = self.dataset.join("data");
         for path in [&self.dataset, &data, &self.csv, &self.sidecar, &self.frames] {
             if let Ok(target) = fs::read_link(path) {
@@ -92,7 +92,7 @@ pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
 }
 
 /// The part of a data file's name before `_data.csv`, and the participant and session in it.
-pub(in crate::store) fn identity(csv: &Path) -> Result<(String, Identity), String> {
+pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
     let stem = name.strip_suffix(DATA_FILE).ok_or_else(|| format!("is named otherwise; {expected}"))?;

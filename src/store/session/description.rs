@@ -26,7 +26,7 @@ const IGNORE: [&str; 2] = [".psychds-ignore", ".psychdsignore"];
 ///
 /// # Errors
 /// The system's refusal.
-pub(in crate::store) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<String>, StoreError> {
+pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<String>, StoreError> {
     let [by_text, by_validator] = IGNORE;
     for (name, text) in [
         ("README.md", readme(protocol)),

@@ -111,7 +111,7 @@ pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
 ///
 /// # Errors
 /// As [`read`].
-pub(in crate::store) fn whole(path: &Path, columns: &[Column]) -> Result<Vec<u8>, StoreError> {
+pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<Vec<u8>, StoreError> {
     let content = fs::read(path).map_err(io(path, "read"))?;
     Ok(recover(&path.display().to_string(), &content, columns)?.1)
 }
