@@ -596,8 +596,10 @@ fn halftone(matrix: DitherMatrix, bits: u32, transfer: &Transfer) -> Halftone {
 
 /// The mean light of each level's cell.
 fn lights(halftone: &Halftone, bits: u32, transfer: &Transfer) -> Vec<f64> {
-    let light = |code: &u8| transfer.linear_from_encoded(f64::from(*code) / f64::from(2u32.pow(bits) - 1));
-    let mean = |cell: Vec<u8>| cell.iter().map(light).sum::<f64>() / cell.len() as f64;
+    let max = 2u32.pow(bits) - 1;
+    let light: Vec<f64> =
+        (0..=max).map(|code| transfer.linear_from_encoded(f64::from(code) / f64::from(max))).collect();
+    let mean = |cell: Vec<u8>| cell.iter().map(|code| light[usize::from(*code)]).sum::<f64>() / cell.len() as f64;
     (0..halftone.level_count()).map(|level| mean(halftone.cell(level))).collect()
 }
 
