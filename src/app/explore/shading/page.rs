@@ -336,7 +336,7 @@ impl ShadingPage {
         hint(
             ui,
             format!(
-                "A visibility of 1 is just visible, if the shorter side of the picture takes up {SHORTER_SIDE_DEG}° of visual angle."
+                "A visibility of 1 means just visible, if the shorter side of the picture takes up {SHORTER_SIDE_DEG}° of visual angle."
             ),
         );
         let by = match (drawer.by(), drawer.gpu_name()) {
