@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
-"""Frame cost and start of machband beside PsychoPy's, on the same screen.
+"""Frame cost of machband beside PsychoPy's, on the same screen.
 
-machband draws the screen of a trial and the turning demo (`machband timing --scene trial|demo`); PsychoPy draws one
-image of 512 x 512 pixels (draw + flip). The two take turns, so that a machine that grows slow slows both. Under Xvfb
-nothing waits for a refresh: the interval from frame to frame is what a frame costs. Start to first frame is from the
-moment the process is started to the moment its first frame has been handed over.
+machband draws the screen of a trial (`machband timing --scene trial`); PsychoPy draws one image
+of 512 x 512 pixels (draw + flip). The two take turns, so that a machine that grows slow slows both. Under Xvfb nothing
+waits for a refresh: the interval from frame to frame is what a frame costs.
 
     Xvfb :20 -screen 0 1920x1080x24 &
     python3 -m venv peers && peers/bin/pip install --no-deps psychopy==2026.2.5
@@ -26,7 +25,6 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import time
 
 PEER = """
 import sys, time
@@ -36,7 +34,6 @@ size, frames, full = eval(sys.argv[1]), int(sys.argv[2]), sys.argv[3] == "1"
 window = visual.Window(size=size, units="pix", fullscr=full, waitBlanking=False, checkTiming=False, screen=0)
 image = visual.ImageStim(window, image=np.random.rand(512, 512) * 2 - 1, size=(512, 512), units="pix")
 image.draw(); window.flip()
-first = time.time()
 for _ in range(30):
     image.draw(); window.flip()
 times = []
@@ -44,7 +41,7 @@ last = time.perf_counter()
 for _ in range(frames):
     image.draw(); window.flip()
     now = time.perf_counter(); times.append(now - last); last = now
-print("RESULT", first, " ".join(f"{t:.6f}" for t in times))
+print("RESULT", " ".join(f"{t:.6f}" for t in times))
 window.close(); core.quit()
 """
 
@@ -54,19 +51,16 @@ def percentile(values, share):
     return values[min(len(values) - 1, max(0, int(-(-share * len(values) // 1)) - 1))]
 
 
-def machband(arguments, scene):
+def machband(arguments):
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "intervals.csv")
-        command = [arguments.machband, "timing", "--scene", scene, "--frames", str(arguments.frames), "--out", out]
+        command = [arguments.machband, "timing", "--scene", "trial", "--frames", str(arguments.frames), "--out", out]
         command += ["--fullscreen"] if arguments.fullscreen else ["--windowed"]
-        began = time.time()
         done = subprocess.run(command, capture_output=True, text=True, timeout=600)
         if done.returncode != 0:
-            sys.exit(f"machband timing --scene {scene} failed:\n{done.stderr}")
-        rows = {line[:18].strip(): line[18:].strip() for line in done.stdout.splitlines()}
+            sys.exit(f"machband timing failed:\n{done.stderr}")
         with open(out, newline="") as file:
-            intervals = [int(row["interval_us"]) * 1e-3 for row in csv.DictReader(file)]
-        return intervals, float(rows["at"].split()[0]) - began
+            return [int(row["interval_us"]) * 1e-3 for row in csv.DictReader(file)]
 
 
 def psychopy(arguments):
@@ -76,13 +70,13 @@ def psychopy(arguments):
 
 
 def told(name, command):
-    began = time.time()
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT")), None)
     if line is None:
         sys.exit(f"{name} failed:\n{done.stdout}\n{done.stderr}")
-    _, first, *times = line.split()
-    return [float(t) * 1e3 for t in times], float(first) - began
+    # The bare window also says when its first frame was handed over.
+    numbers = [float(number) for number in line.split()[1:]]
+    return [seconds * 1e3 for seconds in numbers if seconds < 1e6]
 
 
 def pair(text):
@@ -101,7 +95,7 @@ def main():
     parser.add_argument("--size", type=pair, default=(1920, 1080), help="the screen, WIDTHxHEIGHT")
     parser.add_argument("--window", type=pair, default=(1100, 860), help="a window, WIDTHxHEIGHT; machband's own size")
     arguments = parser.parse_args()
-    runs = {"machband trial": [], "machband demo": [], "PsychoPy": []}
+    runs = {"machband": [], "PsychoPy": []}
     if arguments.bare:
         runs["bare window"] = []
     for turn in range(arguments.rounds):
@@ -114,24 +108,19 @@ def main():
             elif name == "bare window":
                 run = told(name, [*shlex.split(arguments.bare), str(arguments.frames)])
             else:
-                run = machband(arguments, name.split()[1])
+                run = machband(arguments)
             runs[name].append(run)
-            median, start = statistics.median(run[0]), run[1]
-            print(f"{turn + 1}  {name:<15} median {median:7.3f} ms  99 % {percentile(run[0], 0.99):7.3f} ms  first frame {start:6.3f} s", flush=True)
+            median = statistics.median(run)
+            print(f"{turn + 1}  {name:<15} median {median:7.3f} ms  99 % {percentile(run, 0.99):7.3f} ms", flush=True)
     print()
     peer = runs["PsychoPy"]
     for name, found in runs.items():
-        medians = [statistics.median(run[0]) for run in found]
-        tails = [percentile(run[0], 0.99) for run in found]
-        starts = [run[1] for run in found]
-        ratio = statistics.median(
-            statistics.median(run[0]) / statistics.median(other[0]) for run, other in zip(found, peer)
-        )
-        earlier = statistics.median(run[1] / other[1] for run, other in zip(found, peer))
+        medians = [statistics.median(run) for run in found]
+        tails = [percentile(run, 0.99) for run in found]
+        ratio = statistics.median(statistics.median(run) / statistics.median(other) for run, other in zip(found, peer))
         print(
             f"{name:<15} median {statistics.median(medians):7.3f} ms ({min(medians):.3f} to {max(medians):.3f})"
-            f"  99 % {statistics.median(tails):7.3f} ms  first frame {statistics.median(starts):6.3f} s"
-            f"  of PsychoPy's: frame {ratio:.2f}, start {earlier:.2f}"
+            f"  99 % {statistics.median(tails):7.3f} ms  of PsychoPy's: {ratio:.2f}"
         )
 
 

@@ -57,7 +57,7 @@ fn begin(window: &mut Window, file: &Path) {
     slider.unwrap().focus();
     window.step();
     (0..10).for_each(|_| press(window, Key::ArrowLeft));
-    window.get_by_label_contains("6 matches, about 1 minutes");
+    window.get_by_label_contains("6 matches, about 1 min");
     click(window, "Begin");
 }
 
@@ -89,7 +89,7 @@ fn an_observer_at_the_keys_gets_the_gamma_of_the_screen() {
     let (csv, toml) = (folder.path().join("new/matches.csv"), folder.path().join("left.toml"));
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut window = tool("Gamma by eye");
-    window.get_by_label_contains("30 matches, about 5 minutes");
+    window.get_by_label_contains("30 matches, about 5 min");
     take_picture(&mut window, "display_by_eye");
     // Too few channels are told at once.
     click(&mut window, "red, green, blue");

@@ -237,7 +237,7 @@ impl<M: Method> Calibrate<M> {
             match &extent {
                 Ok((items, seconds)) => {
                     let minutes = (seconds / 60.0).ceil();
-                    hint(ui, format!("{items} {}, about {minutes} minutes.", M::ITEMS));
+                    hint(ui, format!("{items} {}, about {minutes} min.", M::ITEMS));
                 }
                 Err(message) => fault(ui, message),
             }
