@@ -168,7 +168,9 @@ impl<M: Method> Calibrate<M> {
                 Step::Next(()) => {
                     self.paused = None;
                     full_screen(ui, false);
-                    self.stage = Stage::Found(self.outcome(PathBuf::from(self.path.trim())), Some(run));
+                    // A run that is over lets go of its file before that is read.
+                    let questionable = (!run.questionable().is_empty()).then_some(run);
+                    self.stage = Stage::Found(self.outcome(PathBuf::from(self.path.trim())), questionable);
                 }
             },
             Stage::Found(mut outcome, run) => match outcome.show(ui, run.as_deref(), &self.known) {
