@@ -42,9 +42,17 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
         let path = error.path().to_string().replace('[', ".").replace(']', "");
         // A dot alone is the document.
         let path = path.trim_matches('.');
-        let place = document.locate(path);
-        document.faults.push((place, explained(path, &error.inner().to_string())));
-        document.unread.push(place);
+        let message = error.inner().to_string();
+        if let Some(field) = message.strip_prefix("missing field `") {
+            let field = field.trim_end_matches('`');
+            let name = format!("{path}.{field}");
+            let name = name.trim_start_matches('.');
+            document.fault(name, format!("{name} is missing; expected {field} = …"));
+        } else {
+            let place = document.locate(path);
+            document.faults.push((place, explained(path, &message)));
+            document.unread.push(place);
+        }
         if document.unread.len() > MOST_UNREAD || !remove(&mut value, path) {
             return Err(document.located());
         }
@@ -164,11 +172,6 @@ fn explained(path: &str, error: &str) -> String {
         // unknown field `widht`, expected one of `width`, `depth`
         let known: Vec<&str> = error.split('`').skip(3).step_by(2).collect();
         return unknown_key(table, key, &known);
-    }
-    if let Some(field) = error.strip_prefix("missing field ") {
-        let field = field.trim_matches('`');
-        let name = format!("{path}.{field}");
-        return format!("{} is missing; expected {field} = …", name.trim_start_matches('.'));
     }
     let Some((wrong, expected)) = error.split_once(", expected ") else { return error.to_owned() };
     let expected = match expected {

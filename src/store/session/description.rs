@@ -5,13 +5,13 @@ use std::{fs, path::Path};
 
 use serde_json::{Value, json};
 
+use super::frames;
 use crate::{
     experiment::{Column, Protocol, columns},
     store::{
         StoreError,
         fault::io,
         file::{is_there, write_json, write_whole},
-        frames,
     },
 };
 

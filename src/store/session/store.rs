@@ -4,6 +4,8 @@ use std::{path::Path, time::Duration};
 
 use super::{
     dataset::SessionPaths,
+    frames::{FrameFile, FrameRow},
+    results::ResultFile,
     sidecar::{Seal, Sidecar, Sitting},
 };
 use crate::{
@@ -11,8 +13,6 @@ use crate::{
     store::{
         StoreError, definition,
         file::{is_there, remove_temporary},
-        frames::{FrameFile, FrameRow},
-        results::ResultFile,
     },
 };
 
