@@ -1,7 +1,7 @@
-//! Floor 6: the commands. Each is a headless twin of what the window does.
+//! Floor 6: the commands. They do what the window does, without a window.
 //!
 //! Exit status 0: done; 1: failed; 2: wrong usage. Errors go to stderr as `error: WHERE: what is wrong; what is
-//! expected`, what is doubtful as `warning: WHERE: …`, data to stdout or the named files.
+//! expected`, warnings as `warning: WHERE: …`, data to stdout or the named files.
 
 mod analyze;
 mod calibrate;
@@ -63,7 +63,7 @@ enum Command {
     Verify(verify::Arguments),
 }
 
-/// Arguments that cannot be, found after parsing: exit status 2.
+/// Arguments that make no sense, found after parsing: exit status 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 struct UsageError(String);
@@ -98,9 +98,9 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // One line a fault, so that each can be found by its `error:`. Each tells its cause itself.
+            // One line a fault, so that each can be found by its `error:`. Each names its cause itself.
             for line in error.to_string().lines() {
-                // Where nobody listens any more, the exit status still tells.
+                // Where stderr is closed, the exit status still tells.
                 let _ = writeln!(std::io::stderr(), "error: {line}");
             }
             ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
@@ -108,11 +108,11 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Writes one line of data to stdout. Who has stopped listening, as `head -1` does, wants no more of it: no fault.
+/// Writes one line of data to stdout. That the reader has closed it, as `head -1` does, is no fault.
 fn say(line: &str) -> anyhow::Result<()> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(anyhow::anyhow!("standard output: cannot write: {error}; expected a place that takes it"))
+            Err(anyhow::anyhow!("standard output: cannot write: {error}; expected room for the data"))
         }
         _ => Ok(()),
     }
@@ -123,16 +123,14 @@ fn wrote(path: &Path) -> anyhow::Result<()> {
     say(&format!("wrote {}", path.display()))
 }
 
-/// What speaks against a measured profile, on stderr: reason to measure again, and none to stop. `place` says whose
-/// profile it is. An assumption says itself that it is one.
+/// Warns of a measured profile that should be measured again. `place` is where the profile is from.
 fn warn(place: &str, profile: &DisplayProfile) {
     if let Some(warning) = profile.warning(today()).filter(|_| profile.measured.is_some()) {
-        // Where nobody listens, nothing is lost.
         let _ = writeln!(std::io::stderr(), "warning: {place}: {warning}");
     }
 }
 
-/// The day, by the system's clock.
+/// The date, by the system's clock.
 fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }
@@ -148,7 +146,7 @@ fn progress_style(what: &str) -> indicatif::ProgressStyle {
     indicatif::ProgressStyle::with_template(&template).unwrap_or_else(|_| indicatif::ProgressStyle::default_bar())
 }
 
-/// Says on a terminal what is going on, where it cannot be counted.
+/// Shows on a terminal what is going on, where it cannot be counted.
 fn spinner(what: &'static str) -> indicatif::ProgressBar {
     let spinner = indicatif::ProgressBar::new_spinner().with_message(what);
     spinner.enable_steady_tick(std::time::Duration::from_millis(120));

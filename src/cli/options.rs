@@ -28,7 +28,7 @@ pub(super) struct TransferOptions {
     /// Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; three joined by / for red,
     /// green and blue.
     #[arg(long, conflicts_with = "display")]
-    transfer: Option<String>,
+    transfer: Option<Transfers>,
     /// Display profile, as `machband calibrate` writes it.
     #[arg(long, value_name = "FILE")]
     display: Option<PathBuf>,
@@ -44,7 +44,7 @@ impl TransferOptions {
                 let hash = store::profile::hash(&profile);
                 (profile.transfers, Some(hash))
             }
-            (None, Some(text)) => (text.parse().map_err(|error| UsageError(format!("--transfer: {error}")))?, None),
+            (None, Some(transfers)) => (transfers.clone(), None),
             (None, None) => (Transfer::Srgb.into(), None),
         })
     }
@@ -65,11 +65,11 @@ pub(super) struct ImageOptions {
     #[command(flatten)]
     transfer: TransferOptions,
     /// Bits a channel.
-    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
-    bits: String,
+    #[arg(long, default_value = "8", value_parser = named::<Bits>(&["8", "16"]))]
+    bits: Bits,
     /// none, ordered, blue-noise or random; ordered:bayer2, 4, 8, 16 and ordered:clustered2, 3 name the matrix.
     #[arg(long, default_value = "none")]
-    dither: String,
+    dither: Dither,
     /// Seed of the random dither.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -79,14 +79,13 @@ impl ImageOptions {
     /// The complete description of an image of this stimulus. Reads the display profile: to be called once, since it
     /// says what is doubtful about that.
     pub(super) fn recipe(&self, stimulus: Stimulus) -> anyhow::Result<Recipe> {
-        let usage = |message: String| UsageError(message);
         let (transfers, display_sha256) = self.transfer.transfers()?;
         Ok(Recipe {
             stimulus,
             size: self.size,
             transfers,
-            bits: self.bits.parse::<Bits>().map_err(|error| usage(format!("--bits: {error}")))?,
-            dither: self.dither.parse::<Dither>().map_err(|error| usage(format!("--dither: {error}")))?,
+            bits: self.bits,
+            dither: self.dither,
             seed: self.seed,
             display_sha256,
         })

@@ -1,19 +1,23 @@
 //! `machband run`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::{
     app::{self, Launch, Request},
-    display::DisplayProfile,
     experiment::Identity,
-    store::{StoreError, dataset::free_participant, definition, profile, session::SessionStore},
+    store::{
+        StoreError,
+        dataset::{SessionPaths, free_participant},
+        definition, profile,
+        session::SessionStore,
+    },
 };
 
-/// Open the window, straight into a session.
+/// Open the window and go straight into a session.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband run bangay2003 --participant S001 --session 1 --seed 7")]
 pub(super) struct Arguments {
-    /// Built-in definition or path of a .toml file.
+    /// Built-in definition or path to a .toml file.
     experiment: String,
     /// Participant; the next free P001, P002, … unless given.
     #[arg(long, value_name = "ID", value_parser = super::participant)]
@@ -30,13 +34,13 @@ pub(super) struct Arguments {
     /// Display profile; sRGB unless given.
     #[arg(long, value_name = "PROFILE.toml")]
     display: Option<PathBuf>,
-    /// In gray instead of color, for an observer with a color deficiency; the experiment's name then ends in -gray.
+    /// In gray instead of color, for someone with a color deficiency; the experiment's name then ends in -gray.
     #[arg(long)]
     gray: bool,
     /// In a window instead of the full screen.
     #[arg(long)]
     windowed: bool,
-    /// Go on with an interrupted session.
+    /// Resume an interrupted session.
     #[arg(long, requires = "participant")]
     resume: bool,
 }
@@ -47,8 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (false, _) => protocol,
         (true, Some(gray)) => gray,
         (true, None) => {
-            let message =
-                format!("--gray: {} is gray already, or varies its color; expected it without", protocol.name);
+            let message = format!("--gray: {} is already gray, or varies its color; expected no --gray", protocol.name);
             return Err(super::UsageError(message).into());
         }
     };
@@ -57,18 +60,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         None => free_participant(&arguments.results, &protocol),
     };
     let identity = Identity::new(&participant, &arguments.session)?;
-    // What would only be found after the preflight is said before a window opens.
-    let found = SessionStore::exists(&arguments.results, &protocol, &identity);
-    let csv = crate::store::dataset::SessionPaths::new(&arguments.results, &protocol, &identity).csv;
-    match (found, arguments.resume) {
+    // What would only be found after the preflight is reported before a window opens.
+    let csv = SessionPaths::new(&arguments.results, &protocol, &identity).csv;
+    match (SessionStore::exists(&arguments.results, &protocol, &identity), arguments.resume) {
         (Some(_), false) => return Err(StoreError::Exists(csv).into()),
         (None, true) => return Err(StoreError::NothingToResume(csv).into()),
         (Some(true), true) => {
-            return super::say(&format!("{}: the session is complete; nothing is left to do", csv.display()));
+            return super::say(&format!("{}: the session is already complete", csv.display()));
         }
         _ => {}
     }
-    let display = arguments.display.as_deref().map(open_profile).transpose()?.unwrap_or_default();
+    let display = arguments.display.as_deref().map(profile::open).transpose()?.unwrap_or_default();
     let request = Request {
         distance_cm: protocol.viewing.distance_cm,
         screen_width_cm: None,
@@ -82,8 +84,4 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     app::open(Launch { request: Some(request) })?;
     Ok(())
-}
-
-fn open_profile(path: &Path) -> anyhow::Result<DisplayProfile> {
-    Ok(profile::open(path)?)
 }
