@@ -24,26 +24,13 @@ use eframe::egui::{self, ViewportCommand};
 
 use session::Runner;
 use start::{Destination, Form, Home};
-use ui::{Step, dialog, pixels, platform, screen as monitor, today, work};
+use ui::Step;
 use window::{Input, Program};
 
 pub use display::timing;
 pub use session::Request;
 pub use ui::Monitor;
 pub use window::WindowError;
-
-/// Names by which pages still ask for parts of [`ui`].
-mod theme {
-    pub use super::ui::{
-        fault, heading, page, page_from, primary, quiet,
-        theme::{COLUMN, GOOD, NOTE, PAGE, QUIET},
-        tick as mark,
-    };
-}
-mod form {
-    pub use super::ui::number as parse;
-}
-use Step as Go;
 
 /// How the window starts.
 #[derive(Debug, Default)]

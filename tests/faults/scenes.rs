@@ -211,7 +211,7 @@ fn cut(sweep: &Sweep, table: &mut Table) {
         let kept = disk::lines(&scene.csv()).split_off(1);
         let resumed = scene.resume(&scene.first());
         let torn = !ends.contains(&length);
-        assert_eq!(resumed.stderr.contains("a half-written last row was removed"), torn, "{length}: {resumed:?}");
+        assert_eq!(resumed.stderr.contains("a half-written last row was cut off"), torn, "{length}: {resumed:?}");
         let errors = if torn { vec![resumed.stderr] } else { Vec::new() };
         let said = Said { rows: kept, errors, ..Said::default() };
         table.line("the file is cut in its last two rows", scene.assert_kept(&said, &scene.first()));

@@ -70,11 +70,6 @@ impl Dialog {
         self.missing = false;
     }
 
-    /// Whether the last one never opened.
-    pub fn is_missing(&self) -> bool {
-        self.missing
-    }
-
     /// Says so where the last one never opened.
     pub fn missing_fault(&self, ui: &mut egui::Ui) {
         if self.missing {

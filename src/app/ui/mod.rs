@@ -13,8 +13,6 @@
 //! | [`screen`], [`platform`] | the monitor, and what the window system knows of it |
 //! | [`work`] | what is computed while the window goes on drawing |
 
-#![allow(dead_code, unused_imports)] // Until every page uses it.
-
 pub mod blit;
 pub mod dialog;
 pub mod fields;
