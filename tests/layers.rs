@@ -106,7 +106,6 @@ fn forbidden_edges_are_found() {
         "const A: &str = r#\"a \" quote\"#; use crate::store;",
         "fn f() { let x = machband::store::check(); }",
         "macro_rules! m { () => { $crate::store::f() } }",
-        "pub(in crate::store) fn f() {}",
     ] {
         let found = faults("light/gamma", upward);
         let all_up = found.iter().all(|fault| fault.contains("light → store: floor 0 uses floor 4"));
@@ -118,7 +117,7 @@ fn forbidden_edges_are_found() {
         "/* a /* nested */ crate::store */ fn f() {}",
         "const A: &str = \"\\\" crate::store\";",
         "const A: &[u8] = b\"crate::store\";",
-        "use super::image::CodeImage; pub(crate) fn f() {} pub(super) fn g() {}",
+        "use super::image::CodeImage; pub(crate) fn f() {} pub(super) fn g() {} pub(in crate::light) fn h() {}",
         "mod tests { use super::super::image; }",
         "use crate::light::{Depth, gamma};",
         "fn store() {} fn f() { store(); other::crate_::store(); }",
@@ -272,7 +271,8 @@ impl Source {
                     i = source.tree(tokens, i + 1, here.clone(), true, true);
                     continue;
                 }
-                "crate" | "machband" | "super" | "self" if begins => {
+                // `pub(in crate::room)` is no use of it.
+                "crate" | "machband" | "super" | "self" if begins && (i == 0 || text(i - 1) != "in") => {
                     i = source.tree(tokens, i, here.clone(), true, false);
                     continue;
                 }

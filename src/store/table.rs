@@ -100,7 +100,9 @@ impl<'a> Row<'a> {
         let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
         let raw = &raw[..raw.iter().rposition(|byte| !is_line_end(*byte)).map_or(0, |last| last + 1)];
         let mut at = raw.iter().take_while(|byte| is_line_end(**byte)).count();
-        at += cell_start(&raw[at..], self.separator, cell);
+        // A cell that is missing has its place at the end of its line.
+        let end = raw.iter().rposition(|byte| !is_line_end(*byte)).map_or(0, |last| last + 1);
+        at += cell_start(&raw[at..end.max(at)], self.separator, cell);
         if let Some(bytes) = self.record.get(cell)
             && let Err(error) = std::str::from_utf8(bytes)
         {

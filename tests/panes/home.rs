@@ -204,7 +204,7 @@ fn a_folder_that_vanishes_takes_no_answer_with_it() {
     wait_for(&mut harness, "The last answer could not be saved");
     let other = "Or save the whole session in another folder:";
     type_into(&mut harness, other, &second.display().to_string());
-    click(&mut harness, "Save there and go on");
+    click(&mut harness, "Save there and continue");
     harness.run_steps(25);
     press(&mut harness, Key::Num3);
     harness.run_steps(3);

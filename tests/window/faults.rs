@@ -15,40 +15,35 @@ use crate::build;
 /// there is room again.
 #[test]
 fn a_smaller_screen_pauses_the_session() {
-    let Some(mut desk) = Desk::new() else { return };
-    let definition = desk.swift();
-    let planned = desk.planned(&definition, 7);
-    desk.run(&definition, &["--participant", "S001", "--seed", "7"]);
-    let csv = desk.csv("swift");
-    desk.rate(&csv, pattern(0));
-    desk.rate(&csv, pattern(1));
-    desk.stimulus();
-    resize(&desk, (640, 300));
-    desk.until("the pause page", |desk| desk.see() == Sight::Page);
-    desk.press("2");
-    desk.press("space");
+    let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
+    harness.rate(&csv, pattern(0));
+    harness.rate(&csv, pattern(1));
+    harness.stimulus();
+    resize(&harness, (640, 300));
+    harness.until("the pause page", |harness| harness.see() == Sight::Page);
+    harness.press("2");
+    harness.press("space");
     std::thread::sleep(Duration::from_secs(1));
-    assert_eq!(desk.see(), Sight::Page, "there is no room for a stimulus");
-    desk.at_rest();
-    desk.keep_picture("screen-smaller");
+    assert_eq!(harness.see(), Sight::Page, "there is no room for a stimulus");
+    harness.at_rest();
+    harness.keep_picture("screen-smaller");
     assert_eq!(rows(&csv).len(), 2);
 
-    resize(&desk, SCREEN);
-    desk.at_rest();
-    desk.keep_picture("screen-back");
-    desk.resume();
+    resize(&harness, SCREEN);
+    harness.at_rest();
+    harness.keep_picture("screen-back");
+    harness.resume();
     for i in 2..planned.len() {
-        desk.rate(&csv, pattern(i));
+        harness.rate(&csv, pattern(i));
     }
-    desk.until("the sidecar to say complete", |desk| desk.sidecar("swift")["complete"] == true);
-    assert!(desk.close_at_end().success());
+    harness.complete("swift");
     assert_planned_once(&rows(&csv), &planned);
     assert!(checked(&csv).contains("10 of 10 planned trials"));
 }
 
 /// Gives the screen another size, as when another monitor takes over.
-fn resize(desk: &Desk, (width, height): (usize, usize)) {
-    let (x, number) = x11rb::connect(Some(&desk.display)).unwrap();
+fn resize(harness: &Harness, (width, height): (usize, usize)) {
+    let (x, number) = x11rb::connect(Some(&harness.display)).unwrap();
     let root = x.setup().roots[number].root;
     let (w, h) = (width as u16, height as u16);
     let resources = x.randr_get_screen_resources(root).unwrap().reply().unwrap();
@@ -89,8 +84,8 @@ fn resize(desk: &Desk, (width, height): (usize, usize)) {
 }
 
 /// What the program says where window or graphics go: one sentence of ours, and no panic.
-fn last_words(desk: &Desk) -> String {
-    let said = desk.said();
+fn last_words(harness: &Harness) -> String {
+    let said = harness.said();
     let errors: Vec<_> = said.lines().filter(|line| line.starts_with("error: ")).collect();
     assert!(errors.len() == 1 && !said.contains("panicked"), "{said}");
     assert!(errors[0].contains("the window was lost") && errors[0].contains("--resume"), "{said}");
@@ -98,17 +93,16 @@ fn last_words(desk: &Desk) -> String {
 }
 
 /// The first sitting's rows are kept and it is closed; `--resume` asks for what is missing.
-fn resume_to_the_end(desk: &mut Desk, planned: &[Row], done: usize) {
-    let csv = desk.csv("swift");
+fn resume_to_the_end(harness: &mut Harness, planned: &[Row], done: usize) {
+    let csv = harness.csv("swift");
     assert_eq!(rows(&csv).len(), done);
-    assert!(desk.sidecar("swift")["sittings"][0]["ended_at"].is_string(), "the sitting was not closed");
-    let definition = desk.swift();
-    desk.run(&definition, &["--participant", "S001", "--resume"]);
+    assert!(harness.sidecar("swift")["sittings"][0]["ended_at"].is_string(), "the sitting was not closed");
+    let definition = harness.swift();
+    harness.run(&definition, &["--participant", "S001", "--resume"]);
     for i in done..planned.len() {
-        desk.rate(&csv, pattern(i));
+        harness.rate(&csv, pattern(i));
     }
-    desk.until("the sidecar to say complete", |desk| desk.sidecar("swift")["complete"] == true);
-    assert!(desk.close_at_end().success());
+    harness.complete("swift");
     assert_planned_once(&rows(&csv), planned);
     assert!(checked(&csv).contains("10 of 10 planned trials"));
 }
@@ -117,61 +111,57 @@ fn resume_to_the_end(desk: &mut Desk, planned: &[Row], done: usize) {
 #[test]
 fn a_display_server_that_goes_takes_nothing_with_it() {
     for in_trial in [true, false] {
-        let Some(mut desk) = Desk::new() else { return };
-        let definition = desk.swift();
-        let planned = desk.planned(&definition, 7);
-        desk.run(&definition, &["--participant", "S001", "--seed", "7"]);
-        let csv = desk.csv("swift");
+        let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
         for i in 0..3 {
-            desk.rate(&csv, pattern(i));
+            harness.rate(&csv, pattern(i));
         }
-        desk.stimulus();
+        harness.stimulus();
         if !in_trial {
-            desk.press("Escape");
-            desk.until("the pause page", |desk| desk.see() == Sight::Page);
-            desk.at_rest();
+            harness.press("Escape");
+            harness.until("the pause page", |harness| harness.see() == Sight::Page);
+            harness.at_rest();
         }
-        for mut server in desk.servers.drain(..) {
+        for mut server in harness.servers.drain(..) {
             server.kill().unwrap();
             server.wait().unwrap();
         }
-        let status = desk.wait_for_end();
-        assert_eq!(status.code(), Some(1), "{}", desk.said());
-        last_words(&desk);
-        desk.start_servers();
-        resume_to_the_end(&mut desk, &planned, 3);
+        let status = harness.wait_for_end();
+        assert_eq!(status.code(), Some(1), "{}", harness.said());
+        last_words(&harness);
+        harness.start_servers();
+        resume_to_the_end(&mut harness, &planned, 3);
     }
 }
 
 /// The graphics card answers no more.
 #[test]
 fn a_graphics_card_that_goes_takes_nothing_with_it() {
-    let Some(mut desk) = Desk::new() else { return };
+    let Some(mut harness) = Harness::new() else { return };
     let folders = ["/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64", "/usr/lib"];
     let library = folders.map(|folder| Path::new(folder).join("libvulkan.so.1")).into_iter().find(|path| path.exists());
     let Some(library) = library else { return build::skip("libvulkan.so.1 cannot be found") };
-    let fake = desk.dir.path().join("vulkan");
+    let fake = harness.dir.path().join("vulkan");
     fs::create_dir(&fake).unwrap();
     if !build::library("vulkan_shim", &fake.join("libvulkan.so.1")) {
         return;
     }
-    let lost = desk.dir.path().join("lost");
-    desk.environment = [("LD_LIBRARY_PATH", &fake), ("MACHBAND_VULKAN", &library), ("MACHBAND_VULKAN_LOST", &lost)]
+    let lost = harness.dir.path().join("lost");
+    harness.environment = [("LD_LIBRARY_PATH", &fake), ("MACHBAND_VULKAN", &library), ("MACHBAND_VULKAN_LOST", &lost)]
         .map(|(name, value)| (name, OsString::from(value)))
         .to_vec();
-    let definition = desk.swift();
-    let planned = desk.planned(&definition, 7);
-    desk.run(&definition, &["--participant", "S001", "--seed", "7"]);
-    let csv = desk.csv("swift");
+    let definition = harness.swift();
+    let planned = harness.planned(&definition, 7);
+    harness.run(&definition, &["--participant", "S001", "--seed", "7"]);
+    let csv = harness.csv("swift");
     for i in 0..3 {
-        desk.rate(&csv, pattern(i));
+        harness.rate(&csv, pattern(i));
     }
-    desk.stimulus();
+    harness.stimulus();
     fs::write(&lost, "").unwrap();
-    let status = desk.wait_for_end();
-    assert_eq!(status.code(), Some(1), "{}", desk.said());
-    let said = last_words(&desk);
+    let status = harness.wait_for_end();
+    assert_eq!(status.code(), Some(1), "{}", harness.said());
+    let said = last_words(&harness);
     assert!(said.contains("the graphics card is gone"), "{said}");
     fs::remove_file(&lost).unwrap();
-    resume_to_the_end(&mut desk, &planned, 3);
+    resume_to_the_end(&mut harness, &planned, 3);
 }

@@ -56,27 +56,27 @@ const HALF_REFRESH_S: f64 = 1.0 / 120.0;
 /// A whole session of the built-in `quick`, and what is on the screen meanwhile.
 #[test]
 fn a_full_session_records_every_key_and_shows_the_exact_stimulus() {
-    let Some(mut desk) = Desk::new() else { return };
-    let planned = desk.planned("quick", 7);
+    let Some(mut harness) = Harness::new() else { return };
+    let planned = harness.planned("quick", 7);
     assert_eq!(planned.len(), 28);
-    desk.run("quick", &["--participant", "S001", "--session", "1", "--seed", "7"]);
-    let csv = desk.csv("quick");
+    harness.run("quick", &["--participant", "S001", "--session", "1", "--seed", "7"]);
+    let csv = harness.csv("quick");
     let mut size = 0;
     let mut looked_at = BTreeSet::new();
     for (i, row) in planned.iter().enumerate() {
-        desk.stimulus();
+        harness.stimulus();
         if size == 0 {
-            size = desk.sidecar("quick")["sittings"][0]["viewing"]["stimulus_px"].as_u64().unwrap() as usize;
+            size = harness.sidecar("quick")["sittings"][0]["viewing"]["stimulus_px"].as_u64().unwrap() as usize;
         }
         let look = (row["orientation_deg"].clone(), row["depth"].clone());
         if row["phase"] == "main" && looked_at.insert(look) {
-            desk.compare_with_image(row, size);
+            harness.compare_with_image(row, size);
         }
-        desk.rate(&csv, pattern(i));
+        harness.rate(&csv, pattern(i));
     }
     assert_eq!(looked_at.len(), 6, "two orientations, three depths");
-    desk.until("the sidecar to say complete", |desk| desk.sidecar("quick")["complete"] == true);
-    let status = desk.close_at_end();
+    harness.until("the sidecar to say complete", |harness| harness.sidecar("quick")["complete"] == true);
+    let status = harness.close_at_end();
     assert!(status.success(), "{status}");
 
     let rows = rows(&csv);
@@ -107,44 +107,39 @@ fn a_full_session_records_every_key_and_shows_the_exact_stimulus() {
 /// Backspace gives a second attempt; Esc holds the trial and Space brings it back.
 #[test]
 fn answers_can_be_taken_back_and_sessions_paused() {
-    let Some(mut desk) = Desk::new() else { return };
-    let definition = desk.swift();
-    let planned = desk.planned(&definition, 7);
-    desk.run(&definition, &["--participant", "S001", "--seed", "7"]);
-    let csv = desk.csv("swift");
-    desk.rate(&csv, "0");
-    desk.rate(&csv, "1");
+    let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
+    harness.rate(&csv, "0");
+    harness.rate(&csv, "1");
     // The third trial: paused while the stimulus is up. It comes again after a new recovery, and counts once.
-    desk.stimulus();
-    desk.press("Escape");
-    desk.until("the pause page", |desk| desk.see() == Sight::Page);
-    desk.press("2");
-    desk.press("BackSpace");
-    desk.resume();
-    desk.until("the field after the pause", |desk| desk.see() == Sight::Field);
+    harness.stimulus();
+    harness.press("Escape");
+    harness.until("the pause page", |harness| harness.see() == Sight::Page);
+    harness.press("2");
+    harness.press("BackSpace");
+    harness.resume();
+    harness.until("the field after the pause", |harness| harness.see() == Sight::Field);
     assert_eq!(rows(&csv).len(), 2, "a key on the pause page must not rate or take back");
-    desk.rate(&csv, "2");
+    harness.rate(&csv, "2");
     // Paused in the recovery, where nothing is lost either.
-    desk.press("Escape");
-    desk.until("the pause page", |desk| desk.see() == Sight::Page);
-    desk.resume();
-    desk.rate(&csv, "3");
+    harness.press("Escape");
+    harness.until("the pause page", |harness| harness.see() == Sight::Page);
+    harness.resume();
+    harness.rate(&csv, "3");
     // Taken back: the same trial again, as a second attempt.
-    desk.press("BackSpace");
-    desk.rate(&csv, PAD[0]);
+    harness.press("BackSpace");
+    harness.rate(&csv, PAD[0]);
     // Twice Backspace takes back one answer only: the one before has been looked at with another in mind.
-    desk.rate(&csv, "1");
-    desk.press("BackSpace");
-    desk.press("BackSpace");
-    desk.rate(&csv, "2");
+    harness.rate(&csv, "1");
+    harness.press("BackSpace");
+    harness.press("BackSpace");
+    harness.rate(&csv, "2");
     for _ in 0..planned.len() - 5 {
-        desk.rate(&csv, "3");
+        harness.rate(&csv, "3");
     }
     // The last one can be taken back too, while the field stands.
-    desk.press("BackSpace");
-    desk.rate(&csv, "0");
-    desk.until("the sidecar to say complete", |desk| desk.sidecar("swift")["complete"] == true);
-    assert!(desk.close_at_end().success());
+    harness.press("BackSpace");
+    harness.rate(&csv, "0");
+    harness.complete("swift");
 
     let rows = rows(&csv);
     let mut attempts: BTreeMap<(String, u32), Vec<(String, String)>> = BTreeMap::new();
@@ -172,20 +167,20 @@ fn answers_can_be_taken_back_and_sessions_paused() {
 /// meanwhile, the digits of a Czech keyboard when Shift goes up first. The next press of that digit counts all the same.
 #[test]
 fn a_key_that_changes_its_meaning_while_held_is_not_lost_the_next_time() {
-    let Some(mut desk) = Desk::new() else { return };
-    let definition = desk.swift();
-    desk.run(&definition, &["--participant", "S001", "--seed", "7"]);
-    let csv = desk.csv("swift");
-    desk.rate(&csv, "2");
-    desk.stimulus();
+    let Some(mut harness) = Harness::new() else { return };
+    let definition = harness.swift();
+    harness.run(&definition, &["--participant", "S001", "--seed", "7"]);
+    let csv = harness.csv("swift");
+    harness.rate(&csv, "2");
+    harness.stimulus();
     for (action, key) in [("keydown", PAD[1]), ("key", "Num_Lock"), ("keyup", PAD[1])] {
-        desk.xdotool(&[action, key]);
+        harness.xdotool(&[action, key]);
     }
-    desk.until("the row of the number pad", |_| rows(&csv).len() == 2);
-    desk.until("the stimulus to go", |desk| desk.see() != Sight::Stimulus);
-    desk.stimulus();
-    desk.press("1");
-    desk.until_for(Duration::from_secs(15), "the row of the same digit", |_| rows(&csv).len() == 3);
+    harness.until("the row of the number pad", |_| rows(&csv).len() == 2);
+    harness.until("the stimulus to go", |harness| harness.see() != Sight::Stimulus);
+    harness.stimulus();
+    harness.press("1");
+    harness.until_for(Duration::from_secs(15), "the row of the same digit", |_| rows(&csv).len() == 3);
     let ratings: Vec<_> = rows(&csv).iter().map(|row| row["rating"].clone()).collect();
     assert_eq!(ratings, ["2", "1", "1"]);
 }
@@ -193,37 +188,33 @@ fn a_key_that_changes_its_meaning_while_held_is_not_lost_the_next_time() {
 /// The process is killed twice, once while it waits and once while it writes: `--resume` asks exactly what is missing.
 #[test]
 fn a_killed_session_resumes_without_loss() {
-    let Some(mut desk) = Desk::new() else { return };
-    let definition = desk.swift();
-    let planned = desk.planned(&definition, 7);
-    desk.run(&definition, &["--participant", "S001", "--seed", "7"]);
-    let csv = desk.csv("swift");
+    let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
     for i in 0..3 {
-        desk.rate(&csv, pattern(i));
+        harness.rate(&csv, pattern(i));
     }
-    desk.stimulus();
-    desk.kill();
+    harness.stimulus();
+    harness.kill();
     assert_eq!(rows(&csv).len(), 3);
     checked(&csv);
 
     // An existing session is not overwritten.
-    let refused = desk.machband(&["run", &definition, "--participant", "S001", "--results", &desk.results()]);
+    let definition = harness.swift();
+    let refused = harness.machband(&["run", &definition, "--participant", "S001", "--results", &harness.results()]);
     assert_eq!(refused.status.code(), Some(1), "{refused:?}");
 
-    desk.run(&definition, &["--participant", "S001", "--resume"]);
-    desk.rate(&csv, pattern(3));
-    desk.stimulus();
-    desk.press(pattern(4));
-    desk.kill();
+    harness.run(&definition, &["--participant", "S001", "--resume"]);
+    harness.rate(&csv, pattern(3));
+    harness.stimulus();
+    harness.press(pattern(4));
+    harness.kill();
     let done = rows(&csv).len();
     assert!((4..=5).contains(&done), "{done} rows");
 
-    desk.run(&definition, &["--participant", "S001", "--resume"]);
+    harness.run(&definition, &["--participant", "S001", "--resume"]);
     for i in done..planned.len() {
-        desk.rate(&csv, pattern(i));
+        harness.rate(&csv, pattern(i));
     }
-    desk.until("the sidecar to say complete", |desk| desk.sidecar("swift")["complete"] == true);
-    assert!(desk.close_at_end().success());
+    harness.complete("swift");
     let rows = rows(&csv);
     assert_planned_once(&rows, &planned);
     for (i, row) in rows.iter().enumerate() {
@@ -231,7 +222,7 @@ fn a_killed_session_resumes_without_loss() {
     }
     let onsets: Vec<f64> = rows.iter().map(|row| row["onset_s"].parse().unwrap()).collect();
     assert!(onsets.is_sorted(), "{onsets:?}");
-    assert_eq!(desk.sidecar("swift")["sittings"].as_array().unwrap().len(), 3);
+    assert_eq!(harness.sidecar("swift")["sittings"].as_array().unwrap().len(), 3);
     assert!(checked(&csv).contains("10 of 10 planned trials"));
 }
 
@@ -239,46 +230,41 @@ fn a_killed_session_resumes_without_loss() {
 /// they can be written again.
 #[test]
 fn a_lost_results_folder_loses_no_answer() {
-    let Some(mut desk) = Desk::new() else { return };
-    let definition = desk.swift();
-    let planned = desk.planned(&definition, 7);
-    desk.run(&definition, &["--participant", "S001", "--seed", "7"]);
-    let csv = desk.csv("swift");
+    let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
     for i in 0..4 {
-        desk.rate(&csv, pattern(i));
+        harness.rate(&csv, pattern(i));
     }
-    desk.stimulus();
-    let folder = desk.dir.path().join("results/swift");
+    harness.stimulus();
+    let folder = harness.dir.path().join("results/swift");
     fs::remove_dir_all(&folder).unwrap();
     // Nor can it be made again, for now.
     fs::write(&folder, "in the way").unwrap();
     let trouble = Instant::now();
-    desk.press(pattern(4));
-    desk.until("the trouble page", |desk| desk.see() == Sight::Page);
+    harness.press(pattern(4));
+    harness.until("the trouble page", |harness| harness.see() == Sight::Page);
 
     // Closing the window now would lose the answers: it stays.
-    desk.press("alt+F4");
-    let before = desk.screen();
-    desk.press("Tab");
-    desk.until("the focus on the button", |desk| desk.screen() != before);
-    desk.press("Return");
+    harness.press("alt+F4");
+    let before = harness.screen();
+    harness.press("Tab");
+    harness.until("the focus on the button", |harness| harness.screen() != before);
+    harness.press("Return");
     // Long enough to tell it from a recovery.
     std::thread::sleep(Duration::from_secs(3).saturating_sub(trouble.elapsed()) + Duration::from_secs(1));
-    assert!(desk.ended().is_none(), "the window closed with an answer unsaved: {}", desk.said());
-    assert_eq!(desk.see(), Sight::Page, "nothing can be written yet");
+    assert!(harness.ended().is_none(), "the window closed with an answer unsaved: {}", harness.said());
+    assert_eq!(harness.see(), Sight::Page, "nothing can be written yet");
 
     fs::remove_file(&folder).unwrap();
     let over = Instant::now();
     let held = trouble.elapsed().as_secs_f64();
-    desk.press("Return");
-    desk.until("the rows to be back", |_| rows(&csv).len() == 5);
-    desk.rate(&csv, pattern(5));
+    harness.press("Return");
+    harness.until("the rows to be back", |_| rows(&csv).len() == 5);
+    harness.rate(&csv, pattern(5));
     let since = over.elapsed().as_secs_f64();
     for i in 6..planned.len() {
-        desk.rate(&csv, pattern(i));
+        harness.rate(&csv, pattern(i));
     }
-    desk.until("the sidecar to say complete", |desk| desk.sidecar("swift")["complete"] == true);
-    assert!(desk.close_at_end().success());
+    harness.complete("swift");
     let rows = rows(&csv);
     assert_planned_once(&rows, &planned);
     for (i, row) in rows.iter().enumerate() {
@@ -295,26 +281,26 @@ fn a_lost_results_folder_loses_no_answer() {
 /// A stimulus larger than the window is found before anything is recorded.
 #[test]
 fn a_window_too_small_for_the_stimulus_is_refused() {
-    let Some(mut desk) = Desk::new() else { return };
+    let Some(mut harness) = Harness::new() else { return };
     // At 50 cm and 96 pixels an inch 40° are 1376 pixels.
-    let definition = desk.definition(
+    let definition = harness.definition(
         "large",
         &SWIFT.replace("swift", "large").replace("[recovery]", "[viewing]\nwindow_deg = 40.0\n[recovery]"),
     );
-    desk.run(&definition, &["--participant", "S001", "--seed", "7", "--windowed"]);
-    desk.until("the window", |desk| desk.window_found());
-    desk.at_rest();
-    let findings = desk.screen();
-    desk.press("space");
-    desk.press("Return");
-    desk.at_rest();
-    assert!(!desk.csv("large").exists(), "a session began");
-    assert!(desk.ended().is_none());
-    assert!(desk.screen() == findings, "the page changed");
+    harness.run(&definition, &["--participant", "S001", "--seed", "7", "--windowed"]);
+    harness.until("the window", |harness| harness.window_found());
+    harness.at_rest();
+    let findings = harness.screen();
+    harness.press("space");
+    harness.press("Return");
+    harness.at_rest();
+    assert!(!harness.csv("large").exists(), "a session began");
+    assert!(harness.ended().is_none());
+    assert!(harness.screen() == findings, "the page changed");
     // Esc leaves, with nothing written.
-    desk.press("Escape");
-    assert!(desk.wait_for_end().success());
-    assert!(!desk.dir.path().join("results").exists());
+    harness.press("Escape");
+    assert!(harness.wait_for_end().success());
+    assert!(!harness.dir.path().join("results").exists());
 }
 
 /// Without a display the program says what to do, in one sentence; no display server is needed to see that.
@@ -402,7 +388,7 @@ enum Sight {
 }
 
 /// A screen with a window manager and the program on it; ends all of them when it goes.
-struct Desk {
+struct Harness {
     dir: tempfile::TempDir,
     display: String,
     servers: Vec<Child>,
@@ -413,7 +399,7 @@ struct Desk {
     _alone: MutexGuard<'static, ()>,
 }
 
-impl Desk {
+impl Harness {
     /// `None`, and a word about it, where the tools are missing.
     fn new() -> Option<Self> {
         static ALONE: Mutex<()> = Mutex::new(());
@@ -437,9 +423,19 @@ impl Desk {
         let runtime = std::os::unix::fs::PermissionsExt::from_mode(0o700);
         fs::set_permissions(dir.path().join("runtime"), runtime).unwrap();
         let (display, servers, environment) = (String::new(), Vec::new(), Vec::new());
-        let mut desk = Self { dir, display, servers, window: None, environment, _alone: alone };
-        desk.start_servers();
-        Some(desk)
+        let mut harness = Self { dir, display, servers, window: None, environment, _alone: alone };
+        harness.start_servers();
+        Some(harness)
+    }
+
+    /// With a session of [`SWIFT`] that has begun: its planned rows and its file.
+    fn with_session() -> Option<(Self, Vec<Row>, PathBuf)> {
+        let mut harness = Self::new()?;
+        let definition = harness.swift();
+        let planned = harness.planned(&definition, 7);
+        harness.run(&definition, &["--participant", "S001", "--seed", "7"]);
+        let csv = harness.csv("swift");
+        Some((harness, planned, csv))
     }
 
     fn start_servers(&mut self) {
@@ -461,8 +457,8 @@ impl Desk {
         let openbox = self.command("openbox").stdout(Stdio::null()).stderr(self.log("openbox")).spawn().unwrap();
         self.servers.push(openbox);
         // A window manager is there when it answers for its desktops.
-        self.until("openbox", |desk| {
-            desk.command("xdotool").arg("get_num_desktops").output().unwrap().status.success()
+        self.until("openbox", |harness| {
+            harness.command("xdotool").arg("get_num_desktops").output().unwrap().status.success()
         });
         // As on most keyboards with a number pad; the program does not depend on it.
         self.press("Num_Lock");
@@ -558,7 +554,7 @@ impl Desk {
         let mut window = self.window.take().unwrap();
         window.kill().unwrap();
         window.wait().unwrap();
-        self.until("the window to vanish", |desk| desk.see() == Sight::Page);
+        self.until("the window to vanish", |harness| harness.see() == Sight::Page);
     }
 
     fn wait_for_end(&mut self) -> ExitStatus {
@@ -575,10 +571,16 @@ impl Desk {
 
     /// From the last page out of the program.
     fn close_at_end(&mut self) -> ExitStatus {
-        self.until("the last page", |desk| desk.see() == Sight::Page);
+        self.until("the last page", |harness| harness.see() == Sight::Page);
         self.at_rest();
         self.press("Return");
         self.wait_for_end()
+    }
+
+    /// Waits for a session to be complete, and leaves its last page.
+    fn complete(&mut self, experiment: &str) {
+        self.until("the sidecar to say complete", |harness| harness.sidecar(experiment)["complete"] == true);
+        assert!(self.close_at_end().success());
     }
 
     // -- keys
@@ -605,12 +607,12 @@ impl Desk {
     /// it has had its effect.
     fn stimulus(&mut self) {
         let mut pressed = Instant::now();
-        self.until("a stimulus", |desk| match desk.see() {
+        self.until("a stimulus", |harness| match harness.see() {
             Sight::Stimulus => true,
             Sight::Field => false,
             Sight::Page => {
                 if pressed.elapsed() > Duration::from_millis(400) {
-                    desk.press("space");
+                    harness.press("space");
                     pressed = Instant::now();
                 }
                 false
@@ -621,7 +623,7 @@ impl Desk {
     /// Off the pause page: one Space must do.
     fn resume(&mut self) {
         self.press("space");
-        self.until("the end of the pause", |desk| desk.see() != Sight::Page);
+        self.until("the end of the pause", |harness| harness.see() != Sight::Page);
     }
 
     /// Waits for a stimulus, presses the key, waits for the row, and for the stimulus to go.
@@ -630,7 +632,7 @@ impl Desk {
         let before = rows(csv).len();
         self.press(key);
         self.until(&format!("row {} after {key}", before + 1), |_| rows(csv).len() == before + 1);
-        self.until("the stimulus to go", |desk| desk.see() != Sight::Stimulus);
+        self.until("the stimulus to go", |harness| harness.see() != Sight::Stimulus);
     }
 
     // -- the screen
@@ -655,8 +657,8 @@ impl Desk {
     fn at_rest(&mut self) {
         let mut last = Vec::new();
         let mut since = Instant::now();
-        self.until("the screen to come to rest", |desk| {
-            let now = desk.screen();
+        self.until("the screen to come to rest", |harness| {
+            let now = harness.screen();
             if now != last {
                 last = now;
                 since = Instant::now();
@@ -748,7 +750,7 @@ impl Desk {
     }
 }
 
-impl Drop for Desk {
+impl Drop for Harness {
     fn drop(&mut self) {
         if std::thread::panicking() && !self.display.is_empty() {
             // Best effort: a picture of what went wrong.

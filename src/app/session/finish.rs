@@ -77,7 +77,7 @@ impl Finish {
     pub fn show(&mut self, ui: &mut egui::Ui, direct: bool) -> Step<PathBuf> {
         let texts = self.protocol.instructions.clone();
         let mut leave = false;
-        let mut analyse = false;
+        let mut analyze = false;
         ui::page(ui, |ui| {
             if self.complete {
                 ui.heading(&texts.thanks);
@@ -108,7 +108,7 @@ impl Finish {
                         .map(|error| format!("{}: cannot be opened: {error}", folder.display()));
                 }
                 // Someone who comes back must not have seen where the answers are heading.
-                analyse = self.complete && ui.button("Analyse these results…").clicked();
+                analyze = self.complete && ui.button("Analyze these results…").clicked();
                 leave = ui::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             });
             if let Some(frames) = &self.frames {
@@ -121,7 +121,7 @@ impl Finish {
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());
         let entered = !focused && ui.input(|input| input.key_pressed(Key::Enter));
-        if let Some(data_set) = self.data_set().filter(|_| analyse) {
+        if let Some(data_set) = self.data_set().filter(|_| analyze) {
             return Step::Next(data_set);
         }
         Step::back_if(leave || entered)

@@ -1,4 +1,4 @@
-//! Frame intervals as the window tells them.
+//! Frame intervals as the window measures them.
 
 use std::time::Duration;
 
@@ -36,7 +36,7 @@ pub fn sentence(times: &FrameTimes, refresh: Option<Refresh>) -> Option<String> 
     let ms = |seconds: f64| format!("{:.1} ms", seconds * 1e3);
     let (median, p99) = (ms(times.quantile(0.5)?), ms(times.quantile(0.99)?));
     let counted = times.intervals_us().len();
-    let judged = match (times.dropped(), refresh) {
+    let verdict = match (times.dropped(), refresh) {
         (Some(dropped), Some(refresh)) => {
             let late = times.late_onsets();
             format!(
@@ -46,9 +46,9 @@ pub fn sentence(times: &FrameTimes, refresh: Option<Refresh>) -> Option<String> 
             )
         }
         (Some(dropped), None) => format!("{dropped} dropped"),
-        (None, _) => "none judged, since the screen's refresh is not known".to_owned(),
+        (None, _) => "none could be judged, because the screen's refresh rate is unknown".to_owned(),
     };
-    Some(format!("{counted} frames, half of them within {median} and 99 % within {p99}: {judged}."))
+    Some(format!("{counted} frames, half of them within {median} and 99 % within {p99}: {verdict}."))
 }
 
 /// The frames of a sitting for its sidecar; `None` where nothing was counted. `source`: who knows the refresh: reported,

@@ -23,7 +23,7 @@ use super::{
 use crate::{
     app::{
         ui::{Monitor, Step, pixels, theme, window_px},
-        window::{Heard, Input, InputReport, LEAST_SIZE},
+        window::{Input, InputReport, LEAST_SIZE, PressTime},
     },
     display::{Viewing, frames::Refresh},
     experiment::{
@@ -60,9 +60,9 @@ pub struct Prepared {
     pub window: (u32, u32),
 }
 
-/// The refresh of the screen, and who knows it.
+/// The refresh of the screen, and where that is known from.
 struct ScreenRefresh {
-    /// Name and rate of the monitor at the start, by which another one is told.
+    /// Name and rate of the monitor at the start, to recognize another one.
     first: (Option<String>, Option<f64>),
     /// What the preflight found of it.
     found: (Option<Refresh>, &'static str),
@@ -81,8 +81,8 @@ impl ScreenRefresh {
         Self { first: (monitor.name.clone(), monitor.refresh_hz), found: (refresh, source), refresh, source }
     }
 
-    /// Looks at the monitor that shows the window now; whether the refresh is another.
-    fn look(&mut self, monitor: &Monitor) -> bool {
+    /// For the monitor that shows the window now; gives whether the refresh has changed.
+    fn update(&mut self, monitor: &Monitor) -> bool {
         let before = self.refresh;
         let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz).ok());
         (self.refresh, self.source) = match reported {
@@ -123,7 +123,7 @@ pub struct Trials {
     screen: ScreenRefresh,
     input: InputReport,
     /// Clicked on the scale in the frame before, which still showed the stimulus.
-    clicked: Option<(u8, Heard)>,
+    clicked: Option<(u8, PressTime)>,
     scale_shown: bool,
     trouble: Option<Trouble>,
     resumed: bool,
@@ -228,7 +228,7 @@ impl Trials {
         }
         let was_main = self.in_main();
         self.follow_screen(monitor);
-        self.hear(ui, now, input);
+        self.handle_input(ui, now, input);
         self.pause_if_too_small(ui.ctx(), now);
         self.step(Event::Frame, now);
         if self.in_main() && !was_main {
@@ -250,7 +250,7 @@ impl Trials {
 
     /// The window may be moved to another monitor, and a monitor set to another rate.
     fn follow_screen(&mut self, monitor: &Monitor) {
-        if self.screen.look(monitor) {
+        if self.screen.update(monitor) {
             self.session.judge_against(self.screen.frames());
             let hz =
                 self.screen.refresh.map_or_else(|| "unknown".to_owned(), |refresh| format!("{:.3} Hz", refresh.hz()));
@@ -283,10 +283,10 @@ impl Trials {
         fresh
     }
 
-    /// Does what keys and mouse ask.
-    fn hear(&mut self, ui: &egui::Ui, now: Duration, input: &mut Input) {
-        if let Some((rating, heard)) = self.clicked.take() {
-            self.rate(rating, Some(heard), now);
+    /// Keys and mouse.
+    fn handle_input(&mut self, ui: &egui::Ui, now: Duration, input: &mut Input) {
+        if let Some((rating, pressed_at)) = self.clicked.take() {
+            self.rate(rating, Some(pressed_at), now);
         }
         if ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO) {
             self.mouse_moved_s = ui.input(|input| input.time);
@@ -300,19 +300,19 @@ impl Trials {
                 // letter counts by what it says: its place differs between keyboards.
                 _ => {
                     let digit = place.name().starts_with(|c: char| c.is_ascii_digit()).then_some(place);
-                    let heard = input.key(place);
+                    let pressed_at = input.key(place);
                     if let Some(rating) = self.rating(key).or_else(|| self.rating(digit?)) {
-                        self.rate(rating, heard, now);
+                        self.rate(rating, pressed_at, now);
                     }
                 }
             }
         }
     }
 
-    /// The stimulus is rated: as it was heard, or, where nothing was stamped, now.
-    fn rate(&mut self, rating: u8, heard: Option<Heard>, now: Duration) {
-        let event = match heard {
-            Some(Heard { at_s, uncertainty }) => Event::RateAt { rating, at: self.session_time(at_s), uncertainty },
+    /// The stimulus is rated: as it was pressed_at, or, where nothing was stamped, now.
+    fn rate(&mut self, rating: u8, pressed_at: Option<PressTime>, now: Duration) {
+        let event = match pressed_at {
+            Some(PressTime { at_s, uncertainty }) => Event::RateAt { rating, at: self.session_time(at_s), uncertainty },
             None => Event::Rate(rating),
         };
         self.step(event, now);
@@ -485,7 +485,7 @@ impl Trials {
         }
         if let Some(rating) = clicked {
             // This frame shows the stimulus; the next one answers.
-            let frame = Heard { at_s: window_s, uncertainty: None };
+            let frame = PressTime { at_s: window_s, uncertainty: None };
             self.clicked = Some((rating, input.click().unwrap_or(frame)));
         }
     }

@@ -1,4 +1,4 @@
-//! When an answer could not be saved: it is kept in memory, and the page says so until it is on disk.
+//! The page that stands while an answer could not be saved. The answer is kept in memory until it is on disk.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ pub struct Trouble {
     dialog: Dialog,
 }
 
-/// What is to be tried.
+/// What to try.
 pub enum Remedy {
     /// Nothing yet.
     None,
@@ -30,7 +30,7 @@ impl Trouble {
         Self { what, folder, dialog: Dialog::default() }
     }
 
-    /// The last remedy did not help either.
+    /// The last remedy did not help.
     pub fn again(&mut self, what: String) {
         self.what = what;
     }
@@ -44,7 +44,7 @@ impl Trouble {
             let mut remedy = Remedy::None;
             ui.heading("The last answer could not be saved");
             ui::fault(ui, &self.what);
-            ui.label("Nothing is lost: every answer of this session is kept in memory. Please call the experimenter. The session goes on when the answers are saved.");
+            ui.label("Nothing is lost: every answer of this session is kept in memory. Please call the experimenter. The session resumes when the answers are saved.");
             ui.add_space(12.0);
             if ui::primary(ui, "Try again", true, "") {
                 remedy = Remedy::Retry;
@@ -58,7 +58,7 @@ impl Trouble {
                 }
             });
             let usable = !self.folder.trim().is_empty();
-            if ui.add_enabled(usable, egui::Button::new("Save there and go on")).clicked() {
+            if ui.add_enabled(usable, egui::Button::new("Save there and continue")).clicked() {
                 remedy = Remedy::MoveTo(PathBuf::from(self.folder.trim()));
             }
             remedy

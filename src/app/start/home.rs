@@ -84,12 +84,12 @@ impl Home {
         let next = ui::page_from(ui, 0.02, |ui| {
             ui.heading("machband");
             ui.label("How visible are Mach bands? Rate them; every answer is saved.");
-            ui.add_space(12.0);
+            ui.add_space(6.0);
             let measure = self.fields(ui, &checked, monitor, here, monitors);
             ui.add_space(8.0);
             let start = self.start(ui, &checked);
             let aside = self.other_pages(ui, &checked);
-            ui.add_space(16.0);
+            ui.add_space(8.0);
             self.example(ui);
             start.or(aside).or(measure)
         });

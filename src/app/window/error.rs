@@ -18,9 +18,9 @@ pub enum WindowError {
     /// The window system or the graphics driver went away while the window was open.
     #[error("{}", lost(reason, rows.as_deref()))]
     Lost {
-        /// What they said.
+        /// The reason they gave.
         reason: String,
-        /// Where the rows of the session are that ran.
+        /// Where the rows of the running session are.
         rows: Option<PathBuf>,
     },
 }
@@ -29,7 +29,7 @@ fn lost(reason: &str, rows: Option<&Path>) -> String {
     let (place, kept) = match rows {
         Some(rows) => (
             rows.display().to_string(),
-            "every answer that was saved is there; expected the same command with --resume, or Home with the same participant and session, to go on",
+            "every answer that was saved is there; expected the same command with --resume, or Home with the same participant and session, to resume it",
         ),
         None => ("display".to_owned(), "expected a window system and graphics that stay"),
     };

@@ -19,7 +19,7 @@ use winit::{
 use super::{
     error::WindowError,
     input::{Pressed, Stamps},
-    program::{Loss, Shared},
+    program::{Failure, Shared},
 };
 
 /// A loop that comes back from waiting this late had nothing to do, and was woken by what it then finds.
@@ -34,8 +34,8 @@ pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<()
     let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
     listen_to_log();
     let events = EventLoop::<UserEvent>::with_user_event().build().map_err(|error| refused(&error))?;
-    let (loss, creator) = (program.loss().clone(), program.creator());
-    Loss::catch_panics();
+    let (failure, creator) = (program.failure().clone(), program.creator());
+    Failure::catch_panics();
     program.report_at_exit();
     let inner = eframe::create_native("machband", options, creator, &events);
     // What is broken is not taken apart: its parts would ask a window system or a graphics card that is gone.
@@ -49,12 +49,12 @@ pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<()
     });
     let ran = panic::catch_unwind(AssertUnwindSafe(|| events.run_app(&mut *handler)));
     match &ran {
-        Err(_) => loss.report_panic(),
-        Ok(Err(error)) if handler.program.is_open() => loss.report(error.to_string()),
+        Err(_) => failure.report_panic(),
+        Ok(Err(error)) if handler.program.is_open() => failure.report(error.to_string()),
         Ok(_) => {}
     }
     handler.program.forget_exit();
-    if let Some(reason) = loss.reason() {
+    if let Some(reason) = failure.reason() {
         let rows = handler.program.close();
         return Err(WindowError::Lost { reason, rows });
     }
@@ -86,11 +86,11 @@ struct Handler<'a> {
 impl<'a> Handler<'a> {
     /// Hands an event on, unless window or graphics are lost: then the session is closed, and the loop ends.
     fn hand_on(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
-        let loss = self.program.loss();
-        if loss.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
-            loss.report_panic();
+        let failure = self.program.failure();
+        if failure.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
+            failure.report_panic();
         }
-        if loss.reason().is_some() {
+        if failure.reason().is_some() {
             self.program.close();
             events.exit();
         }

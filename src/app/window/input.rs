@@ -25,7 +25,7 @@ struct Press {
     what: Pressed,
     /// When it was handed over.
     at: Instant,
-    /// For how long nobody had looked before.
+    /// For how long no event had been taken up before.
     unseen: Duration,
 }
 
@@ -44,9 +44,9 @@ impl Stamps {
     }
 }
 
-/// When a press was heard.
+/// When a key or button was pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
+pub struct PressTime {
     /// The window's time, seconds.
     pub at_s: f64,
     /// For how long at most it may have waited for that, where it is known.
@@ -56,7 +56,7 @@ pub struct Heard {
 /// The presses of a frame with their stamps.
 #[derive(Debug, Default)]
 pub struct Input {
-    /// `None` where nobody stamps.
+    /// `None` without an event loop of our own.
     stamps: Option<Stamps>,
     /// When the window's time was 0.
     zero: Option<Instant>,
@@ -79,24 +79,24 @@ impl Input {
     }
 
     /// The stamp of a key that went down before this frame, by its place. Each is given once, in their order.
-    pub fn key(&mut self, place: Key) -> Option<Heard> {
+    pub fn key(&mut self, place: Key) -> Option<PressTime> {
         self.find(Pressed::Key(place))
     }
 
     /// The stamp of the last click before this frame.
-    pub fn click(&mut self) -> Option<Heard> {
+    pub fn click(&mut self) -> Option<PressTime> {
         let mut last = None;
-        while let Some(heard) = self.find(Pressed::Click) {
-            last = Some(heard);
+        while let Some(pressed_at) = self.find(Pressed::Click) {
+            last = Some(pressed_at);
         }
         last
     }
 
-    fn find(&mut self, what: Pressed) -> Option<Heard> {
+    fn find(&mut self, what: Pressed) -> Option<PressTime> {
         let zero = self.zero?;
         let index = self.fresh.iter().position(|press| press.what == what)?;
         let Press { at, unseen, .. } = self.fresh.remove(index);
-        Some(Heard { at_s: at.saturating_duration_since(zero).as_secs_f64(), uncertainty: Some(unseen) })
+        Some(PressTime { at_s: at.saturating_duration_since(zero).as_secs_f64(), uncertainty: Some(unseen) })
     }
 }
 
@@ -166,12 +166,12 @@ mod tests {
         }
         assert_eq!(input.key(Key::Num1), None, "not before the frame");
         input.frame(2.110, at(2112));
-        let heard = input.key(Key::Num1).unwrap();
-        assert!((heard.at_s - 2.1025).abs() < 1e-9, "{heard:?}");
-        assert_eq!(heard.uncertainty, Some(ms(3)));
+        let pressed_at = input.key(Key::Num1).unwrap();
+        assert!((pressed_at.at_s - 2.1025).abs() < 1e-9, "{pressed_at:?}");
+        assert_eq!(pressed_at.uncertainty, Some(ms(3)));
         assert_eq!(input.key(Key::Num2), None);
-        assert_eq!(input.click().and_then(|heard| heard.uncertainty), Some(ms(1)));
-        assert_eq!(input.key(Key::Num1).and_then(|heard| heard.uncertainty), Some(ms(5)));
+        assert_eq!(input.click().and_then(|pressed_at| pressed_at.uncertainty), Some(ms(1)));
+        assert_eq!(input.key(Key::Num1).and_then(|pressed_at| pressed_at.uncertainty), Some(ms(5)));
         assert_eq!(input.key(Key::Num1), None);
         // What one frame left, the next does not know.
         stamps.press(Pressed::Click, at(2113), ms(1));

@@ -8,6 +8,6 @@ mod open;
 mod program;
 
 pub use error::WindowError;
-pub use input::{Heard, Input, InputReport};
+pub use input::{Input, InputReport, PressTime};
 pub use open::{LEAST_SIZE, open};
 pub use program::Program;

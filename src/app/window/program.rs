@@ -20,9 +20,9 @@ pub trait Program: eframe::App {
     fn close(&mut self) -> Option<PathBuf>;
 }
 
-/// Why window or graphics were lost, once they are.
+/// Why the window or its graphics failed, once they have.
 #[derive(Clone, Debug, Default)]
-pub struct Loss(Arc<Mutex<Option<String>>>);
+pub struct Failure(Arc<Mutex<Option<String>>>);
 
 thread_local! {
     /// The message of the last panic of this thread, where panics are caught.
@@ -32,7 +32,7 @@ thread_local! {
     static AT_EXIT: RefCell<Option<AtExit>> = const { RefCell::new(None) };
 }
 
-impl Loss {
+impl Failure {
     /// The first reason that was reported.
     pub fn reason(&self) -> Option<String> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
@@ -44,7 +44,7 @@ impl Loss {
     }
 
     /// The libraries under the window panic where graphics or window system are gone. From here on a panic of this
-    /// thread is kept for [`Loss::report_panic`] and not printed.
+    /// thread is kept for [`Failure::report_panic`] and not printed.
     pub fn catch_panics() {
         CAUGHT.set(true);
         let before = panic::take_hook();
@@ -91,7 +91,7 @@ fn file_name(path: &str) -> &str {
 pub struct Shared {
     program: Rc<RefCell<Option<Box<dyn Program>>>>,
     make: Rc<Cell<Option<Make>>>,
-    loss: Loss,
+    failure: Failure,
 }
 
 type Make = Box<dyn FnOnce(&CreationContext<'_>) -> Box<dyn Program>>;
@@ -99,19 +99,19 @@ type Make = Box<dyn FnOnce(&CreationContext<'_>) -> Box<dyn Program>>;
 impl Shared {
     /// A program that is made when there is a window.
     pub fn new(make: impl FnOnce(&CreationContext<'_>) -> Box<dyn Program> + 'static) -> Self {
-        Self { program: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), loss: Loss::default() }
+        Self { program: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), failure: Failure::default() }
     }
 
     /// Whether window or graphics are lost.
-    pub fn loss(&self) -> &Loss {
-        &self.loss
+    pub fn failure(&self) -> &Failure {
+        &self.failure
     }
 
     /// Makes the program.
     pub fn creator(&self) -> AppCreator<'static> {
         let shared = self.clone();
         Box::new(move |cc| {
-            shared.loss.watch(cc);
+            shared.failure.watch(cc);
             shared.program.replace(shared.make.take().map(|make| make(cc)));
             Ok(Box::new(shared))
         })
@@ -160,7 +160,7 @@ struct AtExit(Shared);
 impl Drop for AtExit {
     fn drop(&mut self) {
         let rows = self.0.close();
-        let reason = self.0.loss.reason().unwrap_or_else(|| "the window system is gone".to_owned());
+        let reason = self.0.failure.reason().unwrap_or_else(|| "the window system is gone".to_owned());
         // Where stderr is closed, the exit status still tells.
         let _ = writeln!(std::io::stderr(), "error: {}", WindowError::Lost { reason, rows });
     }
