@@ -14,7 +14,7 @@ use crate::{
         channel::Channel,
         profile::{DisplayProfile, LuminanceRange, Measurement},
     },
-    light::{Transfer, Transfers},
+    light::{Transfer, Transfers, normal::Z_95},
 };
 
 /// Uncertainty of γ (standard error) above which more readings are advised.
@@ -235,7 +235,7 @@ fn notes(calibration: &Calibration) -> Vec<String> {
     if largest > UNCERTAIN_GAMMA {
         notes.push(format!(
             "gamma is known only to ±{:.3} (95 %): more levels, or several readings a level, make it better",
-            1.96 * largest
+            Z_95 * largest
         ));
     }
     if calibration.noise > UNSTEADY {
