@@ -185,8 +185,8 @@ fn the_window_shows_the_document_and_follows_the_settings() {
         window.key_press(Key::Enter);
         rest(window);
     };
-    enter(&mut window, "width,color");
-    window.get_by_label("color: no such factor; expected one of width, depth");
+    enter(&mut window, "width,nothing");
+    window.get_by_label("nothing: no such factor; expected one of width, depth");
     enter(&mut window, "width,,depth");
     assert_has(&window, "an empty name");
     enter(&mut window, "num:width");

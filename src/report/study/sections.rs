@@ -29,7 +29,9 @@ pub struct Parts<'a> {
 
 /// A study as a document.
 pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Document {
-    let figures = |names: &'static [&str]| parts.figures.iter().filter(move |figure| names.contains(&figure.name));
+    let figures = |names: &'static [&str]| {
+        names.iter().filter_map(|name| parts.figures.iter().find(|figure| figure.name == *name))
+    };
     let predicted = parts.prediction.and_then(|prediction| prediction.as_ref().ok());
     let (methods, cited) = methods::section(source, results, predicted);
     let mut sections = vec![
@@ -42,7 +44,7 @@ pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Documen
         agreement::section(results),
     ];
     sections.extend(parts.prediction.map(|prediction| {
-        let names = &["figure4a", "figure4b", "figure4a_predicted", "figure4b_predicted"];
+        let names = &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"];
         vision::section(source, results, prediction, figures(names))
     }));
     sections.extend([times::section(results, figures(&["times"])), methods, references::section(&cited)]);
