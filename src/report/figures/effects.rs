@@ -71,7 +71,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
 fn caption(results: &Results, model: &Model) -> String {
     let mut text = format!(
         "Coefficients of the cumulative {} model ({}), with 95\u{a0}% intervals (1.96 standard errors): to the right, \
-         ratings are higher than at the level in brackets; {}.",
+         ratings are higher than at the level in parentheses; {}.",
         model.link,
         model.method,
         labels::sample(results)

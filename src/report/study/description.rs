@@ -28,7 +28,7 @@ pub(super) fn section<'a>(results: &Results, figures: impl Iterator<Item = &'a F
         "With one participant there are no intervals for other people.".to_owned()
     };
     section.text(format!(
-        "A mean of ratings treats the categories as equal steps, which nobody has shown. It describes; the model below \
+        "A mean of ratings treats the categories as equal steps, which nobody has shown. It describes; the model \
          does without it. {intervals}"
     ));
     section.figures(figures);

@@ -19,7 +19,7 @@ pub(super) fn section<'a>(results: &Results, figures: impl Iterator<Item = &'a F
         Ok(report) => report,
         Err(error) => {
             section.warning(format!("No model could be fitted: {error}."));
-            section.text("The description above and the tests below do not depend on it.");
+            section.text("The description and the rank tests do not depend on it.");
             return section;
         }
     };
