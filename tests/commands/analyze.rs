@@ -176,7 +176,7 @@ fn other_scales_need_their_order() {
     assert_eq!(read(&folder.path().join("c/cells.csv")).0[..2], ["group", "n"]);
     let said =
         fails(folder.path(), &[&["analyze", "d.csv", "--out", "x", "--terms", "answer"][..], &named].concat(), 1);
-    assert!(said.contains("the response and the factor"), "{said}");
+    assert!(said.contains("the column answer has two uses"), "{said}");
 }
 
 /// A newcomer's one session is described, and nothing is inferred from it.
