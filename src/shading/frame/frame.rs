@@ -141,15 +141,12 @@ impl Frame {
     }
 
     /// What `of` makes of each triangle.
-    pub(in crate::shading) fn each_triangle<R>(&self, of: impl Fn(usize) -> R) -> Vec<R> {
+    pub(crate) fn each_triangle<R>(&self, of: impl Fn(usize) -> R) -> Vec<R> {
         (0..self.triangles.len()).map(of).collect()
     }
 
     /// A vector of each corner of each triangle.
-    pub(in crate::shading) fn corner_vectors<T: Constant>(
-        &self,
-        of: impl Fn(&FrameVertex) -> DVec3,
-    ) -> Vec<[[T; 3]; 3]> {
+    pub(crate) fn corner_vectors<T: Constant>(&self, of: impl Fn(&FrameVertex) -> DVec3) -> Vec<[[T; 3]; 3]> {
         self.each_triangle(|t| self.corners(t).map(|v| of(v).to_array().map(T::of)))
     }
 
