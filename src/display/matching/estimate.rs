@@ -70,7 +70,9 @@ fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaE
     let codes: Vec<f64> = own.iter().map(|one| f64::from(one.code.max(1))).collect();
     let (mean, sd) = mean_and_sd(&codes.iter().map(|code| (255.0 / code).ln()).collect::<Vec<_>>());
     let t = StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
-    let half = t * sd / n.sqrt();
+    // Equal codes are not exact: a match is known to one code at best.
+    let rounding = codes.iter().sum::<f64>().recip() * n / 12f64.sqrt();
+    let half = t * sd.hypot(rounding) / n.sqrt();
     if mean - half <= 0.0 {
         return Err(GammaError::Open);
     }
@@ -89,7 +91,7 @@ impl ChannelGamma {
         (half > WIDEST).then(|| {
             format!(
                 "{}: gamma is known only to ± {half:.2}. Sit so that the rows blend, and match it again.",
-                self.channel
+                self.channel.capitalized()
             )
         })
     }
