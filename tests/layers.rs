@@ -68,7 +68,7 @@ fn files_use_lower_floors_only_and_never_each_other() {
     });
     let house = House::new(files);
     let edges = house.edges();
-    let rooms: BTreeSet<_> = house.0.keys().filter(|module| !module.is_empty()).map(|module| room(module)).collect();
+    let rooms: BTreeSet<_> = house.0.keys().filter(|module| !module.is_empty()).map(room).collect();
     assert!(rooms.len() >= 5 && edges.len() >= 500, "found too little to be right: {rooms:?}, {}", edges.len());
     let homeless = rooms.iter().filter(|room| floor(room).is_none()).map(|room| format!("src/{room} has no floor"));
     let faults: Vec<String> = homeless.chain(faults_of(&edges)).collect();

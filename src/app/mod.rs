@@ -137,7 +137,7 @@ impl App {
                 Page::Display(Box::new(display::Display::new(self.form.screen.clone(), window_deg)))
             }
             Destination::Gallery(profile, distance_cm) => {
-                Page::Gallery(Box::new(explore::gallery::Gallery::new(profile, distance_cm)))
+                Page::Gallery(Box::new(explore::gallery::Gallery::new(*profile, distance_cm)))
             }
             Destination::Shading => Page::Shading(Box::default()),
             Destination::Analysis(results) => Page::Analysis(Box::new(analysis::Analysis::new(&results))),

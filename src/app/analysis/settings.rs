@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// The choices as they stand in their controls.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// Without terms.
     options: Options,
@@ -21,12 +21,6 @@ pub struct Settings {
     typed: String,
     /// And as they were when the field was left.
     terms: String,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { options: Options::default(), typed: String::new(), terms: String::new() }
-    }
 }
 
 impl Settings {

@@ -30,7 +30,7 @@ pub enum Destination {
         window_deg: f64,
     },
     /// The gallery, for a display at a distance in cm, where that is known.
-    Gallery(DisplayProfile, Option<f64>),
+    Gallery(Box<DisplayProfile>, Option<f64>),
     /// The shading demo.
     Shading,
     /// The analysis, with the experiments of a results folder.
@@ -302,7 +302,7 @@ impl Home {
                 ["Gallery of stimuli…", "Shading demo…", "Analyze results…"].map(|text| ui.button(text).clicked());
             if gallery {
                 let display = checked.display.clone().unwrap_or_default();
-                return Some(Destination::Gallery(display, number(&self.form.screen.distance_cm)));
+                return Some(Destination::Gallery(Box::new(display), number(&self.form.screen.distance_cm)));
             }
             if shading {
                 return Some(Destination::Shading);

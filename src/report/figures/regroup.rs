@@ -70,5 +70,4 @@ mod tests {
         assert_eq!((some.len(), some[0], some[11]), (12, 0, 29));
         assert!(some.windows(2).all(|pair| (2..=3).contains(&(pair[1] - pair[0]))), "{some:?}");
     }
-    use crate::analysis::counts::CountsBuilder;
 }

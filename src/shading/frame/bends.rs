@@ -5,7 +5,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::frame::{Across, Frame};
+use super::projected::{Across, Frame};
 
 /// Least m of [`Bend`]: how near to a corner the foot of an apex is taken to be at least, in edge lengths.
 const LEAST_REACH: f64 = 1.0 / 16.0;

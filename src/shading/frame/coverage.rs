@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{frame::Frame, outline::Outline, planes::Planes};
+use super::{outline::Outline, planes::Planes, projected::Frame};
 
 /// No triangle.
 pub const NONE: u32 = u32::MAX;

@@ -3,17 +3,17 @@
 
 mod bends;
 pub mod coverage;
-mod frame;
 pub mod ordinates;
 mod outline;
 mod planes;
+mod projected;
 mod scene;
 mod view;
 
 pub use bends::{Bend, bends};
-pub use frame::{Across, Frame, FrameTriangle, FrameVertex};
 pub use ordinates::{ControlPoints, Gradient, Gradients, Patches};
 pub use outline::Outline;
 pub use planes::Planes;
+pub use projected::{Across, Frame, FrameTriangle, FrameVertex};
 pub use scene::{Highlight, Scene};
 pub use view::View;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::frame::Frame;
+use super::projected::Frame;
 
 /// Rows that are computed at once.
 const ROWS: usize = 8;

@@ -1,6 +1,6 @@
 //! Numbers that change by a constant from pixel to pixel and from row to row of a triangle.
 
-use super::frame::Frame;
+use super::projected::Frame;
 use glam::DVec2;
 
 /// `Q` such numbers of one triangle. Found anew for every row in f64, so that long thin triangles lose nothing; along
@@ -25,8 +25,8 @@ impl<const Q: usize> Planes<Q> {
         let slope = |from: DVec2, to: DVec2| DVec2::new(to.y - from.y, from.x - to.x) * per_area;
         let (to_b, to_c) = (slope(c, a), slope(a, b));
         let mut planes = Planes { origin: a - 0.5, at: values[0], ..Planes::ZERO };
-        for q in 0..Q {
-            let slope = to_b * (values[1][q] - values[0][q]) + to_c * (values[2][q] - values[0][q]);
+        for (q, start) in values[0].iter().enumerate() {
+            let slope = to_b * (values[1][q] - start) + to_c * (values[2][q] - start);
             (planes.right[q], planes.down[q]) = (slope.x, slope.y);
         }
         planes
@@ -36,10 +36,6 @@ impl<const Q: usize> Planes<Q> {
     #[inline(always)]
     pub fn at(&self, x: u32, row: u32) -> ([f64; Q], [f64; Q]) {
         let (x, y) = (f64::from(x) - self.origin.x, f64::from(row) - self.origin.y);
-        let mut at = [0.0; Q];
-        for q in 0..Q {
-            at[q] = self.at[q] + self.right[q] * x + self.down[q] * y;
-        }
-        (at, self.right)
+        (std::array::from_fn(|q| self.at[q] + self.right[q] * x + self.down[q] * y), self.right)
     }
 }

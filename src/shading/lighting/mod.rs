@@ -6,7 +6,7 @@
 //! does not keep angles. Lights are linear. Lamps cast no shadows.
 
 mod lamp;
-mod lighting;
+mod lights;
 mod material;
 mod microfacets;
 mod reflection;
@@ -14,7 +14,7 @@ mod refraction;
 mod transparency;
 
 pub use lamp::{Lamp, LampPlace};
-pub use lighting::Lighting;
+pub use lights::Lighting;
 pub use material::{Material, Specular};
 pub use microfacets::{Facets, Microfacets, beckmann, fresnel, gaussian, geometry};
 pub use reflection::{Reflection, attenuation};

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::{
-    mesh::Mesh,
     normals::{self, Faced},
     polygons::triangulated,
+    triangles::Mesh,
 };
 
 /// Largest coordinate of a mesh, either side of zero: what leaves room for products of several.

@@ -4,8 +4,8 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::{
-    mesh::{Mesh, Vertex},
     normals,
+    triangles::{Mesh, Vertex},
 };
 
 /// dN/dp at every vertex: how the unit normal changes along the surface, symmetric, zero along the vertex's normal, per

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::mesh::Mesh;
+use super::triangles::Mesh;
 
 /// The kind of an edge, independent of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

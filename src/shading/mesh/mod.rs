@@ -3,15 +3,15 @@
 mod build;
 mod curvature;
 mod edges;
-mod mesh;
 mod normals;
 mod polygons;
 pub mod shapes;
 mod surface;
+mod triangles;
 
 pub use build::{LARGEST_COORDINATE, MeshError, Polygons};
 pub use edges::{Edge, EdgeKind, Edges};
-pub use mesh::{Mesh, Vertex};
 pub use normals::newell;
 pub use polygons::triangulated;
 pub use surface::Surface;
+pub use triangles::{Mesh, Vertex};

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{
     edges::Edges,
-    mesh::{Mesh, Vertex},
+    triangles::{Mesh, Vertex},
 };
 
 /// Newell's normal of a polygon, unit length, counter-clockwise seen from its tip; zero for a polygon without area.

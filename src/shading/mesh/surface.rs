@@ -2,7 +2,7 @@
 
 use glam::DMat3;
 
-use super::{curvature, edges::Edges, mesh::Mesh};
+use super::{curvature, edges::Edges, triangles::Mesh};
 
 /// A mesh with its edges and its curvature, which depend neither on view nor on light.
 #[derive(Clone, Debug, PartialEq)]

@@ -30,10 +30,6 @@ pub fn light(frame: &Frame, triangle: usize) -> DVec3 {
 impl<T: Constant, const C: usize> Spread<T, C> for Flat<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], _: [N; C]) -> [N; C] {
-        let mut light = [w[0]; C];
-        for c in 0..C {
-            light[c] = w[0].all(self.0[triangle][c]);
-        }
-        light
+        self.0[triangle].map(|light| w[0].all(light))
     }
 }

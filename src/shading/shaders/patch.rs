@@ -32,8 +32,8 @@ fn thirds<T: Constant, const C: usize>(channels: Channels, points: &ControlPoint
     })
 }
 
-/// The powers of u and v of the cubic with the Bézier ordinates `b`, row by row from the edge: u³b₀ + 3u²v·b₁ + 3uv²·b₂
-/// + v³b₃ + 3s(u²b₄ + 2uv·b₅ + v²b₆) + 3s²(u·b₇ + v·b₈) + s³b₉ with s = 1 − u − v. They are the differences of the
+/// The powers of u and v of the cubic with the Bézier ordinates `b`, row by row from the edge: u³b₀ + 3u²v·b₁ + 3uv²·b₂ +
+/// v³b₃ + 3s(u²b₄ + 2uv·b₅ + v²b₆) + 3s²(u·b₇ + v·b₈) + s³b₉ with s = 1 − u − v. They are the differences of the
 /// ordinates, from the centroid on.
 fn powers(b: [DVec3; 10]) -> [DVec3; 10] {
     let [b0, b1, b2, b3, b4, b5, b6, b7, b8, b9] = b;

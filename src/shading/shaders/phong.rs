@@ -55,10 +55,7 @@ impl<T: Constant, const C: usize> Spread<T, C> for Phong<T, C> {
         if let Some(eye) = self.eye {
             to_viewer = unit([zero - place[0], zero - place[1], zero.all(eye) - place[2]]).0;
         }
-        let mut sum = [zero; C];
-        for c in 0..C {
-            sum[c] = zero.all(self.ambient[c]);
-        }
+        let mut sum = self.ambient.map(|ambient| zero.all(ambient));
         for lamp in &self.lamps {
             let light = lamp.light(place, normal, to_viewer);
             for c in 0..C {

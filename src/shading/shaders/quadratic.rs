@@ -38,9 +38,8 @@ impl<T: Constant, const C: usize> Spread<T, C> for Quadratic<T, C> {
     #[inline(always)]
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
         let mut light = gouraud;
-        for k in 0..3 {
-            let (i, j) = OTHERS[k];
-            light = plus(light, w[i] * w[j], &self.0[triangle][k]);
+        for (&(i, j), ordinates) in OTHERS.iter().zip(&self.0[triangle]) {
+            light = plus(light, w[i] * w[j], ordinates);
         }
         light
     }

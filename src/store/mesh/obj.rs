@@ -41,11 +41,14 @@ fn fault(file: &str, (position, message): Fault) -> FileFault {
     FileFault::at(file, position, message)
 }
 
+/// A line of a file and its number, from 1.
+type Line<'a> = (usize, Cow<'a, [u8]>);
+
 /// The lines with their numbers, from 1. A backslash at its end continues a line.
 ///
 /// # Errors
 /// The number of a line that is not text.
-fn lines(content: &[u8]) -> Result<Vec<(usize, Cow<'_, [u8]>)>, usize> {
+fn lines(content: &[u8]) -> Result<Vec<Line<'_>>, usize> {
     // A byte order mark.
     let content = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content);
     let end = if content.contains(&b'\n') { b'\n' } else { b'\r' };

@@ -127,7 +127,7 @@ enum Begin<R> {
 /// Where the findings lead.
 enum Onward {
     Saved(SavedProfile),
-    Check(DisplayProfile),
+    Check(Box<DisplayProfile>),
     Repeat(Vec<usize>),
 }
 
@@ -181,7 +181,7 @@ impl<M: Method> Calibrate<M> {
                 Step::Back => {}
                 Step::Next(Onward::Saved(saved)) => return Step::Next(saved),
                 Step::Next(Onward::Check(profile)) => {
-                    self.stage = Stage::Check(outcome, run, Box::new(CheckPage::new(profile)));
+                    self.stage = Stage::Check(outcome, run, Box::new(CheckPage::new(*profile)));
                 }
                 Step::Next(Onward::Repeat(items)) => {
                     if let Some(mut run) = run {
@@ -341,7 +341,7 @@ fn show_found<F: Findings>(
     if let Some(profile) = found.profile(known) {
         onward = form.show(ui, &profile).map(Onward::Saved);
         if ui.button("Check on the screen…").clicked() {
-            onward = Some(Onward::Check(form.filled(&profile)));
+            onward = Some(Onward::Check(Box::new(form.filled(&profile))));
         }
     }
     ui.add_space(8.0);

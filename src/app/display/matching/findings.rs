@@ -58,10 +58,8 @@ impl Findings for MatchFindings {
         let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
             for found in self.found() {
                 let ((color, marker), name) = (series(found.channel), found.channel.name());
-                let curve: PlotPoints<'_> = (0..=255)
-                    .map(|code| f64::from(code))
-                    .map(|code| [code, (code / 255.0).powf(found.gamma)])
-                    .collect();
+                let curve: PlotPoints<'_> =
+                    (0..=255).map(f64::from).map(|code| [code, (code / 255.0).powf(found.gamma)]).collect();
                 plot.line(Line::new(name, curve).color(color).width(1.5));
                 plot.points(Points::new(name, vec![[found.code, found.share]]).shape(marker).radius(4.5).color(color));
                 let ends = [-1.0, 1.0].map(|side| [found.code + side * found.code_sd, found.share]);
