@@ -168,7 +168,7 @@ mod tests {
         let options = Options { terms, link: Link::Probit, scale: true, ..Options::default() };
         assert_eq!(
             command(&paths, &read_options, &options, "out"),
-            "machband analyze results/tiny 'is here.csv' --response score --terms width,num:inv_n,width:num:inv_n \
+            "machband analyze results/tiny 'is here.csv' --response score --terms 'width,num:inv_n,width:num:inv_n' \
              --link probit --out out --complete-only --scale"
         );
     }

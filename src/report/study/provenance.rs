@@ -91,6 +91,6 @@ mod tests {
     #[test]
     fn arguments_are_quoted_for_a_shell() {
         let arguments = ["analyze", "a b", "", "num:inv_n,width"].map(str::to_owned);
-        assert_eq!(shell_command(arguments), "machband analyze 'a b' '' num:inv_n,width");
+        assert_eq!(shell_command(arguments), "machband analyze 'a b' '' 'num:inv_n,width'");
     }
 }
