@@ -2,13 +2,13 @@
 //!
 //! | room | what |
 //! |---|---|
-//! | [`ui`] | the vocabulary of all pages |
-//! | [`window`] | the event loop, keys and their times, a window that is lost |
-//! | [`analysis`] | files in, the results out |
-//! | [`explore`] | every stimulus; shaders side by side |
-//! | [`session`] | preflight, instructions, trials, the end |
-//! | [`display`] | tools that measure the screen |
-//! | [`start`] | Home and its form |
+//! | `ui` | the vocabulary of all pages |
+//! | `window` | the event loop, keys and their times, a window that is lost |
+//! | `analysis` | files in, the results out |
+//! | `explore` | every stimulus; shaders side by side |
+//! | `session` | preflight, instructions, trials, the end |
+//! | `display` | tools that measure the screen |
+//! | `start` | Home and its form |
 
 mod analysis;
 mod display;

@@ -8,7 +8,7 @@
 //! | images (PNG), and many of them | [`image`], [`manifest`] |
 //! | meshes (OBJ) | [`mesh`] |
 //! | definitions, display profiles, simulated observers (TOML) | [`definition`], [`profile`], [`observer`] |
-//! | photometer readings, matches by eye, profiles of a stimulus (CSV) | [`readings`], [`matches`], [`curve`] |
+//! | photometer readings, matches by eye, profiles of a stimulus (CSV) | [`readings`], [`mod@matches`], [`curve`] |
 //! | what a file is, and everything that is wrong with it | [`check`](mod@check) |
 //!
 //! Below them: files that are whole or appended to, located tables and TOML.

@@ -68,7 +68,7 @@ pub struct Power {
     pub found: usize,
     /// Studies in which there was no test: no model, or the same ratings everywhere. They count as not found.
     pub untested: usize,
-    /// Median over studies of the estimated effect, on the scale of the link; the same contrast as [`Effect::logits`].
+    /// Median over studies of the estimated effect, on the scale of the link; the same contrast as `Effect::logits`.
     /// Infinite where in half of the studies or more the ratings are separated.
     pub estimate: Option<f64>,
 }

@@ -14,7 +14,7 @@ use crate::{
 /// Time of one match, seconds: about ten steps at a few a second, there and back, then a look.
 const MATCH_S: f64 = 10.0;
 /// Empty screen between two pictures, seconds, so that the afterimage of one does not cover the next. Part of
-/// [`MATCH_S`].
+/// `MATCH_S`.
 pub const GAP_S: f64 = 0.4;
 /// The patch starts from a code that would match for a γ within this range.
 const START_GAMMA: (f64, f64) = (1.2, 4.0);

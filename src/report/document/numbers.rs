@@ -46,7 +46,7 @@ pub fn unit(number: f64) -> String {
     fixed(number, 2).replacen("0.", ".", 1)
 }
 
-/// [`unit`], and a dash for none.
+/// [`unit()`], and a dash for none.
 pub fn maybe_unit(number: Option<f64>) -> String {
     unit(number.unwrap_or(f64::NAN))
 }

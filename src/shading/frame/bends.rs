@@ -16,7 +16,7 @@ pub struct Bend {
     /// c = I_BC(X) − I_AD(X), X where the lines AD and BC cross on the screen: how far the light at the edge lies above
     /// a straight way from A to D. Raising the slope of the light along w_A by c on both sides makes it one slope. For a
     /// parallelogram (I_B + I_C − I_A − I_D)/2. Equal bit for bit on both sides of an edge; zero where there is no neighbor
-    /// to join smoothly; see [`level`] for [`Across::Several`].
+    /// to join smoothly; see `level` for [`Across::Several`].
     pub c: DVec3,
     /// s_A: where the perpendicular from the triangle's own apex meets the edge; 0 at corner k+1, 1 at corner k+2.
     pub foot: f64,

@@ -1,7 +1,7 @@
 //! The shaders, one file each, with its equation: what light a point of a triangle shows, given the weights w_A, w_B, w_C
 //! of the corners on the screen and their lights I_A, I_B, I_C.
 //!
-//! Each is written once, for any [`Number`](super::number::Number): as f64 it is the reference, and as several pixels of
+//! Each is written once, for any `Number`: as f64 it is the reference, and as several pixels of
 //! f32 it draws. Its WGSL, for graphics cards, is beside it.
 
 mod curve;

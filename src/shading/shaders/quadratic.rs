@@ -22,7 +22,7 @@ impl<T: Constant, const C: usize> Quadratic<T, C> {
     }
 }
 
-/// 4(M_k − (I_i + I_j)/2) of each edge of `triangle`, M_k lit as [`phong`](super::phong) would light it. Both triangles
+/// 4(M_k − (I_i + I_j)/2) of each edge of `triangle`, M_k lit as `phong` would light it. Both triangles
 /// at an edge get the same.
 #[must_use]
 pub fn bulges(frame: &Frame, triangle: usize) -> [DVec3; 3] {

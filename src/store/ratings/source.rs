@@ -50,7 +50,7 @@ impl ReadOptions {
 /// What is known of the ratings before the first row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// Names of the factors, in the order of [`Observation::values`](crate::experiment::Observation::values).
+    /// Names of the factors, in the order of [`RatingRow::values`](crate::experiment::RatingRow::values).
     pub factors: Vec<String>,
     /// Name of the subject's column.
     pub subject: String,

@@ -8,7 +8,7 @@ use crate::shading::mesh::{Mesh, MeshError, build::MOST};
 pub const MOST_JITTER: f64 = 0.24;
 
 /// A sheet of `columns` by `rows` cells of two triangles each over −1…1 in x and y, seen from +z, with z = `height`(x,
-/// y). Its places are moved along x and y by up to `jitter` of a cell (at most [`MOST_JITTER`]), those on the border
+/// y). Its places are moved along x and y by up to `jitter` of a cell (at most `MOST_JITTER`), those on the border
 /// along it only; always the same way. Without jitter every two triangles that share an edge are a parallelogram.
 ///
 /// # Errors

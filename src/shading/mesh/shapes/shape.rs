@@ -14,9 +14,9 @@ named! {
         Cube = "cube",
         /// [`pyramid`].
         Pyramid = "pyramid",
-        /// [`sphere`].
+        /// `sphere`.
         Sphere = "sphere",
-        /// [`torus`].
+        /// `torus`.
         Torus = "torus",
         /// [`blob`].
         Blob = "blob",
