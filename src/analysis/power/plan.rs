@@ -133,7 +133,7 @@ impl Plan {
         self.scenario.observer()
     }
 
-    /// The least p that Friedman's test can have with so many participants, who all agree; none for other tests.
+    /// The least p that Friedman's test can have with so many participants if all agree; none for other tests.
     pub fn least_p(&self, power: &Power) -> Option<f64> {
         let factor = self.hypotheses[power.hypothesis].factor?;
         let df = self.scenario.empty.factors[factor].levels.len() - 1;

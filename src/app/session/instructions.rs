@@ -26,7 +26,7 @@ pub const INSTRUCTION_PAGES: usize = 2;
 /// Largest side of a category's picture, points.
 const PICTURE: f32 = 150.0;
 
-/// An example of each category, drawn with the session's own colours: width and depth of a ramp whose brighter band
+/// An example of each category, drawn with the session's own colors: width and depth of a ramp whose brighter band
 /// most people see as that category describes. They are examples for the eye, not answers: Bangay §3.2's findings put
 /// them in this order.
 const EXAMPLES: [(f64, Depth); 4] =

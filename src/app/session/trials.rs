@@ -113,7 +113,7 @@ pub struct Trials {
     /// Wall-clock time at which the session's time was 0.
     origin: Timestamp,
     quantizer: Quantizer,
-    /// The recovery field's colour.
+    /// The recovery field's color.
     field: egui::Color32,
     size_px: u32,
     /// Condition and picture, the latest last.

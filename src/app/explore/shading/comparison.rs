@@ -91,7 +91,7 @@ impl Comparison {
         Comparison { sides: other.sides, ..self.clone() } == *other
     }
 
-    /// Every parameter, for anyone who wants to make the picture again.
+    /// Every parameter, so that anyone can make the picture again.
     #[must_use]
     pub fn describe(&self) -> Value {
         let side = |side: &Renderer| {
