@@ -107,19 +107,17 @@ impl Waiting {
 /// All scenes, each in the table.
 pub fn play(sweep: &Sweep, table: &mut Table) {
     for rows in [1, 3, 7] {
-        table.line("the folder is removed in mid-session", removed(sweep, rows));
-        table.line("two programs at once", two_at_once(sweep, rows));
+        table.line("the folder is removed during the session", removed(sweep, rows));
+        table.line("two programs open the same session", two_at_once(sweep, rows));
         table.line("the clock is turned back between sittings", clock_back(sweep, rows));
-        for (name, what) in
-            [("the disk is full from then on", "ENOSPC"), ("the folder is read-only from then on", "EROFS")]
-        {
+        for (name, what) in [("the disk becomes full", "ENOSPC"), ("the folder becomes read-only", "EROFS")] {
             table.line(name, lasting(sweep, rows, what));
         }
     }
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     for _ in 0..40 {
         let (rows, wait) = (1 + rng.next_u64() as usize % 7, Duration::from_micros(rng.next_u64() % 3000));
-        table.line("killed at any moment", killed(sweep, rows, wait));
+        table.line("the program is killed at a random moment", killed(sweep, rows, wait));
     }
     cut(sweep, table);
 }
@@ -214,6 +212,6 @@ fn cut(sweep: &Sweep, table: &mut Table) {
         assert_eq!(resumed.stderr.contains("a half-written last row was cut off"), torn, "{length}: {resumed:?}");
         let errors = if torn { vec![resumed.stderr] } else { Vec::new() };
         let said = Said { rows: kept, errors, ..Said::default() };
-        table.line("the file is cut in its last two rows", scene.assert_kept(&said, &scene.first()));
+        table.line("the file is cut within its last two rows", scene.assert_kept(&said, &scene.first()));
     }
 }

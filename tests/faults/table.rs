@@ -42,13 +42,13 @@ pub struct Table(BTreeMap<String, Line>);
 /// What a fault is called.
 fn kind(fault: &Fault) -> String {
     let how = match fault.what {
-        "kill-before" | "kill-after" | "kill-torn" => "killed there",
-        "EINTR" => "interrupted by a signal",
-        "short" => "does half",
-        "torn" => "does half, then fails",
-        "lie" => "does half and says all",
+        "kill-before" | "kill-after" | "kill-torn" => return format!("program killed at {}", fault.op),
+        "EINTR" => "is interrupted by a signal",
+        "short" => "is short",
+        "torn" => "is short, then fails",
+        "lie" => "is short but reports success",
         "back" => "goes back an hour",
-        _ if fault.lasting => "fails from then on",
+        _ if fault.lasting => "fails repeatedly",
         _ => "fails once",
     };
     format!("{} {how}", fault.op)
@@ -84,7 +84,7 @@ impl std::fmt::Display for Table {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(
             f,
-            "| fault | injected | struck | sessions | said an error | rows reported | rows lost | files unparsable | silent | resumed |"
+            "| fault | injected | took effect | sessions | reported an error | rows saved | rows lost | unreadable files | silent failures | resumed |"
         )?;
         writeln!(f, "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|")?;
         let total = ("all".to_owned(), self.total());

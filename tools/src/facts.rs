@@ -200,28 +200,33 @@ fn ranks_agree(pairs: Vec<[f64; 2]>, least: f64) -> Answer {
 type Fact = (&'static str, fn(&Asked) -> Answer);
 
 const FACTS: [Fact; 12] = [
-    ("a step has no band: at most 0.01 of the largest", |asked| asked.share(&Ramp::new(0.0, 1).light(), 0.01)),
-    ("very narrow ramps (≤ 0.02°) hardly any: at most 0.10", |asked| asked.narrow()),
-    ("one optimum of width between", |asked| asked.optimum()),
-    ("falls with n = 1, 2, 3, 4 (at 0.4°; 1°)", |asked| asked.depths()),
-    ("n = ∞ at most n = 3 (at 0.4°, 1°)", |asked| asked.endless()),
-    ("doubling all sizes keeps the order of ramps of 0.2…8°: ρ ≥ 0.95", |asked| asked.doubled(&USUAL)),
-    ("the same of ramps of 0.1…1.6°, where bands are strongest", |asked| asked.doubled(&STRONGEST)),
-    ("contrast 20 and 80 % too: ρ ≥ 0.95", |asked| asked.contrast()),
-    ("a uniform field has none", |asked| asked.none(std::iter::once(profile(|_| 0.5)))),
-    ("gratings of 0.25…4 c/° have none", |asked| {
+    ("a step has no band (at most 0.01)", |asked| asked.share(&Ramp::new(0.0, 1).light(), 0.01)),
+    ("very narrow ramps (≤ 0.02°) have almost none (at most 0.10)", |asked| asked.narrow()),
+    ("one width in between gives the strongest band", |asked| asked.optimum()),
+    ("strength falls with n = 1, 2, 3, 4 (at 0.4°; at 1°)", |asked| asked.depths()),
+    ("n = ∞ is no stronger than n = 3 (at 0.4°, at 1°)", |asked| asked.endless()),
+    ("doubling all sizes preserves the rank order of ramps of 0.2…8° (ρ ≥ 0.95)", |asked| asked.doubled(&USUAL)),
+    (
+        "doubling all sizes preserves the rank order of ramps of 0.1…1.6°, where bands are strongest (ρ ≥ 0.95)",
+        |asked| asked.doubled(&STRONGEST),
+    ),
+    ("the rank order is the same at contrasts of 20 % and 80 % (ρ ≥ 0.95)", |asked| asked.contrast()),
+    ("a uniform field has no bands", |asked| asked.none(std::iter::once(profile(|_| 0.5)))),
+    ("gratings of 0.25…4 c/° have no bands", |asked| {
         asked.none(
             [0.25, 0.5, 1.0, 2.0, 4.0]
                 .into_iter()
                 .map(|f: f64| profile(|x| 0.5 + 0.25 * (std::f64::consts::TAU * f * x).sin())),
         )
     }),
-    ("blurred edges (σ 0.05…1°) have none", |asked| {
+    ("blurred edges (σ 0.05…1°) have no bands", |asked| {
         asked.none(
             [0.05, 0.1, 0.2, 0.5, 1.0].into_iter().map(|s: f64| profile(|x| 0.5 + 0.25 * erf(x / s / 2f64.sqrt()))),
         )
     }),
-    ("bright above, dark below the ramp, near its ends (distance, of the width)", |asked| asked.ends()),
+    ("bright band at the top of the ramp, dark band at the bottom (distance from the end, in widths)", |asked| {
+        asked.ends()
+    }),
 ];
 
 pub fn run() {
