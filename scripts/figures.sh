@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the paper's Figures 8-12 anew, from the program itself, into docs/figures/figure{8,9,10,11,12}.png, and beside them
-# what our shaders make of the same meshes (figure-ours.png). docs/figures/README.md says what agrees.
+# Reproduces the paper's Figures 8-12 as docs/figures/figure{8,9,10,11,12}.png, and shades the same meshes with our own
+# shaders (figure-ours.png). docs/shaders.md compares them with the paper.
 #
 #   scripts/figures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/figures.sh
@@ -20,17 +20,17 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$figures"
 
-# panel FIGURE LABEL OPTION…: one picture.
+# panel FIGURE LABEL OPTION…: renders one picture.
 panel() {
     local figure=$1 label=$2
     shift 2
     "$machband" shade --size 240 --out "$work/raw.png" "$@"
-    # The label stands below the picture; the picture itself is not touched.
+    # The label goes below the picture; the picture itself does not change.
     convert "$work/raw.png" -strip -background white -gravity south -splice 0x22 -pointsize 13 -fill black \
         -annotate +0+4 "$label" "$work/$figure-$(printf '%02d' "${#panels[@]}").png"
     panels+=("$work/$figure-$(printf '%02d' "${#panels[@]}").png")
 }
-# sheet FIGURE: the panels so far, three in a row.
+# sheet FIGURE: arranges the panels so far, three per row.
 sheet() {
     montage "${panels[@]}" -tile 3x -geometry +4+4 -background white "$work/sheet.png"
     convert "$work/sheet.png" -strip -define png:exclude-chunks=date,time,tIME -define png:compression-level=9 \

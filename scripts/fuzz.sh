@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Feeds everything that reads files with what a fuzzer invents: each target for SECONDS (600), two at a time, with an
-# error for a crash, for anything that takes over a second, and for more than 512 MiB. Needs nightly Rust and cargo-fuzz.
+# Fuzzes every reader of files: runs each target for SECONDS (600), two at a time. A crash, an input that takes more than
+# a second, or one that needs more than 512 MiB is an error. Needs nightly Rust and cargo-fuzz.
 #
 #   scripts/fuzz.sh [SECONDS] [TARGET…]
 #
-# Prints executions, executions a second and the size of the corpus; what is found lies in fuzz/artifacts.
+# Prints executions, executions per second and the size of the corpus. Findings are written to fuzz/artifacts.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-600}
@@ -27,7 +27,7 @@ dictionary() {
 }
 export -f dictionary
 
-# New inputs go to a folder of their own: the committed corpus is what `-set_cover_merge=1 -use_counters=0` makes of both.
+# New inputs go to a separate folder. To update the committed corpus, merge both with `-set_cover_merge=1 -use_counters=0`.
 one() {
     local found=fuzz/target/found/$1
     mkdir -p "$found" "fuzz/artifacts/$1"

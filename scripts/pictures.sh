@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Makes the README's pictures anew, from the program itself: docs/pictures/{home,shaders,categories,trial,finish,dither,figure4a}.png.
+# Updates the documentation's pictures from the program itself: docs/pictures/{home,shaders,categories,trial,dither,figure4a}.png.
 #
 #   scripts/pictures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/pictures.sh
 #
-# Needs Xvfb, openbox, xdotool and ImageMagick. The answers are those of the simulated observer.
+# Needs Xvfb, openbox, xdotool and ImageMagick. The simulated observer supplies the answers.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -50,10 +50,10 @@ unset WAYLAND_DISPLAY
 openbox >/dev/null 2>&1 &
 children+=($!)
 until_so xdotool get_num_desktops >/dev/null 2>&1
-# Out of the way of buttons that light up.
+# Keep the pointer away from buttons, which change color under it.
 xdotool mousemove $((width - 1)) $((height - 1))
 
-# Red, green and blue at a point of the screen.
+# Prints red, green and blue at a point of the screen.
 pixel() {
     import -window root -crop "1x1+$1+$2" -depth 8 rgb:- | od -An -tu1 | xargs
 }
@@ -77,7 +77,7 @@ rest() {
         now=$(screen)
     done
 }
-# Presses a key and waits until the screen has changed and come to rest.
+# Presses a key and waits until the screen has changed and is stable again.
 press_to_next() {
     local before
     before=$(screen)
@@ -87,7 +87,7 @@ press_to_next() {
 }
 changed_from() { [ "$(screen)" != "$1" ]; }
 
-# Takes a picture of a window (or `root`), small and without anything about this machine in it.
+# Takes a small picture of a window (or `root`), without metadata about this machine.
 picture() {
     import -window "$1" "$work/raw.png"
     convert "$work/raw.png" -strip -resize '1000x>' -define png:exclude-chunks=date,time,tIME \
@@ -104,7 +104,7 @@ until_so has_window
 rest
 picture "$(window)" home.png
 
-# The shading demo, as a first visitor meets it: by its button in Home.
+# The shading demo as it first opens, from its button on Home.
 before=$(screen)
 xdotool mousemove --window "$(window)" 662 621 click 1
 until_so changed_from "$before"
@@ -113,12 +113,12 @@ picture "$(window)" shaders.png
 kill "$home"
 wait "$home" 2>/dev/null || true
 
-# A session of `quick` with a short recovery, answered as the simulated observer would.
+# A session of `quick` with a short recovery and the simulated observer's answers.
 sed 's/^duration_s = .*/duration_s = 0.5/' "$root/experiments/quick.toml" >quick.toml
 "$machband" simulate quick.toml --seed 7 --results simulated >/dev/null
 file=quick/data/subject-S001_session-1_task-quick_data.csv
 csv=results/$file
-# The cells of a column; none of those used here has a comma in it, or before it.
+# Prints the cells of a column. The columns used here have no commas in their cells or before them.
 column() {
     local number
     number=$(head -n 1 "simulated/$file" | tr ',' '\n' | grep -nx "$1" | cut -d: -f1)
@@ -135,7 +135,7 @@ rest
 press_to_next space
 press_to_next space
 picture root categories.png
-# The announcement of the practice.
+# The page that announces the practice trials.
 press_to_next space
 xdotool key space
 for i in "${!ratings[@]}"; do
@@ -144,18 +144,15 @@ for i in "${!ratings[@]}"; do
         sleep 0.5
     done
     until_so is_stimulus
-    # The main trial whose ramp shows a Mach band best.
+    # The main trial whose ramp shows the clearest Mach band.
     if [ "${conditions[i]}" = main,0.4,1,0 ]; then
         picture root trial.png
     fi
     xdotool key "${ratings[i]}"
     until_so has_rows $((i + 1))
 done
-until_so is_page
-rest
-picture "$(window)" finish.png
 
-# A shallow ramp of ten codes, without and with dither, its contrast stretched so that the codes can be told apart.
+# A shallow ramp of ten codes, with and without dither, with its contrast stretched to make the codes visible.
 for dither in none blue-noise; do
     "$machband" stimulus --width 0.8 --low 0.25 --high 0.29 --color gray --size 400 --dither "$dither" \
         --out "$work/$dither.png"
@@ -163,9 +160,9 @@ done
 convert "$work/none.png" "$work/blue-noise.png" -normalize -crop 400x160+0+0 +repage -bordercolor white -border 4 \
     +append -strip "$pictures/dither.png"
 
-# The paper's Figure 4 (a), of simulated participants.
+# The paper's Figure 4 (a), from simulated participants.
 "$machband" simulate bangay2003 --participants 8 --seed 1 --results "$work/analyzed" >/dev/null
 "$machband" analyze "$work/analyzed" --out "$work/analysis" >/dev/null
 cp "$work/analysis/figure4a.png" "$pictures/figure4a.png"
 
-echo "$pictures: home.png, shaders.png, categories.png, trial.png, finish.png, dither.png, figure4a.png"
+echo "$pictures: home.png, shaders.png, categories.png, trial.png, dither.png, figure4a.png"

@@ -3,8 +3,8 @@
 
     python3 scripts/scale_duckdb.py [--machband target/release/machband] [--rows 50000000]
 
-Needs duckdb (PyPI). The ratings are drawn by DuckDB itself, from an ordered logit with known effects, and those are
-printed beside the model's.
+Needs duckdb (PyPI). DuckDB draws the ratings from an ordered logit model with known effects. The script prints the true
+effects next to the estimates.
 """
 
 import argparse
@@ -16,7 +16,7 @@ import time
 
 import duckdb
 
-# The table to reduce has one row a trial; any engine's dialect of SQL has these words.
+# The table to reduce has one row per trial. Every SQL dialect supports this query.
 QUERY = """
 SELECT subject_id, width, depth, orientation_deg, rating, count(*) AS count
 FROM ratings

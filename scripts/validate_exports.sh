@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes a data set with everything that an export must bear, exports it in every format, and lets the validators judge:
-# `scripts/validate_exports.sh [FOLDER]`. Needs Python 3 with venv; keeps the BIDS validator in target/validators.
+# Makes a data set that contains everything an export must handle, exports it in every format, and runs the validators:
+# `scripts/validate_exports.sh [FOLDER]`. Needs Python 3 with venv; installs the BIDS validator in target/validators.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,7 +11,7 @@ machband() {
     cargo run --quiet --bin machband -- "$@"
 }
 
-# Eight simulated participants with practice; S001 corrects a response, is interrupted while a row is written, and resumed.
+# Eight simulated participants with practice trials. S001 corrects a response, is interrupted while a row is written, and resumes.
 cargo run --quiet -p tools -- sample-study "$results"
 machband simulate quick --participants 8 --results "$results" --resume
 # A task with shaded meshes.
@@ -27,7 +27,7 @@ if ! "$venv/bin/bids-validator-deno" --version >/dev/null 2>&1; then
     "$venv/bin/pip" install --quiet 'bids-validator-deno==3.0.*'
 fi
 echo '--- BIDS'
-# Fails on any error. docs/data.md explains the warnings, and any other one fails too.
+# Fails on any error, and on any warning that docs/data.md does not explain.
 status=0
 NO_COLOR=1 "$venv/bin/bids-validator-deno" "$folder/bids" >"$folder/bids.txt" || status=$?
 cat "$folder/bids.txt"
@@ -37,7 +37,7 @@ if [ "$status" != 0 ]; then
 fi
 explained='JSON_KEY_RECOMMENDED|SIDECAR_KEY_RECOMMENDED|NO_AUTHORS|TOO_FEW_AUTHORS'
 if grep -E '\[WARNING\]' "$folder/bids.txt" | grep -vE "\] ($explained) "; then
-    echo 'error: the BIDS validator warns of what docs/data.md does not explain' >&2
+    echo 'error: the BIDS validator gives a warning that docs/data.md does not explain' >&2
     exit 1
 fi
 
