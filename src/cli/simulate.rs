@@ -19,9 +19,8 @@ use crate::{
     },
     store::{
         StoreError, definition, observer,
-        pictures::Pictures,
         session::{Interrupted, SessionStore},
-        sidecar::Sitting,
+        sidecar::{Pictures, Sitting},
     },
 };
 

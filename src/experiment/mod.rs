@@ -5,7 +5,6 @@
 
 mod condition;
 mod frame_log;
-mod gray;
 mod identity;
 mod observer;
 mod protocol;
@@ -13,12 +12,11 @@ mod record;
 mod schedule;
 mod session;
 mod texts;
-mod visibility;
 
 pub use condition::{Condition, Factor};
 pub use frame_log::{Shown, Stretch};
 pub use identity::{Identity, IdentityError};
-pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate};
+pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate, visibilities};
 pub use protocol::{
     Category, Design, Fault, Order, Presentation, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan,
     name_fault,
@@ -27,4 +25,3 @@ pub use record::{Column, Rating, RatingRow, RowContext, Seconds, TRAILING, Trial
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;
-pub use visibility::visibilities;

@@ -7,12 +7,13 @@ use rand_chacha::{
     rand_core::{Rng, SeedableRng as _},
 };
 use rand_distr::{Distribution as _, StandardNormal};
+use rayon::prelude::*;
 
 use super::{
+    condition::Condition,
     identity::{Identity, fnv1a},
     protocol::Protocol,
     session::{Effect, Event, Session, State, TrialResponse},
-    visibility::visibilities,
 };
 use crate::{
     light::interpolation::Depth,
@@ -153,6 +154,23 @@ impl Default for VisionRater {
     fn default() -> Self {
         Self { criterion: Criterion::default(), subject_sd: 0.4, lapse: 0.01 }
     }
+}
+
+/// How visible the bands of each condition are to the vision model, drawn with `px` pixels on a side, or with [`Sight::px`]
+/// by default.
+///
+/// # Errors
+/// [`VisionError`] of a condition that cannot be seen, such as one that is all black.
+pub fn visibilities(conditions: &[Condition], sight: &Sight, px: Option<u32>) -> Result<Vec<Visibility>, VisionError> {
+    let see = |condition: &Condition| {
+        let stimulus = &condition.stimulus;
+        Ok(sight.see(stimulus, px.unwrap_or_else(|| Sight::px(stimulus)))?.visibility())
+    };
+    // Pictures keep all threads busy one by one, and need memory.
+    if conditions.iter().any(|condition| !condition.stimulus.is_line()) {
+        return conditions.iter().map(see).collect();
+    }
+    conditions.par_iter().map(see).collect()
 }
 
 /// A [`VisionRater`] in front of the conditions of an experiment, each computed once.

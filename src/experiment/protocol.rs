@@ -8,7 +8,7 @@ use super::{
     condition::{Condition, Factor, cross, serialize_factors},
     texts::Texts,
 };
-use crate::stimulus::Stimulus;
+use crate::stimulus::{ParameterError, ParameterValue, Stimulus};
 
 /// Highest rating of the paper's scale; ratings are 0…3. Bangay §3.1
 pub const RATING_MAX: u8 = 3;
@@ -247,7 +247,7 @@ impl Protocol {
     /// All cells of the design, the last factor fastest.
     ///
     /// A validated protocol always has them; the error repeats the fault that [`Protocol::faults`] would name.
-    pub fn conditions(&self) -> Result<Vec<Condition>, crate::stimulus::ParameterError> {
+    pub fn conditions(&self) -> Result<Vec<Condition>, ParameterError> {
         cross(&self.stimulus, &self.factors)
     }
 
@@ -263,6 +263,27 @@ impl Protocol {
     /// A file-name part: the name without hyphens, since a Psych-DS keyword value is alphanumeric.
     pub fn task(&self) -> String {
         self.name.replace('-', "")
+    }
+
+    /// The experiment in gray, for an observer who sees colors differently from most people: a yellow of equal light in
+    /// red and green has another luminance for each kind of color deficiency, a gray has the same for all.
+    ///
+    /// It is an experiment of its own: its name ends in `-gray`, so that its data stand in a folder of their own and are
+    /// not taken for the other's. `None` where it is gray already, or where color is what varies.
+    #[must_use]
+    pub fn in_gray(&self) -> Option<Self> {
+        let gray = ParameterValue::from("gray");
+        let color = self.stimulus.get("color")?;
+        let varies = self.factors.iter().any(|factor| factor.name.starts_with("color"));
+        if color == gray || varies {
+            return None;
+        }
+        let mut copy = self.clone();
+        copy.stimulus.set("color", &gray).ok()?;
+        copy.name += "-gray";
+        copy.title += " (gray)";
+        // A second color would still be one.
+        copy.stimulus.validate().ok().map(|()| copy)
     }
 
     /// Everything that is wrong; empty for a valid protocol.

@@ -6,8 +6,8 @@ use std::{
 };
 
 use super::{
-    FileFault, FileFaults, definition, frames, image, matches, observer, profile, readings, results, sidecar::Sidecar,
-    text, toml::Document,
+    FileFault, FileFaults, definition, file::read_text, frames, image, matches, observer, profile, readings, results,
+    sidecar::Sidecar, toml::Document,
 };
 use crate::{
     display::DisplayProfile,
@@ -47,7 +47,7 @@ pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
             _ => check_results(path),
         },
         Some("png") => image::prove(path),
-        Some("toml") => return check_toml(name_or_path, &text::read(path)?),
+        Some("toml") => return check_toml(name_or_path, &read_text(path)?),
         _ if path.is_dir() || !path.exists() => Err(definition::open(name_or_path)
             .err()
             .unwrap_or_else(|| FileFaults::whole(name_or_path, "cannot be checked; expected a .toml or .csv file"))),

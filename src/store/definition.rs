@@ -7,8 +7,7 @@ use serde_json::{Map, Value};
 
 use super::{
     FileFaults,
-    hash::sha256,
-    text,
+    file::{read_text, sha256},
     toml::{self, nearest, unknown_key},
 };
 use crate::{
@@ -57,7 +56,7 @@ pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
             ),
         ));
     }
-    parse(name_or_path, &text::read(path)?)
+    parse(name_or_path, &read_text(path)?)
 }
 
 /// Reads a definition; `file` names it in messages.

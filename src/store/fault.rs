@@ -25,14 +25,21 @@ impl std::fmt::Display for FileFault {
 
 impl FileFault {
     /// A fault at a line and column from 1.
-    pub fn at(file: impl Into<String>, position: (usize, usize), message: String) -> Self {
-        Self { file: file.into(), position: Some(position), message }
+    pub fn at(file: impl AsRef<Path>, position: (usize, usize), message: impl Into<String>) -> Self {
+        Self { position: Some(position), ..Self::whole(file, message) }
     }
 
     /// A fault of a file as a whole.
-    pub fn whole(file: impl Into<String>, message: String) -> Self {
-        Self { file: file.into(), position: None, message }
+    pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Self { file: file.as_ref().display().to_string(), position: None, message: message.into() }
     }
+}
+
+/// Line and column, both from 1, of a byte offset.
+pub(super) fn position(text: &str, offset: usize) -> (usize, usize) {
+    let before = text.get(..offset).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
 /// Every fault of a file, in the order of the file; never empty.
@@ -41,8 +48,8 @@ pub struct FileFaults(pub Vec<FileFault>);
 
 impl FileFaults {
     /// A single fault of the file as a whole.
-    pub fn whole(file: impl Into<String>, message: impl Into<String>) -> Self {
-        Self(vec![FileFault::whole(file, message.into())])
+    pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Self(vec![FileFault::whole(file, message)])
     }
 
     /// # Errors

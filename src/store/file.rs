@@ -1,4 +1,4 @@
-//! Files on disk: written whole or not at all, or appended to row by row.
+//! Files on disk: read whole, written whole or not at all, or appended to row by row.
 
 use std::{
     fs::{self, File, OpenOptions, TryLockError},
@@ -7,7 +7,55 @@ use std::{
     time::Duration,
 };
 
-use super::{StoreError, fault::io, hash::sha256};
+use sha2::{Digest as _, Sha256};
+
+use super::{
+    FileFaults, StoreError,
+    fault::{io, position},
+};
+
+/// Largest text file, in bytes. The largest that makes sense has a few thousand.
+const LARGEST_TEXT: u64 = 1 << 20;
+
+/// Reads a whole UTF-8 file of at most 1 MiB: a definition, a profile, an observer.
+///
+/// # Errors
+/// As [`read_bytes`]; not UTF-8, with the line and column.
+pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
+    String::from_utf8(read_bytes(path, LARGEST_TEXT, "a readable file")?).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let before = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
+        let mut faults = FileFaults::whole(path.display().to_string(), "is not UTF-8 text; expected UTF-8");
+        faults.0[0].position = Some(position(&before, before.len()));
+        faults
+    })
+}
+
+/// Reads a whole file of at most `most` bytes; `expected` says what it should be.
+///
+/// # Errors
+/// Missing, a folder, too large, or not readable.
+pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u8>, FileFaults> {
+    let fail = |message: String| FileFaults::whole(path.display().to_string(), message);
+    let refused = |error: std::io::Error| fail(format!("cannot be opened: {error}; expected {expected}"));
+    let metadata = std::fs::metadata(path).map_err(refused)?;
+    if metadata.is_dir() {
+        return Err(fail(format!("is a folder; expected {expected}")));
+    }
+    let mut bytes = Vec::new();
+    // Bounded while reading, not by the length alone: a pipe or a device has none.
+    File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(refused)?;
+    if bytes.len() as u64 > most {
+        let size = metadata.len().max(bytes.len() as u64);
+        return Err(fail(format!("has {size} bytes; expected at most {most}")));
+    }
+    Ok(bytes)
+}
+
+/// SHA-256 in lower-case hexadecimal.
+pub(super) fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
 
 /// Ends the name of a temporary file.
 pub(super) const TEMPORARY: &str = ".tmp";

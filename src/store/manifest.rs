@@ -9,7 +9,12 @@ use std::{
     sync::Mutex,
 };
 
-use super::{StoreError, fault::io, file::write_whole, hash::sha256, image, table};
+use super::{
+    StoreError,
+    fault::io,
+    file::{sha256, write_whole},
+    image, table,
+};
 use crate::{
     experiment::{Condition, Protocol},
     light::Quantizer,

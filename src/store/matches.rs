@@ -5,9 +5,8 @@ use std::path::Path;
 
 use super::{
     FileFaults, StoreError,
-    file::{AppendFile, Sync, whole_lines},
+    file::{AppendFile, Sync, read_text, whole_lines},
     table::{self, exactly},
-    text,
 };
 use crate::display::{
     Channel,
@@ -97,7 +96,7 @@ impl MatchFile {
 /// # Errors
 /// Every row that does not parse, with its line and column.
 pub fn open(path: &Path) -> Result<Vec<Match>, FileFaults> {
-    parse(&path.display().to_string(), &text::read(path)?)
+    parse(&path.display().to_string(), &read_text(path)?)
 }
 
 /// Reads the matches that count from a file's text; `file` names it in messages.

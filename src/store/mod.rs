@@ -19,7 +19,6 @@ pub mod definition;
 pub mod export;
 mod fault;
 mod file;
-mod hash;
 pub mod image;
 pub mod manifest;
 pub mod matches;
@@ -30,9 +29,8 @@ pub mod ratings;
 pub mod readings;
 pub mod session;
 pub mod table;
-mod text;
 mod toml;
 
 pub use fault::{FileFault, FileFaults, StoreError};
 pub use file::{write_file, write_json};
-pub use session::{dataset, description, frames, pictures, recorded, results, sidecar, verify};
+pub use session::{dataset, frames, recorded, results, sidecar, verify};

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::{
-    FileFaults, StoreError, text,
+    FileFaults, StoreError,
+    file::{read_text, write_file},
     toml::{self, Document},
-    write_file,
 };
 use crate::{
     experiment::{OrderedLogit, VisionRater},
@@ -20,7 +20,7 @@ pub const PAPER: &str = include_str!("../../experiments/observers/paper.toml");
 /// # Errors
 /// Every fault with its line and column.
 pub fn open(path: &Path) -> Result<OrderedLogit, FileFaults> {
-    parse(&path.display().to_string(), &text::read(path)?)
+    parse(&path.display().to_string(), &read_text(path)?)
 }
 
 /// Reads an observer from its text; what is absent keeps its default.
@@ -51,7 +51,7 @@ pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileFaults> {
 /// # Errors
 /// Every fault with its line and column.
 pub fn open_vision(path: &Path) -> Result<VisionRater, FileFaults> {
-    parse_vision(&path.display().to_string(), &text::read(path)?)
+    parse_vision(&path.display().to_string(), &read_text(path)?)
 }
 
 /// Reads an observer based on the vision model from its text; what is absent keeps its default.

@@ -7,9 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, de};
 use super::{
     FileFaults, StoreError,
     fault::io,
-    file::write_whole,
-    hash::sha256,
-    text,
+    file::{read_text, sha256, write_whole},
     toml::{self as toml_file, Document},
 };
 use crate::{
@@ -51,7 +49,7 @@ use crate::{
 /// # Errors
 /// Every fault with its line and column.
 pub fn open(path: &Path) -> Result<DisplayProfile, FileFaults> {
-    parse(&path.display().to_string(), &text::read(path)?)
+    parse(&path.display().to_string(), &read_text(path)?)
 }
 
 /// Reads a display profile from its text; `file` names it in messages.

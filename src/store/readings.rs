@@ -8,9 +8,8 @@ use std::{
 use super::{
     FileFault, FileFaults, StoreError,
     fault::io,
-    file::write_whole,
+    file::{read_text, write_whole},
     table::{Content, each_row},
-    text,
 };
 use crate::display::{
     Channel,
@@ -28,7 +27,7 @@ pub const COLUMNS: [&str; 3] = ["channel", "level", "luminance_cd_m2"];
 /// # Errors
 /// Every fault, that of a cell with its line and column; of many of one kind the first, with their number.
 pub fn open(path: &Path) -> Result<Readings, FileFaults> {
-    parse(&path.display().to_string(), &text::read(path)?)
+    parse(&path.display().to_string(), &read_text(path)?)
 }
 
 /// Reads readings from their text; `file` names it in messages.
@@ -102,7 +101,7 @@ fn summarized(file: &str, found: Vec<Found>) -> FileFaults {
 /// # Errors
 /// Cells that are not readings, each with its line and column; of many of one kind the first, with their number.
 pub fn open_begun(path: &Path) -> Result<Vec<Reading>, FileFaults> {
-    let rows = rows(&path.display().to_string(), &text::read(path)?)?;
+    let rows = rows(&path.display().to_string(), &read_text(path)?)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
 }
 

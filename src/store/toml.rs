@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
-use super::{FileFault, FileFaults, text::position};
+use super::{FileFault, FileFaults, fault::position};
 
 /// Most values that cannot be read: for each of them the file is read once more.
 const MOST_UNREAD: usize = 100;

@@ -10,7 +10,7 @@ use machband::{
     experiment::columns,
     store::{
         export::{Exported, Format, export},
-        image, pictures,
+        image,
         ratings::data_files,
         recorded::Recorded,
         verify,
@@ -169,9 +169,9 @@ fn every_stim_file_is_the_picture_that_was_shown() {
             let file = found[&(row.experiment.clone(), row.row_id.clone())]["stim_file"].clone();
             let pictures = session.sidecar.sittings[row.sitting as usize - 1].pictures.as_ref().unwrap();
             let shown = &pictures.sha256[&(session.condition(row).unwrap() + 1)];
-            let hash = hashes.entry(file).or_insert_with_key(|file| {
-                pictures::hash(&image::read(&bids.join("stimuli").join(file)).unwrap().image)
-            });
+            let hash = hashes
+                .entry(file)
+                .or_insert_with_key(|file| image::hash(&image::read(&bids.join("stimuli").join(file)).unwrap().image));
             assert_eq!(hash, shown);
         }
     }

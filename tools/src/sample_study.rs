@@ -11,7 +11,11 @@ use machband::{
     experiment::{
         Effect, Event, FrameCount, Identity, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord,
     },
-    store::{definition, pictures::Pictures, session::SessionStore, sidecar::Sitting},
+    store::{
+        definition,
+        session::SessionStore,
+        sidecar::{Pictures, Sitting},
+    },
 };
 
 /// Ratings before the program is killed; that of the one in the middle is taken back.

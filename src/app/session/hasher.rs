@@ -6,7 +6,7 @@ use std::{
     thread::{self, JoinHandle},
 };
 
-use crate::{light::CodeImage, store::pictures};
+use crate::{light::CodeImage, store::image};
 
 /// Takes pictures, and gives their hashes at the end.
 pub struct Hasher {
@@ -21,7 +21,7 @@ impl Hasher {
         let hash = move || {
             let mut hashes = BTreeMap::new();
             for (condition, picture) in shown {
-                hashes.entry(condition).or_insert_with(|| pictures::hash(&picture));
+                hashes.entry(condition).or_insert_with(|| image::hash(&picture));
             }
             hashes
         };

@@ -34,10 +34,9 @@ use crate::{
     store::{
         StoreError,
         frames::FrameRow,
-        pictures::Pictures,
         profile,
         session::SessionStore,
-        sidecar::{PreflightNote, Sitting},
+        sidecar::{Pictures, PreflightNote, Sitting},
     },
 };
 

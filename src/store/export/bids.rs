@@ -14,7 +14,7 @@ use crate::{
     experiment::{Column, Protocol, columns},
     store::{
         StoreError,
-        description::DESCRIPTION,
+        dataset::DESCRIPTION,
         file::{make_folder, write_file, write_json},
         recorded::Recorded,
         sidecar::Sitting,

@@ -7,8 +7,7 @@ use crate::{
     experiment::columns,
     store::{
         StoreError,
-        dataset::{DATA_FILE, SIDECAR_SUFFIX},
-        description,
+        dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, describe},
         fault::io,
         file::{make_folder, write_file},
         frames,
@@ -19,7 +18,7 @@ use crate::{
 
 /// Files that describe a data set as a whole. Nothing else is copied: what people keep beside their data is theirs.
 const OWN: [&str; 8] = [
-    description::DESCRIPTION,
+    DESCRIPTION,
     "README.md",
     "CHANGES.md",
     ".psychds-ignore",
@@ -36,7 +35,7 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
         copy(experiment, &folder)?;
         for session in &experiment.sessions {
             tidy(session, &folder.join("data"))?;
-            if let Some(note) = description::describe(&folder, &session.protocol)? {
+            if let Some(note) = describe(&folder, &session.protocol)? {
                 notes.push(format!("{}: {note}", experiment.name));
             }
         }

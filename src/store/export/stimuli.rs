@@ -13,7 +13,7 @@ use crate::{
     experiment::{Condition, Protocol, TrialRecord},
     light::Quantizer,
     stimulus::recipe::Recipe,
-    store::{FileFault, FileFaults, StoreError, file::make_folder, image, pictures, recorded::Recorded},
+    store::{FileFault, FileFaults, StoreError, file::make_folder, image, recorded::Recorded},
 };
 
 /// Digits of a hash in a file's name.
@@ -87,7 +87,7 @@ pub(super) fn write(
             shown.push(((session.csv.clone(), sitting, index), place));
         }
     }
-    let hashes: Vec<String> = wanted.par_iter().map(|one| pictures::hash(&one.recipe.codes(&one.quantizer))).collect();
+    let hashes: Vec<String> = wanted.par_iter().map(|one| image::hash(&one.recipe.codes(&one.quantizer))).collect();
     prove(&wanted, &hashes)?;
     let unproved = wanted.iter().filter(|one| one.expected.is_empty()).count();
     if unproved > 0 {

@@ -1,10 +1,8 @@
 //! Images (PNG): stimuli written with the recipe that made them and proved from it, and any other image as light.
 
-mod decode;
-mod encode;
-mod prove;
+mod read;
+mod write;
 
-pub use decode::{parse_light, read_light};
-pub use encode::{describe, write_codes, write_halftone, write_recipe, write_reduced, write_shaded};
-pub(super) use prove::recipe_text;
-pub use prove::{ReadBack, prove, prove_content, read};
+pub(super) use read::recipe_text;
+pub use read::{ReadBack, parse_light, prove, prove_content, read, read_light};
+pub use write::{describe, hash, write_codes, write_halftone, write_recipe, write_reduced, write_shaded};

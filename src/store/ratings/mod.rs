@@ -4,15 +4,13 @@
 //! trial is the last. Of a result file the practice rows are left out, of every trial only the last attempt counts, and
 //! the ratings of an unfinished session count unless told otherwise; all of it is reported in [`Source`].
 
-mod discovery;
-mod faults;
-mod header;
+mod files;
 mod reader;
 mod row;
 mod selection;
 mod source;
 mod trials;
 
-pub use discovery::data_files;
+pub use files::data_files;
 pub use reader::read;
 pub use source::{FileRead, Layout, ReadOptions, SessionRead, Shape, Source};

@@ -9,9 +9,8 @@ use std::{
 use rayon::prelude::*;
 
 use super::{
-    discovery::{self, natural},
-    faults::{RowFault, RowFaults},
-    row::{self, CellFault, Cells, is_rating},
+    files::{self, natural},
+    row::{self, CellFault, Cells, RowFault, RowFaults, is_rating},
     selection::{Input, RecordColumns, Selection},
     source::{FileRead, ReadOptions, SessionRead, Shape, Source},
     trials::{Identity, Noted, Status, Trial, Trials},
@@ -19,7 +18,7 @@ use super::{
 use crate::{
     experiment::RatingRow,
     store::{
-        FileFault, FileFaults, dataset, hash,
+        FileFault, FileFaults, dataset, file,
         table::{self, Row},
     },
 };
@@ -40,7 +39,7 @@ pub fn read<T: Send>(
     new: impl Fn(&Shape) -> T + Sync,
     add: impl Fn(&mut T, &RatingRow<'_>) -> Result<(), String> + Sync,
 ) -> Result<(Source, Vec<T>), FileFaults> {
-    let (files, mut faults) = discovery::files(paths);
+    let (files, mut faults) = files::files(paths);
     let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options)).collect();
     let mut inputs = Vec::new();
     for found in opened {
@@ -344,7 +343,7 @@ fn sha256(input: &Input) -> Option<String> {
     if input.header.size > HASHED {
         return None;
     }
-    input.header.content(&input.path).bytes().ok().map(|bytes| hash::sha256(&bytes))
+    input.header.content(&input.path).bytes().ok().map(|bytes| file::sha256(&bytes))
 }
 
 /// That no row counts, and why.

@@ -1,15 +1,17 @@
-//! One row of a file: its cells, and which trial it records.
+//! One row of a file: its cells, which trial it records, and what is wrong with it.
 
 use std::borrow::Cow;
 
 use super::{
-    faults::RowFault,
     selection::{Columns, Input, RecordColumns},
     trials::{Identity, Trial, number},
 };
 use crate::{
     experiment::RATING_MAX,
-    store::table::{Row, shortened},
+    store::{
+        FileFault,
+        table::{Row, shortened},
+    },
 };
 
 /// Largest count of a row; the sum of many such still is a number of 64 bits.
@@ -171,5 +173,50 @@ pub(super) fn response_time(cells: &Cells<'_>, columns: &Columns) -> Result<Opti
             Ok(seconds) if f64::is_finite(seconds) && seconds >= 0.0 => Ok(Some(seconds)),
             _ => Err((column, "seconds, 0 or more".into())),
         },
+    }
+}
+
+/// How many faults in one column are kept of one file.
+const KEPT: usize = 10;
+
+/// What is wrong with a row.
+#[derive(Clone, Debug)]
+pub(super) struct RowFault {
+    /// Index of the cell; none where it is the row as a whole.
+    pub cell: Option<usize>,
+    /// What is wrong; what is expected.
+    pub message: String,
+}
+
+/// The faulty rows of a file.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RowFaults {
+    kept: Vec<FileFault>,
+    /// How many there are in each column, kept or not.
+    cells: Vec<(Option<usize>, usize)>,
+}
+
+impl RowFaults {
+    /// Adds a fault; its place is asked for only if it is kept.
+    pub fn add(&mut self, file: &str, fault: RowFault, place: impl FnOnce() -> (usize, usize)) {
+        let index = self.cells.iter().position(|(cell, _)| *cell == fault.cell).unwrap_or_else(|| {
+            self.cells.push((fault.cell, 0));
+            self.cells.len() - 1
+        });
+        self.cells[index].1 += 1;
+        if self.cells[index].1 <= KEPT {
+            self.kept.push(FileFault::at(file, place(), fault.message));
+        }
+    }
+
+    /// Every fault that was kept, and how many more there are.
+    pub fn finish(self, file: &str, columns: &[String]) -> Vec<FileFault> {
+        let mut faults = self.kept;
+        faults.sort_by_key(|fault| fault.position);
+        for (cell, n) in self.cells.into_iter().filter(|(_, n)| *n > KEPT) {
+            let of = cell.and_then(|cell| columns.get(cell)).map_or(String::new(), |name| format!(" in {name}"));
+            faults.push(FileFault::whole(file, format!("{} more rows have a fault{of}; expected none", n - KEPT)));
+        }
+        faults
     }
 }

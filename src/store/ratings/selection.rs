@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    header::Header,
+    files::Header,
     source::{Layout, ReadOptions, Shape},
 };
 use crate::{

@@ -10,9 +10,8 @@ use crate::{
     experiment::{Phase, Schedule, Shown, Stretch},
     store::{
         FileFaults, StoreError,
-        file::{AppendFile, Sync, is_there, whole_lines},
+        file::{AppendFile, Sync, is_there, read_text, whole_lines},
         table::{self, CellFault, shortened},
-        text,
     },
 };
 
@@ -143,7 +142,7 @@ impl FrameFile {
 /// Every fault with its line and column.
 pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileFaults> {
     let file = path.display().to_string();
-    parse(&file, &text::read(path)?)
+    parse(&file, &read_text(path)?)
 }
 
 /// Reads the text of a file of frames; `file` names it in messages.

@@ -1,9 +1,7 @@
 //! A session on disk: its data set, its rows, the sidecar and the frames beside them; read back, and proved.
 
 pub mod dataset;
-pub mod description;
 pub mod frames;
-pub mod pictures;
 pub mod recorded;
 pub mod results;
 pub mod sidecar;

@@ -1,15 +1,25 @@
 //! The sidecar of a result file: everything about a session except its rows.
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::pictures::Pictures;
 use crate::{
-    experiment::{GENERATOR, Protocol, columns},
-    store::{FileFault, FileFaults, StoreError, definition, fault::io, file::write_json, hash::sha256},
+    experiment::{Condition, GENERATOR, Protocol, columns},
+    light::{Bits, Dither, Transfer, Transfers},
+    stimulus::recipe::Recipe,
+    store::{
+        FileFault, FileFaults, StoreError, definition,
+        fault::io,
+        file::{sha256, write_json},
+        image,
+    },
 };
+
+/// Side of the pictures of a session that had no screen, pixels.
+const SIZE_WITHOUT_SCREEN: u32 = 256;
 
 /// How an onset is defined, for the reader of the data.
 const ONSET: &str = "Start of the frame that presents the stimulus, by the program's monotonic clock. The graphics system gives no presentation time: the light follows by the compositor's and the screen's latency. How a rating is stamped, and how late that may be, is said in `input` of each sitting.";
@@ -191,5 +201,51 @@ impl Sidecar {
     pub fn write(&self, path: &Path) -> Result<(), StoreError> {
         let value = serde_json::to_value(self).map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
         write_json(path, &value)
+    }
+}
+
+/// The pictures of a sitting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pictures {
+    /// How light became codes. Its stimulus is the definition's, before the factors are set.
+    pub recipe: Recipe,
+    /// [`image::hash`] of the picture of each condition, by the condition's number: from 1, as the factors are crossed, the
+    /// last one fastest.
+    pub sha256: BTreeMap<usize, String>,
+}
+
+impl Pictures {
+    /// Pictures for a screen: `size` pixels a side, 8 bits, no dither. None is hashed yet.
+    #[must_use]
+    pub fn new(protocol: &Protocol, size: u32, transfers: &Transfers, display_sha256: Option<String>) -> Self {
+        let recipe = Recipe {
+            stimulus: protocol.stimulus.clone(),
+            size,
+            transfers: transfers.clone(),
+            bits: Bits::Eight,
+            dither: Dither::None,
+            seed: 0,
+            display_sha256,
+        };
+        Self { recipe, sha256: BTreeMap::new() }
+    }
+
+    /// Pictures of a session without a screen: 256 pixels a side, sRGB. None is hashed yet.
+    #[must_use]
+    pub fn without_screen(protocol: &Protocol) -> Self {
+        Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None)
+    }
+
+    /// The hash of every condition's picture, in their order.
+    #[must_use]
+    pub fn hashes(&self, conditions: &[Condition]) -> Vec<String> {
+        let quantizer = self.recipe.quantizer();
+        conditions.par_iter().map(|condition| image::hash(&self.recipe_of(condition).codes(&quantizer))).collect()
+    }
+
+    /// How the picture of a condition is made.
+    #[must_use]
+    pub fn recipe_of(&self, condition: &Condition) -> Recipe {
+        Recipe { stimulus: condition.stimulus.clone(), ..self.recipe.clone() }
     }
 }

@@ -11,13 +11,17 @@ use rayon::prelude::*;
 
 use super::{
     dataset::{DATA_FILE, SIDECAR_SUFFIX},
-    frames, pictures,
+    frames,
     recorded::Recorded,
 };
 use crate::{
     experiment::Condition,
     stimulus::recipe::Recipe,
-    store::{FileFault, FileFaults, StoreError, definition, file::TEMPORARY, hash::sha256},
+    store::{
+        FileFault, FileFaults, StoreError, definition,
+        file::{TEMPORARY, sha256},
+        image,
+    },
 };
 
 /// What was found of one session.
@@ -59,7 +63,7 @@ impl Renderer {
             // Those of one sitting differ in their stimulus alone: one table from light to codes serves them all.
             let quantizer = first.quantizer();
             let made: Vec<_> =
-                wanted.into_par_iter().map(|(key, recipe)| (key, pictures::hash(&recipe.codes(&quantizer)))).collect();
+                wanted.into_par_iter().map(|(key, recipe)| (key, image::hash(&recipe.codes(&quantizer)))).collect();
             self.known.extend(made);
         }
         keys.iter().map(|key| self.known[key].clone()).collect()

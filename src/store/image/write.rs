@@ -9,7 +9,11 @@ use crate::{
         palette::{IndexedImage, Reduction, reduce},
     },
     stimulus::recipe::Recipe,
-    store::{StoreError, fault::io, file::write_whole},
+    store::{
+        StoreError,
+        fault::io,
+        file::{sha256, write_whole},
+    },
 };
 
 /// Keyword of the text chunk that holds the recipe as JSON.
@@ -90,6 +94,16 @@ pub fn write_shaded(
 /// The system's refusal.
 pub fn write_codes(path: &Path, image: &CodeImage) -> Result<(), StoreError> {
     save(path, encode(image, &Transfer::Srgb.into(), &[])).map(drop)
+}
+
+/// SHA-256 of the codes of an image, row by row from the top left, red green blue, in lower-case hexadecimal; 16-bit
+/// codes with their high byte first.
+#[must_use]
+pub fn hash(image: &CodeImage) -> String {
+    match &image.samples {
+        Samples::Eight(codes) => sha256(codes),
+        Samples::Sixteen(codes) => sha256(&codes.iter().flat_map(|code| code.to_be_bytes()).collect::<Vec<_>>()),
+    }
 }
 
 fn failed(path: &Path, error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> StoreError {

@@ -1,0 +1,240 @@
+//! Which files are meant by files and folders that were named, and the head of each: what separates its cells, and what its
+//! columns are called.
+
+use std::{
+    collections::HashSet,
+    fs::File,
+    io::Read as _,
+    path::{Path, PathBuf},
+};
+
+use crate::store::{
+    FileFault, FileFaults,
+    dataset::DATA_FILE,
+    frames,
+    table::{Content, each_row},
+};
+
+fn whole(path: &Path, message: String) -> FileFault {
+    FileFault::whole(path.display().to_string(), message)
+}
+
+/// The files to read, each once, in the order they were named; those of a folder in natural order of their paths.
+pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
+    let (mut found, mut faults) = (Vec::new(), Vec::new());
+    let mut seen = HashSet::new();
+    for path in paths {
+        match std::fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => match folder(path) {
+                Ok(files) if files.is_empty() => {
+                    faults.push(whole(path, "has no CSV file; expected a folder of result files".to_owned()));
+                }
+                Ok(files) => found.extend(files),
+                Err(message) => faults.push(whole(path, message)),
+            },
+            // Named with the data files by a pattern such as `data/*.csv`.
+            Ok(_) if has_suffix(path, frames::SUFFIX) => {}
+            Ok(_) => found.push(path.clone()),
+            Err(error) => {
+                faults.push(whole(path, format!("cannot be opened: {error}; expected a CSV file or a folder of them")));
+            }
+        }
+    }
+    found.retain(|path| seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())));
+    (found, faults)
+}
+
+/// The data files of all sessions in a folder and those below it, in natural order of their paths.
+///
+/// # Errors
+/// The folder cannot be read, or has none.
+pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileFaults> {
+    let fault = |message: String| FileFaults(vec![whole(root, message)]);
+    let mut files = folder(root).map_err(fault)?;
+    files.retain(|path| has_suffix(path, DATA_FILE));
+    if files.is_empty() {
+        return Err(fault("has no data file of a session; expected a results folder".to_owned()));
+    }
+    Ok(files)
+}
+
+/// The data files in a folder and the folders below it; where there are none, all its CSV files.
+fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut files = Vec::new();
+    let mut entered = HashSet::new();
+    let mut open = vec![root.to_owned()];
+    while let Some(folder) = open.pop() {
+        // A link to a folder above would never end.
+        if !entered.insert(folder.canonicalize().unwrap_or_else(|_| folder.clone())) {
+            continue;
+        }
+        let shown = folder.display();
+        let entries = std::fs::read_dir(&folder)
+            .map_err(|error| format!("the folder {shown} cannot be read: {error}; expected a readable folder"))?;
+        for entry in entries {
+            let entry =
+                entry.map_err(|error| format!("the folder {shown} cannot be read: {error}; expected all of it"))?;
+            // Hidden files are other programs': `._name.csv` beside every file that a Mac put on a foreign disk.
+            if entry.file_name().to_string_lossy().starts_with('.') {
+                continue;
+            }
+            let path = entry.path();
+            if path.is_dir() {
+                open.push(path);
+            } else if has_suffix(&path, ".csv") {
+                files.push(path);
+            }
+        }
+    }
+    if files.iter().any(|path| has_suffix(path, DATA_FILE)) {
+        files.retain(|path| has_suffix(path, DATA_FILE));
+    }
+    files.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+    Ok(files)
+}
+
+fn has_suffix(path: &Path, suffix: &str) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(suffix))
+}
+
+/// Natural order of texts: digits within them as whole numbers, so that S2 is before S10.
+pub(super) fn natural(a: &str, b: &str) -> std::cmp::Ordering {
+    let (mut left, mut right) = (a.as_bytes(), b.as_bytes());
+    while let (Some(&l), Some(&r)) = (left.first(), right.first()) {
+        let (digits_l, digits_r) = (digits(left), digits(right));
+        let order = if digits_l > 0 && digits_r > 0 {
+            let (l, r) = (significant(&left[..digits_l]), significant(&right[..digits_r]));
+            (left, right) = (&left[digits_l..], &right[digits_r..]);
+            l.len().cmp(&r.len()).then_with(|| l.cmp(r))
+        } else {
+            (left, right) = (&left[1..], &right[1..]);
+            l.cmp(&r)
+        };
+        if order.is_ne() {
+            return order;
+        }
+    }
+    // `S01` and `S1` differ too.
+    left.len().cmp(&right.len()).then_with(|| a.cmp(b))
+}
+
+fn digits(text: &[u8]) -> usize {
+    text.iter().take_while(|byte| byte.is_ascii_digit()).count()
+}
+
+fn significant(digits: &[u8]) -> &[u8] {
+    let zeros = digits.iter().take_while(|digit| **digit == b'0').count();
+    &digits[zeros..]
+}
+
+/// A header row, and the row below it, end within this many bytes.
+const LONGEST: u64 = 1 << 16;
+
+/// The head of a file.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Header {
+    /// Names of the columns.
+    pub names: Vec<String>,
+    /// Between cells: a comma, a semicolon or a tab.
+    pub separator: u8,
+    /// The cells of the first row, if there is one.
+    pub first: Option<Vec<String>>,
+    /// Bytes of the whole file.
+    pub size: u64,
+    /// The whole file, where it cannot be read twice or not as it is.
+    memory: Option<Vec<u8>>,
+}
+
+impl Header {
+    /// Reads the head of a file.
+    ///
+    /// # Errors
+    /// Not readable, empty, no text in UTF-8.
+    pub fn read(path: &Path) -> Result<Self, FileFault> {
+        let name = path.display().to_string();
+        let unreadable = |error: std::io::Error| {
+            FileFault::whole(&name, format!("cannot be read: {error}; expected a readable CSV file"))
+        };
+        let metadata = std::fs::metadata(path).map_err(unreadable)?;
+        let mut file = File::open(path).map_err(unreadable)?;
+        let (mut head, mut rest) = (Vec::new(), Vec::new());
+        file.by_ref().take(LONGEST).read_to_end(&mut head).map_err(unreadable)?;
+        let mut header = Self { size: metadata.len().max(head.len() as u64), ..Self::default() };
+        // A pipe can be read once only. Old spreadsheets end a line with a carriage return alone, and lines are counted
+        // by line feeds.
+        let is_old = head.contains(&b'\r') && !head.contains(&b'\n');
+        if is_old || !metadata.is_file() {
+            file.read_to_end(&mut rest).map_err(unreadable)?;
+            let mut all = [head.clone(), rest].concat();
+            if is_old {
+                all.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+                head = all[..head.len()].to_vec();
+            }
+            (header.size, header.memory) = (all.len() as u64, Some(all));
+        }
+        header.parse(&head).map_err(|(column, message)| FileFault::at(&name, (1, column), message))?;
+        Ok(header)
+    }
+
+    fn parse(&mut self, head: &[u8]) -> Result<(), (usize, String)> {
+        let fault = |message: &str| Err((1, message.to_owned()));
+        if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
+            return fault("is UTF-16 text; expected CSV in UTF-8");
+        }
+        let text = head.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(head);
+        if text.iter().all(u8::is_ascii_whitespace) {
+            return fault("the file is empty; expected a header row");
+        }
+        let line = text.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
+        if line.contains(&0) {
+            return fault("is not a CSV file: there are zero bytes in its first line; expected a header row");
+        }
+        if let Err(error) = std::str::from_utf8(line) {
+            let column = String::from_utf8_lossy(&line[..error.valid_up_to()]).chars().count() + 1;
+            return Err((column, "the header is not UTF-8 text; expected CSV in UTF-8".to_owned()));
+        }
+        if line.len() as u64 + 3 >= LONGEST {
+            return fault("the first row has more than 65,000 bytes; expected a header row");
+        }
+        self.separator = separator(line);
+        let mut rows = Vec::new();
+        // Memory can be read.
+        let _ = each_row(Content::Memory(head), self.separator, |row| {
+            if rows.len() < 2 {
+                let cells = row.record.iter().map(|cell| String::from_utf8_lossy(cell).trim().to_owned());
+                rows.push(cells.collect::<Vec<_>>());
+            }
+        });
+        let mut rows = rows.into_iter();
+        self.names = rows.next().unwrap_or_default();
+        self.first = rows.next();
+        Ok(())
+    }
+
+    /// The bytes of the file at `path`.
+    pub fn content<'a>(&'a self, path: &'a Path) -> Content<'a> {
+        self.memory.as_deref().map_or(Content::File(path), Content::Memory)
+    }
+
+    /// Index of a column.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name)
+    }
+
+    /// Column in characters, from 1, at which the name at an index begins.
+    pub fn column(&self, index: usize) -> usize {
+        self.names.iter().take(index).map(|name| name.chars().count() + 1).sum::<usize>() + 1
+    }
+}
+
+/// A comma; where a header has none, the semicolon or tab that spreadsheets of some countries write.
+fn separator(line: &[u8]) -> u8 {
+    let count = |wanted: u8| line.iter().filter(|byte| **byte == wanted).count();
+    if count(b',') > 0 || count(b';') + count(b'\t') == 0 {
+        b','
+    } else if count(b';') >= count(b'\t') {
+        b';'
+    } else {
+        b'\t'
+    }
+}
