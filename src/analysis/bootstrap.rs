@@ -5,6 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use crate::light::normal::Z_95;
+
 /// How to resample. Equal settings give equal intervals on every machine (ChaCha8).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bootstrap {
@@ -22,13 +24,21 @@ impl Default for Bootstrap {
     }
 }
 
-/// A bootstrap interval.
+/// An interval of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
     /// Lower end.
     pub low: f64,
     /// Upper end.
     pub high: f64,
+}
+
+impl Interval {
+    /// The 95 % interval of an estimate by its standard error; none without one.
+    pub fn wald(estimate: f64, se: Option<f64>) -> Option<Self> {
+        let reach = Z_95 * se.filter(|se| se.is_finite() && estimate.is_finite())?;
+        Some(Self { low: estimate - reach, high: estimate + reach })
+    }
 }
 
 impl Bootstrap {

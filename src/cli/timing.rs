@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         super::wrote(path)?;
     }
     if let Some(path) = &arguments.plot {
-        store::write_file(path, figures::intervals(found.intervals_us(), found.refresh).as_bytes())?;
+        store::write_file(path, figures::intervals(found.intervals_us(), found.refresh).svg.as_bytes())?;
         super::wrote(path)?;
     }
     Ok(())

@@ -1,7 +1,112 @@
 //! What a document consists of: sections of blocks, built once and shown by every skin. Their numbers are written as in
 //! a paper, by [`numbers`].
 
-mod block;
 pub mod numbers;
 
-pub use block::{Block, Document, Section, Table};
+use crate::report::figures::Figure;
+
+/// A document.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Document {
+    /// Its name.
+    pub title: String,
+    /// The line below it.
+    pub subtitle: String,
+    /// Its sections, in the order in which they are read.
+    pub sections: Vec<Section>,
+}
+
+/// A section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Its address within the document.
+    pub id: &'static str,
+    /// Its heading.
+    pub heading: &'static str,
+    /// What it consists of.
+    pub blocks: Vec<Block>,
+}
+
+/// A part of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    /// A heading within a section.
+    Heading(String),
+    /// A paragraph.
+    Text(String),
+    /// A paragraph of secondary importance.
+    Note(String),
+    /// A paragraph that nobody should miss.
+    Warning(String),
+    /// Items of equal rank.
+    List(Vec<String>),
+    /// Text to be copied as it is.
+    Code(String),
+    /// A table.
+    Table(Table),
+    /// A chart.
+    Figure(Figure),
+}
+
+/// A table. Its cells are set as they are to be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Table {
+    /// What it shows.
+    pub caption: String,
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// How many columns, from the left, are texts; the others are numbers.
+    pub texts: usize,
+    /// Cells, as many as columns.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Section {
+    /// A section without blocks.
+    pub fn new(id: &'static str, heading: &'static str) -> Self {
+        Self { id, heading, blocks: Vec::new() }
+    }
+
+    pub fn heading(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Heading(text.into()));
+    }
+
+    pub fn text(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Text(text.into()));
+    }
+
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Note(text.into()));
+    }
+
+    pub fn warning(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Warning(text.into()));
+    }
+
+    pub fn code(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Code(text.into()));
+    }
+
+    /// A list, unless it is empty.
+    pub fn list(&mut self, items: Vec<String>) {
+        if !items.is_empty() {
+            self.blocks.push(Block::List(items));
+        }
+    }
+
+    /// A table whose first columns are texts and whose others are numbers.
+    pub fn table(&mut self, caption: impl Into<String>, texts: &[&str], numbers: &[&str], rows: Vec<Vec<String>>) {
+        let header = texts.iter().chain(numbers).map(|&name| name.to_owned()).collect();
+        self.blocks.push(Block::Table(Table { caption: caption.into(), header, texts: texts.len(), rows }));
+    }
+
+    /// A table of names and their values.
+    pub fn facts<S: Into<String>>(&mut self, caption: &str, rows: impl IntoIterator<Item = (S, String)>) {
+        let rows = rows.into_iter().map(|(name, value)| vec![name.into(), value]).collect();
+        self.table(caption, &["What", "Value"], &[], rows);
+    }
+
+    pub fn figures<'a>(&mut self, figures: impl IntoIterator<Item = &'a Figure>) {
+        self.blocks.extend(figures.into_iter().cloned().map(Block::Figure));
+    }
+}

@@ -135,32 +135,3 @@ pub fn short_list<S: AsRef<str>>(items: &[S], most: usize) -> String {
     let shown: Vec<&str> = items[..most].iter().map(AsRef::as_ref).collect();
     format!("{} and {} more", shown.join(", "), whole((items.len() - most) as u64))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_the_digits_of_a_paper() {
-        assert_eq!([0, 999, 1920, 1_000_000].map(whole), ["0", "999", "1,920", "1,000,000"]);
-        assert_eq!([-0.001, -1.25, f64::NAN, f64::NEG_INFINITY].map(|x| fixed(x, 1)), ["0.0", "−1.2", "–", "−∞"]);
-        assert_eq!([0.62, -0.08, 1.0].map(unit), [".62", "−.08", "1.00"]);
-        assert_eq!(
-            [0.0, 0.0009999, 0.001, 0.0434, 0.43, 1.0].map(p_is),
-            ["p < .001", "p < .001", "p = .001", "p = .043", "p = .43", "p > .99"].map(|text| text.replace(' ', NBSP))
-        );
-        assert_eq!([0.0497, 0.04996, 0.05].map(probability), [".0497", ".0499", ".050"]);
-        assert_eq!(
-            [0.0, 1e-9, 0.0123, 0.5, 12.34, 456.7, 9876.5, 1e9, f64::INFINITY].map(ratio),
-            ["0", "< 0.001", "0.0123", "0.50", "12.3", "457", "9,877", "> 1,000,000", "∞"]
-        );
-        assert_eq!([0.95, 0.999].map(percent), ["95\u{a0}%", "99.9\u{a0}%"]);
-    }
-
-    #[test]
-    fn words_are_joined() {
-        assert_eq!([count(1, "rating"), count(1200, "rating")], ["1 rating", "1,200 ratings"]);
-        assert_eq!([list::<&str>(&[]), list(&["a"]), list(&["a", "b", "c"])], ["", "a", "a, b and c"]);
-        assert_eq!(short_list(&["a", "b", "c", "d"], 2), "a, b and 2 more");
-    }
-}

@@ -41,12 +41,12 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// Where a share of the width is, 0…1 from the left.
+    /// The x coordinate of a share of the width, 0…1 from the left.
     pub fn x(&self, share: f64) -> f64 {
         self.left + share * self.width()
     }
 
-    /// Where a value is.
+    /// The y coordinate of a value.
     pub fn y(&self, value: f64) -> f64 {
         self.bottom - (value - self.low) / (self.high - self.low) * (self.bottom - self.top)
     }
@@ -64,7 +64,7 @@ pub(super) struct Values {
 }
 
 impl Values {
-    /// The whole scale of the ratings, whatever was used of it.
+    /// The whole scale of the ratings, whether or not all of it was used.
     pub fn ratings(counts: &Counts) -> Self {
         let values = category_values(counts);
         let (low, high) = ends(values.iter().copied()).unwrap_or((0.0, 1.0));
@@ -80,7 +80,6 @@ impl Values {
         Self::between(0.0, if largest > 0.0 { 1.06 * largest } else { 1.0 })
     }
 
-    /// From a lowest value to a highest.
     pub fn between(low: f64, high: f64) -> Self {
         Self { low, high, ticks: ticks(low, high, 6).into_iter().map(|value| (value, plain(value))).collect() }
     }
@@ -100,7 +99,7 @@ impl Values {
         widths.fold(0.0, f64::max)
     }
 
-    /// Lines across the panel, ticks, and their values unless they stand beside another panel.
+    /// Lines across the panel, ticks, and a title; without a title no values, since they stand beside another panel.
     pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: Option<&str>) {
         for (value, name) in &self.ticks {
             let y = panel.y(*value);
@@ -122,7 +121,7 @@ impl Values {
 
 /// The levels of a factor across a panel.
 pub(super) struct Levels {
-    /// Where each level is, a share of the panel's width.
+    /// The place of each level, a share of the panel's width.
     pub at: Vec<f64>,
     /// Whether a line from one level to the next has a meaning.
     pub ordered: bool,
@@ -130,11 +129,12 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    /// Numbers at their places, on a logarithmic axis where they span more than ten times; everything else, the depth
-    /// too, in order and evenly.
+    /// Numbers at their places, on a logarithmic axis where they span more than a factor of ten; angles always on a
+    /// linear one. Everything else, and the depth, in order and evenly.
     pub fn of(factor: &Factor) -> Self {
         let numbers = factor.numbers.as_ref();
-        let places = numbers.filter(|n| factor.name != "depth" && n.len() > 1).and_then(|numbers| spread(numbers));
+        let places = numbers.filter(|n| factor.name != "depth" && n.len() > 1);
+        let places = places.and_then(|numbers| spread(numbers, factor.name.ends_with("_deg")));
         let even = Self::evenly(&factor.levels, numbers.is_some());
         Self { at: places.unwrap_or(even.at), ..even }
     }
@@ -150,9 +150,14 @@ impl Levels {
         self.at.windows(2).map(|pair| pair[1] - pair[0]).fold(1.0, f64::min)
     }
 
-    /// How the names are set below a panel of this width: all where there is room, else one in so many; texts turned
-    /// first.
-    pub fn labels(&self, width: f64) -> Labels {
+    /// Room below a panel of this width for the names and a title.
+    pub fn below(&self, width: f64) -> f64 {
+        below(self.labels(width).2)
+    }
+
+    /// Whether the names below a panel of this width are upright, the names that have room, and their height. Where not
+    /// all have room, texts are turned and one number in so many is left.
+    fn labels(&self, width: f64) -> (bool, Vec<Option<String>>, f64) {
         let widths: Vec<f64> = self.names.iter().map(|name| labels::width(name, TEXT)).collect();
         let fits = |each: usize, widths: &[f64]| {
             let shown: Vec<usize> = (0..widths.len()).step_by(each).collect();
@@ -169,34 +174,21 @@ impl Levels {
             .map(|(index, name)| (index % each == 0).then(|| labels::fit(name, room, TEXT)))
             .collect();
         let longest = texts.iter().flatten().map(|name| labels::width(name, TEXT)).fold(TEXT, f64::max);
-        Labels { upright, texts, height: if upright { longest } else { TEXT } }
+        (upright, texts, if upright { longest } else { TEXT })
     }
 
     /// Axis, ticks, names and title below a panel.
-    pub fn draw(&self, svg: &mut Svg, panel: &Panel, labels: &Labels, title: &str) {
-        for (at, name) in self.at.iter().zip(&labels.texts) {
+    pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: &str) {
+        let (upright, names, height) = self.labels(panel.width());
+        let font =
+            if upright { Font::new(TEXT, Anchor::End).upright() } else { Font::new(TEXT, Anchor::Middle).below() };
+        for (at, name) in self.at.iter().zip(names) {
             if name.is_some() || self.at.len() <= MOST_TICKS {
-                tick(svg, panel, *at);
-            }
-            if let Some(name) = name {
-                let font = if labels.upright {
-                    Font::new(TEXT, Anchor::End).upright()
-                } else {
-                    Font::new(TEXT, Anchor::Middle).below()
-                };
-                svg.text(name, (panel.x(*at), panel.bottom + TICK + 6.0), font);
+                tick(svg, panel, *at, name.as_deref().unwrap_or_default(), font);
             }
         }
-        base(svg, panel, labels.height, title);
+        base(svg, panel, height, title);
     }
-}
-
-/// Names of levels as there is room for them.
-pub(super) struct Labels {
-    upright: bool,
-    texts: Vec<Option<String>>,
-    /// How far down they go.
-    pub height: f64,
 }
 
 /// Room below a panel for names of this height, and a title.
@@ -212,25 +204,29 @@ fn base(svg: &mut Svg, panel: &Panel, height: f64, title: &str) {
     svg.text(&title, (center, panel.bottom + TICK + 16.0 + height), Font::new(TEXT, Anchor::Middle).below());
 }
 
-fn tick(svg: &mut Svg, panel: &Panel, share: f64) {
+fn tick(svg: &mut Svg, panel: &Panel, share: f64, name: &str, font: Font) {
     let x = panel.x(share);
     svg.line(&[(x, panel.bottom), (x, panel.bottom + TICK)], AXIS);
+    if !name.is_empty() {
+        svg.text(name, (x, panel.bottom + TICK + 6.0), font);
+    }
 }
 
-/// The axis of a number below a panel, with its ticks at shares of the width.
-pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, at: &[(f64, String)], title: &str) {
-    for (share, name) in at {
-        tick(svg, panel, *share);
-        svg.text(name, (panel.x(*share), panel.bottom + TICK + 6.0), Font::new(TEXT, Anchor::Middle).below());
+/// The axis of a number from the left to the right of a panel, with lines up the panel.
+pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, (low, high): (f64, f64), title: &str) {
+    for value in ticks(low, high, (panel.width() / 80.0) as usize) {
+        let share = (value - low) / (high - low);
+        svg.line(&[(panel.x(share), panel.top), (panel.x(share), panel.bottom)], GRID);
+        tick(svg, panel, share, &plain(value), Font::new(TEXT, Anchor::Middle).below());
     }
     base(svg, panel, TEXT, title);
 }
 
 /// Places of numbers, a share of the width; none where some would fall on others.
-fn spread(numbers: &[f64]) -> Option<Vec<f64>> {
+fn spread(numbers: &[f64], always_linear: bool) -> Option<Vec<f64>> {
     const MARGIN: f64 = 0.07;
     let (low, high) = ends(numbers.iter().copied()).filter(|(low, high)| low.is_finite() && high.is_finite())?;
-    let logarithmic = low > 0.0 && high > 10.0 * low;
+    let logarithmic = !always_linear && low > 0.0 && high > 10.0 * low;
     let of =
         |number: f64| if logarithmic { (number / low).ln() / (high / low).ln() } else { (number - low) / (high - low) };
     let at: Vec<f64> = numbers.iter().map(|&number| MARGIN + (1.0 - 2.0 * MARGIN) * of(number)).collect();
@@ -240,14 +236,11 @@ fn spread(numbers: &[f64]) -> Option<Vec<f64>> {
 
 /// Least and greatest; none of none.
 pub(super) fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.fold(None, |ends, value| match ends {
-        None => Some((value, value)),
-        Some((low, high)) => Some((f64::min(low, value), f64::max(high, value))),
-    })
+    values.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 /// Round numbers between two others: steps of 1, 2 or 5 times a power of ten, at most so many.
-pub fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
+fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let span = high - low;
     if !(span.is_finite() && span > 0.0) {
         return vec![low];
@@ -255,11 +248,6 @@ pub fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let power = 10_f64.powf((span / most as f64).log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0, 20.0].map(|factor| factor * power);
     let step = step.into_iter().find(|step| span / step < most as f64).unwrap_or(span);
-    multiples(low, high, step)
-}
-
-/// Multiples of a step between two numbers.
-pub(super) fn multiples(low: f64, high: f64, step: f64) -> Vec<f64> {
     let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
     (0..=(last - first).max(0.0) as usize).map(|index| (first + index as f64) * step).collect()
 }
@@ -267,52 +255,4 @@ pub(super) fn multiples(low: f64, high: f64, step: f64) -> Vec<f64> {
 /// A number without the noise of binary fractions.
 pub(super) fn plain(value: f64) -> String {
     labels::level(&((value * 1e6).round() / 1e6 + 0.0).to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn factor(name: &str, levels: &[&str]) -> Factor {
-        let levels: Vec<String> = levels.iter().map(|&level| level.to_owned()).collect();
-        Factor { name: name.to_owned(), numbers: crate::analysis::numbers_of(&levels), levels }
-    }
-
-    #[test]
-    fn wide_ranges_are_logarithmic_and_what_has_no_place_is_even() {
-        let width = Levels::of(&factor("width", &["0.02", "0.2", "2"]));
-        assert!((width.at[1] - 0.5).abs() < 1e-12, "{:?}", width.at);
-        let linear = Levels::of(&factor("angle", &["0", "90", "360"]));
-        assert!(((linear.at[1] - linear.at[0]) * 4.0 - (linear.at[2] - linear.at[0])).abs() < 1e-12);
-        for even in
-            [factor("depth", &["1", "2", "inf"]), factor("n", &["1", "1.001", "9"]), factor("t", &["a", "b", "c"])]
-        {
-            let at = Levels::of(&even).at;
-            assert!((at[1] - at[0] - (at[2] - at[1])).abs() < 1e-12 && at[0] > 0.0, "{at:?}");
-        }
-    }
-
-    #[test]
-    fn ticks_are_round_and_few() {
-        assert_eq!(ticks(0.0, 3.1, 6), [0.0, 1.0, 2.0, 3.0]);
-        assert_eq!(ticks(1.0, 1.0, 5), [1.0]);
-        for (low, high) in [(0.0, 1e-9), (-7e12, 3e11), (0.03, 0.031), (1.0, 99.0)] {
-            let found = ticks(low, high, 6);
-            assert!((2..=6).contains(&found.len()), "{low} {high}: {found:?}");
-            assert!(found.iter().all(|tick| (low..=high * (1.0 + 1e-9)).contains(tick)), "{found:?}");
-        }
-        assert_eq!([plain(0.30000000000000004), plain(-0.0), plain(-1.5)], ["0.3", "0", "−1.5"]);
-    }
-
-    #[test]
-    fn numbers_are_thinned_and_texts_turned() {
-        let levels: Vec<String> = (0..30).map(|i| (i * 10).to_string()).collect();
-        let names: Vec<&str> = levels.iter().map(String::as_str).collect();
-        let labels = Levels::of(&factor("x", &names)).labels(500.0);
-        let shown = labels.texts.iter().flatten().count();
-        assert!(!labels.upright && (6..15).contains(&shown), "{shown}");
-        let shaders =
-            Levels::of(&factor("s", &["gradient-repaired", "gradient", "flat", "phong", "exact"])).labels(500.0);
-        assert!(shaders.upright && shaders.texts.iter().all(Option::is_some));
-    }
 }

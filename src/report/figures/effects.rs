@@ -1,18 +1,16 @@
 //! What the model says: every coefficient with its interval, by term.
 
 use super::{
-    axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis, plain, ticks},
+    axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis},
     figure::Figure,
     labels,
-    palette::{AXIS, GRID, Series, Stroke, WHITE},
+    palette::{AXIS, Series, Stroke, WHITE},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
-use crate::{
-    analysis::{
-        Coefficient, Link, Model, Note, Results,
-        terms::{Term, Variable},
-    },
-    light::normal::Z_95,
+use crate::analysis::{
+    Coefficient, Link, Model, Note, Results,
+    bootstrap::Interval,
+    terms::{Term, Variable},
 };
 
 /// Most coefficients in a chart.
@@ -33,7 +31,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let rows = rows(results, model);
     let (low, high) = range(model);
     // Headings may reach into the panel, where their line is empty.
-    let names = rows.iter().filter(|row| row.coefficient.is_some()).map(|row| INDENT + labels::width(&row.name, TEXT));
+    let names = rows.iter().filter(|(_, one)| one.is_some()).map(|(name, _)| INDENT + labels::width(name, TEXT));
     let left = EDGE + names.fold(120.0, f64::max).min(LONGEST) + 14.0;
     let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
     let panel = Panel { left, right: WIDTH - EDGE - 8.0, top: EDGE, bottom, low: 0.0, high: 1.0 };
@@ -44,24 +42,19 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     };
     let title = format!("Effects in the {} model", model.link);
     Some(Figure::draw("effects", title, caption(results, model), bottom + below(TEXT), |svg| {
-        let ticks = ticks(low, high, (panel.width() / 80.0) as usize);
-        let at: Vec<(f64, String)> = ticks.into_iter().map(|tick| (share(tick), plain(tick))).collect();
-        for (share, _) in &at {
-            svg.line(&[(panel.x(*share), panel.top), (panel.x(*share), bottom)], GRID);
-        }
+        number_axis(svg, &panel, (low, high), &format!("Shift of the ratings ({unit})"));
         let zero = panel.x(share(0.0));
         svg.line(&[(zero, panel.top), (zero, bottom)], Stroke { dash: Some((9.0, 6.0)), ..AXIS });
-        number_axis(svg, &panel, &at, &format!("Shift of the ratings ({unit})"));
-        for (index, row) in rows.iter().enumerate() {
+        for (index, (name, coefficient)) in rows.iter().enumerate() {
             let y = panel.top + PITCH * (index as f64 + 0.5);
-            let Some(coefficient) = row.coefficient else {
-                let name = labels::fit(&row.name, WIDTH - 2.0 * EDGE, 1.05 * TEXT);
+            let Some(coefficient) = coefficient else {
+                let name = labels::fit(name, WIDTH - 2.0 * EDGE, 1.05 * TEXT);
                 let end = EDGE + labels::width(&name, 1.05 * TEXT);
                 svg.rectangle((EDGE, y - 0.5 * PITCH), (end, y + 0.45 * PITCH), WHITE);
                 svg.text(&name, (EDGE, y), Font::new(TEXT, Anchor::Start).bold());
                 continue;
             };
-            let name = labels::fit(&row.name, LONGEST - INDENT, TEXT);
+            let name = labels::fit(name, LONGEST - INDENT, TEXT);
             svg.text(&name, (left - 14.0, y), Font::new(TEXT, Anchor::End));
             effect(svg, &panel, coefficient, share, y);
         }
@@ -86,25 +79,19 @@ fn caption(results: &Results, model: &Model) -> String {
     text
 }
 
-/// A line of the chart: a coefficient, or the heading of a term's.
-struct Row<'a> {
-    name: String,
-    coefficient: Option<&'a Coefficient>,
-}
-
-fn rows<'a>(results: &Results, model: &'a Model) -> Vec<Row<'a>> {
+/// The lines of the chart: coefficients by name, and the headings of their terms, which have none.
+fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coefficient>)> {
     let mut rows = Vec::new();
     let mut last = None;
     for coefficient in model.coefficients.iter().take(MOST) {
         let term = results.spec.terms.iter().find(|term| term.to_string() == coefficient.term);
         let is_number = term.is_none_or(|term| matches!(term.variables[..], [Variable::Number(_)]));
         if !is_number && last != Some(&coefficient.term) {
-            rows.extend(term.map(|term| Row { name: heading(results, model, term), coefficient: None }));
+            rows.extend(term.map(|term| (heading(results, model, term), None)));
         }
         last = Some(&coefficient.term);
         let name = term.and_then(|term| levels(results, term, &coefficient.name));
-        let name = name.unwrap_or_else(|| labels::clean(&coefficient.name));
-        rows.push(Row { name, coefficient: Some(coefficient) });
+        rows.push((name.unwrap_or_else(|| labels::clean(&coefficient.name)), Some(coefficient)));
     }
     rows
 }
@@ -145,37 +132,36 @@ fn heading(results: &Results, model: &Model, term: &Term) -> String {
     format!("{}{against}", labels::heading(name))
 }
 
-/// Ends of an interval; of one without a standard error, the estimate.
-fn interval(coefficient: &Coefficient) -> (f64, f64) {
-    let half = coefficient.se.filter(|se| se.is_finite()).map_or(0.0, |se| Z_95 * se);
-    (coefficient.estimate - half, coefficient.estimate + half)
+/// The interval of a coefficient; without a standard error, the estimate alone.
+fn interval(&Coefficient { estimate, se, .. }: &Coefficient) -> Interval {
+    Interval::wald(estimate, se).unwrap_or(Interval { low: estimate, high: estimate })
 }
 
-/// The range of the axis: all intervals, but not where a few endless ones would leave no room for the others.
+/// The range of the axis: all intervals, unless a few endless ones would leave no room for the others.
 fn range(model: &Model) -> (f64, f64) {
     let finite = || model.coefficients.iter().take(MOST).filter(|c| c.estimate.is_finite());
     let largest = finite().map(|c| c.estimate.abs()).fold(0.0, f64::max);
-    let mut halves: Vec<f64> = finite().map(|c| (interval(c).1 - c.estimate).abs()).collect();
+    let mut halves: Vec<f64> = finite().map(|c| (interval(c).high - c.estimate).abs()).collect();
     halves.sort_by(f64::total_cmp);
     let limit = largest + 4.0 * halves.get(halves.len() / 2).copied().unwrap_or(1.0);
-    let bounds = finite().map(interval).flat_map(|(low, high)| [low, high]);
+    let bounds = finite().map(interval).flat_map(|interval| [interval.low, interval.high]);
     let (low, high) = ends(bounds.map(|end| end.clamp(-limit, limit)).chain([0.0])).unwrap_or((-1.0, 1.0));
     let pad = (0.06 * (high - low)).max(0.1);
     (low - pad, high + pad)
 }
 
-/// An estimate with its interval; an arrow where they go on beyond the panel.
+/// An estimate with its interval; an arrow where they extend beyond the panel.
 fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64) {
     let (series, estimate) = (Series::only(), coefficient.estimate);
-    if estimate.is_nan() {
-        return;
-    }
     if estimate.is_infinite() {
         let (edge, direction) = if estimate > 0.0 { (panel.right, 1.0) } else { (panel.left, -1.0) };
         svg.line(&[(edge - direction * 90.0, y), (edge - direction * 16.0, y)], series.bar());
         return arrow(svg, (edge, y), direction, series);
     }
-    let (low, high) = interval(coefficient);
+    if estimate.is_nan() {
+        return;
+    }
+    let Interval { low, high } = interval(coefficient);
     let [from, to] = [low, high].map(|end| panel.x(share(end).clamp(0.0, 1.0)));
     if to > from {
         svg.line(&[(from, y), (to, y)], Stroke { width: 3.0, ..series.bar() });

@@ -1,9 +1,18 @@
-//! A chart with its title and caption.
+//! A chart with its title and caption: SVG, and pixels of the same drawing.
 
-use super::{
-    raster::{self, FigureError, Pixels},
-    svg::Svg,
+use std::sync::{Arc, OnceLock};
+
+use png::{ColorType, Compression, Encoder, Filter};
+use resvg::{
+    tiny_skia::{Pixmap, Transform},
+    usvg::{
+        Options, Tree,
+        fontdb::{Database, Source},
+    },
 };
+use thiserror::Error;
+
+use super::svg::Svg;
 
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +48,17 @@ impl Figure {
     /// # Errors
     /// A drawing that cannot be rendered or encoded.
     pub fn png(&self) -> Result<Vec<u8>, FigureError> {
-        raster::png(&self.pixels(1600)?)
+        let pixels = self.pixels(1600)?;
+        let mut bytes = Vec::new();
+        let mut encoder = Encoder::new(&mut bytes, pixels.width, pixels.height);
+        encoder.set_color(ColorType::Rgb);
+        encoder.set_compression(Compression::Fast);
+        // Pixels above each other are mostly the same, and zeros are what the fast compression is good at.
+        encoder.set_filter(Filter::Up);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&pixels.rgb)?;
+        writer.finish()?;
+        Ok(bytes)
     }
 
     /// The chart as pixels, so many across.
@@ -47,6 +66,53 @@ impl Figure {
     /// # Errors
     /// A drawing that cannot be rendered.
     pub fn pixels(&self, width: u32) -> Result<Pixels, FigureError> {
-        raster::pixels(&self.svg, width)
+        let options = Options { fontdb: fonts(), font_family: "Noto Sans".to_owned(), ..Options::default() };
+        let tree = Tree::from_str(&self.svg, &options)?;
+        let scale = width as f32 / tree.size().width();
+        let height = (tree.size().height() * scale).ceil() as u32;
+        let mut pixmap = Pixmap::new(width, height).ok_or(FigureError::Size(width, height))?;
+        resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixmap.as_mut());
+        // The sheet is opaque everywhere, so there is no alpha to undo.
+        let rgb = pixmap.data().as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+        Ok(Pixels { width, height, rgb })
     }
+}
+
+/// Why a chart cannot be drawn as pixels.
+#[derive(Debug, Error)]
+pub enum FigureError {
+    /// The SVG is not one.
+    #[error("the chart cannot be read: {0}; expected SVG")]
+    Svg(#[from] resvg::usvg::Error),
+    /// Too large, or of no size.
+    #[error("the chart is {0} × {1}; expected a size that fits the memory")]
+    Size(u32, u32),
+    /// The encoder failed.
+    #[error("the chart cannot be written as PNG: {0}")]
+    Png(#[from] png::EncodingError),
+}
+
+/// Opaque pixels, three bytes each, row by row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pixels {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Red, green and blue of every pixel.
+    pub rgb: Vec<u8>,
+}
+
+/// The fonts that are part of the program, and no others.
+fn fonts() -> Arc<Database> {
+    static FONTS: OnceLock<Arc<Database>> = OnceLock::new();
+    let load = || {
+        let mut fonts = Database::new();
+        for face in [notosans::REGULAR_TTF, notosans::BOLD_TTF] {
+            fonts.load_font_source(Source::Binary(Arc::new(face)));
+        }
+        fonts.set_sans_serif_family("Noto Sans");
+        Arc::new(fonts)
+    };
+    FONTS.get_or_init(load).clone()
 }

@@ -108,23 +108,3 @@ pub(super) fn bars(results: &Results) -> String {
 pub(super) fn some_of(shown: usize, all: usize) -> String {
     if shown < all { format!(" ({shown} of {all} are drawn)") } else { String::new() }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn long_names_keep_both_ends() {
-        let name = "gradient with repaired normals, version 12";
-        let short = fit(name, 160.0, 17.0);
-        assert!(short.starts_with("grad") && short.ends_with("12") && short.contains('…'), "{short}");
-        assert!(width(&short, 17.0) <= 160.0);
-        assert_eq!(fit("abc", 1.0, 17.0), "…");
-        assert_eq!(fit("a\u{0}b\n", 160.0, 17.0), "a b ");
-    }
-
-    #[test]
-    fn numbers_have_a_minus_and_texts_a_hyphen() {
-        assert_eq!([level("-2"), level("inf"), level("Inf"), level("a-b")], ["−2", "∞", "∞", "a-b"]);
-    }
-}

@@ -1,39 +1,44 @@
-//! Figure 4 of Bangay's paper: the mean rating by one factor, one line a level of the other, and the reverse; measured,
-//! and as the model of vision predicts it.
+//! Mean ratings. Figure 4 of Bangay's paper: by one factor, one line a level of the other, and the reverse; measured, and
+//! as the model of vision predicts it. By orientation; and of every participant.
 
 use std::collections::HashMap;
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, below},
+    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, plain},
     figure::Figure,
     labels,
-    palette::{MOST_SERIES, Series},
-    regroup::{by_interest, evenly, project},
+    palette::{GRAY, MOST_SERIES, Series, Stroke},
+    regroup::{by_interest, evenly, project, regroup},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
 use crate::analysis::{
     Results,
     bootstrap::Interval,
     counts::{Counts, Factor},
-    summary::by_cell,
+    summary::{by_cell, category_values},
 };
 
 /// Longest name in the legend.
 const LONGEST_NAME: f64 = 180.0;
 
-/// A mean and how sure it is.
+/// A mean and its interval.
 type Mean = (f64, Option<Interval>);
 
 /// Means by the levels of the factors shown.
 type Means = HashMap<Vec<String>, Mean>;
 
+/// The means along a line, by level of the factor across.
+struct Line {
+    name: String,
+    series: Series,
+    means: Vec<Option<Mean>>,
+}
+
 /// `figure4a` and, of two factors, `figure4b`: width and depth where there are both.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let counts = project(&results.measured.counts, &chosen(results));
-    let groups = by_cell(&counts, &results.options.bootstrap).into_iter();
-    let means = groups.map(|group| (group.names, (group.summary.mean, group.summary.interval))).collect();
     let names = ["figure4a", "figure4b"];
-    charts(&counts, &means, names, labels::rating(results), &labels::bars(results))
+    charts(&counts, &means(results, &counts), names, labels::rating(results), &labels::bars(results))
 }
 
 /// Figure 4 as the model of vision predicts it: `figure4a_predicted`, `figure4b_predicted`. `expected` is the rating in
@@ -60,130 +65,206 @@ fn chosen(results: &Results) -> Vec<usize> {
     by_interest(&results.measured.counts).into_iter().take(2).collect()
 }
 
+/// The mean in every cell of these counts.
+fn means(results: &Results, counts: &Counts) -> Means {
+    let groups = by_cell(counts, &results.options.bootstrap).into_iter();
+    groups.map(|group| (group.names, (group.summary.mean, group.summary.interval))).collect()
+}
+
 /// The chart by each factor, one line a level of the other.
 fn charts(counts: &Counts, means: &Means, names: [&'static str; 2], what: &str, source: &str) -> Vec<Figure> {
-    let chart = |(x, name): (usize, &'static str)| {
-        let by = (counts.factors.len() == 2).then_some(1 - x);
-        chart(counts, means, x, by).figure(name, what, source)
-    };
+    let chart = |(x, name)| chart(counts, means, x, name, what, source);
     (0..counts.factors.len()).zip(names).map(chart).collect()
 }
 
-/// A chart of means.
-struct Chart<'a> {
-    counts: &'a Counts,
-    x: &'a Factor,
-    levels: Levels,
-    lines: Vec<Line>,
-    /// What the lines are; none of a single line.
-    by: Option<&'a Factor>,
-}
-
-/// The means along a line, by level of the factor across.
-struct Line {
-    name: String,
-    series: Series,
-    means: Vec<Option<Mean>>,
-}
-
-fn chart<'a>(counts: &'a Counts, means: &Means, x: usize, by: Option<usize>) -> Chart<'a> {
-    let across = &counts.factors[x].levels;
-    let mean = |level: &String, line: Option<&String>| {
-        let mut key = vec![level.clone()];
-        key.extend(line.cloned());
-        if x == 1 {
-            key.reverse();
-        }
-        means.get(&key).copied()
-    };
-    let lines = match by.map(|by| &counts.factors[by].levels) {
-        None => {
-            let means = across.iter().map(|level| mean(level, None)).collect();
-            vec![Line { name: String::new(), series: Series::only(), means }]
-        }
-        Some(names) => {
-            let shown = evenly(names.len(), MOST_SERIES);
-            let line = |(index, &level): (usize, &usize)| Line {
-                name: labels::level(&names[level]),
-                series: if shown.len() == 1 { Series::only() } else { Series::of(index) },
-                means: across.iter().map(|x| mean(x, Some(&names[level]))).collect(),
-            };
-            shown.iter().enumerate().map(line).collect()
+fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &str, source: &str) -> Figure {
+    let (across, by) = (&counts.factors[x], counts.factors.get(1 - x));
+    let shown = evenly(by.map_or(1, |by| by.levels.len()), MOST_SERIES);
+    let line = |(index, &level): (usize, &usize)| {
+        let level = by.map(|by| &by.levels[level]);
+        let mean = |own: &String| {
+            let mut key: Vec<String> = [Some(own), level].into_iter().flatten().cloned().collect();
+            if x == 1 {
+                key.reverse();
+            }
+            means.get(&key).copied()
+        };
+        Line {
+            name: level.map(|level| labels::level(level)).unwrap_or_default(),
+            series: if shown.len() == 1 { Series::only() } else { Series::of(index) },
+            means: across.levels.iter().map(mean).collect(),
         }
     };
-    let (x, by) = (&counts.factors[x], by.map(|by| &counts.factors[by]));
-    Chart { counts, x, levels: Levels::of(x), lines, by }
+    let lines: Vec<Line> = shown.iter().enumerate().map(line).collect();
+    let levels = Levels::of(across);
+    let mut title = format!("{what} by {}", labels::in_sentence(&across.name));
+    let mut caption = title.clone();
+    if let Some(by) = by {
+        let thing = if levels.ordered { "line" } else { "marker" };
+        let (by_name, some) = (labels::in_sentence(&by.name), labels::some_of(lines.len(), by.levels.len()));
+        title += &format!(" and {by_name}");
+        caption += &format!(", one {thing} a level of {by_name}{some}");
+    }
+    caption += &format!("; {source}.");
+    // Of a single line there is no legend.
+    let by = by.filter(|_| lines.len() > 1);
+    let heading = by.map(|by| labels::fit(labels::heading(&by.name), 56.0 + LONGEST_NAME, TEXT));
+    let legend_width = heading.as_ref().map_or(0.0, |heading| {
+        let names = lines.iter().map(|line| labels::width(&line.name, TEXT).min(LONGEST_NAME));
+        24.0 + names.fold(0.0, f64::max).max(1.2 * labels::width(heading, TEXT) - 56.0) + 56.0
+    });
+    let values = Values::ratings(counts);
+    let panel = values.panel(values.margin(), WIDTH - EDGE - legend_width, EDGE, PANEL);
+    Figure::draw(name, title, caption, panel.bottom + levels.below(panel.width()), |svg| {
+        values.draw(svg, &panel, Some(what));
+        levels.draw(svg, &panel, labels::axis(&across.name));
+        draw(svg, &panel, &levels, &lines);
+        if let Some(heading) = &heading {
+            legend(svg, &panel, heading, &lines, levels.ordered);
+        }
+    })
 }
 
-impl Chart<'_> {
-    fn figure(&self, name: &'static str, what: &str, source: &str) -> Figure {
-        let x = labels::in_sentence(&self.x.name);
-        let (mut title, mut caption) = (format!("{what} by {x}"), format!("{what} by {x}"));
-        if let Some(by) = self.by {
-            let thing = if self.levels.ordered { "line" } else { "marker" };
-            let some = labels::some_of(self.lines.len(), by.levels.len());
-            title += &format!(" and {}", labels::in_sentence(&by.name));
-            caption += &format!(", one {thing} a level of {}{some}", labels::in_sentence(&by.name));
+fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line]) {
+    let count = lines.len() as f64;
+    // Side by side, so that no interval hides another; lines allow less of it than points alone.
+    let most = if levels.ordered { 10.0 } else { 26.0 };
+    let step = (0.75 * levels.gap() * panel.width() / count).min(most);
+    for (index, line) in lines.iter().enumerate() {
+        let shift = (index as f64 - (count - 1.0) / 2.0) * step;
+        let x = |at: f64| panel.x(at) + shift;
+        let means = || levels.at.iter().zip(&line.means);
+        if levels.ordered {
+            let points: Vec<_> = means().map(|(&at, mean)| mean.map(|(mean, _)| (x(at), panel.y(mean)))).collect();
+            svg.path(&points, line.series.line());
         }
-        caption += &format!("; {source}.");
-        let values = Values::ratings(self.counts);
-        let panel = values.panel(values.margin(), WIDTH - EDGE - self.legend_width(), EDGE, PANEL);
-        let below_axis = self.levels.labels(panel.width());
-        Figure::draw(name, title, caption, panel.bottom + below(below_axis.height), |svg| {
-            values.draw(svg, &panel, Some(what));
-            self.levels.draw(svg, &panel, &below_axis, labels::axis(&self.x.name));
-            self.draw(svg, &panel);
-            self.legend(svg, &panel);
-        })
-    }
-
-    fn draw(&self, svg: &mut Svg, panel: &Panel) {
-        let (levels, count) = (&self.levels, self.lines.len() as f64);
-        // Beside each other, so that no interval hides another; lines allow less of it than points alone.
-        let most = if levels.ordered { 10.0 } else { 26.0 };
-        let step = (0.75 * levels.gap() * panel.width() / count).min(most);
-        for (index, line) in self.lines.iter().enumerate() {
-            let shift = (index as f64 - (count - 1.0) / 2.0) * step;
-            let points: Vec<Option<Point>> = (levels.at.iter().zip(&line.means))
-                .map(|(&at, mean)| mean.map(|(mean, _)| (panel.x(at) + shift, panel.y(mean))))
-                .collect();
-            if levels.ordered {
-                for run in points.split(Option::is_none).filter(|run| run.len() > 1) {
-                    svg.line(&run.iter().flatten().copied().collect::<Vec<_>>(), line.series.line());
-                }
-            }
-            for (point, mean) in points.iter().zip(&line.means) {
-                if let (Some((x, _)), Some((_, Some(interval)))) = (point, mean) {
-                    svg.interval(*x, panel.y(interval.low), panel.y(interval.high), 5.0, line.series.bar());
-                }
-            }
-            for point in points.into_iter().flatten() {
-                svg.marker(point, MARKER, line.series);
+        for (&at, (_, interval)) in means().filter_map(|(at, mean)| Some((at, mean.as_ref()?))) {
+            if let Some(interval) = interval {
+                svg.interval(x(at), panel.y(interval.low), panel.y(interval.high), 5.0, line.series.bar());
             }
         }
-    }
-
-    /// The heading of the legend; none of a single line.
-    fn heading(&self) -> Option<String> {
-        let by = self.by.filter(|_| self.lines.len() > 1)?;
-        Some(labels::fit(labels::heading(&by.name), 56.0 + LONGEST_NAME, TEXT))
-    }
-
-    fn legend_width(&self) -> f64 {
-        let Some(heading) = self.heading() else { return 0.0 };
-        let names = self.lines.iter().map(|line| labels::width(&line.name, TEXT).min(LONGEST_NAME));
-        24.0 + names.fold(0.0, f64::max).max(1.2 * labels::width(&heading, TEXT) - 56.0) + 56.0
-    }
-
-    fn legend(&self, svg: &mut Svg, panel: &Panel) {
-        let Some(heading) = self.heading() else { return };
-        let (x, top) = (panel.right + 24.0, panel.top + 0.5 * TEXT);
-        let pitch = (PANEL / (self.lines.len() as f64 + 1.0)).min(1.35 * TEXT);
-        svg.text(&heading, (x, top), Font::new(TEXT, Anchor::Start).bold());
-        for (index, line) in self.lines.iter().enumerate() {
-            let name = labels::fit(&line.name, LONGEST_NAME, TEXT);
-            let y = top + (index as f64 + 1.0) * pitch;
-            svg.legend_entry((x, y), line.series, self.levels.ordered, &name, TEXT);
+        for (&at, (mean, _)) in means().filter_map(|(at, mean)| Some((at, mean.as_ref()?))) {
+            svg.marker((x(at), panel.y(*mean)), MARKER, line.series);
         }
     }
+}
+
+fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bool) {
+    let (x, top) = (panel.right + 24.0, panel.top + 0.5 * TEXT);
+    let pitch = (PANEL / (lines.len() as f64 + 1.0)).min(1.35 * TEXT);
+    svg.text(heading, (x, top), Font::new(TEXT, Anchor::Start).bold());
+    for (index, line) in lines.iter().enumerate() {
+        let name = labels::fit(&line.name, LONGEST_NAME, TEXT);
+        svg.legend_entry((x, top + (index as f64 + 1.0) * pitch), line.series, lined, &name, TEXT);
+    }
+}
+
+/// `orientation`, where `orientation_deg` is a factor with several levels: by orientation, and by the angle to the nearest
+/// of the horizontal and the vertical.
+pub(super) fn orientation(results: &Results) -> Option<Figure> {
+    let (index, factor) = results.measured.counts.factor("orientation_deg")?;
+    let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
+    let by_angle = project(&results.measured.counts, &[index]);
+    let mut distances: Vec<f64> = angles.iter().map(|&angle| distance_to_axis(angle)).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.dedup();
+    let folded = Factor { levels: distances.iter().map(|&d| plain(d)).collect(), ..factor.clone() };
+    let folded = Factor { numbers: Some(distances.clone()), ..folded };
+    let by_distance = regroup(&by_angle, vec![folded], |levels| {
+        let distance = distance_to_axis(angles[levels[0]? as usize]);
+        Some(vec![distances.iter().position(|d| *d == distance)? as u32])
+    });
+    // Few orientations have fewer distances.
+    let beside = (2..angles.len()).contains(&distances.len());
+    let (what, bars) = (labels::rating(results), labels::bars(results));
+    let more = if beside { ", on the right by the angle to the nearest horizontal or vertical" } else { "" };
+    let caption = format!("{what} by orientation{more}; {bars}.");
+    let values = Values::ratings(&by_angle);
+    let (left, right) = (values.margin(), WIDTH - EDGE);
+    let middle = if beside { left + 0.62 * (right - left) } else { right };
+    let all = [
+        (by_angle, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis("orientation_deg")),
+        (by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)"),
+    ];
+    let parts: Vec<_> = all.into_iter().take(1 + usize::from(beside)).collect();
+    let height = EDGE + PANEL + super::axes::below(TEXT);
+    Some(Figure::draw("orientation", format!("{what} by orientation"), caption, height, |svg| {
+        for (counts, panel, up, across) in parts {
+            let (levels, means) = (Levels::of(&counts.factors[0]), means(results, &counts));
+            values.draw(svg, &panel, up);
+            levels.draw(svg, &panel, across);
+            let means = counts.factors[0].levels.iter().map(|level| means.get(std::slice::from_ref(level)).copied());
+            let line = Line { name: String::new(), series: Series::only(), means: means.collect() };
+            draw(svg, &panel, &levels, &[line]);
+        }
+    }))
+}
+
+/// Degrees to the nearest multiple of 90°, without the noise of binary fractions.
+fn distance_to_axis(angle: f64) -> f64 {
+    let rest = angle.rem_euclid(90.0);
+    (rest.min(90.0 - rest) * 1e6).round() / 1e6
+}
+
+/// `subjects`: every participant's mean rating by the first factor, and the mean of all.
+pub(super) fn participants(results: &Results) -> Option<Figure> {
+    let counts = &results.measured.counts;
+    let factor = *by_interest(counts).first()?;
+    let by = &counts.factors[factor];
+    let (what, name, sample) = (labels::rating(results), labels::in_sentence(&by.name), labels::sample(results));
+    let several = results.is_inferential();
+    let title = format!("{what} of every participant by {name}");
+    let caption = if several {
+        format!(
+            "{what} by {name}: a gray line is one participant, the thick line is the mean of all ratings; {sample}."
+        )
+    } else {
+        format!("{what} of the only participant by {name}; {sample}.")
+    };
+    let (values, levels) = (Values::ratings(counts), Levels::of(by));
+    let top = if several { EDGE + 1.5 * TEXT } else { EDGE };
+    let panel = values.panel(values.margin(), WIDTH - EDGE, top, PANEL);
+    let people = results.people() as f64;
+    let thin = Stroke {
+        opacity: (12.0 / people).clamp(0.25, 0.75),
+        ..Stroke::new(GRAY, if people > 40.0 { 1.4 } else { 2.0 })
+    };
+    let thick = Stroke { width: 5.0, ..Series::only().line() };
+    let points = |means: &[Option<f64>]| -> Vec<Option<Point>> {
+        levels.at.iter().zip(means).map(|(&at, mean)| mean.map(|mean| (panel.x(at), panel.y(mean)))).collect()
+    };
+    Some(Figure::draw("subjects", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
+        values.draw(svg, &panel, Some(what));
+        levels.draw(svg, &panel, labels::axis(&by.name));
+        if several {
+            participant_means(counts, factor).iter().for_each(|means| svg.path(&points(means), thin));
+            // Above the panel, where there are no ratings.
+            const ONE: &str = "one participant";
+            let (left, y) = (panel.left, EDGE + 0.5 * TEXT);
+            svg.line(&[(left, y), (left + 46.0, y)], Stroke { opacity: 0.8, width: 2.0, ..thin });
+            svg.text(ONE, (left + 56.0, y), Font::new(TEXT, Anchor::Start));
+            let x = left + 56.0 + labels::width(ONE, TEXT) + 30.0;
+            svg.line(&[(x, y), (x + 46.0, y)], thick);
+            svg.legend_entry((x, y), Series::only(), false, "all ratings", TEXT);
+        }
+        let groups = &results.factors[factor].levels;
+        let mean = |level: &String| Some(groups.iter().find(|group| group.names[0] == *level)?.summary.mean);
+        let all = points(&by.levels.iter().map(mean).collect::<Vec<_>>());
+        svg.path(&all, thick);
+        all.into_iter().flatten().for_each(|point| svg.marker(point, MARKER + 1.0, Series::only()));
+    }))
+}
+
+/// Mean rating of each participant at each level.
+fn participant_means(counts: &Counts, factor: usize) -> Vec<Vec<Option<f64>>> {
+    let values = category_values(counts);
+    let mut sums = vec![vec![(0.0, 0.0); counts.factors[factor].levels.len()]; counts.subjects.len()];
+    for row in &counts.rows {
+        let Some(level) = counts.conditions[row.condition as usize][factor] else { continue };
+        let (n, sum) = &mut sums[row.subject as usize][level as usize];
+        *n += row.count as f64;
+        *sum += row.count as f64 * values[usize::from(row.rating)];
+    }
+    let mean = |(n, sum): (f64, f64)| (n > 0.0).then(|| sum / n);
+    sums.into_iter().map(|levels| levels.into_iter().map(mean).collect()).collect()
 }

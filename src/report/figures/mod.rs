@@ -4,17 +4,13 @@
 //! say the same without any color. Text is 8 pt where a chart is set 8 cm wide, `proportions` of two factors at 12 cm.
 
 mod axes;
-mod calibration;
+mod display;
 mod effects;
 mod figure;
-mod intervals;
 mod labels;
 mod means;
-mod orientation;
 pub mod palette;
-mod participants;
 mod proportions;
-mod raster;
 mod regroup;
 mod svg;
 mod times;
@@ -23,19 +19,17 @@ use rayon::prelude::*;
 
 use crate::analysis::Results;
 
-pub use calibration::calibration;
-pub use figure::Figure;
-pub use intervals::intervals;
+pub use display::{calibration, intervals};
+pub use figure::{Figure, FigureError, Pixels};
 pub use means::predicted;
-pub use raster::{FigureError, Pixels};
 
 /// Every chart for which there is something to draw, in the order of a report.
 pub fn all(results: &Results) -> Vec<Figure> {
     let kinds: [fn(&Results) -> Vec<Figure>; 6] = [
         means::figures,
         |results| proportions::figure(results).into_iter().collect(),
-        |results| participants::figure(results).into_iter().collect(),
-        |results| orientation::figure(results).into_iter().collect(),
+        |results| means::participants(results).into_iter().collect(),
+        |results| means::orientation(results).into_iter().collect(),
         |results| effects::figure(results).into_iter().collect(),
         |results| times::figure(results).into_iter().collect(),
     ];

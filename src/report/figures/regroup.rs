@@ -58,16 +58,3 @@ pub(super) fn evenly(count: usize, most: usize) -> Vec<usize> {
     }
     (0..most).map(|index| (index * (count - 1) + (most - 1) / 2) / (most - 1)).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn few_of_many_are_spread_to_both_ends() {
-        assert_eq!(evenly(3, 12), [0, 1, 2]);
-        let some = evenly(30, 12);
-        assert_eq!((some.len(), some[0], some[11]), (12, 0, 29));
-        assert!(some.windows(2).all(|pair| (2..=3).contains(&(pair[1] - pair[0]))), "{some:?}");
-    }
-}

@@ -108,6 +108,17 @@ impl Svg {
         self.element(format_args!("<polyline points=\"{}\" fill=\"none\" {}/>", listed(points), attributes(stroke)));
     }
 
+    /// A line through points with gaps where there are none. A point alone is a dash.
+    pub fn path(&mut self, points: &[Option<Point>], stroke: Stroke) {
+        for run in points.split(Option::is_none) {
+            match *run {
+                [Some((x, y))] => self.line(&[(x - 5.0, y), (x + 5.0, y)], stroke),
+                _ if !run.is_empty() => self.line(&run.iter().flatten().copied().collect::<Vec<_>>(), stroke),
+                _ => {}
+            }
+        }
+    }
+
     /// A filled rectangle between two corners.
     pub fn rectangle(&mut self, (left, top): Point, (right, bottom): Point, color: Rgb) {
         let (width, height) = (n(right - left), n(bottom - top));

@@ -1,15 +1,18 @@
 //! Response times: median and quartiles by rating, and by participant.
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Panel, Values, below},
+    axes::{EDGE, Levels, MARKER, PANEL, Values},
     figure::Figure,
     palette::{Series, Stroke},
-    svg::{Svg, WIDTH},
+    svg::WIDTH,
 };
 use crate::{
-    analysis::{Results, times::Quartiles},
+    analysis::{Results, numbers_of, times::Quartiles},
     report::document::numbers::count,
 };
+
+/// Room between two panels.
+const GAP: f64 = 36.0;
 
 /// `times`, where response times are known.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
@@ -25,46 +28,31 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         count(results.people() as u64, "participant"),
         count(n, "response time"),
     );
-    let mut parts = vec![("Rating", &counts.categories, results.times.clone(), 0.42)];
-    if several {
-        parts.push(("Participant", &counts.subjects, results.subjects.iter().map(|s| s.times).collect(), 0.58));
-    }
-    let longest = parts.iter().flat_map(|(_, _, times, _)| times).flatten().map(|times| times.upper);
+    let of_people: Vec<Option<Quartiles>> = results.subjects.iter().map(|subject| subject.times).collect();
+    let longest = results.times.iter().chain(&of_people).flatten().map(|times| times.upper);
     let values = Values::from_zero(longest.fold(0.0, f64::max));
-    let (gap, left) = (if several { 36.0 } else { 0.0 }, values.margin());
-    let full = WIDTH - EDGE - left - gap;
-    let all: f64 = parts.iter().map(|(.., share)| share).sum();
-    let mut from = left;
-    let panels: Vec<_> = (parts.iter())
-        .map(|(_, names, _, share)| {
-            let panel = values.panel(from, from + share / all * full, EDGE, PANEL);
-            from = panel.right + gap;
-            let levels = Levels::evenly(names, crate::analysis::numbers_of(names).is_some());
-            let below_axis = levels.labels(panel.width());
-            (panel, levels, below_axis)
-        })
-        .collect();
-    let height = panels.iter().map(|(.., below_axis)| below_axis.height).fold(0.0, f64::max);
-    let title = format!("Response times {by}");
-    Some(Figure::draw("times", title, caption, EDGE + PANEL + below(height), |svg| {
-        for (index, ((panel, levels, below_axis), (title, _, times, _))) in panels.iter().zip(&parts).enumerate() {
-            values.draw(svg, panel, (index == 0).then_some("Response time (s)"));
-            levels.draw(svg, panel, below_axis, title);
-            quartiles(svg, panel, levels, times);
+    let (left, right) = (values.margin(), WIDTH - EDGE);
+    let middle = if several { left + 0.42 * (right - left - GAP) } else { right };
+    let panel = |from, to| values.panel(from, to, EDGE, PANEL);
+    let levels = |names: &[String]| Levels::evenly(names, numbers_of(names).is_some());
+    let mut parts = vec![("Rating", levels(&counts.categories), &results.times, panel(left, middle))];
+    if several {
+        parts.push(("Participant", levels(&counts.subjects), &of_people, panel(middle + GAP, right)));
+    }
+    let below = parts.iter().map(|(_, levels, _, panel)| levels.below(panel.width())).fold(0.0, f64::max);
+    Some(Figure::draw("times", format!("Response times {by}"), caption, EDGE + PANEL + below, |svg| {
+        for (title, levels, times, panel) in &parts {
+            values.draw(svg, panel, (panel.left == left).then_some("Response time (s)"));
+            levels.draw(svg, panel, title);
+            // The middle half of the times as a bar, with the median.
+            let (series, room) = (Series::only(), levels.gap() * panel.width());
+            let (bar, radius) = ((0.3 * room).clamp(1.0, 12.0), (0.4 * room).clamp(1.5, MARKER));
+            for (&at, times) in levels.at.iter().zip(*times).filter_map(|(at, times)| Some((at, times.as_ref()?))) {
+                let x = panel.x(at);
+                let ends = [(x, panel.y(times.lower)), (x, panel.y(times.upper))];
+                svg.line(&ends, Stroke { opacity: 0.45, ..Stroke::new(series.color, bar) });
+                svg.marker((x, panel.y(times.median)), radius, series);
+            }
         }
     }))
-}
-
-/// The middle half of the times as a bar, with the median.
-fn quartiles(svg: &mut Svg, panel: &Panel, levels: &Levels, times: &[Option<Quartiles>]) {
-    let series = Series::only();
-    let room = levels.gap() * panel.width();
-    let (bar, radius) = ((0.3 * room).clamp(1.0, 12.0), (0.4 * room).clamp(1.5, MARKER));
-    for (&at, times) in levels.at.iter().zip(times) {
-        let Some(times) = times else { continue };
-        let x = panel.x(at);
-        let ends = [(x, panel.y(times.lower)), (x, panel.y(times.upper))];
-        svg.line(&ends, Stroke { opacity: 0.45, ..Stroke::new(series.color, bar) });
-        svg.marker((x, panel.y(times.median)), radius, series);
-    }
 }

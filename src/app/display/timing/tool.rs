@@ -118,7 +118,7 @@ impl TimingTool {
 /// The intervals, and beside them their plot.
 fn export(report: &TimingReport, path: &Path) -> Result<String, String> {
     let plot = path.with_extension("svg");
-    let svg = figures::intervals(report.intervals_us(), report.refresh);
+    let svg = figures::intervals(report.intervals_us(), report.refresh).svg;
     store::write_file(path, report.csv().as_bytes()).map_err(|error| error.to_string())?;
     store::write_file(&plot, svg.as_bytes()).map_err(|error| error.to_string())?;
     Ok(format!("Wrote {} and {}.", path.display(), plot.display()))

@@ -1,9 +1,10 @@
-//! `report.html`: one file that opens anywhere without a network.
+//! What becomes of the blocks of a document: a page, which is one file that opens anywhere without a network, or text on
+//! a terminal. The window's skin is in `app/analysis`.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
 use crate::report::{
-    document::{Block, Document, Table, numbers::whole},
+    document::{Block, Document, Section, Table, numbers::whole},
     figures::Figure,
     study::Provenance,
 };
@@ -145,4 +146,19 @@ fn figure_markup(figure: &Figure) -> Markup {
             figcaption { strong { (figure.title) "." } " " (figure.caption) }
         }
     }
+}
+
+/// A section as text: one line a paragraph, so that the terminal breaks it. Tables and charts are in files.
+pub fn terminal(section: &Section) -> Vec<String> {
+    let mut lines = Vec::new();
+    for block in &section.blocks {
+        match block {
+            Block::Text(text) | Block::Note(text) | Block::Code(text) => lines.push(text.clone()),
+            Block::Heading(text) => lines.push(format!("{text}:")),
+            Block::Warning(text) => lines.push(format!("warning: {text}")),
+            Block::List(items) => lines.extend(items.iter().map(|item| format!("- {item}"))),
+            Block::Table(_) | Block::Figure(_) => {}
+        }
+    }
+    lines
 }

@@ -1,13 +1,14 @@
-//! A display's calibration: readings with the chosen curve, and how far each is from it.
+//! A display: the readings of its calibration with the chosen curve, and the intervals between its frames.
 
 use super::{
-    axes::{EDGE, MARKER, Panel, TEXT, Values},
+    axes::{EDGE, MARKER, PANEL, Panel, TEXT, Values, below, number_axis},
     figure::Figure,
-    palette::{AXIS, BLACK, BLUE, GREEN, GRID, Marker, Series, Stroke, VERMILION},
-    svg::{Anchor, Font, Svg, WIDTH},
+    palette::{AXIS, BLACK, BLUE, GREEN, Marker, Series, Stroke, VERMILION},
+    svg::WIDTH,
 };
 use crate::display::{
     Channel,
+    frames::Refresh,
     photometer::{Calibration, FittedChannel},
 };
 
@@ -23,8 +24,8 @@ const LEAST_CODES: f64 = 1.0;
 pub fn calibration(calibration: &Calibration) -> Figure {
     let model = calibration.model(calibration.chosen);
     let caption = format!(
-        "Above, luminance by encoded value: {} readings as markers, the chosen model ({}) as lines. Below, how far each \
-         reading is from its line, in 8-bit codes.",
+        "Above, luminance by encoded value: {} readings as markers, the chosen model ({}) as lines. Below, the distance of \
+         each reading from its line, in 8-bit codes.",
         calibration.readings.all().len(),
         calibration.chosen,
     );
@@ -35,15 +36,17 @@ pub fn calibration(calibration: &Calibration) -> Figure {
     let legend = EDGE + 0.6 * TEXT;
     let upper = light.panel(left, right, legend + TEXT, HEIGHTS.0);
     let lower = codes.panel(left, right, upper.bottom + TEXT, HEIGHTS.1);
-    Figure::draw("calibration", "Light of the display".to_owned(), caption, lower.bottom + 2.9 * TEXT, |svg| {
+    Figure::draw("calibration", "Light of the display".to_owned(), caption, lower.bottom + below(TEXT), |svg| {
         let room = (WIDTH - EDGE - left) / model.channels.len() as f64;
         for (index, FittedChannel { channel, .. }) in model.channels.iter().enumerate() {
             svg.legend_entry((left + index as f64 * room, legend), series(*channel), true, channel.name(), TEXT);
         }
+        number_axis(svg, &Panel { top: upper.top, ..lower }, (0.0, 1.0), "Encoded value");
         light.draw(svg, &upper, Some("Luminance (cd/m²)"));
-        encoded_axis(svg, &upper, false);
         codes.draw(svg, &lower, Some("Off (codes)"));
-        encoded_axis(svg, &lower, true);
+        for panel in [upper, lower] {
+            svg.line(&[(panel.left, panel.y(0.0)), (panel.right, panel.y(0.0))], Stroke { width: 1.4, ..AXIS });
+        }
         for FittedChannel { channel, curve, .. } in &model.channels {
             let levels = (0..=STEPS).map(|step| step as f64 / STEPS as f64);
             let points: Vec<_> = levels.map(|v| (upper.x(v), upper.y(curve.cd_m2(v)))).collect();
@@ -78,18 +81,25 @@ fn series(channel: Channel) -> Series {
     Series { color, marker, dash }
 }
 
-/// The axis of encoded values, with lines across the panel.
-fn encoded_axis(svg: &mut Svg, panel: &Panel, named: bool) {
-    svg.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS);
-    for level in [0.0, 0.25, 0.5, 0.75, 1.0] {
-        let x = panel.x(level);
-        svg.line(&[(x, panel.top), (x, panel.bottom)], GRID);
-        if named {
-            svg.text(&level.to_string(), (x, panel.bottom + 0.8 * TEXT), Font::new(TEXT, Anchor::Middle));
+/// `intervals`: every interval between frames, and a line at the screen's refresh.
+#[must_use]
+pub fn intervals(intervals_us: &[u32], refresh: Option<Refresh>) -> Figure {
+    let longest = intervals_us.iter().copied().max().unwrap_or(0);
+    let refresh_ms = refresh.map(|refresh| refresh.seconds() * 1e3);
+    let values = Values::from_zero((f64::from(longest) * 1e-3).max(refresh_ms.unwrap_or(0.0)));
+    let panel = values.panel(values.margin(), WIDTH - EDGE - TEXT, EDGE, PANEL);
+    let last = intervals_us.len().max(2) as f64;
+    let line = refresh.map_or_else(String::new, |refresh| format!("; the line is the refresh, {:.3} Hz", refresh.hz()));
+    let caption = format!("Frames 1 to {}{line}.", intervals_us.len());
+    let height = panel.bottom + below(TEXT);
+    Figure::draw("intervals", "Intervals between frames".to_owned(), caption, height, |svg| {
+        values.draw(svg, &panel, Some("Interval (ms)"));
+        number_axis(svg, &panel, (1.0, last), "Frame");
+        if let Some(ms) = refresh_ms {
+            svg.line(&[(panel.left, panel.y(ms)), (panel.right, panel.y(ms))], Stroke::new(VERMILION, 2.0));
         }
-    }
-    if named {
-        svg.text("Encoded value", (panel.x(0.5), panel.bottom + 2.1 * TEXT), Font::new(TEXT, Anchor::Middle));
-    }
-    svg.line(&[(panel.left, panel.y(0.0)), (panel.right, panel.y(0.0))], Stroke { width: 1.4, ..AXIS });
+        for (frame, us) in intervals_us.iter().enumerate() {
+            svg.circle((panel.x(frame as f64 / (last - 1.0)), panel.y(f64::from(*us) * 1e-3)), 1.6, BLUE);
+        }
+    })
 }
