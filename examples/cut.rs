@@ -9,11 +9,8 @@ use machband::shading::{Reference, Shade, Shader};
 use offscreen::{CORNERS, TRIANGLES};
 
 /// All that the shader is made of.
-const CUT: &str = concat!(
-    include_str!("../src/shading/shaders/curve.wgsl"),
-    include_str!("../src/shading/shaders/strips.wgsl"),
-    include_str!("../src/shading/shaders/cut.wgsl"),
-);
+const CUT: &str =
+    concat!(include_str!("../src/shading/shaders/strips.wgsl"), include_str!("../src/shading/shaders/cut.wgsl"),);
 
 /// A place on the screen, and the light there.
 type Corner = ([f32; 2], f32);

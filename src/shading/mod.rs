@@ -14,7 +14,6 @@
 //! | [`draw`] | pictures, on the processor and on a graphics card |
 //! | [`measure`] | the creases that a shader leaves |
 
-mod channels;
 pub mod draw;
 pub mod frame;
 pub mod lighting;
@@ -23,7 +22,6 @@ pub mod mesh;
 mod number;
 pub mod shaders;
 
-pub use channels::Channels;
 #[cfg(feature = "gpu")]
 pub use draw::gpu;
 pub use draw::{Encoder, Prepared, Reference, picture};
@@ -31,4 +29,5 @@ pub use frame::{Across, Frame, FrameTriangle, FrameVertex, Gradients, Highlight,
 pub use lighting::{Lamp, LampPlace, Lighting, Material, Refraction, Specular, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease};
 pub use mesh::{Edge, EdgeKind, Edges, Mesh, MeshError, Polygons, Surface, Vertex, shapes};
+pub use number::Channels;
 pub use shaders::{Correction, Shade, Shader};

@@ -218,7 +218,7 @@ fn presets_set_the_values() {
     assert_eq!(value(&window, "Vertices"), "771");
     assert_eq!(value(&window, "Right reweight"), "printed");
     assert_eq!(value(&window, "Right strip b"), "0.33");
-    choose(&mut window, "Preset", "Gouraud beside Patch");
+    choose(&mut window, "Preset", "Gouraud and Patch");
     window.get_by_label_contains("Gouraud on the left, Patch on the right");
 }
 

@@ -1,9 +1,8 @@
 //! The shaders on graphics cards, software ones here, held against the plain f64 reference.
-use glam::DVec3;
 
-use crate::offscreen::{self, Offscreen};
+use glam::DVec3;
 use machband::{
-    light::{Bits, Depth, LinearImage, Quantizer, Transfer, TransferTable},
+    light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Samples, Transfer, TransferTable},
     shading::{
         Correction, Frame, FrameVertex, Gradients, Lamp, LampPlace, Lighting, Mesh, Reference, Shade, Shader, Specular,
         Surface, View, coverage,
@@ -12,6 +11,84 @@ use machband::{
         shapes,
     },
 };
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// A device of the best card of `backends`, or nothing where there is none and none is required.
+fn device(
+    backends: wgpu::Backends,
+    limits: impl FnOnce(&wgpu::Adapter) -> wgpu::Limits,
+) -> Option<(String, wgpu::Device, wgpu::Queue)> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.backends = backends;
+    let options = wgpu::RequestAdapterOptions::default();
+    let adapter = match pollster::block_on(wgpu::Instance::new(descriptor).request_adapter(&options)) {
+        Ok(adapter) => adapter,
+        Err(fault) => {
+            assert!(std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "{fault}, and one is required");
+            println!("SKIPPED: {fault}");
+            return None;
+        }
+    };
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits(&adapter), ..Default::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    Some((adapter.get_info().name, device, queue))
+}
+
+/// A card with what it needs to make images.
+struct Offscreen {
+    name: String,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    gpu: Gpu,
+}
+
+impl Offscreen {
+    fn new(backends: wgpu::Backends, limits: impl FnOnce(&wgpu::Adapter) -> wgpu::Limits) -> Option<Offscreen> {
+        let (name, device, queue) = device(backends, limits)?;
+        let gpu = Gpu::new(&device, FORMAT).unwrap();
+        Some(Offscreen { name, device, queue, gpu })
+    }
+
+    /// `frame` shaded by `shade` as 8-bit codes for a display of `transfer`.
+    fn image(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<CodeImage, GpuError> {
+        let (width, height) = (frame.width, frame.height);
+        if width == 0 || height == 0 {
+            return Ok(CodeImage { width, height, samples: Samples::Eight(Vec::new()) });
+        }
+        let uploaded = self.gpu.upload(frame, shade, transfer)?;
+        let target = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let codes = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(row) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        self.gpu.render(&mut encoder, &view, &uploaded);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+        let destination = wgpu::TexelCopyBufferInfo { buffer: &codes, layout };
+        encoder.copy_texture_to_buffer(target.as_image_copy(), destination, target.size());
+        self.queue.submit([encoder.finish()]);
+        codes.slice(..).map_async(wgpu::MapMode::Read, |result| result.unwrap());
+        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        let bytes = codes.slice(..).get_mapped_range().unwrap();
+        let pixels = bytes.chunks_exact(row as usize).flat_map(|row| row[..4 * width as usize].chunks_exact(4));
+        let rgb = pixels.flat_map(|rgba| [rgba[0], rgba[1], rgba[2]]).collect();
+        Ok(CodeImage { width, height, samples: Samples::Eight(rgb) })
+    }
+}
 
 fn card(backend: wgpu::Backends) -> Option<Offscreen> {
     Offscreen::new(backend, gpu::limits)
@@ -265,6 +342,6 @@ fn too_much_is_an_error() {
 #[test]
 fn a_device_without_storage_is_an_error() {
     let limits = wgpu::Limits::downlevel_webgl2_defaults();
-    let Some((_, device, _)) = offscreen::device(wgpu::Backends::all(), |_| limits) else { return };
+    let Some((_, device, _)) = device(wgpu::Backends::all(), |_| limits) else { return };
     assert!(matches!(Gpu::new(&device, wgpu::TextureFormat::Rgba8Unorm), Err(GpuError::NoStorage(0))));
 }

@@ -6,8 +6,6 @@ mod gpu;
 mod illumination;
 mod meshes;
 mod obj;
-#[cfg(feature = "window")]
-mod offscreen;
 mod patch;
 mod plane;
 mod raster;

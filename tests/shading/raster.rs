@@ -6,6 +6,7 @@ use machband::shading::{
     Correction, Encoder, Frame, Gradients, Lamp, LampPlace, Lighting, Mesh, Prepared, Reference, Shade, Shader,
     Specular, Surface, View, coverage, shapes,
 };
+use pulp::Arch;
 
 use crate::plane::covers;
 
@@ -203,6 +204,26 @@ fn threads_do_not_show() {
                 pool.install(|| drawn(&frame, &shade)).data.into_iter().map(f32::to_bits).collect::<Vec<_>>()
             };
             assert!(bits(1) == bits(3), "{name}, {shader}");
+        }
+    }
+}
+
+#[test]
+fn vectors_of_any_width_make_the_same_picture() {
+    let mut machines = vec![Arch::Scalar];
+    #[cfg(target_arch = "x86_64")]
+    machines.extend(pulp::x86::V3::try_new().map(Arch::V3));
+    for (name, frame) in &scenes()[..6] {
+        for shader in Shader::ALL {
+            for (n, vertex) in [(1, Correction::Off), (3, Correction::Repaired), (7, Correction::Printed)] {
+                let shade = Shade { depth: Depth::Finite(n), vertex, reweight: vertex, ..Shade::new(*shader) };
+                let prepared = Prepared::new(frame, &shade);
+                let bits = |image: LinearImage| image.data.into_iter().map(f32::to_bits).collect::<Vec<_>>();
+                let own = bits(prepared.image());
+                for arch in &machines {
+                    assert!(bits(prepared.image_on(*arch)) == own, "{name}, {shade:?}, {arch:?}");
+                }
+            }
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Pages for exploring: the gallery of stimuli, shaders side by side, and what the vision model predicts of either.
 
 pub mod gallery;
-pub mod predicted;
+mod prediction;
 pub mod shading;

@@ -2,12 +2,15 @@
 //! every stimulus.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
-use crate::shading::{
-    channels::Channels,
-    frame::Frame,
-    number::weighted,
-    shaders::{Shade, Shading, Spread as _},
+use crate::{
+    light::LinearImage,
+    shading::{
+        frame::{Frame, coverage},
+        number::{Channels, weighted},
+        shaders::{Shade, Shading, Spread as _},
+    },
 };
 
 /// A frame ready to be shaded in f64.
@@ -24,12 +27,6 @@ impl<'f> Reference<'f> {
         Reference { frame, shading: Shading::new(frame, shade, Channels::Color) }
     }
 
-    /// What is shaded.
-    #[must_use]
-    pub fn frame(&self) -> &'f Frame {
-        self.frame
-    }
-
     /// The light at the weights `w` of `triangle`, linear.
     ///
     /// # Panics
@@ -40,10 +37,23 @@ impl<'f> Reference<'f> {
         DVec3::from_array(self.shading.light(triangle, w, weighted(w, &lights)))
     }
 
-    /// The light of `triangle` at the center of pixel `x` of row `y`.
+    /// The whole picture, every pixel at its center.
     #[must_use]
-    pub fn pixel(&self, triangle: usize, x: u32, y: u32) -> DVec3 {
-        let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        self.light(triangle, self.frame.weights(triangle, center))
+    pub fn image(&self) -> LinearImage {
+        let frame = self.frame;
+        let visible = coverage::visible(frame);
+        let mut image = LinearImage::new(frame.width, frame.height);
+        image.data.par_chunks_exact_mut(3).zip(visible).enumerate().for_each(|(i, (pixel, triangle))| {
+            let (x, y) = (i % frame.width as usize, i / frame.width as usize);
+            let light = match triangle {
+                coverage::NONE => frame.background,
+                _ => {
+                    let center = DVec2::new(x as f64, y as f64) + 0.5;
+                    self.light(triangle as usize, frame.weights(triangle as usize, center))
+                }
+            };
+            pixel.copy_from_slice(&light.as_vec3().to_array());
+        });
+        image
     }
 }

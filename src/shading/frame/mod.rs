@@ -3,17 +3,14 @@
 
 mod bends;
 pub mod coverage;
-pub mod ordinates;
-mod outline;
-mod planes;
+mod gradients;
+mod patches;
 mod projected;
 mod scene;
-mod view;
 
 pub use bends::{Bend, bends};
-pub use ordinates::{ControlPoints, Gradient, Gradients, Patches};
-pub use outline::Outline;
-pub use planes::Planes;
-pub use projected::{Across, Frame, FrameTriangle, FrameVertex};
+pub use coverage::{Outline, Planes};
+pub use gradients::{Gradient, Gradients};
+pub use patches::{ControlPoints, Patches, third_of};
+pub use projected::{Across, Frame, FrameTriangle, FrameVertex, View};
 pub use scene::{Highlight, Scene};
-pub use view::View;

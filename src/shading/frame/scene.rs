@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{projected::Frame, view::View};
+use super::projected::{Frame, View};
 use crate::{
     light::names::named,
     shading::{

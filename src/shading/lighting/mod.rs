@@ -5,18 +5,10 @@
 //! where s is the highlight of a [`Specular`] model. Everything is evaluated in eye space, before the projection, which
 //! does not keep angles. Lights are linear. Lamps cast no shadows.
 
-mod lamp;
-mod lights;
-mod material;
 mod microfacets;
-mod reflection;
-mod refraction;
-mod transparency;
+mod model;
+mod transmission;
 
-pub use lamp::{Lamp, LampPlace};
-pub use lights::Lighting;
-pub use material::{Material, Specular};
 pub use microfacets::{Facets, Microfacets, beckmann, fresnel, gaussian, geometry};
-pub use reflection::{Reflection, attenuation};
-pub use refraction::Refraction;
-pub use transparency::Transparency;
+pub use model::{Lamp, LampPlace, Lighting, Material, Reflection, Specular, attenuation};
+pub use transmission::{Refraction, Transparency};

@@ -6,8 +6,6 @@
 
 mod creases;
 mod picture;
-mod vertices;
 
-pub use creases::{Creases, EdgeCrease, NOISE};
+pub use creases::{Creases, EdgeCrease, NOISE, VertexCrease, at_vertices};
 pub use picture::picture;
-pub use vertices::{VertexCrease, at_vertices};

@@ -4,10 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::{
-    edges::Edges,
-    triangles::{Mesh, Vertex},
-};
+use super::triangles::{Edges, Mesh, Vertex};
 
 /// Newell's normal of a polygon, unit length, counter-clockwise seen from its tip; zero for a polygon without area.
 /// Shoaff §3.5. For corners that are not in one plane it is the normal of the plane that fits them best.

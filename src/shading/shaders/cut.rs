@@ -2,16 +2,14 @@
 //! other's without overshoot.
 
 use super::{
-    curve::Curve,
-    spread::Spread,
-    strips::{OTHERS, ease},
+    gouraud::Spread,
+    strips::{Curve, OTHERS, ease},
 };
 use crate::{
     light::Depth,
     shading::{
-        channels::Channels,
         frame::{Bend, Frame, bends},
-        number::{Constant, Number, plus},
+        number::{Channels, Constant, Number, plus},
     },
 };
 

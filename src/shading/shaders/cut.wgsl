@@ -1,4 +1,4 @@
-// Ours, *cut*: what one edge adds to Gouraud's light, −c·b'·Ψ_n(t/b'). Needs curve.wgsl and strips.wgsl.
+// Ours, *cut*: what one edge adds to Gouraud's light, −c·b'·Ψ_n(t/b'). Needs strips.wgsl.
 //
 // `foot` is where the triangle's apex stands over the edge, `reach` how far the feet of both apexes are from its ends, as a
 // part of its length.

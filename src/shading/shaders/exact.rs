@@ -1,16 +1,14 @@
 //! Ours: Gouraud's light, with the slope across every edge matched to the neighbor's.
 
 use super::{
-    curve::Curve,
-    spread::Spread,
-    strips::{OTHERS, ease},
+    gouraud::Spread,
+    strips::{Curve, OTHERS, ease},
 };
 use crate::{
     light::Depth,
     shading::{
-        channels::Channels,
         frame::{Frame, bends},
-        number::{Constant, Number, plus},
+        number::{Channels, Constant, Number, plus},
     },
 };
 

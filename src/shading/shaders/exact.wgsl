@@ -1,4 +1,4 @@
-// Ours, *exact*: what one edge adds to Gouraud's light, c·t·(1 − I_n(t/b')). Needs curve.wgsl and strips.wgsl.
+// Ours, *exact*: what one edge adds to Gouraud's light, c·t·(1 − I_n(t/b')). Needs strips.wgsl.
 //
 // `c` is half the bend across the edge, the same for both its triangles: see bends.rs.
 fn exact_strip(c: vec3f, t: f32, others: vec2f, b: f32) -> vec3f {

@@ -3,16 +3,14 @@
 //! fields too.
 
 use super::{
-    curve::Curve,
-    spread::Spread,
-    strips::{NARROWEST, OTHERS, by_smallest, least, narrowed},
+    gouraud::Spread,
+    strips::{Curve, NARROWEST, OTHERS, by_smallest, least, narrowed},
 };
 use crate::{
     light::Depth,
     shading::{
-        channels::Channels,
         frame::Frame,
-        number::{Constant, Number},
+        number::{Channels, Constant, Number},
     },
 };
 

@@ -2,11 +2,10 @@
 
 use glam::DVec3;
 
-use super::spread::Spread;
+use super::gouraud::Spread;
 use crate::shading::{
-    channels::Channels,
     frame::Frame,
-    number::{Constant, Number},
+    number::{Channels, Constant, Number},
 };
 
 /// The light of each triangle: that at its middle, with the normal of the face.

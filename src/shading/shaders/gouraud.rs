@@ -1,7 +1,13 @@
-//! Light interpolated between the vertices.
+//! What every shader is, and the plainest: light interpolated between the vertices.
 
-use super::spread::Spread;
 use crate::shading::number::{Constant, Number};
+
+/// Spreads light over the triangles of a frame, in `C` channels. T is the precision of its constants.
+pub trait Spread<T: Constant, const C: usize>: Send + Sync {
+    /// The light where the corners of triangle `triangle` have the weights `w` on the screen; `gouraud` is w_A·I_A + w_B·I_B
+    /// + w_C·I_C there.
+    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C];
+}
 
 /// Bangay eq. 2: L = w_A·I_A + w_B·I_B + w_C·I_C.
 #[derive(Clone, Copy, Debug)]

@@ -1,12 +1,11 @@
 //! Bangay's second boundary shader, §4.2.1: meant to give the light at an edge the slope between the two triangles'.
 
-use super::{fixed::Fixed, spread::Spread, strips::OTHERS};
+use super::{fixed::Fixed, gouraud::Spread, strips::OTHERS};
 use crate::{
     light::Depth,
     shading::{
-        channels::Channels,
         frame::{Across, Frame},
-        number::{Constant, Number},
+        number::{Channels, Constant, Number},
     },
 };
 

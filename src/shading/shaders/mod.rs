@@ -4,7 +4,7 @@
 //! Each is written once, for any `Number`: as f64 it is the reference, and as several pixels of
 //! f32 it draws. Its WGSL, for graphics cards, is beside it.
 
-mod curve;
+mod corrections;
 mod cut;
 mod exact;
 mod fixed;
@@ -14,16 +14,13 @@ mod gradient;
 mod patch;
 mod phong;
 pub mod quadratic;
-mod reweight;
 mod shade;
 mod shading;
-mod spread;
 mod strips;
-mod vertex;
 
-pub use curve::Curve;
+pub use gouraud::Spread;
 pub use patch::Patch;
 pub use shade::{Correction, Shade, Shader};
 pub(crate) use shading::with_shader;
 pub use shading::{Plain, Shading};
-pub use spread::Spread;
+pub use strips::Curve;

@@ -3,11 +3,10 @@
 
 use glam::DVec3;
 
-use super::{spread::Spread, strips::by_smallest};
+use super::{gouraud::Spread, strips::by_smallest};
 use crate::shading::{
-    channels::Channels,
-    frame::{ControlPoints, Frame, Patches, ordinates::third_of},
-    number::{Constant, Number},
+    frame::{ControlPoints, Frame, Patches, third_of},
+    number::{Channels, Constant, Number},
 };
 
 /// For each triangle three cubics, each where one weight w_k is the smallest: powers of u = w_i − w_k and v = w_j − w_k,

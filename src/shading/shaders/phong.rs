@@ -1,13 +1,12 @@
 //! The normal interpolated, and lit at every pixel. Shoaff §3.4.
 
-use super::spread::Spread;
+use super::gouraud::Spread;
 use crate::{
     light::Transfers,
     shading::{
-        channels::Channels,
         frame::Frame,
         lighting::Reflection,
-        number::{Constant, Number, unit, weighted},
+        number::{Channels, Constant, Number, unit, weighted},
     },
 };
 

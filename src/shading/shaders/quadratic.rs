@@ -3,11 +3,10 @@
 
 use glam::DVec3;
 
-use super::{spread::Spread, strips::OTHERS};
+use super::{gouraud::Spread, strips::OTHERS};
 use crate::shading::{
-    channels::Channels,
     frame::Frame,
-    number::{Constant, Number, plus},
+    number::{Channels, Constant, Number, plus},
 };
 
 /// The quadratic through the lights of the corners and those of the middles, M_k opposite corner k: Gouraud's light and

@@ -1,25 +1,21 @@
 //! Any shader with its options, ready for the triangles of one frame.
 
 use super::{
-    curve::Curve,
+    corrections::Corrections,
     cut::Cut,
     exact::Exact,
     fixed::Fixed,
     flat::Flat,
-    gouraud::Gouraud,
+    gouraud::{Gouraud, Spread},
     gradient::{Gradient, Sign},
     patch::Patch,
     phong::Phong,
     quadratic::Quadratic,
-    reweight,
     shade::{Correction, Shade, Shader},
-    spread::Spread,
-    vertex::Fans,
 };
 use crate::shading::{
-    channels::Channels,
     frame::{Frame, Patches},
-    number::{Constant, Number, dot, weighted},
+    number::{Channels, Constant, Number},
 };
 
 /// A shader without corrections, its constants computed.
@@ -95,20 +91,6 @@ pub struct Shading<T, const C: usize> {
     pub corrections: Option<Corrections<T, C>>,
 }
 
-/// Bangay's corrections.
-#[derive(Clone, Debug)]
-pub struct Corrections<T, const C: usize> {
-    vertex: Correction,
-    reweight: Correction,
-    /// Width of the paper's strips, also on *cut*, whose own may be wider.
-    strip: f64,
-    printed: Curve<T>,
-    curve: Curve<T>,
-    fans: Vec<Fans<T, C>>,
-    normals: Vec<[[T; 3]; 3]>,
-    ambients: Vec<[[T; C]; 3]>,
-}
-
 impl<T: Constant, const C: usize> Shading<T, C> {
     /// The shader of `shade` for the triangles of `frame`, in the channels that are shaded.
     #[must_use]
@@ -117,37 +99,6 @@ impl<T: Constant, const C: usize> Shading<T, C> {
         Shading {
             plain: Plain::new(frame, shade, channels),
             corrections: (!is_plain).then(|| Corrections::new(frame, shade, channels)),
-        }
-    }
-}
-
-impl<T: Constant, const C: usize> Corrections<T, C> {
-    fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
-        Corrections {
-            vertex: shade.vertex,
-            reweight: shade.reweight,
-            strip: shade.strip().min(1.0 / 3.0),
-            printed: Curve::printed(shade.depth),
-            curve: Curve::new(shade.depth),
-            fans: frame.each_triangle(|t| Fans::new(frame, t, channels)),
-            normals: frame.corner_vectors(|v| v.normal),
-            ambients: frame.each_triangle(|t| frame.corners(t).map(|v| channels.pick(v.ambient))),
-        }
-    }
-
-    #[inline(always)]
-    fn corrected<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], value: [N; C]) -> [N; C] {
-        let value = match self.vertex {
-            Correction::Off => value,
-            Correction::Printed => self.fans[triangle].printed(value, w, self.strip, &self.printed),
-            Correction::Repaired => self.fans[triangle].repaired(value, w, self.strip, &self.curve),
-        };
-        let normal = weighted(w, &self.normals[triangle]);
-        let length = dot(normal, normal).sqrt();
-        match self.reweight {
-            Correction::Off => value,
-            Correction::Printed => reweight::printed(value, w, length, T::of(self.strip), &self.printed),
-            Correction::Repaired => reweight::repaired(value, weighted(w, &self.ambients[triangle]), length),
         }
     }
 }

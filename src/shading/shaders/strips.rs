@@ -1,9 +1,12 @@
-//! The strips at the edges of triangles. Bangay §4.
+//! The strips at the edges of triangles, Bangay §4: how wide they are, and I_n, the curve across them.
 //!
 //! Corners are A, B, C; the edge opposite A runs from B to C. All places are those on the **screen**: the weights are
 //! affine there, and slopes matched elsewhere do not match in the picture.
 
-use crate::shading::number::{Number, select};
+use crate::{
+    light::{Depth, Interpolation, interpolation::TANH_K},
+    shading::number::{Constant, Number, power, select},
+};
 
 /// The other two corners, in order.
 pub const OTHERS: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
@@ -50,4 +53,122 @@ pub fn by_smallest<N: Number, const C: usize>(
         }
     }
     light
+}
+
+/// I_n across a strip, and its integral.
+///
+/// The printed tanh of n = ∞ misses 0 and 1 by 0.0067: as it stands, a strip would join neither its edge's slope nor the
+/// interior. For shaders that promise a continuous slope it is stretched to reach both, `(T(u) − T(0))/(1 − 2T(0))`, T(u)
+/// = (1 + tanh(5(u − ½)))/2. Then *exact* and *cut* are C1 across an edge for n = ∞ as well. The tanh's own slope at the
+/// ends, 0.067, stays: *exact* keeps a kink of 0.067·c where its strip ends, *cut* none. (The steeper tanh(10(u − ½))
+/// would leave 0.0009, but double the ripple of the strip.)
+#[derive(Clone, Debug)]
+pub enum Curve<T> {
+    /// Of a finite depth.
+    Finite {
+        /// n.
+        n: u32,
+        /// C(n−1+k, k), k < n.
+        sums: Vec<T>,
+        /// ½·C(2n−1, n).
+        hump: T,
+    },
+    /// Of n = ∞, as printed.
+    Printed(Interpolation),
+    /// Of n = ∞, stretched.
+    Stretched(Interpolation),
+}
+
+impl<T: Constant> Curve<T> {
+    /// That of depth `depth`, for shaders that promise a continuous slope.
+    #[must_use]
+    pub fn new(depth: Depth) -> Self {
+        let Depth::Finite(n) = depth else { return Curve::Stretched(Interpolation::new(depth)) };
+        let n = u32::from(n.clamp(1, Depth::MAX_FINITE));
+        let mut sums = vec![1.0];
+        for k in 1..n {
+            sums.push(sums[k as usize - 1] * f64::from(n - 1 + k) / f64::from(k));
+        }
+        let hump = sums[n as usize - 1] * f64::from(2 * n - 1) / f64::from(n) / 2.0;
+        Curve::Finite { n, sums: sums.into_iter().map(T::of).collect(), hump: T::of(hump) }
+    }
+
+    /// The same as Bangay prints it.
+    #[must_use]
+    pub fn printed(depth: Depth) -> Self {
+        match Curve::new(depth) {
+            Curve::Stretched(interpolation) => Curve::Printed(interpolation),
+            finite => finite,
+        }
+    }
+
+    /// I_n(u): 0 for u ≤ 0, 1 for u ≥ 1.
+    #[must_use]
+    #[inline(always)]
+    pub fn value<N: Number<Constant = T>>(&self, u: N) -> N {
+        match self {
+            Curve::Finite { n, sums, .. } => {
+                // uⁿ·Σ C(n−1+k, k)·(1−u)^k below ½, 1 − I_n(1−u) above: no powers that cancel.
+                let (half, one) = (u.of(0.5), u.of(1.0));
+                let u = u.within(0.0, 1.0);
+                let low = u.min(one - u);
+                let rest = one - low;
+                let mut sum = u.of(0.0);
+                for k in (0..*n as usize).rev() {
+                    sum = sum * rest + u.all(sums[k]);
+                }
+                let value = power(low, *n) * sum;
+                N::select(half.below(u), one - value, value)
+            }
+            Curve::Printed(interpolation) => each(u, |u| interpolation.value(u)),
+            Curve::Stretched(interpolation) => each(u, |u| stretched(interpolation, u)),
+        }
+    }
+
+    /// Ψ_n(u) = ∫ from u to 1 of 1 − I_n: ½ at 0, 0 for u ≥ 1.
+    ///
+    /// With v = 1 − u it is ∫₀ᵛ I_n = (v − ½)·I_n(v) + ½·C(2n−1, n)·(v(1−v))ⁿ, from the recurrence of the incomplete beta
+    /// function; n = 1: v²/2. For ∞ the integral of tanh, a logarithm of cosh.
+    #[must_use]
+    #[inline(always)]
+    pub fn rest<N: Number<Constant = T>>(&self, u: N) -> N {
+        match self {
+            Curve::Finite { n: 1, .. } => {
+                let v = (u.of(1.0) - u).within(0.0, 1.0);
+                v * v * v.of(0.5)
+            }
+            Curve::Finite { n, hump, .. } => {
+                let v = (u.of(1.0) - u).within(0.0, 1.0);
+                (v - v.of(0.5)) * self.value(v) + power(v * (v.of(1.0) - v), *n).times(*hump)
+            }
+            Curve::Printed(interpolation) | Curve::Stretched(interpolation) => {
+                each(u, |u| stretched_rest(interpolation, u))
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn each<N: Number>(u: N, of: impl Fn(f64) -> f64) -> N {
+    let [value] = N::each([u], |[u]| [of(u)]);
+    value
+}
+
+fn stretched(interpolation: &Interpolation, u: f64) -> f64 {
+    let residual = interpolation.value(0.0);
+    if u <= 0.0 {
+        0.0
+    } else if u >= 1.0 {
+        1.0
+    } else {
+        (interpolation.value(u) - residual) / (1.0 - 2.0 * residual)
+    }
+}
+
+fn stretched_rest(interpolation: &Interpolation, u: f64) -> f64 {
+    let v = 1.0 - u.clamp(0.0, 1.0);
+    // ∫ T = ln(1 + e^(2k(v−½)))/2k
+    let primitive = |v: f64| (2.0 * TANH_K * (v - 0.5)).exp().ln_1p() / (2.0 * TANH_K);
+    let residual = interpolation.value(0.0);
+    (primitive(v) - primitive(0.0) - v * residual) / (1.0 - 2.0 * residual)
 }

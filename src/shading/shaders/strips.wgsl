@@ -19,3 +19,65 @@ fn smallest(w: vec3f) -> u32 {
     let k = select(0u, 1u, w.y < w.x);
     return select(k, 2u, w.z < w[k]);
 }
+
+// I_n(u): how the light goes from 0 to 1 across a strip, Bangay eq. 1.
+
+// The continuity depth n, 1…32; 0 stands for ∞.
+override DEPTH: u32 = 3u;
+
+// I_n(u): 0 for u < 0, 1 for u ≥ 1.
+fn interpolation(u: f32) -> f32 {
+    if u >= 1.0 {
+        return 1.0;
+    }
+    if u > 0.5 {
+        return 1.0 - lower_half(1.0 - u);
+    }
+    if u >= 0.0 {
+        return lower_half(u);
+    }
+    return 0.0;
+}
+
+// I_n on 0…½: uⁿ·Σ C(n−1+k, k)·(1−u)^k, k < n. Powers of u alone would cancel.
+fn lower_half(u: f32) -> f32 {
+    if DEPTH == 0u {
+        return 1.0 / (1.0 + exp(5.0 - 10.0 * u));
+    }
+    var power = u;
+    var term = 1.0;
+    var sum = 1.0;
+    for (var k = 1u; k < DEPTH; k++) {
+        power *= u;
+        term *= (1.0 - u) * (f32(DEPTH - 1u + k) / f32(k));
+        sum += term;
+    }
+    return power * sum;
+}
+
+// I_n that reaches 0 and 1 also for ∞, whose printed tanh misses them: what *exact* and *cut* need.
+fn blend(u: f32) -> f32 {
+    let value = interpolation(clamp(u, 0.0, 1.0));
+    if DEPTH == 0u && u < 1.0 {
+        let residual = lower_half(0.0);
+        return max(value - residual, 0.0) / (1.0 - 2.0 * residual);
+    }
+    return value;
+}
+
+// Ψ_n(u) = ∫_u^1 (1 − I_n), u ≥ 0; 0 for u ≥ 1.
+fn rest(u: f32) -> f32 {
+    let v = clamp(1.0 - u, 0.0, 1.0);
+    if DEPTH == 0u {
+        let residual = lower_half(0.0);
+        let whole = (log(1.0 + exp(10.0 * v - 5.0)) - log(1.0 + exp(-5.0))) / 10.0;
+        return (whole - v * residual) / (1.0 - 2.0 * residual);
+    }
+    // ∫_0^v I_n = (v − ½)·I_n(v) + ½·C(2n−1, n)·(v(1−v))ⁿ.
+    let q = v * (1.0 - v);
+    var hump = q;
+    for (var k = 1u; k < DEPTH; k++) {
+        hump *= q * (f32(DEPTH + k) / f32(k));
+    }
+    return (v - 0.5) * interpolation(v) + 0.5 * hump;
+}

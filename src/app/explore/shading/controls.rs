@@ -7,9 +7,8 @@ use glam::DVec3;
 
 use super::{
     canvas::ViewSettings,
-    comparison::{Comparison, MeshChoice, depth_title, shader_title},
+    comparison::{Comparison, MeshChoice, apply_preset, depth_title, preset_names, preset_of, shader_title},
     pictures::{Drawer, DrawnBy},
-    presets,
 };
 use crate::{
     app::ui::{Field, text, theme::SIDES},
@@ -33,11 +32,11 @@ fn field<'a>(label: &'a str, name: &'a str) -> Field<'a> {
 
 /// Comparisons by name.
 pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison, settings: &mut ViewSettings) {
-    let before = presets::name_of(compared).unwrap_or("custom");
+    let before = preset_of(compared).unwrap_or("custom");
     let mut name = before;
-    Field::new("Preset").column(LABEL).choice(ui, &mut name, &presets::names(), |name| (*name).to_owned());
+    Field::new("Preset").column(LABEL).choice(ui, &mut name, &preset_names(), |name| (*name).to_owned());
     if name != before {
-        settings.divider = presets::apply(name, compared);
+        settings.divider = apply_preset(name, compared);
     }
 }
 

@@ -2,9 +2,9 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `comparison`, `presets` | what is compared; comparisons by name |
-//! | `gpu`, `pictures` | drawing: on the graphics card, on the processor, and only what has changed |
-//! | `measures`, `scan` | creases and predicted bands of both sides; light along a line |
+//! | `comparison` | what is compared; comparisons by name |
+//! | `pictures` | drawing: on the graphics card, on the processor, and only what has changed |
+//! | `measures` | creases and predicted bands of both sides; light along a line |
 //! | `canvas` | the picture and what can be dragged on it |
 //! | `controls`, `export` | the panel |
 //! | `page` | all of it together |
@@ -13,12 +13,9 @@ mod canvas;
 mod comparison;
 mod controls;
 mod export;
-mod gpu;
 mod measures;
 mod page;
 mod pictures;
-mod presets;
-mod scan;
 
 pub use comparison::{Comparison, MeshChoice, title};
 pub(crate) use page::ShadingPage;

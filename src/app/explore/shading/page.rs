@@ -14,9 +14,8 @@ use super::{
     comparison::{Comparison, MeshChoice, title},
     controls,
     export::{self, Export},
-    measures::{Measurement, SHORTER_SIDE_DEG},
+    measures::{Measurement, SHORTER_SIDE_DEG, Scan},
     pictures::{Difference, Drawer, DrawnBy, Picture, Pictures, divided},
-    scan::Scan,
 };
 use crate::{
     app::ui::{

@@ -3,9 +3,8 @@
 use wgpu::util::DeviceExt as _;
 
 use super::{
-    device::{GpuError, check, guarded},
     pack,
-    pipeline::{DEPTH_FORMAT, Pipelines},
+    pipeline::{DEPTH_FORMAT, GpuError, Pipelines, check, guarded},
 };
 use crate::{
     light::Transfer,

@@ -9,14 +9,12 @@
 //! codes are closer together than f32 tells apart. Where a shader jumps (printed vertex shading with b > ¼), a pixel
 //! on the very jump may fall on either side.
 //!
-//! The WGSL of each shader is beside its Rust, in `shaders/`, and what is around the shaders in `wgsl/`. *exact* and
-//! *cut*, with `curve` and `strips`, and *patch* can be taken as they are.
+//! The WGSL of each shader is beside its Rust, in `shaders/`, and what is around the shaders is here. *exact* and *cut*, with
+//! `strips`, and *patch* can be taken as they are.
 
 mod card;
-mod device;
 mod pack;
 mod pipeline;
 
 pub use card::{Gpu, GpuFrame};
-pub use device::{GpuError, limits};
-pub use pipeline::WGSL;
+pub use pipeline::{GpuError, WGSL, limits};

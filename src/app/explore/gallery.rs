@@ -1,21 +1,21 @@
 //! The gallery: every stimulus of the catalog with its parameters, its luminance profile, and ways to export it.
 
-mod prediction;
-
 use eframe::egui::{
     self, CentralPanel, Color32, ComboBox, Frame, Panel, ScrollArea, Slider, TextEdit, TextureHandle, Ui,
 };
 use egui_plot::{Corner, Legend, Line, MarkerShape, PlotUi, Points};
 
 use crate::{
-    app::ui::{self, Field, Step, pixels, theme},
+    app::{
+        explore::prediction::{self, Mark, Place, Prediction},
+        ui::{self, Field, Step, pixels, theme},
+    },
     display::DisplayProfile,
     light::{Bits, Dither, Quantizer},
     stimulus::{Parameter, ParameterValue, Stimulus, StimulusColor, catalog, place, recipe::Recipe},
     store,
     vision::Polarity,
 };
-use prediction::{Place, Prediction};
 
 /// Samples of the plotted profile.
 const SAMPLES: u32 = 1024;
@@ -255,7 +255,7 @@ struct Band {
 }
 
 impl Band {
-    fn new(mark: &crate::app::explore::predicted::Mark, place: f64) -> Self {
+    fn new(mark: &Mark, place: f64) -> Self {
         Self { place, polarity: mark.polarity, strength: mark.strength }
     }
 

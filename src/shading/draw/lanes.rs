@@ -47,12 +47,6 @@ impl<S: Simd> Lanes<S> {
         Lanes { simd, v: bytemuck::pod_read_unaligned(bytemuck::cast_slice(&slice[..S::F32_LANES])) }
     }
 
-    /// The first lanes of `slice`, as many as this has.
-    #[inline(always)]
-    pub fn loaded(self, slice: &[f32]) -> Self {
-        Self::load(self.simd, slice)
-    }
-
     /// Writes all lanes to the start of `slice`, which holds at least as many.
     #[inline(always)]
     pub fn store(self, slice: &mut [f32]) {

@@ -1,16 +1,14 @@
-//! What the vision model predicts for the stimulus: at once where it varies along a line, else on a thread of its own.
+//! What the vision model predicts: of a stimulus of the gallery, at once where it varies along a line and on a thread of its
+//! own where it does not; and how predictions are shown, as marks along a line, pictures of band maps, numbers.
 
 use eframe::egui::{self, TextureHandle};
 
 use crate::{
-    app::{
-        explore::predicted::{self, Drawing, Mark, number},
-        ui::{self, pixels, work::Latest},
-    },
+    app::ui::{self, pixels, work::Latest},
     display::{DisplayProfile, Screen, Viewing},
-    light::CodeImage,
+    light::{CodeImage, Samples, Transfer},
     stimulus::{Sight, Stimulus, View},
-    vision::{Criterion, Polarity, Visibility, VisionError, luminances},
+    vision::{Band, BandMap, Criterion, LineView, Polarity, Visibility, VisionError, luminances, pooled},
 };
 
 /// Degrees that the window takes where nothing is known of the screen's size: as `machband predict` has it.
@@ -89,7 +87,7 @@ impl Prediction {
         if stimulus.is_line() {
             if self.line.as_ref().is_none_or(|line| line.key != key) {
                 let seen = self.place.see(stimulus, size).map(|view| match view {
-                    View::Line(view) => (view.visibility, predicted::marks(&view)),
+                    View::Line(view) => (view.visibility, marks(&view)),
                     View::Picture(view) => (view.visibility, Vec::new()),
                 });
                 self.line = Some(AlongLine { key, seen: seen.map_err(|error| error.to_string()) });
@@ -158,7 +156,7 @@ fn of_picture(place: &Place, stimulus: &Stimulus, size: u32) -> Result<OfPicture
         return Err("it varies in one direction only".to_owned());
     };
     let light = luminances(&stimulus.linear(size));
-    let most = predicted::strongest(&view.map);
+    let most = strongest(&view.map);
     let drawing = Drawing { map: &view.map, light: &light, size: [size as usize; 2], most };
     Ok(OfPicture { visibility: view.visibility, codes: drawing.codes(size, size) })
 }
@@ -184,4 +182,122 @@ pub fn in_words(places: &[(f64, Polarity)]) -> String {
         format!("{word} at {place:+.2}")
     };
     format!("predicted bands: {}", places.iter().map(one).collect::<Vec<_>>().join(", "))
+}
+
+/// Peaks of two channels are one band if they are no farther apart than this many periods of the coarser channel.
+const ONE_BAND_PERIODS: f64 = 0.5;
+/// Strength of a band that is just visible; weaker bands are not shown.
+const JUST_VISIBLE: f64 = 1.0;
+
+/// Weaker peaks are noise, and no band that a coarser channel could join.
+const LEAST: f64 = 0.25;
+/// A band stands where the finest channel has it whose peak reaches this share of the strongest peak.
+const CLEAR: f64 = 0.5;
+
+/// One band along a line, over all channels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// Degrees from the middle.
+    pub at_deg: f64,
+    /// Bright or dark.
+    pub polarity: Polarity,
+    /// In multiples of the strength that is just visible, pooled over channels.
+    pub strength: f64,
+}
+
+/// The visible bands of a line, each once. Fine channels locate a band exactly and coarse channels a little beside it, so
+/// each peak joins the nearest band that finer channels have found.
+pub fn marks(view: &LineView) -> Vec<Mark> {
+    let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= LEAST).collect();
+    finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
+    let mut clusters: Vec<Vec<&Band>> = Vec::new();
+    for band in finest_first {
+        let apart = |cluster: &Vec<&Band>| {
+            cluster.iter().map(|other| (other.at_deg[0] - band.at_deg[0]).abs()).fold(f64::INFINITY, f64::min)
+        };
+        let is_one = |cluster: &&mut Vec<&Band>| {
+            cluster[0].polarity == band.polarity && apart(cluster) <= ONE_BAND_PERIODS / band.frequency
+        };
+        match clusters.iter_mut().filter(is_one).min_by(|a, b| apart(a).total_cmp(&apart(b))) {
+            Some(cluster) => cluster.push(band),
+            None => clusters.push(vec![band]),
+        }
+    }
+    clusters.iter_mut().filter_map(|cluster| mark(cluster)).filter(|mark| mark.strength >= JUST_VISIBLE).collect()
+}
+
+/// The mark of the peaks that are one band.
+fn mark(bands: &mut [&Band]) -> Option<Mark> {
+    bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    let most = bands.first()?.strength;
+    let clear = bands.iter().filter(|band| band.strength >= CLEAR * most);
+    let finest = clear.max_by(|a, b| a.frequency.total_cmp(&b.frequency))?;
+    Some(Mark { at_deg: finest.at_deg[0], polarity: finest.polarity, strength: over_channels(bands) })
+}
+
+/// The strength pooled over channels, each with its strongest peak. `bands` has the strongest first.
+fn over_channels(bands: &[&Band]) -> f64 {
+    let first = |i: &usize| !bands[..*i].iter().any(|earlier| earlier.frequency == bands[*i].frequency);
+    pooled((0..bands.len()).filter(first).map(|i| bands[i].strength))
+}
+
+/// The strongest place of a map.
+pub fn strongest(map: &BandMap) -> f64 {
+    map.bright.iter().chain(&map.dark).copied().fold(0.0, f64::max)
+}
+
+/// Codes of black and of white in the dimmed picture under the bands, so that bands are the brightest and darkest parts.
+const GROUND: [f64; 2] = [88.0, 148.0];
+
+/// A band map over the dimmed picture. Bands of the strength `most` are white or black.
+pub struct Drawing<'a> {
+    /// What is drawn.
+    pub map: &'a BandMap,
+    /// The picture's luminance, 1 for white, as long as the map.
+    pub light: &'a [f64],
+    /// Columns and rows of both.
+    pub size: [usize; 2],
+    /// The strength that is lightest and darkest.
+    pub most: f64,
+}
+
+impl Drawing<'_> {
+    /// As a picture of `width` × `height` pixels; the map's lines, one pixel wide, become two pixels wide.
+    pub fn codes(&self, width: u32, height: u32) -> CodeImage {
+        let scale = [self.size[0] as f64 / f64::from(width.max(1)), self.size[1] as f64 / f64::from(height.max(1))];
+        let at = |x: u32, y: u32| [(f64::from(x) + 0.5) * scale[0] - 0.5, (f64::from(y) + 0.5) * scale[1] - 0.5];
+        let codes =
+            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| [self.code(at(x, y)); 3]);
+        CodeImage { width, height, samples: Samples::Eight(codes.collect()) }
+    }
+
+    /// Of the place `at`, in pixels of the map from the center of its first.
+    fn code(&self, at: [f64; 2]) -> u8 {
+        let [column, row] = at.map(|place| place.round() as isize);
+        let mut strength = 0.0_f64;
+        for (x, y) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy))) {
+            let Some(i) = self.index(x, y) else { continue };
+            let far = (at[0] - x as f64).abs().max((at[1] - y as f64).abs());
+            let here = (self.map.bright[i] - self.map.dark[i]) * (1.5 - far).clamp(0.0, 1.0);
+            strength = if here.abs() > strength.abs() { here } else { strength };
+        }
+        let share =
+            if strength.abs() < JUST_VISIBLE { 0.0 } else { (strength / self.most.max(JUST_VISIBLE)).clamp(-1.0, 1.0) };
+        let clamped = |place: isize, side: usize| place.clamp(0, side.saturating_sub(1) as isize);
+        let light =
+            self.index(clamped(column, self.size[0]), clamped(row, self.size[1])).map_or(0.0, |i| self.light[i]);
+        let ground = GROUND[0] + (GROUND[1] - GROUND[0]) * Transfer::Srgb.encoded_from_linear(light.clamp(0.0, 1.0));
+        let end = if share > 0.0 { 255.0 } else { 0.0 };
+        (ground + (end - ground) * share.abs()).round() as u8
+    }
+
+    fn index(&self, x: isize, y: isize) -> Option<usize> {
+        let [width, height] = self.size.map(|side| side as isize);
+        ((0..width).contains(&x) && (0..height).contains(&y)).then(|| (y * width + x) as usize)
+    }
+}
+
+/// A strength as text.
+pub fn number(strength: f64) -> String {
+    format!("{strength:.1}")
 }

@@ -1,15 +1,142 @@
-//! The light of one lamp that a surface sends to the eye, Shoaff §3, for any [`Number`] of pixels.
+//! Materials and lamps, and the light that a surface of one sends to the eye under the others, Shoaff §3, for any
+//! [`Number`] of pixels.
 
 use glam::DVec3;
 
-use super::{
-    lamp::{Lamp, LampPlace},
-    material::{Material, Specular},
-};
-use crate::shading::{
-    channels::Channels,
-    number::{Constant, Number, all, dot, power, unit},
-};
+use super::microfacets::Microfacets;
+use crate::shading::number::{Channels, Constant, Number, all, dot, power, unit};
+
+/// How a surface reflects light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// O_d, the diffuse color: of red, green and blue, 0…1.
+    pub color: DVec3,
+    /// O_s, the specular color: of red, green and blue, 0…1. White for plastics; the metal's color for metals.
+    pub specular_color: DVec3,
+    /// k_a, how much of the ambient light is reflected, 0…1.
+    pub ambient: f64,
+    /// k_d, how much is reflected in all directions alike, 0…1.
+    pub diffuse: f64,
+    /// k_s, how much is reflected as a highlight, 0…1.
+    pub specular: f64,
+    /// m, the exponent of Phong's and Blinn's highlight, above 0: 1 is broad, several hundred is sharp.
+    pub shininess: f64,
+    /// The shape of the highlight.
+    pub specular_model: Specular,
+}
+
+/// The shape of a highlight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Specular {
+    /// Phong: (R·V)^m, R the lamp's mirror image. Shoaff §3.3 and §3.6.
+    Phong,
+    /// Blinn: (N·H)^m, H halfway between lamp and viewer. Shoaff §3.6. In the plane of L and N its angle is half of
+    /// Phong's, so that about four times the exponent makes as sharp a highlight.
+    Blinn,
+    /// Torrance–Sparrow and Cook–Torrance: a rough surface of small mirrors. Shoaff §3.8.1.
+    CookTorrance(Microfacets),
+}
+
+impl Material {
+    /// White, k_a = 0.1, k_d = 0.6, k_s = 0.3, Phong's highlight with m = 20: under one white lamp and white ambient
+    /// light no point is brighter than 1.
+    #[must_use]
+    pub const fn standard() -> Material {
+        Material {
+            color: DVec3::ONE,
+            specular_color: DVec3::ONE,
+            ambient: 0.1,
+            diffuse: 0.6,
+            specular: 0.3,
+            shininess: 20.0,
+            specular_model: Specular::Phong,
+        }
+    }
+}
+
+/// A lamp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lamp {
+    /// Where it is.
+    pub place: LampPlace,
+    /// I_p of red, green and blue, 0 or more.
+    pub intensity: DVec3,
+}
+
+/// Where a lamp is, in eye space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LampPlace {
+    /// Far away; a unit vector toward it.
+    Direction(DVec3),
+    /// At a point, and weaker with distance: see [`attenuation`](super::attenuation).
+    Point {
+        /// The point.
+        position: DVec3,
+        /// c1, c2, c3: each 0 or more, not all 0. `[1, 0, 0]` does not weaken.
+        attenuation: [f64; 3],
+    },
+}
+
+impl Lamp {
+    /// A white lamp far away in the direction `toward`, of any length above 0.
+    #[must_use]
+    pub fn directional(toward: DVec3) -> Lamp {
+        Lamp { place: LampPlace::Direction(toward.normalize_or_zero()), intensity: DVec3::ONE }
+    }
+}
+
+/// A material under lamps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lighting {
+    /// The surface.
+    pub material: Material,
+    /// I_a of red, green and blue, 0 or more.
+    pub ambient: DVec3,
+    /// The lamps; their lights add up.
+    pub lamps: Vec<Lamp>,
+}
+
+impl Lighting {
+    /// [`Material::standard`] under white ambient light and one white lamp far away, to the right, above and before
+    /// the surface, toward (0.36, 0.48, 0.8).
+    #[must_use]
+    pub fn standard() -> Lighting {
+        let lamp = Lamp::directional(DVec3::new(0.36, 0.48, 0.8));
+        Lighting { material: Material::standard(), ambient: DVec3::ONE, lamps: vec![lamp] }
+    }
+
+    /// The same with one white lamp far away in the direction `toward`, of any length above 0, in place of all lamps.
+    #[must_use]
+    pub fn with_direction(mut self, toward: DVec3) -> Lighting {
+        self.lamps = vec![Lamp::directional(toward)];
+        self
+    }
+
+    /// The same with the diffuse color O_d.
+    #[must_use]
+    pub fn with_color(mut self, color: DVec3) -> Lighting {
+        self.material.color = color;
+        self
+    }
+
+    /// The part of the light that comes from everywhere: k_a·I_a·O_d. Shoaff §3.1.
+    #[must_use]
+    pub fn ambient_light(&self) -> DVec3 {
+        self.material.ambient * self.ambient * self.material.color
+    }
+
+    /// The light that a point at `position` with the unit normal `normal` sends along the unit vector `to_viewer`, of
+    /// red, green and blue, linear, in eye space; see the [module](super) for the formula.
+    ///
+    /// Finite for every lighting whose numbers make sense: only the ambient light at a zero normal, and nothing from a
+    /// lamp that stands at `position`. A sum of several lamps can exceed 1.
+    #[must_use]
+    pub fn light(&self, position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
+        let [place, normal, to_viewer] = [position, normal, to_viewer].map(|v| v.to_array());
+        let of_lamp = |lamp| Reflection::new(lamp, &self.material, Channels::Color).light(place, normal, to_viewer);
+        self.ambient_light() + self.lamps.iter().map(|lamp| DVec3::from_array(of_lamp(lamp))).sum::<DVec3>()
+    }
+}
 
 /// Largest exponent of a highlight that is a power of an f32; the f32 of a sharper one lacks digits.
 const LARGEST_EXPONENT: f64 = 128.0;

@@ -1,15 +1,65 @@
-//! Vertex shading, Bangay §4.3: contours around a vertex become arcs instead of polygons.
+//! Bangay's corrections of interpolated light: vertex shading, §4.3, by which contours around a vertex become arcs instead of
+//! polygons; and intensity reweighting, §4.4, which makes up for the interpolated normal, short between vertices.
 
-use super::{curve::Curve, strips::OTHERS};
-use crate::shading::{
-    channels::Channels,
-    frame::Frame,
-    number::{Constant, Number, dot, select},
+use super::{
+    shade::{Correction, Shade},
+    strips::{Curve, NARROWEST, OTHERS, least, narrowed},
 };
+use crate::shading::{
+    frame::Frame,
+    number::{Channels, Constant, Number, dot, select, weighted},
+};
+
+/// Bangay's corrections.
+#[derive(Clone, Debug)]
+pub struct Corrections<T, const C: usize> {
+    vertex: Correction,
+    reweight: Correction,
+    /// Width of the paper's strips, also on *cut*, whose own may be wider.
+    strip: f64,
+    printed: Curve<T>,
+    curve: Curve<T>,
+    fans: Vec<Fans<T, C>>,
+    normals: Vec<[[T; 3]; 3]>,
+    ambients: Vec<[[T; C]; 3]>,
+}
+
+impl<T: Constant, const C: usize> Corrections<T, C> {
+    /// Those of `shade` for the triangles of `frame`.
+    pub fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
+        Corrections {
+            vertex: shade.vertex,
+            reweight: shade.reweight,
+            strip: shade.strip().min(1.0 / 3.0),
+            printed: Curve::printed(shade.depth),
+            curve: Curve::new(shade.depth),
+            fans: frame.each_triangle(|t| Fans::new(frame, t, channels)),
+            normals: frame.corner_vectors(|v| v.normal),
+            ambients: frame.each_triangle(|t| frame.corners(t).map(|v| channels.pick(v.ambient))),
+        }
+    }
+
+    /// `value`, the light at the weights `w` of `triangle`, corrected.
+    #[inline(always)]
+    pub fn corrected<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], value: [N; C]) -> [N; C] {
+        let value = match self.vertex {
+            Correction::Off => value,
+            Correction::Printed => self.fans[triangle].printed(value, w, self.strip, &self.printed),
+            Correction::Repaired => self.fans[triangle].repaired(value, w, self.strip, &self.curve),
+        };
+        let normal = weighted(w, &self.normals[triangle]);
+        let length = dot(normal, normal).sqrt();
+        match self.reweight {
+            Correction::Off => value,
+            Correction::Printed => reweight_printed(value, w, length, T::of(self.strip), &self.printed),
+            Correction::Repaired => reweight_repaired(value, weighted(w, &self.ambients[triangle]), length),
+        }
+    }
+}
 
 /// What vertex shading needs of a triangle: at each corner the steps to the other two on the screen, and the lights.
 #[derive(Clone, Debug)]
-pub struct Fans<T, const C: usize> {
+struct Fans<T, const C: usize> {
     steps: [[Step<T>; 2]; 3],
     lights: [[T; C]; 3],
 }
@@ -19,7 +69,7 @@ type Step<T> = [T; 3];
 
 impl<T: Constant, const C: usize> Fans<T, C> {
     /// Of triangle `triangle`.
-    pub fn new(frame: &Frame, triangle: usize, channels: Channels) -> Self {
+    fn new(frame: &Frame, triangle: usize, channels: Channels) -> Self {
         let corners = frame.corners(triangle);
         let step = |from: usize, to: usize| {
             let step = corners[to].screen - corners[from].screen;
@@ -38,7 +88,7 @@ impl<T: Constant, const C: usize> Fans<T, C> {
     /// On the screen, because there distances and weights agree about places: a mesh's own distances would bend the
     /// contours at edges in perspective.
     #[inline(always)]
-    pub fn closeness<N: Number<Constant = T>>(&self, k: usize, w: [N; 3]) -> (N, N) {
+    fn closeness<N: Number<Constant = T>>(&self, k: usize, w: [N; 3]) -> (N, N) {
         let (i, j) = OTHERS[k];
         let [to_i, to_j] = &self.steps[k];
         let (zero, one) = (w[k].of(0.0), w[k].of(1.0));
@@ -56,7 +106,7 @@ impl<T: Constant, const C: usize> Fans<T, C> {
     /// As printed: `g·value + (1−g)·d_A·I_A` where w_A > 1 − 2b, g = I_n((1−w_A)/2b); of overlapping regions (b > ¼) the
     /// first, with a jump. It darkens a uniform surface around its vertices.
     #[inline(always)]
-    pub fn printed<N: Number<Constant = T>>(&self, value: [N; C], w: [N; 3], b: f64, step: &Curve<T>) -> [N; C] {
+    fn printed<N: Number<Constant = T>>(&self, value: [N; C], w: [N; 3], b: f64, step: &Curve<T>) -> [N; C] {
         let one = w[0].of(1.0);
         let mut corrected = value;
         // The first corner last: it wins.
@@ -84,7 +134,7 @@ impl<T: Constant, const C: usize> Fans<T, C> {
     ///
     /// Uniform light stays uniform, and C1 across edges stays C1.
     #[inline(always)]
-    pub fn repaired<N: Number<Constant = T>>(&self, value: [N; C], w: [N; 3], b: f64, curve: &Curve<T>) -> [N; C] {
+    fn repaired<N: Number<Constant = T>>(&self, value: [N; C], w: [N; 3], b: f64, curve: &Curve<T>) -> [N; C] {
         let (zero, one) = (w[0].of(0.0), w[0].of(1.0));
         let radius = 2.0 * b.min(0.25);
         let mut corrected = value;
@@ -107,4 +157,39 @@ impl<T: Constant, const C: usize> Fans<T, C> {
         }
         corrected
     }
+}
+
+/// Least |N| by which light is divided.
+const LEAST_NORMAL: f64 = 1e-3;
+
+/// Bangay eq. 9 as printed: value/(|N| + (1−|N|)·I_n(t/b')), |N| the length `normal` of Σ w_i·N_i, t the smallest
+/// weight. It brightens the strips only, and the ambient light too. Also divides by no less than 1e-3.
+#[inline(always)]
+fn reweight_printed<N: Number, const C: usize>(
+    value: [N; C],
+    w: [N; 3],
+    normal: N,
+    b: N::Constant,
+    step: &Curve<N::Constant>,
+) -> [N; C] {
+    let one = normal.of(1.0);
+    let (t, width) = (least(w), narrowed(w, b));
+    let inside = N::select(t.below(width), step.value(t / width.max(one.of(NARROWEST))), one);
+    let factor = one / (normal + (one - normal) * inside).max(one.of(LEAST_NORMAL));
+    let mut light = value;
+    for c in 0..C {
+        light[c] = value[c] * factor;
+    }
+    light
+}
+
+/// Repaired: I_amb + (value − I_amb)/max(|N|, 1e-3), over the whole triangle.
+#[inline(always)]
+fn reweight_repaired<N: Number, const C: usize>(value: [N; C], ambient: [N; C], normal: N) -> [N; C] {
+    let factor = normal.of(1.0) / normal.max(normal.of(LEAST_NORMAL));
+    let mut light = value;
+    for c in 0..C {
+        light[c] = ambient[c] + (value[c] - ambient[c]) * factor;
+    }
+    light
 }

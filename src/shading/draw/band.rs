@@ -4,96 +4,13 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::lanes::{Lanes, MOST_LANES};
 use crate::shading::{
-    draw::reference::Reference,
     frame::{Frame, Outline, Planes, coverage},
     number::Number as _,
     shaders::Spread,
 };
 
-/// The light along the rows of triangles.
-pub(super) trait Rows<const C: usize>: Sync {
-    /// What is constant along a row.
-    type Row: Copy;
-
-    /// The row of `triangle` whose first pixel is in column `x` of row `y`.
-    fn row(&self, triangle: u32, x: u32, y: u32) -> Self::Row;
-
-    /// The light of a few of its pixels; any values for those that are not wanted.
-    fn light<S: Simd>(&self, row: &Self::Row, chunk: Chunk<S>) -> [Lanes<S>; C];
-}
-
-/// A few neighboring pixels of a row, of which the first `count` are wanted.
-#[derive(Clone, Copy)]
-pub(super) struct Chunk<S: Simd> {
-    /// How far each is from the row's first pixel.
-    steps: Lanes<S>,
-    /// The same for the first of them.
-    first: u32,
-    count: u32,
-}
-
 /// The weights of a triangle's corners, then its light in up to three channels.
 pub(super) type Corners = Planes<6>;
-
-/// A shader in lanes of f32.
-pub(super) struct Fast<'a, R> {
-    /// Of every triangle.
-    pub corners: &'a [Corners],
-    pub shader: &'a R,
-}
-
-impl<const C: usize, R: Spread<f32, C>> Rows<C> for Fast<'_, R> {
-    /// Triangle, the numbers at the first pixel, and the steps to the next.
-    type Row = (u32, [f32; 6], [f32; 6]);
-
-    #[inline(always)]
-    fn row(&self, triangle: u32, x: u32, y: u32) -> Self::Row {
-        let (precise, right) = self.corners[triangle as usize].at(x, y);
-        let (mut at, mut step) = ([0.0; 6], [0.0; 6]);
-        for q in 0..6 {
-            (at[q], step[q]) = (precise[q] as f32, right[q] as f32);
-        }
-        (triangle, at, step)
-    }
-
-    #[inline(always)]
-    fn light<S: Simd>(&self, (triangle, at, step): &Self::Row, chunk: Chunk<S>) -> [Lanes<S>; C] {
-        let (mut w, mut gouraud) = ([chunk.steps; 3], [chunk.steps; C]);
-        for k in 0..3 {
-            w[k] = chunk.steps.along(step[k], at[k]);
-        }
-        for c in 0..C {
-            gouraud[c] = chunk.steps.along(step[3 + c], at[3 + c]);
-        }
-        self.shader.light(*triangle as usize, w, gouraud)
-    }
-}
-
-/// Triangle, first pixel and row.
-impl Rows<3> for Reference<'_> {
-    type Row = [u32; 3];
-
-    #[inline(always)]
-    fn row(&self, triangle: u32, x: u32, y: u32) -> [u32; 3] {
-        [triangle, x, y]
-    }
-
-    #[inline(always)]
-    fn light<S: Simd>(&self, [triangle, x, y]: &[u32; 3], chunk: Chunk<S>) -> [Lanes<S>; 3] {
-        let mut light = [[0.0; MOST_LANES]; 3];
-        for i in 0..chunk.count {
-            let pixel = self.pixel(*triangle as usize, x + chunk.first + i, *y).as_vec3().to_array();
-            for c in 0..3 {
-                light[c][i as usize] = pixel[c];
-            }
-        }
-        let mut lanes = [chunk.steps; 3];
-        for c in 0..3 {
-            lanes[c] = chunk.steps.loaded(&light[c]);
-        }
-        lanes
-    }
-}
 
 /// Memory that is reused from band to band.
 #[derive(Debug, Default)]
@@ -113,6 +30,7 @@ pub(super) struct Band<'a> {
     pub frame: &'a Frame,
     /// Of every triangle.
     pub outlines: &'a [Option<Outline>],
+    pub corners: &'a [Corners],
     /// Those that reach into it, in the order of the frame.
     pub triangles: &'a [u32],
     /// The first row, and the one after the last.
@@ -165,9 +83,9 @@ impl Band<'_> {
         twice != 0
     }
 
-    /// Draws the triangles: their light is left in `scratch.light`.
-    pub fn paint<const C: usize, R: Rows<C>>(&self, rows: &R, scratch: &mut Scratch, arch: Arch) {
-        arch.dispatch(Paint { rows, band: self, scratch });
+    /// Draws the triangles with `shader`: their light is left in `scratch.light`.
+    pub fn paint<const C: usize, R: Spread<f32, C>>(&self, shader: &R, scratch: &mut Scratch, arch: Arch) {
+        arch.dispatch(Paint { shader, band: self, scratch });
     }
 }
 
@@ -189,17 +107,17 @@ fn cover(bits: &mut [u64], (left, right): (u32, u32)) -> u64 {
 }
 
 struct Paint<'a, const C: usize, R> {
-    rows: &'a R,
+    shader: &'a R,
     band: &'a Band<'a>,
     scratch: &'a mut Scratch,
 }
 
-impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
+impl<const C: usize, R: Spread<f32, C>> WithSimd for Paint<'_, C, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Paint { rows, band, scratch } = self;
+        let Paint { shader, band, scratch } = self;
         let width = band.frame.width as usize;
         let overlap = band.begin::<C>(scratch);
         let Scratch { light: [a, b, c], depth, spans, .. } = scratch;
@@ -214,25 +132,36 @@ impl<const C: usize, R: Rows<C>> WithSimd for Paint<'_, C, R> {
                 if left >= right {
                     continue;
                 }
-                let row = rows.row(triangle, left, y);
+                let (precise, right_of) = band.corners[triangle as usize].at(left, y);
+                let (mut at, mut step) = ([0.0; 6], [0.0; 6]);
+                for q in 0..6 {
+                    (at[q], step[q]) = (precise[q] as f32, right_of[q] as f32);
+                }
                 let from = (y - band.first) as usize * width + left as usize;
                 let mut first = 0;
                 while first < right - left {
                     let rest = right - left - first;
-                    let at = from + first as usize;
+                    let pixel = from + first as usize;
                     let count = if rest < S::F32_LANES as u32 { rest } else { S::F32_LANES as u32 };
                     let steps = Lanes::steps(simd) + Lanes::splat(simd, first as f32);
                     let wanted = if overlap {
-                        let nearer = nearer(depths.at(left + first, y), count, &mut depth[at..]);
+                        let nearer = nearer(depths.at(left + first, y), count, &mut depth[pixel..]);
                         Lanes::load(simd, &nearer).below(Lanes::splat(simd, 0.0))
                     } else {
                         steps.below(Lanes::splat(simd, (right - left) as f32))
                     };
                     // Hidden pixels are not shaded.
                     if !overlap || Lanes::any(wanted) {
-                        let values: [Lanes<S>; C] = rows.light(&row, Chunk { steps, first, count });
+                        let (mut w, mut gouraud) = ([steps; 3], [steps; C]);
+                        for k in 0..3 {
+                            w[k] = steps.along(step[k], at[k]);
+                        }
                         for c in 0..C {
-                            let pixels = &mut planes[c][at..at + S::F32_LANES];
+                            gouraud[c] = steps.along(step[3 + c], at[3 + c]);
+                        }
+                        let values: [Lanes<S>; C] = shader.light(triangle as usize, w, gouraud);
+                        for c in 0..C {
+                            let pixels = &mut planes[c][pixel..pixel + S::F32_LANES];
                             Lanes::select(wanted, values[c], Lanes::load(simd, pixels)).store(pixels);
                         }
                     }

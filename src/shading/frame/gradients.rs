@@ -1,15 +1,106 @@
-//! Gradients from the lights of the vertices around.
+//! Slopes of the light at the vertices: from the lights of the vertices around, or from the curvature of the mesh,
+//! dI/dp = (∂I/∂N)·(dN/dp) + the light's own change, brought to the screen.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
-use super::clough_tocher::Gradient;
-use crate::shading::frame::Frame;
+use super::projected::{Frame, FrameVertex};
+use crate::light::names::named;
+
+named! {
+    /// Where the slopes at the vertices come from that *patch* needs.
+    Gradients, GradientsError {
+        /// The chain rule through the curvature of the mesh.
+        Curvature = "curvature",
+        /// The lights of the vertices around, fitted by a plane.
+        Ring = "ring",
+        /// The lights of the vertices around, fitted by a quadric.
+        Quadric = "quadric",
+    }
+}
+
+/// The slope of the light at a vertex: of red, green and blue, per pixel right and per pixel down.
+pub type Gradient = [DVec2; 3];
+
+/// The gradient at each of [`Frame::vertices`].
+pub(super) fn of(frame: &Frame, gradients: Gradients) -> Vec<Gradient> {
+    let ring = Ring::of(frame);
+    let gradient = |v: usize| match gradients {
+        Gradients::Ring => ring.plane(frame, v).solve(),
+        Gradients::Quadric => quadric(frame, v, &ring).unwrap_or_else(|| ring.plane(frame, v).solve()),
+        Gradients::Curvature => of_curvature(frame, v, &ring),
+    };
+    (0..frame.vertices.len()).into_par_iter().map(gradient).collect()
+}
+
+/// Weight of the ring beside the chain rule's. Where the surface turns away by the angle θ, a step on it shortens on
+/// the screen by cos θ, and the chain rule's weight along it by cos² θ: it says less and less, and its slope grows
+/// without bound where the picture's cannot. Of 0 … 0.5, this gave the least error of light and slope against spheres,
+/// tori and bumpy surfaces traced pixel by pixel; 0.05 and 0.1 are within a few percent of it.
+const RING_WEIGHT: f64 = 0.07;
+
+/// Step of the central differences, in radii of the mesh's bounding sphere.
+const STEP: f64 = 1e-5;
+
+/// Largest difference between a vertex's light and its lighting's at which the light is that of the lighting.
+const SAME: f64 = 1e-9;
+
+/// The gradient of vertex `v`.
+fn of_curvature(frame: &Frame, v: usize, ring: &Ring) -> Gradient {
+    let mut equations = ring.plane(frame, v);
+    if equations.trace() > 0.0 && is_lit(frame, &frame.vertices[v]) {
+        equations.scale(RING_WEIGHT / equations.trace());
+        for (offset, light) in steps(frame, &frame.vertices[v]) {
+            equations.add(offset, light, 1.0);
+        }
+    }
+    equations.solve()
+}
+
+/// Whether the light of `vertex` is that of the frame's lighting.
+fn is_lit(frame: &Frame, vertex: &FrameVertex) -> bool {
+    let lit = frame.lit(vertex.eye, vertex.normal);
+    // False for NaN.
+    (lit - vertex.light).abs().max_element() <= SAME
+}
+
+/// Two steps on the surface: how far each goes on the screen, in units of a step seen face on, and by how much the
+/// light changes.
+fn steps(frame: &Frame, vertex: &FrameVertex) -> impl Iterator<Item = (DVec2, DVec3)> {
+    let toward = frame.view.to_viewer(vertex.eye);
+    let facing = vertex.normal.dot(toward);
+    let (across, away) = tangents(vertex.normal, toward);
+    // Pixels a radius, face on.
+    let (here, _) = frame.view.project(vertex.eye);
+    let sideways = toward.any_orthonormal_vector();
+    let scale = (frame.view.project(vertex.eye + STEP * sideways).0 - here).length() / STEP;
+    // A vertex that looks away knows only of the direction along the silhouette.
+    [Some(across), (facing > 0.0).then_some(away)].into_iter().flatten().map(move |tangent| {
+        let ahead = moved(frame, vertex, tangent * STEP);
+        let behind = moved(frame, vertex, tangent * -STEP);
+        ((ahead.0 - behind.0) / (2.0 * STEP * scale), (ahead.1 - behind.1) / (2.0 * STEP * scale))
+    })
+}
+
+/// Unit tangents: across the line of sight, and the one that leads away from the eye.
+fn tangents(normal: DVec3, toward: DVec3) -> (DVec3, DVec3) {
+    let across = normal.cross(toward);
+    let across = if across.length_squared() > 1e-12 { across.normalize() } else { normal.any_orthonormal_vector() };
+    (across, normal.cross(across))
+}
+
+/// Where the surface is on the screen, and its light, a small step from a vertex.
+fn moved(frame: &Frame, vertex: &FrameVertex, step: DVec3) -> (DVec2, DVec3) {
+    let eye = vertex.eye + step;
+    let normal = (vertex.normal + vertex.curvature * step).normalize_or(vertex.normal);
+    (frame.view.project(eye).0, frame.lit(eye, normal))
+}
 
 /// For each vertex, the vertices that it shares a drawn triangle with, each once.
-pub(super) struct Ring(Vec<Vec<u32>>);
+struct Ring(Vec<Vec<u32>>);
 
 impl Ring {
-    pub fn of(frame: &Frame) -> Ring {
+    fn of(frame: &Frame) -> Ring {
         let mut neighbors = vec![Vec::new(); frame.vertices.len()];
         for triangle in &frame.triangles {
             for k in 0..3 {
@@ -35,7 +126,7 @@ impl Ring {
     }
 
     /// The equations of the plane through `vertex` that fits its neighbors best, weighted 1/d².
-    pub fn plane(&self, frame: &Frame, vertex: usize) -> Equations {
+    fn plane(&self, frame: &Frame, vertex: usize) -> Equations {
         let mut sum = Equations::default();
         for (offset, light) in self.differences(frame, vertex) {
             sum.add(offset, light, 1.0 / offset.length_squared());
@@ -46,7 +137,7 @@ impl Ring {
 
 /// Normal equations of a gradient, the same matrix for every channel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Equations {
+struct Equations {
     /// Σ w·dx², Σ w·dx·dy, Σ w·dy².
     matrix: [f64; 3],
     /// Σ w·dI·(dx, dy) of each channel.
@@ -58,7 +149,7 @@ const FLAT: f64 = 1e-14;
 
 impl Equations {
     /// One more: a step of `offset` changes the light by `light`.
-    pub fn add(&mut self, offset: DVec2, light: DVec3, weight: f64) {
+    fn add(&mut self, offset: DVec2, light: DVec3, weight: f64) {
         let weighted = weight * offset;
         self.matrix[0] += weighted.x * offset.x;
         self.matrix[1] += weighted.x * offset.y;
@@ -69,18 +160,18 @@ impl Equations {
     }
 
     /// All weights times `factor`.
-    pub fn scale(&mut self, factor: f64) {
+    fn scale(&mut self, factor: f64) {
         self.matrix = self.matrix.map(|m| m * factor);
         self.right = self.right.map(|r| r * factor);
     }
 
     /// Σ w·d².
-    pub fn trace(&self) -> f64 {
+    fn trace(&self) -> f64 {
         self.matrix[0] + self.matrix[2]
     }
 
     /// The gradient that fits best; without change along a direction in which nothing is known.
-    pub fn solve(&self) -> Gradient {
+    fn solve(&self) -> Gradient {
         let [xx, xy, yy] = self.matrix;
         let (determinant, trace) = (xx * yy - xy * xy, xx + yy);
         if determinant > FLAT * trace * trace {
@@ -96,7 +187,7 @@ const UNSETTLED: f64 = 0.03;
 
 /// The slope of the quadric through `vertex` that fits its neighbors best, weighted 1/d²; `None` where they do not settle
 /// one.
-pub(super) fn quadric(frame: &Frame, vertex: usize, ring: &Ring) -> Option<Gradient> {
+fn quadric(frame: &Frame, vertex: usize, ring: &Ring) -> Option<Gradient> {
     let steps: Vec<(DVec2, DVec3)> = ring.differences(frame, vertex).collect();
     if steps.len() < 5 {
         return None;

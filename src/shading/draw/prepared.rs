@@ -1,0 +1,158 @@
+//! A frame made ready to be drawn, and drawn.
+
+use pulp::Arch;
+use rayon::prelude::*;
+
+use super::{
+    band::{Band, Corners, Scratch},
+    encoder::{Encoder, Linear, Target},
+};
+use crate::{
+    light::LinearImage,
+    shading::{
+        frame::{Frame, Outline},
+        lighting::Specular,
+        number::Channels,
+        shaders::{Shade, Shading, with_shader},
+    },
+};
+
+/// Rows of a band.
+const BAND_ROWS: u32 = 16;
+
+/// All that one frame needs before its pixels: the outline of every triangle, the shader's constants, and which band
+/// of rows has which triangles.
+#[derive(Clone, Debug)]
+pub struct Prepared<'f> {
+    frame: &'f Frame,
+    outlines: Vec<Option<Outline>>,
+    corners: Vec<Corners>,
+    /// The triangles of each band, in the order of the frame.
+    bands: Vec<Vec<u32>>,
+    channels: Channels,
+    shading: Painter,
+}
+
+/// The shader, for as many channels as are shaded.
+#[derive(Clone, Debug)]
+enum Painter {
+    Gray(Box<Shading<f32, 1>>),
+    Color(Box<Shading<f32, 3>>),
+}
+
+impl<'f> Prepared<'f> {
+    /// `frame` ready to be drawn with `shade`.
+    #[must_use]
+    pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
+        let channels = channels(frame);
+        let shading = match channels {
+            Channels::Gray(_) => Painter::Gray(Box::new(Shading::new(frame, shade, channels))),
+            Channels::Color => Painter::Color(Box::new(Shading::new(frame, shade, channels))),
+        };
+        let outline = |t| Outline::new(frame.corners(t).map(|v| v.screen), frame.width, frame.height);
+        let outlines = frame.each_triangle(outline);
+        let mut bands = vec![Vec::new(); frame.height.div_ceil(BAND_ROWS) as usize];
+        for (t, outline) in (0..).zip(&outlines) {
+            if let Some(Outline { first, end, .. }) = outline {
+                let reached = (first / BAND_ROWS) as usize..=((end - 1) / BAND_ROWS) as usize;
+                bands[reached].iter_mut().for_each(|triangles| triangles.push(t));
+            }
+        }
+        let corners = frame.each_triangle(|t| corners(frame, t, channels));
+        Prepared { frame, outlines, corners, bands, channels, shading }
+    }
+
+    /// The picture in linear light.
+    #[must_use]
+    pub fn image(&self) -> LinearImage {
+        self.image_on(Arch::new())
+    }
+
+    /// The same in the vectors of `arch`, which make no difference.
+    #[must_use]
+    pub fn image_on(&self, arch: Arch) -> LinearImage {
+        let mut image = LinearImage::new(self.frame.width, self.frame.height);
+        self.draw(arch, &Linear, &mut image.data);
+        image
+    }
+
+    /// Draws codes into `pixels`: red, green, blue and an opaque alpha of every pixel, row by row from the top left,
+    /// 4 · width · height bytes. A shorter slice gets the rows that fit; bytes beyond the picture stay unchanged.
+    pub fn codes(&self, encoder: &Encoder, pixels: &mut [u8]) {
+        self.draw(Arch::new(), encoder, pixels);
+    }
+
+    fn draw<T: Target>(&self, arch: Arch, target: &T, samples: &mut [T::Sample]) {
+        let row = self.frame.width as usize * T::SAMPLES;
+        if row == 0 {
+            return;
+        }
+        let rows = (samples.len() / row).min(self.frame.height as usize);
+        let bands = samples[..rows * row].par_chunks_mut(row * BAND_ROWS as usize).zip(&self.bands).enumerate();
+        bands.for_each_init(Scratch::default, |scratch, (index, (samples, triangles))| {
+            self.paint(index as u32, triangles, scratch, arch);
+            let light = scratch.light.each_ref().map(|light| &light[..light.len().min(samples.len() / T::SAMPLES)]);
+            arch.dispatch(
+                #[inline(always)]
+                || target.write(light, self.channels, samples),
+            );
+        });
+    }
+
+    fn paint(&self, index: u32, triangles: &[u32], scratch: &mut Scratch, arch: Arch) {
+        let Prepared { frame, outlines, corners, .. } = self;
+        let first = index * BAND_ROWS;
+        let background = self.channels.pick(frame.background);
+        let end = (first + BAND_ROWS).min(frame.height);
+        let band = Band { frame, outlines, corners, triangles, first, end, background };
+        match &self.shading {
+            Painter::Gray(shading) => paint(band, shading, scratch, arch),
+            Painter::Color(shading) => paint(band, shading, scratch, arch),
+        }
+    }
+}
+
+/// `frame` with `shade` in linear light, drawn the fast way: within 1e-5 of [`Reference::image`](super::Reference::image).
+#[must_use]
+pub fn picture(frame: &Frame, shade: &Shade) -> LinearImage {
+    Prepared::new(frame, shade).image()
+}
+
+/// Paints a band with code that is made for its shader.
+fn paint<const C: usize>(band: Band<'_>, shading: &Shading<f32, C>, scratch: &mut Scratch, arch: Arch) {
+    if shading.corrections.is_some() {
+        return band.paint(shading, scratch, arch);
+    }
+    with_shader!(&shading.plain, shader => band.paint::<C, _>(shader, scratch, arch));
+}
+
+/// The planes of a triangle.
+fn corners(frame: &Frame, triangle: usize, channels: Channels) -> Corners {
+    let corners = frame.corners(triangle);
+    let values = [0, 1, 2].map(|k: usize| {
+        let mut values = [0.0; 6];
+        values[k] = 1.0;
+        values[3..].copy_from_slice(&channels.pick::<f64, 3>(corners[k].light));
+        values
+    });
+    Corners::new(corners.map(|v| v.screen), values)
+}
+
+/// Which channels are shaded: one where the lights of the vertices, and all that any shader may add to them, are gray.
+fn channels(frame: &Frame) -> Channels {
+    if frame.encoding.as_ref().is_some_and(|transfers| transfers.uniform().is_none()) {
+        return Channels::Color;
+    }
+    let (lighting, material) = (&frame.lighting, &frame.lighting.material);
+    let mut lights = vec![frame.background, lighting.ambient_light()];
+    for lamp in &lighting.lamps {
+        lights.push(lamp.intensity * material.color * material.diffuse);
+        let highlight = lamp.intensity * material.specular_color * material.specular;
+        lights.push(highlight);
+        if let Specular::CookTorrance(facets) = material.specular_model {
+            lights.push(highlight * facets.index);
+        }
+    }
+    lights.extend(frame.vertices.iter().flat_map(|v| [v.light, v.ambient]));
+    Channels::of(lights.into_iter())
+}

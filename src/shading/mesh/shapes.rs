@@ -1,0 +1,364 @@
+//! Meshes by name.
+//!
+//! All are closed and counter-clockwise seen from outside, but for [`jittered_grid`]. The round ones have the normals of
+//! the surface that they stand for; those of the others are averaged over the faces around each vertex, as the papers
+//! have them.
+
+use std::{collections::HashMap, f64::consts::TAU};
+
+use delaunator::{Point, triangulate};
+use glam::DVec3;
+
+use super::{
+    build::{MOST, MeshError, Polygons},
+    triangles::Mesh,
+};
+use crate::light::names::named;
+
+named! {
+    /// A mesh by its name.
+    Shape, UnknownShape {
+        /// [`cube`].
+        Cube = "cube",
+        /// [`pyramid`].
+        Pyramid = "pyramid",
+        /// `sphere`.
+        Sphere = "sphere",
+        /// `torus`.
+        Torus = "torus",
+        /// [`blob`].
+        Blob = "blob",
+    }
+}
+
+/// The shape cannot have so many or so few vertices.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("a {shape} cannot have {vertices} vertices; expected {least}…{most}", most = MOST_VERTICES)]
+pub struct ShapeError {
+    /// Which shape.
+    shape: Shape,
+    /// How many were asked for.
+    vertices: usize,
+    /// The fewest it can have.
+    least: usize,
+}
+
+/// Most vertices of a shape.
+pub const MOST_VERTICES: usize = 500_000;
+
+impl Shape {
+    /// Whether the shape can have more vertices or fewer: not the cube and the pyramid.
+    #[must_use]
+    pub const fn has_vertices(self) -> bool {
+        matches!(self, Shape::Sphere | Shape::Torus | Shape::Blob)
+    }
+
+    /// The fewest vertices that the shape can have.
+    #[must_use]
+    pub const fn least_vertices(self) -> usize {
+        match self {
+            Shape::Cube | Shape::Pyramid => 8,
+            Shape::Sphere => LEAST_SPHERE,
+            Shape::Torus => LEAST_TORUS,
+            Shape::Blob => LEAST_BLOB,
+        }
+    }
+}
+
+/// The mesh of `shape` with `vertices` places: exactly so many for the blob, about so many for sphere and torus, whose
+/// triangles would otherwise be distorted; cube and pyramid always have 8.
+///
+/// # Errors
+/// [`ShapeError`] outside [`Shape::least_vertices`]…[`MOST_VERTICES`].
+pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
+    if shape.has_vertices() && !(shape.least_vertices()..=MOST_VERTICES).contains(&vertices) {
+        return Err(ShapeError { shape, vertices, least: shape.least_vertices() });
+    }
+    match shape {
+        Shape::Cube => Ok(cube()),
+        Shape::Pyramid => Ok(pyramid()),
+        Shape::Sphere => Ok(sphere(subdivisions(vertices))),
+        Shape::Torus => Ok(torus_of(vertices)),
+        Shape::Blob => Ok(blob(vertices)),
+    }
+}
+
+/// The cube of side 2 around the origin, 12 triangles, its normals averaged at the corners as the paper's figures have
+/// them.
+#[must_use]
+pub fn cube() -> Mesh {
+    let positions: Vec<DVec3> = (0..8)
+        .map(|i| DVec3::new(f64::from(i & 1), f64::from((i >> 1) & 1), f64::from((i >> 2) & 1)) * 2.0 - DVec3::ONE)
+        .collect();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    solid(&positions, &Polygons::new(faces.iter().map(|face| &face[..])))
+}
+
+/// Shoaff's truncated pyramid (§4.1), closed by a base: V1…V8 are sites 0…7, 12 triangles.
+///
+/// Its normals are Shoaff's: the normalized sum of the three *plane equations* around a vertex, (−1, −1, 3)/√11 at V1.
+/// They are not of unit length there: z − 1 = 0, −y + z − 2 = 0, −x + z − 2 = 0. The average of unit normals, as
+/// elsewhere, would be along (−1, −1, 1 + √2 + 1).
+#[must_use]
+pub fn pyramid() -> Mesh {
+    let square = |half: f64, z: f64| {
+        [(-half, -half), (half, -half), (half, half), (-half, half)].map(|(x, y)| DVec3::new(x, y, z))
+    };
+    let positions = [square(1.0, 1.0), square(2.0, 0.0)].concat();
+    let mut polygons = Polygons::default();
+    for face in [[0, 1, 2, 3], [4, 5, 1, 0], [5, 6, 2, 1], [6, 7, 3, 2], [7, 4, 0, 3], [7, 6, 5, 4]] {
+        polygons.push(face.map(|site: u32| {
+            let p = positions[site as usize];
+            let outward = DVec3::new(p.x.signum(), p.y.signum(), if p.z > 0.0 { 3.0 } else { 1.0 });
+            (site, Some(outward.normalize()))
+        }));
+    }
+    solid(&positions, &polygons)
+}
+
+fn solid(positions: &[DVec3], polygons: &Polygons) -> Mesh {
+    Mesh::from_polygons(positions, polygons, 180.0).expect("a solid is a mesh")
+}
+
+/// The icosahedron.
+const LEAST_SPHERE: usize = 12;
+
+/// Four rows of three.
+const LEAST_TORUS: usize = 12;
+
+/// Radius of the torus's tube; its middle line has the radius 1.
+const TUBE: f64 = 0.4;
+
+/// Into how many parts each edge of the icosahedron is cut for about `vertices` vertices.
+fn subdivisions(vertices: usize) -> usize {
+    ((vertices.saturating_sub(2) as f64 / 10.0).sqrt().round() as usize).max(1)
+}
+
+/// The unit sphere: an icosahedron whose edges are cut into `subdivisions` parts (at least 1), thrown onto the sphere:
+/// 10·s² + 2 vertices and 20·s² triangles, all of nearly one size and shape.
+#[must_use]
+pub fn sphere(subdivisions: usize) -> Mesh {
+    let s = subdivisions.max(1);
+    let (corners, faces) = icosahedron();
+    let mut positions: Vec<DVec3> = Vec::with_capacity(10 * s * s + 2);
+    // A place on a face by the whole weights of the face's corners, those without weight left out: faces that share it
+    // name it alike.
+    let mut index: HashMap<[(usize, usize); 3], u32> = HashMap::with_capacity(10 * s * s + 2);
+    let mut triangles = Vec::with_capacity(20 * s * s);
+    for face in faces {
+        let mut site = |i: usize, j: usize| {
+            let mut key =
+                [(face[0], s - i - j), (face[1], i), (face[2], j)].map(|(c, w)| if w == 0 { (0, 0) } else { (c, w) });
+            key.sort_unstable();
+            *index.entry(key).or_insert_with(|| {
+                let sum: DVec3 = key.iter().map(|(corner, weight)| corners[*corner] * *weight as f64).sum();
+                positions.push(sum.normalize());
+                (positions.len() - 1) as u32
+            })
+        };
+        for i in 0..s {
+            for j in 0..s - i {
+                let (a, b, c) = (site(i, j), site(i + 1, j), site(i, j + 1));
+                triangles.push([a, b, c]);
+                if i + j + 2 <= s {
+                    triangles.push([b, site(i + 1, j + 1), c]);
+                }
+            }
+        }
+    }
+    closed(&positions, &triangles).with_normals(|place| place)
+}
+
+/// Corners of length 1, and faces counter-clockwise from outside.
+fn icosahedron() -> (Vec<DVec3>, Vec<[usize; 3]>) {
+    let golden = f64::midpoint(1.0, 5f64.sqrt());
+    let corners: Vec<DVec3> = (0..12)
+        .map(|i| {
+            let (a, b) = (if i & 1 == 0 { 1.0 } else { -1.0 }, if i & 2 == 0 { golden } else { -golden });
+            [DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)][i / 4].normalize()
+        })
+        .collect();
+    let near = |i: usize, j: usize| corners[i].dot(corners[j]) > 0.4;
+    let mut faces = Vec::with_capacity(20);
+    for i in 0..12 {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                if near(i, j) && near(j, k) && near(k, i) {
+                    let outward = (corners[j] - corners[i]).cross(corners[k] - corners[i]).dot(corners[i]) > 0.0;
+                    faces.push(if outward { [i, j, k] } else { [i, k, j] });
+                }
+            }
+        }
+    }
+    (corners, faces)
+}
+
+/// The torus around the z axis, radius 1, its tube of radius 0.4: `around` places (at least 3) along each of `tube`
+/// rows (even, at least 4), every other row half a place ahead, which makes the triangles nearly equal-sided where the
+/// tube looks up and down.
+#[must_use]
+pub fn torus(around: usize, tube: usize) -> Mesh {
+    let (around, tube) = (around.max(3), tube.max(4).next_multiple_of(2));
+    let mut positions = Vec::with_capacity(around * tube);
+    for row in 0..tube {
+        let (sin, cos) = (TAU * row as f64 / tube as f64).sin_cos();
+        for column in 0..around {
+            let turn = (column as f64 + if row % 2 == 0 { 0.0 } else { 0.5 }) / around as f64;
+            let (y, x) = (TAU * turn).sin_cos();
+            let out = 1.0 + TUBE * cos;
+            positions.push(DVec3::new(out * x, out * y, TUBE * sin));
+        }
+    }
+    let mut triangles = Vec::with_capacity(around * tube * 2);
+    for row in 0..tube {
+        for column in 0..around {
+            let site = |up: usize, on: usize| ((row + up) % tube * around + (column + on) % around) as u32;
+            if row % 2 == 0 {
+                triangles.extend([[site(0, 0), site(0, 1), site(1, 0)], [site(0, 1), site(1, 1), site(1, 0)]]);
+            } else {
+                triangles.extend([[site(0, 0), site(1, 1), site(1, 0)], [site(0, 0), site(0, 1), site(1, 1)]]);
+            }
+        }
+    }
+    closed(&positions, &triangles).with_normals(|place| place - DVec3::new(place.x, place.y, 0.0).normalize_or_zero())
+}
+
+/// The torus with about `vertices` places.
+fn torus_of(vertices: usize) -> Mesh {
+    // Equal sides a along the middle line, and rows a·√3/2 apart: around/tube = (1/0.4)·(√3/2).
+    let tube = (vertices as f64 * TUBE * 2.0 / 3f64.sqrt()).sqrt() / 2.0;
+    let tube = (tube.round() as usize).max(2) * 2;
+    torus((vertices as f64 / tube as f64).round() as usize, tube)
+}
+
+fn closed(positions: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
+    Mesh::new(positions, triangles, 180.0).expect("a round surface is a mesh")
+}
+
+/// A tetrahedron.
+const LEAST_BLOB: usize = 4;
+
+/// `count` points spread evenly over the unit sphere: the i-th is at z = 1 − (2i + 1)/`count`, turned on by the golden
+/// angle from the last.
+#[must_use]
+pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
+    let golden = f64::midpoint(1.0, 5f64.sqrt());
+    (0..count)
+        .map(|i| {
+            let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
+            let (y, x) = (TAU * (i as f64 / golden).fract()).sin_cos();
+            let radius = ((1.0 - z) * (1.0 + z)).sqrt();
+            DVec3::new(radius * x, radius * y, z)
+        })
+        .collect()
+}
+
+/// A closed surface over `count` Fibonacci points, at least 4: the triangles of their convex hull, 2·`count` − 4, each
+/// place then moved in or out by a smooth function of its direction, so that the surface is round but no ball: it has
+/// hollows, and no symmetry.
+#[must_use]
+pub fn blob(count: usize) -> Mesh {
+    let points = fibonacci_points(count);
+    let positions: Vec<DVec3> = points.iter().map(|p| *p * radius(*p)).collect();
+    Mesh::new(&positions, &hull(&points), 180.0).expect("a blob is a mesh").with_normals(normal)
+}
+
+/// The surface is at the distance r(u) in the direction u; its normal is along u − ∇r/r, of the slope the part across u.
+fn normal(place: DVec3) -> DVec3 {
+    let out = place.normalize();
+    let slope = radius_slope(out);
+    out - (slope - out * slope.dot(out)) / radius(out)
+}
+
+/// Distance from the middle in the direction `p`: 0.66…1.34.
+fn radius(p: DVec3) -> f64 {
+    1.0 + 0.16 * (2.1 * p.x + 0.4).sin() * (2.6 * p.y - 0.3).cos()
+        + 0.12 * (3.1 * p.z + 1.3 * p.x).sin()
+        + 0.06 * (4.3 * p.y + 2.0 * p.z + 1.0).sin()
+}
+
+/// How [`radius`] changes along x, y and z.
+fn radius_slope(p: DVec3) -> DVec3 {
+    let (sin, cos) = (2.1 * p.x + 0.4).sin_cos();
+    let (down, up) = (2.6 * p.y - 0.3).sin_cos();
+    let wave = 0.12 * (3.1 * p.z + 1.3 * p.x).cos();
+    let ripple = 0.06 * (4.3 * p.y + 2.0 * p.z + 1.0).cos();
+    DVec3::new(0.16 * 2.1 * cos * up + 1.3 * wave, -0.16 * 2.6 * sin * down + 4.3 * ripple, 3.1 * wave + 2.0 * ripple)
+}
+
+/// The triangles of the convex hull of `points`, at least 4 different ones on the unit sphere; counter-clockwise from
+/// outside, two fewer than twice as many as there are points.
+///
+/// Projected from the last point onto a plane, circles on the sphere stay circles: the faces that do not touch that point
+/// are the Delaunay triangulation of the others there, and the others' outline has the faces that do.
+#[must_use]
+pub fn hull(points: &[DVec3]) -> Vec<[u32; 3]> {
+    let Some((pole, others)) = points.split_last() else { return Vec::new() };
+    let (x, y) = pole.any_orthonormal_pair();
+    let flat: Vec<Point> =
+        others.iter().map(|p| *p / (1.0 - p.dot(*pole))).map(|p| Point { x: p.dot(x), y: p.dot(y) }).collect();
+    let flat = triangulate(&flat);
+    let outline = (0..flat.hull.len()).map(|i| [flat.hull[i], flat.hull[(i + 1) % flat.hull.len()], others.len()]);
+    let faces = flat.triangles.as_chunks::<3>().0.iter().copied().chain(outline);
+    let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+    let outward = |[a, b, c]: [usize; 3]| {
+        let [p, q, r] = [a, b, c].map(|i| points[i]);
+        if (q - p).cross(r - p).dot(p - middle) > 0.0 { [a, b, c] } else { [a, c, b] }
+    };
+    faces.map(|face| outward(face).map(|i| i as u32)).collect()
+}
+
+/// Largest jitter: beyond a quarter of a cell a triangle could turn over.
+pub const MOST_JITTER: f64 = 0.24;
+
+/// A sheet of `columns` by `rows` cells of two triangles each over −1…1 in x and y, seen from +z, with z = `height`(x,
+/// y). Its places are moved along x and y by up to `jitter` of a cell (at most `MOST_JITTER`), those on the border
+/// along it only; always the same way. Without jitter every two triangles that share an edge are a parallelogram.
+///
+/// # Errors
+/// [`MeshError::NoTriangles`] without columns or rows, [`MeshError::TooMany`], [`MeshError::NotFinite`] for a height.
+pub fn jittered_grid(
+    columns: usize,
+    rows: usize,
+    jitter: f64,
+    height: impl Fn(f64, f64) -> f64,
+) -> Result<Mesh, MeshError> {
+    if columns == 0 || rows == 0 {
+        return Err(MeshError::NoTriangles);
+    }
+    let places = columns.saturating_add(1).saturating_mul(rows.saturating_add(1));
+    if places > MOST {
+        return Err(MeshError::TooMany { positions: places, faces: columns.saturating_mul(rows).saturating_mul(2) });
+    }
+    let jitter = if jitter > 0.0 { jitter.min(MOST_JITTER) } else { 0.0 };
+    let along = |step: usize, steps: usize, at: u64| {
+        let moved = if step == 0 || step == steps { 0.0 } else { jitter * noise(at) };
+        (step as f64 + moved) / steps as f64 * 2.0 - 1.0
+    };
+    let mut positions = Vec::with_capacity((columns + 1) * (rows + 1));
+    for row in 0..=rows {
+        for column in 0..=columns {
+            let at = 2 * positions.len() as u64;
+            let (x, y) = (along(column, columns, at), along(row, rows, at + 1));
+            positions.push(DVec3::new(x, y, height(x, y)));
+        }
+    }
+    let site = |column: usize, row: usize| (row * (columns + 1) + column) as u32;
+    let mut triangles = Vec::with_capacity(columns * rows * 2);
+    for row in 0..rows {
+        for column in 0..columns {
+            let [a, b] = [site(column, row), site(column + 1, row)];
+            let [c, d] = [site(column + 1, row + 1), site(column, row + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    Mesh::new(&positions, &triangles, 180.0)
+}
+
+/// −1…1, the same for the same number, without pattern (SplitMix64).
+fn noise(at: u64) -> f64 {
+    let mut z = at.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (z ^ (z >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
+}
