@@ -1,11 +1,12 @@
-//! Agreement between subjects: Krippendorff's ordinal α.
+//! Agreement between subjects, Krippendorff's ordinal α, and of a subject with themselves, weighted κ between first and
+//! second ratings.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
     bootstrap::{Bootstrap, Interval},
-    counts::Counts,
+    counts::{Counts, Measured},
 };
 
 /// Krippendorff's α.
@@ -120,23 +121,57 @@ pub fn mean_over_subjects(values: &[f64], bootstrap: &Bootstrap) -> Option<(f64,
     Some((mean(&vec![1; values.len()]), bootstrap.interval(values.len(), resampled)))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::analysis::counts::CountsBuilder;
+/// First against second ratings: how often each pair of categories occurred.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Retest {
+    categories: usize,
+    counts: Vec<u64>,
+}
 
-    #[test]
-    fn one_subject_or_one_category_has_no_agreement() {
-        let build = |rows: &[(&str, &str)]| {
-            let mut builder = CountsBuilder::new(&["unit"]);
-            for (subject, rating) in rows {
-                builder.add(subject, &["1"], rating, 2).unwrap();
-            }
-            ordinal_alpha(&builder.finish(), &Bootstrap::default())
-        };
-        assert_eq!(build(&[("a", "1"), ("a", "2")]), None);
-        assert_eq!(build(&[("a", "1"), ("b", "1")]), None);
-        assert_eq!(build(&[]), None);
-        assert!(build(&[("a", "1"), ("b", "2")]).unwrap().alpha < 0.0);
+impl Retest {
+    /// An empty table for a number of categories.
+    pub fn new(categories: usize) -> Self {
+        Self { categories, counts: vec![0; categories * categories] }
     }
+
+    /// Adds a condition's first and second rating, categories from 0; false if one of them is none of the table's.
+    pub fn add(&mut self, first: usize, second: usize) -> bool {
+        let inside = first < self.categories && second < self.categories;
+        if inside {
+            self.counts[first * self.categories + second] += 1;
+        }
+        inside
+    }
+
+    /// Pairs in the table.
+    pub fn pairs(&self) -> u64 {
+        self.counts.iter().sum()
+    }
+
+    /// Cohen's κ (1968) with quadratic weights: 1 perfect agreement, 0 what chance gives. None without pairs, or where all
+    /// ratings are the same category.
+    pub fn kappa(&self) -> Option<f64> {
+        let k = self.categories;
+        let row = |i: usize| self.counts[i * k..(i + 1) * k].iter().sum::<u64>() as f64;
+        let column = |j: usize| (0..k).map(|i| self.counts[i * k + j]).sum::<u64>() as f64;
+        let n = self.pairs() as f64;
+        let (mut observed, mut expected) = (0.0, 0.0);
+        for i in 0..k {
+            for j in 0..k {
+                let weight = (i.abs_diff(j) as f64).powi(2);
+                observed += weight * self.counts[i * k + j] as f64;
+                expected += weight * row(i) * column(j) / n;
+            }
+        }
+        (expected > 0.0).then(|| 1.0 - observed / expected)
+    }
+}
+
+/// First against second ratings of every subject.
+pub fn retests(measured: &Measured) -> Vec<Retest> {
+    let mut retests = vec![Retest::new(measured.counts.categories.len()); measured.counts.subjects.len()];
+    for pair in &measured.retests {
+        retests[pair.subject as usize].add(pair.first.into(), pair.second.into());
+    }
+    retests
 }

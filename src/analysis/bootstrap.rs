@@ -78,27 +78,3 @@ fn quantile(sorted: &[f64], p: f64) -> f64 {
     let above = (below + 1).min(sorted.len() - 1);
     sorted[below] + (position - below as f64) * (sorted[above] - sorted[below])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// `numpy.quantile`, 2.4.6.
-    #[test]
-    fn quantiles_are_those_of_numpy() {
-        let values = [1.0, 2.0, 4.0, 8.0, 16.0];
-        assert!((quantile(&values, 0.025) - 1.1).abs() < 1e-12);
-        assert!((quantile(&values, 0.9) - 12.8).abs() < 1e-12);
-    }
-
-    #[test]
-    fn draws_are_repeatable_and_as_many_as_subjects() {
-        let bootstrap = Bootstrap { replicates: 50, seed: 3, level: 0.9 };
-        let weights = bootstrap.weights(7);
-        assert_eq!(bootstrap.weights(7), weights);
-        assert_ne!(Bootstrap { seed: 4, ..bootstrap }.weights(7), weights);
-        assert!(weights.iter().all(|weights| weights.iter().map(|weight| u32::from(*weight)).sum::<u32>() == 7));
-        // The order for a seed, once and for all.
-        assert_eq!(weights[0], [2, 1, 1, 0, 2, 1, 0]);
-    }
-}

@@ -10,15 +10,6 @@ use super::{
     },
 };
 
-/// What a variable of a term means in a table.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Resolved {
-    /// A factor by its index, with the levels that occur, the baseline first.
-    Factor { index: usize, levels: Vec<u32> },
-    /// A number for every level of a factor.
-    Number { index: usize, values: Vec<f64> },
-}
-
 /// The rows of a table that have all the values the terms need.
 #[derive(Clone, Debug)]
 pub(super) struct Frame<'a> {
@@ -95,17 +86,8 @@ impl<'a> Frame<'a> {
         levels
     }
 
-    /// What a variable means here.
-    pub fn resolve(&self, variable: &Variable) -> Result<Resolved, ModelError> {
-        let (index, inverse) = find_factor(self.counts, variable)?;
-        match variable {
-            Variable::Factor(_) => Ok(Resolved::Factor { index, levels: self.levels(index) }),
-            Variable::Number(_) => Ok(Resolved::Number { index, values: self.values(index, inverse)? }),
-        }
-    }
-
     /// The numbers of a factor's levels; 0 for those that do not occur.
-    fn values(&self, index: usize, inverse: bool) -> Result<Vec<f64>, ModelError> {
+    pub fn numbers(&self, index: usize, inverse: bool) -> Result<Vec<f64>, ModelError> {
         let factor = &self.counts.factors[index];
         let mut values = vec![0.0; factor.levels.len()];
         for &level in &self.levels[index] {
@@ -125,7 +107,7 @@ impl<'a> Frame<'a> {
 }
 
 /// The factor a variable names, and whether its inverse is meant.
-fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize, bool), ModelError> {
+pub(super) fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize, bool), ModelError> {
     if let Some((index, _)) = counts.factor(variable.name()) {
         return Ok((index, false));
     }
@@ -134,10 +116,8 @@ fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize, bool), Mo
     {
         return Ok((index, true));
     }
-    let names: Vec<String> = counts.factors.iter().map(|factor| factor.name.clone()).collect();
-    let near = |name: &&String| strsim::damerau_levenshtein(name, variable.name());
-    let nearest = names.iter().min_by_key(near).filter(|name| near(name) <= 2).cloned();
-    Err(ModelError::UnknownFactor { name: variable.name().to_owned(), nearest, known: names })
+    let known = counts.factors.iter().map(|factor| factor.name.clone()).collect();
+    Err(ModelError::UnknownFactor { name: variable.name().to_owned(), known })
 }
 
 fn needed_factors(counts: &Counts, terms: &[&Terms]) -> Result<BTreeSet<usize>, ModelError> {

@@ -58,25 +58,3 @@ pub(super) fn rank(texts: &[Option<&str>]) -> (Vec<String>, Vec<Option<u32>>) {
     let indices = texts.iter().map(|text| text.and_then(|text| index_of.get(text).copied())).collect();
     (levels, indices)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn levels(texts: &[&str]) -> Vec<String> {
-        rank(&texts.iter().map(|text| Some(*text)).collect::<Vec<_>>()).0
-    }
-
-    #[test]
-    fn numbers_ascend_with_infinity_last_and_texts_follow_their_bytes() {
-        assert_eq!(levels(&["inf", "10", "2", "-1", "0.5", "2"]), ["-1", "0.5", "2", "10", "inf"]);
-        assert_eq!(levels(&["b", "10", "2", "a", "B"]), ["10", "2", "B", "a", "b"]);
-    }
-
-    #[test]
-    fn equal_numbers_are_one_level_and_missing_stays_missing() {
-        let (levels, indices) = rank(&[Some("0.10"), None, Some("0.1"), Some("1e-1"), Some("3")]);
-        assert_eq!(levels, ["0.1", "3"]);
-        assert_eq!(indices, [Some(0), None, Some(0), Some(0), Some(1)]);
-    }
-}

@@ -23,13 +23,11 @@ mod ordinal;
 pub mod power;
 pub mod rank_tests;
 pub mod results;
-pub mod retest;
 pub mod summary;
-pub mod times;
 
 pub use levels::{number_of, numbers_of};
 pub use ordinal::{
-    Coefficient, Link, Model, ModelError, ModelReport, ModelSpec, Note, Part, Prediction, Random, RandomEffect,
-    SubjectMode, TermTest, Threshold, fit, fit_with_tests, quadrature, scale_tests, terms,
+    Coefficient, Link, MOST_NODES, Model, ModelError, ModelReport, ModelSpec, Note, Part, Prediction, Random,
+    RandomEffect, SubjectMode, TermTest, Threshold, fit, fit_with_tests, scale_tests, terms,
 };
 pub use results::{Options, Results, analyze};

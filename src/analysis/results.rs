@@ -5,15 +5,14 @@ use serde::Serialize;
 
 use super::{
     Link, ModelError, ModelReport, ModelSpec, Note, Prediction, Random, TermTest,
-    agreement::{Alpha, mean_over_subjects, ordinal_alpha},
+    agreement::{Alpha, mean_over_subjects, ordinal_alpha, retests},
     bootstrap::{Bootstrap, Interval},
-    counts::Measured,
+    counts::{Measured, Quartiles, Times},
     fit_with_tests,
     rank_tests::{Friedman, Pairs, SubjectMeans, friedman, pairs},
     scale_tests,
     summary::{Group, by_cell, by_factor, by_subject},
     terms::Terms,
-    times::{Quartiles, Times},
 };
 
 /// What is to be computed.
@@ -145,7 +144,7 @@ pub fn analyze(measured: Measured, options: &Options) -> Results {
         model.notes.push(Note::OneSubject);
     }
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
-        .zip(measured.retests())
+        .zip(retests(&measured))
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
         .map(|((group, retest), times)| SubjectResults {
             group,

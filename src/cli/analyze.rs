@@ -5,7 +5,7 @@ use std::{path::PathBuf, time::Duration};
 use super::{UsageError, ratings::RatingOptions};
 use crate::{
     analysis::{
-        Link, ModelError, Options, Random, analyze, bootstrap::Bootstrap, numbers_of, quadrature, terms::Terms,
+        Link, MOST_NODES, ModelError, Options, Random, analyze, bootstrap::Bootstrap, numbers_of, terms::Terms,
     },
     report::{
         Provenance, Written,
@@ -40,7 +40,7 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = ["none", "subject"])]
     random: Option<String>,
     /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=quadrature::MOST_NODES as i64))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
     quadrature: u16,
     /// Seed of the bootstrap.
     #[arg(long, value_name = "N", default_value_t = 1)]

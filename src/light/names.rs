@@ -1,5 +1,15 @@
 //! Values that commands and files write as a word.
 
+/// "expected one of …; did you mean …?", the latter where a known name is near.
+pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String {
+    let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
+    let near = |candidate: &&str| strsim::damerau_levenshtein(name, candidate);
+    let best = known.iter().min_by_key(|candidate| (near(candidate), **candidate));
+    let best = best.filter(|candidate| near(candidate) <= 2.max(candidate.chars().count() / 2));
+    let question = best.map_or_else(String::new, |candidate| format!("; did you mean {candidate}?"));
+    format!("expected one of {}{question}", known.join(", "))
+}
+
 /// Declares an enum whose values have a name in commands and files, and the error for any other name.
 macro_rules! named {
     ($(#[$meta:meta])* $enum:ident, $error:ident { $($(#[$doc:meta])* $variant:ident = $name:literal,)* }) => {

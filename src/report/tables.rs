@@ -5,11 +5,10 @@ use serde_json::{Value, json};
 use crate::analysis::{
     Results,
     bootstrap::Interval,
-    counts::Counts,
+    counts::{Counts, Quartiles},
     rank_tests::PMethod,
     results::FactorResults,
     summary::{Group, Summary},
-    times::Quartiles,
 };
 use crate::store::{ratings::Shape, table::inert};
 

@@ -8,12 +8,13 @@ use serde_json::{Map, Value};
 use super::{
     FileFaults,
     file::{read_text, sha256},
-    toml::{self, nearest, unknown_key},
+    toml::{self, unknown_key},
 };
 use crate::{
     experiment::{
         Category, Design, Factor, Fault, Presentation, Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
     },
+    light::names::expected_one_of,
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
 };
 
@@ -52,7 +53,7 @@ pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
             name_or_path,
             format!(
                 "is neither a built-in definition nor a file; {}, or the path of a .toml file",
-                nearest(name_or_path, &names)
+                expected_one_of(name_or_path, &names)
             ),
         ));
     }
@@ -179,7 +180,7 @@ fn stimulus(given: &Map<String, Value>, faults: &mut Faults) -> Stimulus {
     let kind = given.get("kind").map(|kind| (kind, kind.as_str().unwrap_or_default()));
     let Some(mut stimulus) = kind.and_then(|(_, name)| Stimulus::default_of(name)) else {
         let message = match kind {
-            Some((kind, name)) => format!("kind {kind} is not known; {}", nearest(name, KINDS)),
+            Some((kind, name)) => format!("kind {kind} is not known; {}", expected_one_of(name, KINDS)),
             None => "stimulus.kind is missing; expected kind = …".to_owned(),
         };
         faults.add("stimulus.kind", message);

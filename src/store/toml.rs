@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
 
 use super::{FileFault, FileFaults, fault::position};
+use crate::light::names::expected_one_of;
 
 /// Most values that cannot be read: for each of them the file is read once more.
 const MOST_UNREAD: usize = 100;
@@ -199,18 +200,5 @@ fn explained(path: &str, error: &str) -> String {
 /// That a table has no such key, and which it may have.
 pub(super) fn unknown_key(table: &str, key: &str, known: &[&str]) -> String {
     let place = if table.is_empty() { String::new() } else { format!(" in [{table}]") };
-    format!("unknown key {key:?}{place}; {}", nearest(key, known))
-}
-
-/// "expected one of …; did you mean …?", the latter where a known name is near.
-pub(super) fn nearest(name: &str, known: &[&str]) -> String {
-    let best = known
-        .iter()
-        .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
-        .min()
-        .filter(|(distance, candidate)| *distance <= 2.max(candidate.chars().count() / 2));
-    match best {
-        Some((_, candidate)) => format!("expected one of {}; did you mean {candidate}?", known.join(", ")),
-        None => format!("expected one of {}", known.join(", ")),
-    }
+    format!("unknown key {key:?}{place}; {}", expected_one_of(key, known))
 }

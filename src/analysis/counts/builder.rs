@@ -6,51 +6,8 @@ use std::{
     collections::{BTreeMap, HashMap},
 };
 
-use super::{
-    measured::{Measured, RetestPair, TimeCount},
-    table::{CountError, CountRow, Counts, Factor},
-};
-use crate::{
-    analysis::{levels, times},
-    experiment::RatingRow,
-};
-
-/// As [`MeasuredBuilder`], for counts alone.
-#[derive(Clone, Debug)]
-pub struct CountsBuilder(MeasuredBuilder);
-
-impl CountsBuilder {
-    /// As [`MeasuredBuilder::new`].
-    pub fn new<S: AsRef<str>>(factors: &[S]) -> Self {
-        Self(MeasuredBuilder::new(factors))
-    }
-
-    /// As [`MeasuredBuilder::with_categories`].
-    #[must_use]
-    pub fn with_categories<S: AsRef<str>>(self, categories: &[S]) -> Self {
-        Self(self.0.with_categories(categories))
-    }
-
-    /// Adds `count` equal ratings; an empty text among `values` is a missing value.
-    ///
-    /// # Errors
-    /// As [`MeasuredBuilder::add`].
-    pub fn add<S: AsRef<str>>(
-        &mut self,
-        subject: &str,
-        values: &[S],
-        rating: &str,
-        count: u64,
-    ) -> Result<(), CountError> {
-        let values: Vec<&str> = values.iter().map(AsRef::as_ref).collect();
-        self.0.add(&RatingRow { subject, values: &values, rating, count, place: None, response_time_s: None })
-    }
-
-    /// The table, sorted.
-    pub fn finish(self) -> Counts {
-        self.0.finish().counts
-    }
-}
+use super::table::{CountError, CountRow, Counts, Factor, Measured, RetestPair, TimeCount, time_bin};
+use crate::{analysis::levels, experiment::RatingRow};
 
 /// Collects trials into [`Measured`], in any order and in as many parts as there are threads.
 #[derive(Clone, Debug)]
@@ -147,12 +104,27 @@ impl MeasuredBuilder {
         let cell = self.cell();
         cell.count(rating, count);
         if let Some(seconds) = response_time_s {
-            cell.time(times::bin(seconds), rating, count);
+            cell.time(time_bin(seconds), rating, count);
         }
         if let Some((session, repetition)) = place {
             cell.earliest.place(session, repetition, rating);
         }
         Ok(())
+    }
+
+    /// Adds `count` equal ratings without a time; an empty text among `values` is a missing value.
+    ///
+    /// # Errors
+    /// As [`Self::add`].
+    pub fn add_counts<S: AsRef<str>>(
+        &mut self,
+        subject: &str,
+        values: &[S],
+        rating: &str,
+        count: u64,
+    ) -> Result<(), CountError> {
+        let values: Vec<&str> = values.iter().map(AsRef::as_ref).collect();
+        self.add(&RatingRow { subject, values: &values, rating, count, place: None, response_time_s: None })
     }
 
     /// The cell of `self.key`, a new one if need be.
@@ -222,17 +194,18 @@ impl MeasuredBuilder {
 
     /// Everything in natural order.
     pub fn finish(self) -> Measured {
-        let varied = self.varied();
-        let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = self.cells.iter().map(|cell| cell.parts(&varied)).unzip();
+        let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = self.cells.iter().map(Cell::parts).unzip();
         let (subjects, subject_of) = levels::rank(&subjects.into_iter().map(Some).collect::<Vec<_>>());
-        let names = self.factors.iter().zip(&varied).filter(|(_, varied)| **varied).map(|(name, _)| name);
         let mut conditions: Vec<Vec<Option<u32>>> = vec![Vec::new(); self.cells.len()];
         let mut factors = Vec::new();
-        for (index, name) in names.enumerate() {
+        for (index, name) in self.factors.iter().enumerate() {
             // An empty text is a missing value.
             let texts: Vec<Option<&str>> =
                 values.iter().map(|values| Some(values[index]).filter(|text| !text.is_empty())).collect();
             let (levels, level_of) = levels::rank(&texts);
+            if self.only_varied && level_of.windows(2).all(|pair| pair[0] == pair[1]) {
+                continue;
+            }
             conditions.iter_mut().zip(level_of).for_each(|(condition, level)| condition.push(level));
             factors.push(Factor { name: name.clone(), numbers: levels::numbers_of(&levels), levels });
         }
@@ -287,24 +260,6 @@ impl MeasuredBuilder {
             counts: Counts { subjects, factors, conditions, categories, rows: rows.collect() },
         }
     }
-
-    /// For each factor whether it stays.
-    fn varied(&self) -> Vec<bool> {
-        if !self.only_varied {
-            return vec![true; self.factors.len()];
-        }
-        let all = vec![true; self.factors.len()];
-        let mut first: Option<Vec<&str>> = None;
-        let mut varied = vec![false; self.factors.len()];
-        for cell in &self.cells {
-            let (_, values) = cell.parts(&all);
-            match &first {
-                None => first = Some(values),
-                Some(first) => varied.iter_mut().zip(first.iter().zip(&values)).for_each(|(v, (a, b))| *v |= a != b),
-            }
-        }
-        varied
-    }
 }
 
 impl Cell {
@@ -323,11 +278,12 @@ impl Cell {
         }
     }
 
-    /// The subject, and the values of the factors that stay.
-    fn parts(&self, varied: &[bool]) -> (&str, Vec<&str>) {
+    /// The subject, and the values of the factors.
+    fn parts(&self) -> (&str, Vec<&str>) {
         let mut texts = self.key.split(|&byte| byte == END).map(|text| std::str::from_utf8(text).unwrap_or_default());
+        // After the last END there is nothing.
         let subject = texts.next().unwrap_or_default();
-        (subject, texts.zip(varied).filter(|(_, varied)| **varied).map(|(text, _)| text.trim()).collect())
+        (subject, texts.map(str::trim).collect())
     }
 }
 
@@ -349,108 +305,5 @@ impl Earliest {
         } else if before(&self.0[1]) {
             self.0[1] = new();
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_are_sorted_merged_and_independent_of_their_order() {
-        let rows = [("s10", "0.4", "1", 2), ("s9", "0.1", "0", 1), ("s10", "0.40", "1", 3), ("s9", "", "3", 1)];
-        let build = |order: &[usize]| {
-            let mut builder = CountsBuilder::new(&["width"]);
-            for &index in order {
-                let (subject, width, rating, count) = rows[index];
-                builder.add(subject, &[width], rating, count).unwrap();
-            }
-            builder.finish()
-        };
-        let counts = build(&[0, 1, 2, 3]);
-        assert_eq!(counts, build(&[3, 2, 1, 0]));
-        assert_eq!(counts.factors[0].levels, ["0.1", "0.4"]);
-        assert_eq!(counts.categories, ["0", "1", "3"]);
-        assert_eq!(counts.conditions, [vec![None], vec![Some(0)], vec![Some(1)]]);
-        assert_eq!(counts.rows.len(), 3);
-        assert_eq!(counts.rows.iter().map(|row| row.count).max(), Some(5));
-        assert_eq!(counts.total(), 7);
-    }
-
-    #[test]
-    fn declared_categories_refuse_others_and_keep_empty_ones() {
-        let mut builder = CountsBuilder::new(&["width"]).with_categories(&["0", "1", "2", "3"]);
-        builder.add("s1", &["0.1"], "2.0", 1).unwrap();
-        let error = builder.add("s1", &["0.1"], "4", 1).unwrap_err();
-        assert_eq!(error.to_string(), "rating 4; expected one of 0, 1, 2, 3");
-        assert_eq!(builder.add("s1", &["0.1"], "", 1), Err(CountError::NoRating));
-        assert_eq!(builder.add("", &["0.1"], "1", 1), Err(CountError::NoSubject));
-        assert_eq!(builder.finish().category_totals(), [0, 0, 1, 0]);
-    }
-
-    fn row<'a>(subject: &'a str, values: &'a [&'a str], rating: &'a str, repetition: u32) -> RatingRow<'a> {
-        let response_time_s = Some(0.5 * f64::from(repetition));
-        RatingRow { subject, values, rating, count: 1, place: Some(("1", repetition)), response_time_s }
-    }
-
-    fn rows() -> Vec<RatingRow<'static>> {
-        vec![
-            row("S2", &["0.4", "1"], "3", 2),
-            row("S2", &["0.40", "1"], "1", 1),
-            row("S1", &["0.1", "1"], "0", 1),
-            row("S10", &["0.1", "1"], "2.0", 1),
-            row("S2", &["0.4", "1"], "2", 3),
-            row("S1", &["0.1", "1"], "1", 2),
-        ]
-    }
-
-    fn build(rows: &[RatingRow<'_>]) -> MeasuredBuilder {
-        let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(&["0", "1", "2", "3"]);
-        for row in rows {
-            builder.add(row).unwrap();
-        }
-        builder
-    }
-
-    #[test]
-    fn order_and_parts_do_not_matter() {
-        let rows = rows();
-        let whole = build(&rows).finish();
-        let reversed: Vec<_> = rows.iter().rev().copied().collect();
-        assert_eq!(build(&reversed).finish(), whole);
-        for cut in 0..=rows.len() {
-            let mut first = build(&rows[..cut]);
-            first.absorb(build(&rows[cut..])).unwrap();
-            assert_eq!(first.finish(), whole, "cut at {cut}");
-        }
-        assert_eq!(whole.counts.total(), 6);
-        assert_eq!(whole.times_by(1, |_| Some(0))[0].n(), 6);
-    }
-
-    /// `0.40` is `0.4`, so S2 has one condition; its first two ratings are those of repetitions 1 and 2.
-    #[test]
-    fn the_two_earliest_ratings_are_a_pair() {
-        let measured = build(&rows()).finish();
-        let pairs: Vec<_> = measured.retests.iter().map(|p| (p.subject, p.first, p.second)).collect();
-        assert_eq!(measured.counts.subjects, ["S1", "S10", "S2"]);
-        assert_eq!(pairs, [(0, 0, 1), (2, 1, 3)]);
-        assert_eq!(measured.retests()[2].pairs(), 1);
-        let slow = measured.times_by(4, |row| Some(row.rating.into()))[3].quartiles().unwrap();
-        assert!((slow.median - 1.0).abs() < 0.03, "{slow:?}");
-    }
-
-    #[test]
-    fn what_does_not_vary_can_be_left_out_and_what_is_filtered_is_gone() {
-        let mut builder = MeasuredBuilder::new(&["width", "depth"]).only_varied_factors();
-        for row in rows() {
-            builder.add(&row).unwrap();
-        }
-        assert_eq!(builder.finish().counts.factors.iter().map(|f| &f.name).collect::<Vec<_>>(), ["width"]);
-        let measured = build(&rows()).finish();
-        let rest = measured.filtered(|subject| subject != 0, |levels| levels[0] == Some(0));
-        assert_eq!(rest.counts.subjects, ["S10"]);
-        assert_eq!((rest.counts.total(), rest.counts.categories.len()), (1, 4));
-        assert_eq!((rest.times_by(1, |_| Some(0))[0].n(), rest.retests.len()), (1, 0));
-        assert_eq!(measured.filtered(|_| true, |_| true), measured);
     }
 }

@@ -2,9 +2,7 @@
 //! these counts costs the same for a thousand rows as for a billion.
 
 mod builder;
-mod measured;
 mod table;
 
-pub use builder::{CountsBuilder, MeasuredBuilder};
-pub use measured::{Measured, RetestPair, TimeCount};
-pub use table::{CountError, CountRow, Counts, Factor};
+pub use builder::MeasuredBuilder;
+pub use table::{CountError, CountRow, Counts, Factor, Measured, Quartiles, RetestPair, TimeCount, Times};

@@ -1,6 +1,12 @@
-//! The table of counts.
+//! What is kept of any number of trials: counts of ratings, repeated ratings, and response times in a histogram whose
+//! bins grow with the time.
 
+use std::collections::BTreeSet;
+
+use serde::Serialize;
 use thiserror::Error;
+
+use crate::analysis::levels;
 
 /// A factor of the design and its levels, in natural order.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,5 +102,190 @@ impl Counts {
             totals[row.rating as usize] += row.count;
         }
         totals
+    }
+}
+
+/// The ratings of a study.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// How often each subject gave each rating in each condition.
+    pub counts: Counts,
+    /// First and second rating of the conditions that a subject rated more than once.
+    pub retests: Vec<RetestPair>,
+    /// Response times.
+    pub times: Vec<TimeCount>,
+}
+
+/// A subject's first and second rating of a condition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RetestPair {
+    /// Index into [`Counts::subjects`].
+    pub subject: u32,
+    /// Index into [`Counts::conditions`].
+    pub condition: u32,
+    /// Index into [`Counts::categories`] of the first rating.
+    pub first: u8,
+    /// Of the second.
+    pub second: u8,
+}
+
+/// How many answers took about as long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TimeCount {
+    /// Index into [`Counts::subjects`].
+    pub subject: u32,
+    /// Index into [`Counts::conditions`].
+    pub condition: u32,
+    /// Index into [`Counts::categories`].
+    pub rating: u8,
+    pub(super) bin: u16,
+    pub(super) count: u64,
+}
+
+impl Measured {
+    /// Response times by group: each trial in the group that `group_of` names, if any.
+    pub fn times_by(&self, groups: usize, group_of: impl Fn(&TimeCount) -> Option<usize>) -> Vec<Times> {
+        let mut times = vec![Times::default(); groups];
+        for row in &self.times {
+            if let Some(group) = group_of(row) {
+                times[group].add(row.bin, row.count);
+            }
+        }
+        times
+    }
+
+    /// What is left of some subjects and some conditions. Levels and subjects without ratings are gone; categories
+    /// stay.
+    #[must_use]
+    pub fn filtered(&self, subject: impl Fn(u32) -> bool, condition: impl Fn(&[Option<u32>]) -> bool) -> Self {
+        let counts = &self.counts;
+        let kept: Vec<bool> = counts.conditions.iter().map(|levels| condition(levels)).collect();
+        let keep = |s: u32, c: u32| subject(s) && kept[c as usize];
+        let rows: Vec<CountRow> = counts.rows.iter().filter(|row| keep(row.subject, row.condition)).copied().collect();
+        let subjects = Kept::new(rows.iter().map(|row| row.subject));
+        let conditions = Kept::new(rows.iter().map(|row| row.condition));
+        let levels: Vec<Kept> = (0..counts.factors.len())
+            .map(|factor| Kept::new(conditions.0.iter().filter_map(|&c| counts.conditions[c as usize][factor])))
+            .collect();
+        let factors = counts.factors.iter().zip(&levels).map(|(factor, kept)| {
+            let levels: Vec<String> = kept.of(&factor.levels);
+            Factor { name: factor.name.clone(), numbers: levels::numbers_of(&levels), levels }
+        });
+        let renumbered = |levels_of: &Vec<Option<u32>>| {
+            levels_of.iter().zip(&levels).map(|(level, kept)| level.map(|level| kept.index(level))).collect()
+        };
+        let moved = |s: u32, c: u32| (subjects.index(s), conditions.index(c));
+        Self {
+            counts: Counts {
+                subjects: subjects.of(&counts.subjects),
+                factors: factors.collect(),
+                conditions: conditions.of(&counts.conditions).iter().map(renumbered).collect(),
+                categories: counts.categories.clone(),
+                rows: (rows.iter())
+                    .map(|row| {
+                        let (subject, condition) = moved(row.subject, row.condition);
+                        CountRow { subject, condition, ..*row }
+                    })
+                    .collect(),
+            },
+            retests: (self.retests.iter().filter(|pair| keep(pair.subject, pair.condition)))
+                .map(|pair| {
+                    let (subject, condition) = moved(pair.subject, pair.condition);
+                    RetestPair { subject, condition, ..*pair }
+                })
+                .collect(),
+            times: (self.times.iter().filter(|row| keep(row.subject, row.condition)))
+                .map(|row| {
+                    let (subject, condition) = moved(row.subject, row.condition);
+                    TimeCount { subject, condition, ..*row }
+                })
+                .collect(),
+        }
+    }
+}
+
+/// The indices that stay, in order.
+struct Kept(Vec<u32>);
+
+impl Kept {
+    fn new(indices: impl Iterator<Item = u32>) -> Self {
+        Self(indices.collect::<BTreeSet<_>>().into_iter().collect())
+    }
+
+    /// The new index of one that stays.
+    fn index(&self, old: u32) -> u32 {
+        self.0.partition_point(|kept| *kept < old) as u32
+    }
+
+    /// What stays of a list.
+    fn of<T: Clone>(&self, all: &[T]) -> Vec<T> {
+        self.0.iter().map(|&index| all[index as usize].clone()).collect()
+    }
+}
+
+/// Upper end of a bin over its lower end: quantiles are right to 2.5 %.
+const GROWTH: f64 = 1.05;
+/// Lower end of bin 0, seconds.
+const SHORTEST_S: f64 = 0.01;
+/// Bins; the last begins at some three hours.
+const BINS: u16 = 280;
+
+/// The bin that a time falls into.
+pub(super) fn time_bin(seconds: f64) -> u16 {
+    let bin = (seconds / SHORTEST_S).ln() / GROWTH.ln();
+    // Times below the first bin, 0 s among them, are in it.
+    bin.clamp(0.0, f64::from(BINS - 1)) as u16
+}
+
+/// The time in the (geometric) middle of a bin.
+fn middle(bin: u16) -> f64 {
+    SHORTEST_S * GROWTH.powf(f64::from(bin) + 0.5)
+}
+
+/// How long some answers took.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Times {
+    counts: Vec<u64>,
+}
+
+/// Quartiles of response times, seconds; each within 2.5 % of that of the times themselves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Quartiles {
+    /// Times.
+    pub n: u64,
+    /// A quarter are shorter.
+    pub lower: f64,
+    /// Half are shorter.
+    pub median: f64,
+    /// Three quarters are shorter.
+    pub upper: f64,
+}
+
+impl Times {
+    /// Adds a number of times of one bin.
+    fn add(&mut self, bin: u16, count: u64) {
+        self.counts.resize(usize::from(BINS), 0);
+        self.counts[usize::from(bin)] += count;
+    }
+
+    /// Times in the histogram.
+    pub fn n(&self) -> u64 {
+        self.counts.iter().sum()
+    }
+
+    /// The time that a proportion of them do not exceed, seconds; none of none.
+    pub fn quantile(&self, proportion: f64) -> Option<f64> {
+        let wanted = (proportion * self.n() as f64).ceil().max(1.0) as u64;
+        let mut below = 0;
+        (self.counts.iter().zip(0_u16..)).find_map(|(&count, bin)| {
+            below += count;
+            (count > 0 && below >= wanted).then(|| middle(bin))
+        })
+    }
+
+    /// The quartiles; none of none.
+    pub fn quartiles(&self) -> Option<Quartiles> {
+        let [lower, median, upper] = [0.25, 0.5, 0.75].map(|proportion| self.quantile(proportion));
+        Some(Quartiles { n: self.n(), lower: lower?, median: median?, upper: upper? })
     }
 }

@@ -10,10 +10,20 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{
     clm::{add_product, category_bounds},
-    kernel::{Observation, Point, ShiftSums, Subject, Width, widths},
-    link::{Link, Shift},
-    quadrature::Node,
+    link::{Category, Link, Shift},
 };
+
+/// The most quadrature nodes: far more than any likelihood here needs.
+pub const MOST_NODES: usize = 100;
+
+/// Equal ratings of a subject in one design row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Observation {
+    /// Row of the design matrix.
+    pub row: usize,
+    pub category: usize,
+    pub count: f64,
+}
 
 /// A mixed model's data.
 #[derive(Clone, Debug)]
@@ -45,8 +55,26 @@ pub(super) struct Evaluation {
     pub gradient: DVector<f64>,
 }
 
-/// What the nodes add up to, relative to the mode.
+/// One subject's observations at a point of the search.
+struct Subject<'a> {
+    link: Link,
+    sigma: f64,
+    observations: &'a [Observation],
+    /// The category of each observation at u = 0.
+    categories: Vec<Category>,
+}
+
+/// Sums over a subject's observations of the log-probability and its derivatives by a shift, each times the count.
 #[derive(Clone, Copy, Default)]
+struct Sums {
+    log_p: f64,
+    g1: f64,
+    g2: f64,
+    g3: f64,
+}
+
+/// What the nodes add up to, relative to the mode.
+#[derive(Default)]
 struct NodeSums {
     /// Σ w e^(h − h at the mode): 1 for Laplace.
     total: f64,
@@ -55,6 +83,91 @@ struct NodeSums {
     slope_z: f64,
     /// The mean of ∂h/∂σ.
     sigma: f64,
+    /// The means of ∂g/∂a and ∂g/∂b of every observation.
+    bounds: Vec<(f64, f64)>,
+}
+
+impl Subject<'_> {
+    /// The derivatives at u: of every observation, and their sums.
+    fn at(&self, u: f64) -> (Vec<Shift>, Sums) {
+        let by = self.sigma * u;
+        let up = by.exp();
+        let shifts: Vec<Shift> = self.categories.iter().map(|category| self.link.shift(category, by, up)).collect();
+        let mut sums = Sums::default();
+        for (shift, Observation { count, .. }) in shifts.iter().zip(self.observations) {
+            sums.log_p += count * shift.log_p;
+            sums.g1 += count * shift.g1;
+            sums.g2 += count * shift.g2;
+            sums.g3 += count * shift.g3;
+        }
+        (shifts, sums)
+    }
+
+    /// The mode of the log-integrand, which is concave: Newton's method, halved while the slope grows.
+    fn mode(&self, start: f64) -> Option<f64> {
+        let slope_at = |u: f64| {
+            let (_, Sums { g1, g2, .. }) = self.at(u);
+            (-self.sigma * g1 - u, self.sigma * self.sigma * g2 - 1.0)
+        };
+        let mut u = start;
+        let (mut slope, mut curvature) = slope_at(u);
+        if !(slope.is_finite() && curvature.is_finite()) {
+            u = 0.0;
+            (slope, curvature) = slope_at(u);
+        }
+        for _ in 0..100 {
+            let mut step = -slope / curvature;
+            // Newton's error after a step is of the order of its square.
+            if step.abs() < 1e-9 * (1.0 + u.abs()) {
+                return Some(u + step);
+            }
+            loop {
+                let (next_slope, next_curvature) = slope_at(u + step);
+                if next_slope.abs() < slope.abs() && next_curvature.is_finite() {
+                    u += step;
+                    (slope, curvature) = (next_slope, next_curvature);
+                    break;
+                }
+                step /= 2.0;
+                // Rounding is reached; a slope that is not a number ends here too.
+                if step.is_nan() || step.abs() < 1e-13 * (1.0 + u.abs()) {
+                    return slope.is_finite().then_some(u);
+                }
+            }
+        }
+        None
+    }
+
+    /// Sums over the nodes around the mode u, where the log-integrand is `h`.
+    fn integrate(&self, nodes: &[Node], u: f64, h: f64, spread: f64) -> Option<NodeSums> {
+        let mut sums = NodeSums { bounds: vec![(0.0, 0.0); self.observations.len()], ..NodeSums::default() };
+        for node in nodes {
+            let value = u + spread * node.z;
+            let (shifts, Sums { log_p, g1, .. }) = self.at(value);
+            let weight = node.weight * (log_p - 0.5 * value * value - h).exp();
+            // A node too far out has no weight, and maybe no finite derivatives.
+            if weight == 0.0 || weight.is_nan() {
+                continue;
+            }
+            let slope_u = -self.sigma * g1 - value;
+            sums.total += weight;
+            sums.slope += weight * slope_u;
+            sums.slope_z += weight * slope_u * node.z;
+            sums.sigma -= weight * value * g1;
+            for (mean, shift) in sums.bounds.iter_mut().zip(&shifts) {
+                mean.0 += weight * shift.a;
+                mean.1 += weight * shift.b;
+            }
+        }
+        let total = sums.total;
+        for mean in &mut sums.bounds {
+            *mean = (mean.0 / total, mean.1 / total);
+        }
+        sums.slope /= total;
+        sums.slope_z /= total;
+        sums.sigma /= total;
+        (total > 0.0 && total.is_finite()).then_some(sums)
+    }
 }
 
 impl ClmmData {
@@ -76,131 +189,66 @@ impl ClmmData {
         Modes { u: vec![0.0; self.subjects.len()], curvature: vec![1.0; self.subjects.len()] }
     }
 
-    /// xβ for every design row, and the widths of the categories.
-    fn prepare(&self, parameters: &DVector<f64>) -> (DVector<f64>, Vec<Width>) {
-        let thresholds = self.thresholds();
-        let location = &self.x * parameters.rows(thresholds, self.x.ncols());
-        (location, widths(&parameters.as_slice()[..thresholds]))
-    }
-
-    fn point<'a>(&self, parameters: &'a DVector<f64>, prepared: &'a (DVector<f64>, Vec<Width>)) -> Point<'a> {
-        Point {
-            link: self.link,
-            thresholds: &parameters.as_slice()[..self.thresholds()],
-            sigma: parameters[parameters.len() - 1],
-            location: prepared.0.as_slice(),
-            widths: &prepared.1,
-        }
+    /// xβ for every design row.
+    fn location(&self, parameters: &DVector<f64>) -> DVector<f64> {
+        &self.x * parameters.rows(self.thresholds(), self.x.ncols())
     }
 
     /// The approximated log-likelihood and its gradient, or None where a rating that occurs has no probability.
     pub fn evaluate(&self, parameters: &DVector<f64>, modes: &mut Modes) -> Option<Evaluation> {
-        let prepared = self.prepare(parameters);
-        let point = self.point(parameters, &prepared);
-        if point.thresholds.windows(2).any(|pair| pair[0] >= pair[1]) {
+        let thresholds = &parameters.as_slice()[..self.thresholds()];
+        if thresholds.windows(2).any(|pair| pair[0] >= pair[1]) {
             return None;
         }
-        let mut sums = Sums { theta: vec![0.0; self.thresholds()], rows: vec![0.0; self.x.nrows()], sigma: 0.0 };
-        let mut work = Work::default();
-        let mut loglik = 0.0;
+        let location = self.location(parameters);
+        let category = |observation: &Observation| {
+            let (a, b) = category_bounds(thresholds, observation.category);
+            let location = location[observation.row];
+            self.link.category(a - location, b - location)
+        };
+        let mut value = Evaluation { loglik: 0.0, gradient: DVector::zeros(self.parameters()) };
+        let mut by_row = DVector::zeros(self.x.nrows());
         for (index, range) in self.subjects.iter().enumerate() {
             let observations = &self.observations[range.clone()];
-            work.subject.set(&point, observations);
-            let u = mode(&point, &work.subject, modes.u[index], &mut work.shifts)?;
-            let (value, curvature) = self.subject(&point, observations, u, &mut sums, &mut work)?;
-            (modes.u[index], modes.curvature[index]) = (u, curvature);
-            loglik += value;
+            let categories = observations.iter().map(category).collect();
+            let sigma = parameters[parameters.len() - 1];
+            let subject = Subject { link: self.link, sigma, observations, categories };
+            let u = subject.mode(modes.u[index])?;
+            modes.u[index] = u;
+            modes.curvature[index] = self.add(&subject, u, &mut value, &mut by_row)?;
         }
-        let mut gradient = DVector::zeros(self.parameters());
-        let thresholds = self.thresholds();
-        gradient.rows_mut(0, thresholds).copy_from_slice(&sums.theta);
-        let beta = self.x.tr_mul(&DVector::from_vec(sums.rows));
-        gradient.rows_mut(thresholds, beta.len()).copy_from(&-beta);
-        gradient[thresholds + self.x.ncols()] = sums.sigma;
-        (loglik.is_finite() && gradient.iter().all(|g| g.is_finite())).then_some(Evaluation { loglik, gradient })
+        value.gradient.rows_mut(thresholds.len(), self.x.ncols()).copy_from(&self.x.tr_mul(&by_row));
+        (value.loglik.is_finite() && value.gradient.iter().all(|g| g.is_finite())).then_some(value)
     }
 
-    /// A subject's log-likelihood and the curvature at the mode; adds the gradient to the sums.
-    fn subject(
-        &self,
-        point: &Point,
-        observations: &[Observation],
-        u: f64,
-        sums: &mut Sums,
-        work: &mut Work,
-    ) -> Option<(f64, f64)> {
-        let sigma = point.sigma;
-        let at = work.subject.at(point, u, &mut work.shifts);
+    /// Adds a subject's log-likelihood and its gradient, that of the location by design row; the curvature at the mode u.
+    fn add(&self, subject: &Subject, u: f64, sum: &mut Evaluation, by_row: &mut DVector<f64>) -> Option<f64> {
+        let sigma = subject.sigma;
+        let (shifts, at) = subject.at(u);
         let h = at.log_p - 0.5 * u * u;
         let curvature = 1.0 - sigma * sigma * at.g2;
         let spread = curvature.sqrt().recip();
-        let nodes = self.integrate(point, u, h, spread, at, work)?;
-
+        let nodes = subject.integrate(&self.nodes, u, h, spread)?;
         // How the mode and the spread move the nodes: weights of h_uψ and of h_uuψ.
         let third = 0.5 * (nodes.slope_z * spread + 1.0) / curvature;
         let second = (nodes.slope - third * sigma.powi(3) * at.g3) / curvature;
         let (by_mode, by_spread) = (-sigma * second, sigma * sigma * third);
-        for ((observation, shift), mean) in observations.iter().zip(&work.shifts).zip(&work.means) {
-            let (count, width) = (observation.count, Subject::width(point, observation));
-            let upper = count * (mean.0 + width + by_mode * shift.g1_a + by_spread * shift.g2_a);
-            let lower = count * (mean.1 - width + by_mode * shift.g1_b + by_spread * shift.g2_b);
-            if observation.category < sums.theta.len() {
-                sums.theta[observation.category] += upper;
+        for ((observation, shift), mean) in subject.observations.iter().zip(&shifts).zip(&nodes.bounds) {
+            let upper = observation.count * (mean.0 + by_mode * shift.g1_a + by_spread * shift.g2_a);
+            let lower = observation.count * (mean.1 + by_mode * shift.g1_b + by_spread * shift.g2_b);
+            if observation.category < self.thresholds() {
+                sum.gradient[observation.category] += upper;
             }
             if observation.category > 0 {
-                sums.theta[observation.category - 1] += lower;
+                sum.gradient[observation.category - 1] += lower;
             }
-            sums.rows[observation.row] += upper + lower;
+            by_row[observation.row] -= upper + lower;
         }
-        sums.sigma += nodes.sigma
+        sum.gradient[self.parameters() - 1] += nodes.sigma
             + second * (-at.g1 + sigma * u * at.g2)
             + third * (2.0 * sigma * at.g2 - sigma * sigma * u * at.g3);
-        Some((h + (spread * nodes.total).ln(), curvature))
-    }
-
-    /// Sums over the nodes; leaves the mean ∂g/∂a and ∂g/∂b of every observation in `work.means`.
-    fn integrate(
-        &self,
-        point: &Point,
-        u: f64,
-        h: f64,
-        spread: f64,
-        at: ShiftSums,
-        work: &mut Work,
-    ) -> Option<NodeSums> {
-        work.means.clear();
-        if self.nodes.len() == 1 {
-            work.means.extend(work.shifts.iter().map(|shift| (shift.a, shift.b)));
-            return Some(NodeSums { total: 1.0, sigma: -u * at.g1, ..NodeSums::default() });
-        }
-        let mut sums = NodeSums::default();
-        work.means.resize(work.shifts.len(), (0.0, 0.0));
-        for node in &self.nodes {
-            let value = u + spread * node.z;
-            let ShiftSums { log_p, g1, .. } = work.subject.at(point, value, &mut work.at_node);
-            let weight = node.weight * (log_p - 0.5 * value * value - h).exp();
-            // A node too far out has no weight, and maybe no finite derivatives.
-            if weight == 0.0 || weight.is_nan() {
-                continue;
-            }
-            let slope_u = -point.sigma * g1 - value;
-            sums.total += weight;
-            sums.slope += weight * slope_u;
-            sums.slope_z += weight * slope_u * node.z;
-            sums.sigma -= weight * value * g1;
-            for (mean, shift) in work.means.iter_mut().zip(&work.at_node) {
-                mean.0 += weight * shift.a;
-                mean.1 += weight * shift.b;
-            }
-        }
-        let total = sums.total;
-        for mean in &mut work.means {
-            *mean = (mean.0 / total, mean.1 / total);
-        }
-        sums.slope /= total;
-        sums.slope_z /= total;
-        sums.sigma /= total;
-        (total > 0.0 && total.is_finite()).then_some(sums)
+        sum.loglik += h + (spread * nodes.total).ln();
+        Some(curvature)
     }
 
     /// The information that a search begins with: the curvature of the integrand profiled over the modes, and for σ
@@ -208,7 +256,7 @@ impl ClmmData {
     pub fn rough_information(&self, parameters: &DVector<f64>, modes: &Modes) -> DMatrix<f64> {
         let (size, thresholds) = (self.parameters(), self.thresholds());
         let (thetas, sigma) = (&parameters.as_slice()[..thresholds], parameters[size - 1]);
-        let (location, _) = self.prepare(parameters);
+        let location = self.location(parameters);
         let mut sum = DMatrix::zeros(size, size);
         for (index, range) in self.subjects.iter().enumerate() {
             let (u, curvature) = (modes.u[index], modes.curvature[index]);
@@ -250,56 +298,58 @@ impl ClmmData {
     }
 }
 
-/// Sums of the gradient: by threshold, by design row, by σ.
-struct Sums {
-    theta: Vec<f64>,
-    rows: Vec<f64>,
-    sigma: f64,
+/// A node z and its weight w, such that ∫ f(z) dz ≈ √(2π) Σ w f(z) for f near the standard normal density: the
+/// weight includes the inverse of the density.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Node {
+    /// In standard deviations.
+    z: f64,
+    /// 1 for the only node of the Laplace approximation.
+    weight: f64,
 }
 
-/// Room for one subject's observations, used again for the next.
-#[derive(Default)]
-struct Work {
-    subject: Subject,
-    /// Derivatives at the mode, and at one node.
-    shifts: Vec<Shift>,
-    at_node: Vec<Shift>,
-    /// Means of ∂g/∂a and ∂g/∂b over the nodes.
-    means: Vec<(f64, f64)>,
+/// The rule with this many nodes, by ascending position, symmetric to the last bit.
+///
+/// The eigenvalues of the Jacobi matrix (Golub & Welsch 1969) start Newton's iteration on the orthonormal Hermite
+/// functions, whose values give the weights without overflow.
+pub(super) fn gauss_hermite(nodes: usize) -> Vec<Node> {
+    let jacobi = DMatrix::from_fn(nodes, nodes, |row, column| match row.abs_diff(column) {
+        1 => (row.max(column) as f64 / 2.0).sqrt(),
+        _ => 0.0,
+    });
+    let mut roots: Vec<f64> = jacobi.symmetric_eigenvalues().iter().copied().collect();
+    roots.sort_by(f64::total_cmp);
+    let half = nodes / 2;
+    let mut rule = vec![Node { z: 0.0, weight: 0.0 }; nodes];
+    for index in half..nodes {
+        let middle = nodes % 2 == 1 && index == half;
+        let root = if middle { 0.0 } else { refine(roots[index], nodes) };
+        let (_, before) = hermite_function(root, nodes);
+        // ∫ f dx ≈ Σ f(x) / (N ψ²) for ψ the function of degree N − 1; x = z/√2.
+        let weight = 1.0 / (nodes as f64 * before * before * std::f64::consts::PI.sqrt());
+        rule[index] = Node { z: root * std::f64::consts::SQRT_2, weight };
+        rule[nodes - 1 - index] = Node { z: -root * std::f64::consts::SQRT_2, weight };
+    }
+    rule
 }
 
-/// The mode of a subject's log-integrand, which is concave: Newton's method, halved while the slope grows.
-fn mode(point: &Point, subject: &Subject, start: f64, shifts: &mut Vec<Shift>) -> Option<f64> {
-    let sigma = point.sigma;
-    let mut slope_at = |u: f64| {
-        let ShiftSums { g1, g2, .. } = subject.at(point, u, shifts);
-        (-sigma * g1 - u, sigma * sigma * g2 - 1.0)
-    };
-    let mut u = start;
-    let (mut slope, mut curvature) = slope_at(u);
-    if !(slope.is_finite() && curvature.is_finite()) {
-        u = 0.0;
-        (slope, curvature) = slope_at(u);
+fn refine(mut root: f64, degree: usize) -> f64 {
+    for _ in 0..4 {
+        let (value, before) = hermite_function(root, degree);
+        root -= value / ((2.0 * degree as f64).sqrt() * before);
     }
-    for _ in 0..100 {
-        let mut step = -slope / curvature;
-        // Newton's error after a step is of the order of its square.
-        if step.abs() < 1e-9 * (1.0 + u.abs()) {
-            return Some(u + step);
-        }
-        loop {
-            let (next_slope, next_curvature) = slope_at(u + step);
-            if next_slope.abs() < slope.abs() && next_curvature.is_finite() {
-                u += step;
-                (slope, curvature) = (next_slope, next_curvature);
-                break;
-            }
-            step /= 2.0;
-            // Rounding is reached; a slope that is not a number ends here too.
-            if step.is_nan() || step.abs() < 1e-13 * (1.0 + u.abs()) {
-                return slope.is_finite().then_some(u);
-            }
-        }
+    root
+}
+
+/// The orthonormal Hermite functions of a degree and of the one before it.
+fn hermite_function(x: f64, degree: usize) -> (f64, f64) {
+    let mut before = 0.0;
+    let mut value = std::f64::consts::PI.powf(-0.25) * (-x * x / 2.0).exp();
+    for n in 0..degree {
+        let n = n as f64;
+        let next = x * (2.0 / (n + 1.0)).sqrt() * value - (n / (n + 1.0)).sqrt() * before;
+        before = value;
+        value = next;
     }
-    None
+    (value, before)
 }

@@ -4,14 +4,13 @@
 //! factor and the level (`width0.05`); within an interaction a factor has contrasts where the term without it is in
 //! the model too, and a column for every level where it is not.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 use super::{
-    notes::ModelError,
-    span::Span,
+    model::ModelError,
     terms::{Term, Terms, Variable},
 };
-use crate::analysis::frame::{Frame, Resolved};
+use crate::analysis::frame::{Frame, find_factor};
 
 /// One column of a design matrix.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,16 +112,101 @@ fn products(left: &[Part], right: &[Part]) -> Vec<Part> {
 
 fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result<Vec<Part>, ModelError> {
     let conditions = &frame.counts.conditions;
-    Ok(match frame.resolve(variable)? {
-        Resolved::Number { index, values } => {
-            let values = conditions.iter().map(|c| c[index].map_or(0.0, |level| values[level as usize])).collect();
-            vec![Part { name: variable.name().to_owned(), values }]
+    let (index, inverse) = find_factor(frame.counts, variable)?;
+    Ok(match variable {
+        Variable::Number(name) => {
+            let numbers = frame.numbers(index, inverse)?;
+            let values = conditions.iter().map(|c| c[index].map_or(0.0, |level| numbers[level as usize])).collect();
+            vec![Part { name: name.clone(), values }]
         }
-        Resolved::Factor { index, levels } => (levels.iter().skip(usize::from(contrasts)))
+        Variable::Factor(name) => (frame.levels(index).iter().skip(usize::from(contrasts)))
             .map(|&level| Part {
-                name: format!("{}{}", variable.name(), frame.counts.factors[index].levels[level as usize]),
+                name: format!("{name}{}", frame.counts.factors[index].levels[level as usize]),
                 values: conditions.iter().map(|c| f64::from(u8::from(c[index] == Some(level)))).collect(),
             })
             .collect(),
     })
+}
+
+/// A column of which less than this is left is a combination of those before it: R's tolerance.
+const SPAN_TOLERANCE: f64 = 1e-7;
+
+/// An orthonormal basis.
+pub(crate) struct Span {
+    pub basis: Vec<DVector<f64>>,
+}
+
+impl Span {
+    /// That of a constant.
+    pub fn with_constant(rows: usize) -> Self {
+        Self { basis: vec![DVector::from_element(rows, 1.0 / (rows as f64).sqrt())] }
+    }
+
+    /// Adds a column; false if it is a combination of those before it.
+    pub fn add(&mut self, column: DVectorView<f64>) -> bool {
+        let column = column.clone_owned();
+        // Twice, because one pass of Gram and Schmidt loses orthogonality where columns are nearly dependent.
+        let once = &column - self.project(&column);
+        let rest = &once - self.project(&once);
+        let is_new = column.norm() > 0.0 && rest.norm() >= SPAN_TOLERANCE * column.norm();
+        if is_new {
+            self.basis.push(rest.normalize());
+        }
+        is_new
+    }
+
+    /// The part of a vector within the span.
+    pub fn project(&self, vector: &DVector<f64>) -> DVector<f64> {
+        let mut part = DVector::zeros(vector.len());
+        for direction in &self.basis {
+            part.axpy(direction.dot(vector), direction, 1.0);
+        }
+        part
+    }
+}
+
+/// What was subtracted from each column and what it was divided by; contrasts stay as they are.
+#[derive(Clone, Debug)]
+pub(super) struct Standard {
+    centers: DVector<f64>,
+    scales: DVector<f64>,
+}
+
+impl Standard {
+    /// Scales the columns of a matrix, and centers them if `centered`: the center of a column of a scale would divide the
+    /// thresholds too.
+    pub fn of(mut x: DMatrix<f64>, centered: bool) -> (DMatrix<f64>, Self) {
+        let columns = x.ncols();
+        let mut standard = Self { centers: DVector::zeros(columns), scales: DVector::from_element(columns, 1.0) };
+        for (index, mut column) in x.column_iter_mut().enumerate() {
+            if column.iter().all(|value| *value == 0.0 || *value == 1.0) {
+                continue;
+            }
+            let center = if centered { column.mean() } else { 0.0 };
+            column.add_scalar_mut(-center);
+            let scale = column.amax();
+            if scale > 0.0 {
+                column /= scale;
+                (standard.centers[index], standard.scales[index]) = (center, scale);
+            }
+        }
+        (x, standard)
+    }
+}
+
+/// The matrix that takes θ, β, ζ (and what follows) of standardized columns to those of the data.
+pub(super) fn back(location: &Standard, scale: &Standard, thresholds: usize, size: usize) -> DMatrix<f64> {
+    let mut back = DMatrix::identity(size, size);
+    for column in 0..location.scales.len() {
+        let index = thresholds + column;
+        back[(index, index)] = 1.0 / location.scales[column];
+        for threshold in 0..thresholds {
+            back[(threshold, index)] = location.centers[column] / location.scales[column];
+        }
+    }
+    let first = thresholds + location.scales.len();
+    for column in 0..scale.scales.len() {
+        back[(first + column, first + column)] = 1.0 / scale.scales[column];
+    }
+    back
 }

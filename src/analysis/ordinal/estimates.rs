@@ -1,17 +1,19 @@
-//! What the maxima mean: estimates on the scale of the data, their errors, and notes.
+//! What the maxima mean, on the scale of the data: estimates, their errors, notes, and predictions with intervals.
 
 use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
 
 use super::{
-    clm::End,
-    design::Design,
+    clm::{End, category_bounds},
+    design::{self, Design},
     fitting::{Fitted, fit_counts},
-    model::{Coefficient, Model, ModelSpec, Random, RandomEffect, SubjectMode, Threshold},
-    notes::{ModelError, Note},
+    model::{Coefficient, Model, ModelError, ModelSpec, Note, Random, RandomEffect, SubjectMode, Threshold},
     search::{MixedEnd, MixedFit},
-    standard,
 };
-use crate::analysis::counts::Counts;
+use crate::{
+    analysis::{bootstrap::Interval, counts::Counts, levels},
+    light::normal::Z_95,
+};
 
 /// Fits a model.
 ///
@@ -120,7 +122,7 @@ fn found<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) {
     };
     let thresholds = fitted.frame.categories.len() - 1;
     let (location, scale) = &fitted.standards;
-    (parameters, standard::back(location, scale, thresholds, parameters.len()))
+    (parameters, design::back(location, scale, thresholds, parameters.len()))
 }
 
 /// Estimates of all parameters on the scale of the data; infinite where there is no finite one.
@@ -218,4 +220,68 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
 /// The two-sided probability of a standard normal z.
 pub(crate) fn two_sided(z: f64) -> f64 {
     statrs::function::erf::erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)
+}
+
+/// The ratings of one condition that a model expects; of a mixed model, from a subject in the middle (u = 0).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Prediction {
+    /// Names of the levels, in the order of the factors; empty where the value is missing.
+    pub names: Vec<String>,
+    /// Probability of each category that has ratings, in the order of [`Model::categories`].
+    pub probabilities: Vec<f64>,
+    /// Mean rating, in the numbers of the categories, or their positions from 0 where they are texts.
+    pub mean: f64,
+    /// Its 95 % interval by the delta method; none where a coefficient has no finite estimate.
+    pub interval: Option<Interval>,
+}
+
+/// A model's predictions for every condition that it was fitted on.
+pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
+    let values: Vec<f64> = levels::numbers_of(&model.categories)
+        .unwrap_or_else(|| (0..model.categories.len()).map(|index| index as f64).collect());
+    let conditions = fitted.frame.conditions();
+    let (x, z) = (fitted.x.matrix(&conditions), fitted.scale.matrix(&conditions));
+    let row = |matrix: &nalgebra::DMatrix<f64>, index: usize| matrix.row(index).iter().copied().collect::<Vec<f64>>();
+    (conditions.iter().enumerate())
+        .map(|(index, &condition)| predict(fitted, model, &values, condition, &row(&x, index), &row(&z, index)))
+        .collect()
+}
+
+fn predict(fitted: &Fitted, model: &Model, values: &[f64], condition: u32, x: &[f64], z: &[f64]) -> Prediction {
+    let effect = |coefficients: &[Coefficient], row: &[f64]| {
+        finite_product(row.iter(), coefficients.iter().map(|coefficient| &coefficient.estimate))
+    };
+    let (location, scale) = (effect(&model.coefficients, x), effect(&model.scale, z).exp());
+    let bounds: Vec<f64> = model.thresholds.iter().map(|threshold| (threshold.estimate - location) / scale).collect();
+    let probabilities: Vec<f64> = (0..values.len())
+        .map(|category| {
+            let (a, b) = category_bounds(&bounds, category);
+            if b > 0.0 { model.link.cdf(-b) - model.link.cdf(-a) } else { model.link.cdf(a) - model.link.cdf(b) }
+        })
+        .collect();
+    let mean = probabilities.iter().zip(values).map(|(p, value)| p * value).sum();
+    let counts = fitted.frame.counts;
+    let names = (counts.conditions[condition as usize].iter().zip(&counts.factors))
+        .map(|(level, factor)| level.map(|level| factor.levels[level as usize].clone()).unwrap_or_default())
+        .collect();
+    let gradient = mean_gradient(model, values, &bounds, scale, x, z);
+    let variance = model.covariance.view((0, 0), (gradient.len(), gradient.len())) * &gradient;
+    let error = gradient.dot(&variance).sqrt();
+    let reach = Z_95 * error;
+    let interval = reach.is_finite().then_some(Interval { low: mean - reach, high: mean + reach });
+    Prediction { names, probabilities, mean, interval }
+}
+
+/// The gradient of the mean rating by thresholds, coefficients and scale.
+fn mean_gradient(model: &Model, values: &[f64], bounds: &[f64], scale: f64, x: &[f64], z: &[f64]) -> DVector<f64> {
+    // The mean falls by the step between two categories where the bound between them rises.
+    let by_bound: Vec<f64> = (bounds.iter().enumerate())
+        .map(|(j, bound)| -(values[j + 1] - values[j]) * model.link.density(*bound))
+        .collect();
+    let sum: f64 = by_bound.iter().sum();
+    let spread: f64 = by_bound.iter().zip(bounds).map(|(slope, bound)| slope * bound).sum();
+    let thresholds = by_bound.iter().map(|slope| slope / scale);
+    let location = x.iter().map(|x| -sum * x / scale);
+    let spreads = z.iter().map(|z| -spread * z);
+    DVector::from_iterator(bounds.len() + x.len() + z.len(), thresholds.chain(location).chain(spreads))
 }

@@ -6,15 +6,11 @@ use nalgebra::DMatrix;
 
 use super::{
     clm::{ClmData, ClmFit, End},
-    clmm::ClmmData,
-    design::Design,
-    kernel::Observation,
+    clmm::{ClmmData, MOST_NODES, Observation, gauss_hermite},
+    design::{Design, Standard},
     link::Link,
-    model::{ModelSpec, Random},
-    notes::{ModelError, Note},
-    quadrature,
+    model::{ModelError, ModelSpec, Note, Random},
     search::{self, MixedFit},
-    standard::Standard,
     terms::{Terms, Variable},
 };
 use crate::analysis::{counts::Counts, frame::Frame};
@@ -35,8 +31,8 @@ pub(crate) struct Fitted<'a> {
 /// Fits a model, with another baseline where the first has no finite estimates. The standard errors of a mixed model,
 /// which take as long as its estimates, only with `errors`.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
-    if spec.random == Random::Subject && !(1..=quadrature::MOST_NODES).contains(&spec.quadrature) {
-        return Err(ModelError::Quadrature { nodes: spec.quadrature, most: quadrature::MOST_NODES });
+    if spec.random == Random::Subject && !(1..=MOST_NODES).contains(&spec.quadrature) {
+        return Err(ModelError::Quadrature { nodes: spec.quadrature, most: MOST_NODES });
     }
     let mut spec = spec.clone();
     let (frame, mut notes) = Frame::new(counts, &[&spec.terms, &spec.scale])?;
@@ -105,9 +101,9 @@ pub(super) fn clm_data(
     for row in &frame.rows {
         counts[(row_of[&row.condition], usize::from(row.rating))] += row.count as f64;
     }
-    let (x, location) = Standard::of(x.matrix(&conditions));
-    let (nominal, _) = Standard::of(nominal.matrix(&conditions));
-    let (scale, spread) = Standard::scaled(scale.matrix(&conditions));
+    let (x, location) = Standard::of(x.matrix(&conditions), true);
+    let (nominal, _) = Standard::of(nominal.matrix(&conditions), true);
+    let (scale, spread) = Standard::of(scale.matrix(&conditions), false);
     (ClmData { link, x, nominal, scale, counts }, (location, spread))
 }
 
@@ -133,7 +129,7 @@ fn distinct_rows(frame: &Frame, designs: &[&Design]) -> (Vec<u32>, HashMap<u32, 
 fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
     let frame = &fitted.frame;
     let (conditions, row_of) = distinct_rows(frame, &[&fitted.x]);
-    let (x, _) = Standard::of(fitted.x.matrix(&conditions));
+    let (x, _) = Standard::of(fitted.x.matrix(&conditions), true);
     let mut observations = Vec::new();
     let mut subjects = Vec::new();
     // Rows are sorted by subject; conditions that share a design row are added up.
@@ -148,7 +144,7 @@ fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
         observations.extend(cells.into_iter().map(|((row, category), count)| Observation { row, category, count }));
         subjects.push(first..observations.len());
     }
-    let nodes = quadrature::gauss_hermite(fitted.spec.quadrature);
+    let nodes = gauss_hermite(fitted.spec.quadrature);
     let data =
         ClmmData { link: fitted.spec.link, categories: frame.categories.len(), x, observations, subjects, nodes };
     let free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();

@@ -5,11 +5,9 @@ use serde::Serialize;
 use super::{
     clm::End,
     design::Design,
-    estimates,
+    estimates::{self, Prediction, predictions},
     fitting::{Fitted, clm_data, fit_clm, fit_counts, fit_terms},
-    model::{Model, ModelSpec, Random},
-    notes::ModelError,
-    predictions::{Prediction, predictions},
+    model::{Model, ModelError, ModelSpec, Random},
     search::MixedEnd,
     terms::{Term, Terms},
 };

@@ -2,8 +2,10 @@
 
 use nalgebra::DMatrix;
 use serde::{Serialize, Serializer};
+use thiserror::Error;
 
-use super::{link::Link, notes::Note, terms::Terms};
+use super::{link::Link, terms::Terms};
+use crate::light::names::expected_one_of;
 
 /// Whether subjects differ by a random intercept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -142,4 +144,145 @@ impl Model {
 /// Numbers that are not finite are null in JSON.
 fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
+}
+
+/// Something in the data that the reader of a model must know.
+#[derive(Clone, Debug, Error, PartialEq, Serialize)]
+#[serde(tag = "note", rename_all = "snake_case")]
+pub enum Note {
+    /// Ratings without a value of a factor that the model needs.
+    #[error("{ratings} ratings without a {factor} are left out")]
+    MissingValues {
+        /// The factor.
+        factor: String,
+        /// Ratings left out.
+        ratings: u64,
+    },
+    /// A category that nobody used: it has no probability to estimate and is merged with its neighbors.
+    #[error("no rating is {category}, so this category is left out of the scale")]
+    EmptyCategory {
+        /// The category.
+        category: String,
+    },
+    /// A column that other columns already say: dropped, as R does.
+    #[error("{column} follows from the terms before it and is left out")]
+    Aliased {
+        /// The coefficient's name.
+        column: String,
+    },
+    /// A term of which no column is left.
+    #[error("the term {term} adds nothing to the terms before it and is left out")]
+    AliasedTerm {
+        /// The term.
+        term: String,
+    },
+    /// Ratings that a term predicts perfectly: its coefficient has no finite estimate.
+    #[error("{coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
+            if *.positive { "" } else { "minus " })]
+    Separation {
+        /// The coefficient's name.
+        coefficient: String,
+        /// The term it belongs to.
+        term: String,
+        /// Whether the estimate is +∞.
+        positive: bool,
+    },
+    /// A threshold that runs away together with coefficients.
+    #[error("the threshold {threshold} has no finite estimate because the ratings are separated")]
+    SeparatedThreshold {
+        /// The threshold's name, such as `0|1`.
+        threshold: String,
+    },
+    /// The first level of a factor has no finite effect of its own, so another one became the baseline.
+    #[error(
+        "{factor} is compared with {baseline}, because all ratings at {separated} are {category}: a comparison with it would have no finite estimate"
+    )]
+    Rebased {
+        /// The factor.
+        factor: String,
+        /// The level that all others are compared with now.
+        baseline: String,
+        /// The level whose ratings are all the same.
+        separated: String,
+        /// Their category.
+        category: String,
+    },
+    /// One subject: nothing can be said about other people.
+    #[error("only one participant: no random intercept, and no inference to other people")]
+    OneSubject,
+    /// Ratings were not repeated within subjects, or subjects do not differ: the variance between subjects is 0.
+    #[error("the estimated variance between participants is 0: the mixed model is the same as the model without it")]
+    NoSubjectVariance,
+    /// Every subject keeps to their own category: the variance between subjects, or an effect within them, has no finite
+    /// estimate.
+    #[error(
+        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that the ratings of a participant belong together, and the standard errors are too small"
+    )]
+    RunawayVariance,
+    /// The ratings are separated in a way that leaves no mixed model to fit.
+    #[error(
+        "no mixed model could be fitted: the results ignore that the ratings of a participant belong together, and the standard errors are too small"
+    )]
+    NoMixedModel,
+    /// The iteration ended before the gradient was small.
+    #[error("the fit did not converge: the largest gradient is {gradient:.1e}")]
+    NotConverged {
+        /// Largest absolute gradient element.
+        gradient: f64,
+    },
+    /// The information matrix cannot be inverted: standard errors are missing.
+    #[error("no standard errors: the likelihood is flat in some direction")]
+    Flat,
+    /// A random intercept together with scale terms.
+    #[error("scale terms are left out: only a model without a random intercept can have them")]
+    ScaleIgnored,
+}
+
+/// Why there is no model.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ModelError {
+    /// The table is empty, or no row has all the values the terms need.
+    #[error("no ratings; expected at least two different ones")]
+    NoRatings,
+    /// Every rating is the same.
+    #[error("every rating is {category}; expected at least two different ones")]
+    NoVariation {
+        /// The category.
+        category: String,
+    },
+    /// A term names no factor of the table.
+    #[error("--terms {name}: no such factor; {}", expected_one_of(.name, .known))]
+    UnknownFactor {
+        /// The name.
+        name: String,
+        /// All factors.
+        known: Vec<String>,
+    },
+    /// A factor used as a number has a level that is none.
+    #[error("--terms num:{factor}: the level {level} is not a finite number; expected numbers, or the factor {factor}")]
+    NotANumber {
+        /// The factor.
+        factor: String,
+        /// The level.
+        level: String,
+    },
+    /// The depth as a number, with `inf` among its levels.
+    #[error(
+        "--terms num:{name}: the depth inf is not a finite number; expected num:inv_n (1/depth, 0 for inf), or the factor {name}"
+    )]
+    InfiniteDepth {
+        /// The factor.
+        name: String,
+    },
+    /// Too many or no quadrature nodes.
+    #[error("--quadrature {nodes}; expected 1 (Laplace) to {most}")]
+    Quadrature {
+        /// Nodes asked for.
+        nodes: usize,
+        /// The most there can be.
+        most: usize,
+    },
+    /// The iteration found no likelihood at all.
+    #[error("the likelihood cannot be computed at the starting values")]
+    NoLikelihood,
 }

@@ -199,34 +199,3 @@ fn interaction(text: &str) -> Option<Term> {
     }
     Some(Term { variables })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn terms_are_read_in_the_order_of_their_size() {
-        let read = |text: &str| Terms::parse(text).unwrap().to_string();
-        assert_eq!(read("width, depth"), "width,depth");
-        assert_eq!(read("width:num:inv_n,depth,width"), "depth,width,width:num:inv_n");
-        assert_eq!(read("num:inv_n,width:num:inv_n"), "num:inv_n,num:inv_n:width");
-        assert_eq!(read("a*b*num:c"), "a,b,num:c,a:b,a:num:c,b:num:c,a:b:num:c");
-        assert_eq!(read("a:b,b:a,a:a"), "a,a:b");
-        assert_eq!(read(""), "");
-    }
-
-    #[test]
-    fn an_empty_name_is_an_error() {
-        for text in ["width,,depth", "width:", "num:", ":a", "a*", "num::a"] {
-            assert_eq!(Terms::parse(text), Err(TermError::Empty { text: text.to_owned() }), "{text}");
-        }
-    }
-
-    #[test]
-    fn a_main_effect_is_marginal_to_its_interaction() {
-        let terms = Terms::parse("a*b,c").unwrap();
-        assert!(terms.is_marginal(&Term::factor("a")));
-        assert!(!terms.is_marginal(&Term::factor("c")));
-        assert_eq!(terms.without(&Term::factor("c")).to_string(), "a,b,a:b");
-    }
-}

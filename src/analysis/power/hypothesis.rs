@@ -3,9 +3,9 @@
 use nalgebra::DVector;
 use serde::Serialize;
 
-use super::{error::PlanError, scenario::Scenario};
+use super::scenario::{PlanError, Scenario};
 use crate::analysis::{
-    frame::{Frame, Resolved},
+    frame::{Frame, find_factor},
     ordinal::{
         Design, Span,
         terms::{Term, Terms},
@@ -104,7 +104,7 @@ impl<'a> Layout<'a> {
     fn factors(&self, term: &Term) -> Result<Vec<usize>, PlanError> {
         let mut factors = Vec::new();
         for variable in &term.variables {
-            let (Resolved::Factor { index, .. } | Resolved::Number { index, .. }) = self.frame.resolve(variable)?;
+            let (index, _) = find_factor(self.frame.counts, variable)?;
             if !factors.contains(&index) {
                 factors.push(index);
             }

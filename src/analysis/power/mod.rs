@@ -10,16 +10,10 @@
 //! the number of threads nor on what else is planned along, and a study of 12 is the study of 8 with four more people,
 //! so that numbers of participants are compared on the same people.
 
-mod error;
 mod hypothesis;
 mod plan;
-mod proportion;
 mod scenario;
-mod trial;
 
-pub use error::PlanError;
-pub(crate) use error::nearest;
 pub use hypothesis::{Effect, Hypothesis, Test};
-pub use plan::{ModelChoice, Plan, Power, Sampling};
-pub use proportion::clopper_pearson;
-pub use scenario::Shift;
+pub use plan::{ModelChoice, Plan, Power, Sampling, clopper_pearson};
+pub use scenario::{PlanError, Shift};

@@ -1,20 +1,20 @@
 //! A plan: what is tested in the studies of a definition, and how often they find it.
 
 use rayon::prelude::*;
+use statrs::function::beta::beta_reg;
 
 use super::{
-    error::PlanError,
     hypothesis::{Hypothesis, Layout, Test},
-    proportion::clopper_pearson,
-    scenario::{Scenario, Shift},
-    trial::{self, Outcome},
+    scenario::{PlanError, Scenario, Shift},
 };
 use crate::{
     analysis::{
-        Link, ModelError, ModelSpec, Random,
+        Link, MOST_NODES, ModelError, ModelSpec, Random,
         bootstrap::Interval,
+        counts::Counts,
         frame::Frame,
-        ordinal::{chi_squared_tail, quadrature::MOST_NODES, terms::Terms},
+        ordinal::{chi_squared_tail, finite_product, fit_counts, predictors, terms::Terms, without_terms},
+        rank_tests::{SubjectMeans, friedman},
     },
     experiment::{OrderedLogit, Protocol},
 };
@@ -153,7 +153,7 @@ impl Plan {
         let outcomes: Vec<Vec<Outcome>> = (pieces.par_iter())
             .map(|&(people, study)| {
                 let counts = self.scenario.study(people, study, sampling.seed);
-                let outcomes = trial::outcomes(&counts, &self.spec, &self.hypotheses);
+                let outcomes = outcomes(&counts, &self.spec, &self.hypotheses);
                 progress(people.into());
                 outcomes
             })
@@ -186,4 +186,55 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     let (low, high) = (values.get(values.len().checked_sub(1)? / 2)?, values.get(values.len() / 2)?);
     // Half the sum of two infinite values is infinite, and of two opposite ones nothing.
     Some(if low == high { *low } else { (low + high) / 2.0 }).filter(|median| !median.is_nan())
+}
+
+/// What one study says about one hypothesis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Outcome {
+    /// Probability by the test; none where there is no test, as without a model.
+    pub p: Option<f64>,
+    /// Estimate of the effect; infinite where the ratings are separated.
+    pub estimate: Option<f64>,
+}
+
+/// The outcome of every hypothesis.
+fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis]) -> Vec<Outcome> {
+    // Without standard errors, which no likelihood-ratio test needs.
+    let fitted = fit_counts(counts, spec, false).ok();
+    let tests = fitted.as_ref().and_then(|fitted| without_terms(fitted).ok());
+    let conditions: Vec<u32> = (0..counts.conditions.len() as u32).collect();
+    let predictors = (fitted.as_ref()).filter(|_| tests.is_some()).map(|fitted| predictors(fitted, &conditions));
+    let outcome = |hypothesis: &Hypothesis| match (hypothesis.test, hypothesis.factor) {
+        (Test::Friedman, Some(factor)) => {
+            Outcome { p: friedman(&SubjectMeans::new(counts, factor)).map(|test| test.p), estimate: None }
+        }
+        _ => Outcome {
+            p: (tests.iter().flatten()).find(|test| test.term == hypothesis.term).and_then(|test| test.p),
+            estimate: (hypothesis.contrast.as_ref().zip(predictors.as_ref()))
+                .map(|(contrast, predictors)| finite_product(contrast.iter(), predictors.iter()))
+                .filter(|estimate| !estimate.is_nan()),
+        },
+    };
+    hypotheses.iter().map(outcome).collect()
+}
+
+/// The exact interval of Clopper & Pearson (1934), Biometrika 26, 404, for `found` out of `all`: it covers the true
+/// proportion with probability `level` or more.
+pub fn clopper_pearson(found: usize, all: usize, level: f64) -> Interval {
+    let tail = (1.0 - level) / 2.0;
+    let (k, n) = (found as f64, all as f64);
+    // P(X ≥ k) rises with the proportion and P(X ≤ k) falls: both are incomplete beta functions.
+    let low = if found == 0 { 0.0 } else { crossing(|p| beta_reg(k, n - k + 1.0, p) - tail) };
+    let high = if found >= all { 1.0 } else { crossing(|p| beta_reg(k + 1.0, n - k, p) - (1.0 - tail)) };
+    Interval { low, high }
+}
+
+/// Where a function that rises on 0…1 is 0, by halving.
+fn crossing(rising: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = (low + high) / 2.0;
+        *if rising(middle) < 0.0 { &mut low } else { &mut high } = middle;
+    }
+    (low + high) / 2.0
 }

@@ -4,15 +4,56 @@ use std::collections::HashMap;
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rand_distr::{Distribution as _, StandardNormal};
+use thiserror::Error;
 
-use super::error::PlanError;
 use crate::{
     analysis::{
-        counts::{CountRow, Counts, CountsBuilder},
+        ModelError,
+        counts::{CountRow, Counts, MeasuredBuilder},
         levels,
     },
     experiment::{Condition, OrderedLogit, Protocol, RATING_MAX},
+    light::names::expected_one_of,
+    stimulus::ParameterError,
 };
+
+/// Why nothing can be planned.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PlanError {
+    /// A term, or the number of nodes.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A condition of the definition.
+    #[error(transparent)]
+    Condition(#[from] ParameterError),
+    /// An effect of a factor that is not in the definition.
+    #[error("--effect {name}: no such factor; {}", expected_one_of(name, known))]
+    UnknownFactor {
+        /// The name.
+        name: String,
+        /// The definition's factors.
+        known: Vec<String>,
+    },
+    /// An effect of a level that the factor does not have.
+    #[error("--effect {factor}:{level}: no such level; {}", expected_one_of(level, known))]
+    UnknownLevel {
+        /// The factor.
+        factor: String,
+        /// The level as it was given.
+        level: String,
+        /// The factor's levels.
+        known: Vec<String>,
+    },
+    /// A term without a column of its own.
+    #[error("--terms {term}: the term adds nothing to the other terms; expected terms that each add something")]
+    Untestable {
+        /// The term.
+        term: String,
+    },
+    /// No term.
+    #[error("nothing to test; expected a definition with a factor of two levels or more, and a term in --terms")]
+    NothingVaries,
+}
 
 /// An effect that the observer's own parameters do not have: what a level of a factor adds to the linear predictor.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,13 +88,13 @@ impl Scenario {
         };
         let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
         let categories: Vec<String> = (0..=RATING_MAX).map(|rating| rating.to_string()).collect();
-        let mut builder = CountsBuilder::new(&factors).with_categories(&categories);
+        let mut builder = MeasuredBuilder::new(&factors).with_categories(&categories);
         let names: Vec<Vec<String>> = conditions.iter().map(|condition| level_names(protocol, condition)).collect();
         for names in &names {
             // A definition's levels are never empty and its ratings are those declared.
-            let _ = builder.add("S", names, "0", 1);
+            let _ = builder.add_counts("S", names, "0", 1);
         }
-        let mut empty = builder.finish();
+        let mut empty = builder.finish().counts;
         let mut predictors = vec![0.0; empty.conditions.len()];
         let places: HashMap<Vec<&str>, u32> = (0..).map(|c| (empty.level_names(c), c)).take(predictors.len()).collect();
         for (condition, names) in conditions.iter().zip(&names) {

@@ -4,9 +4,8 @@ use eframe::egui::{self, DragValue, Key, TextEdit};
 
 use crate::{
     analysis::{
-        Link, ModelError, Options, Random,
+        Link, MOST_NODES, ModelError, Options, Random,
         counts::Counts,
-        quadrature::MOST_NODES,
         terms::{TermError, Terms},
     },
     app::ui::{Field, fault, quiet},

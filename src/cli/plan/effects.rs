@@ -1,9 +1,10 @@
 //! The grammar of `--effect`: `NAME=VALUE` is a parameter of the observer, `FACTOR:LEVEL=LOGITS` an effect of a level.
 
 use crate::{
-    analysis::power::{self, Shift},
+    analysis::power::Shift,
     cli::UsageError,
     experiment::{OrderedLogit, Protocol},
+    light::names::expected_one_of,
     store::observer,
 };
 
@@ -64,11 +65,10 @@ fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
         );
     }
     let known: Vec<&str> = table.iter().filter(|(_, value)| value.is_float()).map(|(name, _)| name.as_str()).collect();
-    let asked = power::nearest(name, &known).map(|near| format!("; did you mean {near}?")).unwrap_or_default();
     let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
-    let list = known.join(", ");
     format!(
-        "no such parameter of the observer; expected one of {list}, or FACTOR:LEVEL with one of the factors {}{asked}",
+        "no such parameter of the observer; {}; or FACTOR:LEVEL with one of the factors {}",
+        expected_one_of(name, &known),
         factors.join(", ")
     )
 }

@@ -10,9 +10,8 @@ use indicatif::ProgressBar;
 use super::{UsageError, options::named, progress_style, say};
 use crate::{
     analysis::{
-        Link,
+        Link, MOST_NODES,
         power::{ModelChoice, Plan, Power, Sampling},
-        quadrature::MOST_NODES,
         terms::Terms,
     },
     store::{definition, observer, write_file},

@@ -7,7 +7,7 @@ use super::{
     svg::WIDTH,
 };
 use crate::{
-    analysis::{Results, numbers_of, times::Quartiles},
+    analysis::{Results, counts::Quartiles, numbers_of},
     report::document::numbers::count,
 };
 

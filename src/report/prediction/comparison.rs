@@ -3,7 +3,7 @@
 use crate::{
     analysis::{
         ModelSpec,
-        counts::{Counts, CountsBuilder},
+        counts::{Counts, MeasuredBuilder},
         fit,
         rank_tests::ranks,
         terms::Terms,
@@ -111,15 +111,15 @@ fn conditions_of<'a>(counts: &'a Counts, visibilities: &'a [Option<f64>]) -> imp
 
 fn criterion(counts: &Counts, predicted: impl Fn(u32) -> Option<f64>) -> Result<Criterion, PredictionError> {
     let fail = |error: &dyn std::fmt::Display| PredictionError::NoFit(error.to_string());
-    let mut builder = CountsBuilder::new(&["visibility"]).with_categories(&counts.categories);
+    let mut builder = MeasuredBuilder::new(&["visibility"]).with_categories(&counts.categories);
     for row in &counts.rows {
         let Some(visibility) = predicted(row.condition) else { continue };
         let log = visibility.max(LEAST).ln().to_string();
         let (subject, rating) = (&counts.subjects[row.subject as usize], &counts.categories[row.rating as usize]);
-        builder.add(subject, &[log], rating, row.count).map_err(|error| fail(&error))?;
+        builder.add_counts(subject, &[log], rating, row.count).map_err(|error| fail(&error))?;
     }
     let terms = Terms::parse("num:visibility").map_err(|error| fail(&error))?;
-    let model = fit(&builder.finish(), &ModelSpec::new(terms)).map_err(|error| fail(&error))?;
+    let model = fit(&builder.finish().counts, &ModelSpec::new(terms)).map_err(|error| fail(&error))?;
     let slope = model.coefficients.first().map_or(f64::NAN, |coefficient| coefficient.estimate);
     if !(slope.is_finite() && slope > 0.0) {
         return Err(PredictionError::NoFit(format!("ratings change by {slope:.3} with the logarithm of visibility")));

@@ -2,7 +2,7 @@
 
 use super::names;
 use crate::{
-    analysis::{Results, times::Quartiles},
+    analysis::{Results, counts::Quartiles},
     report::{
         document::{
             Section,

@@ -11,7 +11,8 @@ use super::{
 };
 use crate::{
     experiment::{Protocol, RATING_MAX, columns_by_header},
-    store::{FileFault, StoreError, definition, sidecar::Sidecar, toml::nearest},
+    light::names::expected_one_of,
+    store::{FileFault, StoreError, definition, sidecar::Sidecar},
 };
 
 /// Columns without which a file is no result file, besides the subject's.
@@ -348,7 +349,9 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         let known: Vec<&str> = header.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
         let places: Vec<usize> = (0..header.names.len()).filter(|&i| header.names[i] == name).collect();
         match places[..] {
-            [] => faults.push(file.fault(1, format!("the column {name} is missing; {}", nearest(name, &known)))),
+            [] => {
+                faults.push(file.fault(1, format!("the column {name} is missing; {}", expected_one_of(name, &known))))
+            }
             [_] => {}
             [_, second, ..] => faults
                 .push(file.fault(header.column(second), format!("the column {name} stands twice; expected it once"))),
