@@ -2,7 +2,7 @@
 
 use std::{fs, path::PathBuf};
 
-use machband::analysis::counts::{Counts, CountsBuilder};
+use machband::analysis::counts::{Counts, MeasuredBuilder};
 
 /// Header and rows of a file.
 pub fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
@@ -18,9 +18,9 @@ pub fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
 pub fn counts(name: &str) -> Counts {
     let (header, rows) = read(&format!("data_{name}.csv"));
     let last = header.len() - 2;
-    let mut builder = CountsBuilder::new(&header[1..last]);
+    let mut builder = MeasuredBuilder::new(&header[1..last]);
     for row in rows {
-        builder.add(&row[0], &row[1..last], &row[last], row[last + 1].parse().unwrap()).unwrap();
+        builder.add_counts(&row[0], &row[1..last], &row[last], row[last + 1].parse().unwrap()).unwrap();
     }
-    builder.finish()
+    builder.finish().counts
 }

@@ -1,5 +1,6 @@
 //! Ratings in; models, tests, figures and the report out.
 
+mod counts;
 mod figures;
 mod golden;
 mod ordinal;

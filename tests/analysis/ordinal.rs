@@ -4,7 +4,10 @@
 use std::collections::BTreeMap;
 
 use machband::analysis::{
-    Coefficient, Link, Model, ModelSpec, Part, Random, fit, fit_with_tests, scale_tests, terms::Terms,
+    Coefficient, Link, Model, ModelSpec, Part, Random,
+    counts::MeasuredBuilder,
+    fit, fit_with_tests, scale_tests,
+    terms::{Term, Terms},
 };
 
 use crate::golden::{counts, read};
@@ -170,4 +173,67 @@ fn errors_of_many_ratings_are_those_of_a_sample_of_subjects() {
             close(error.sqrt(), random.sd / subjects.sqrt());
         }
     }
+}
+
+/// The integral is found long before a hundred nodes, and they are no trouble.
+#[test]
+fn many_nodes_change_nothing() {
+    let counts = counts("strong");
+    let loglik = |quadrature| {
+        let terms = Terms::parse("x").unwrap();
+        fit(&counts, &ModelSpec { random: Random::Subject, quadrature, ..ModelSpec::new(terms) }).unwrap().loglik
+    };
+    assert!((loglik(40) - loglik(100)).abs() < 1e-6, "{} {}", loglik(40), loglik(100));
+}
+
+/// A model without terms has the proportions of the ratings, and the binomial error of their mean; one with a term for
+/// location and scale follows the levels.
+#[test]
+fn predictions_are_the_proportions_at_hand() {
+    let mut builder = MeasuredBuilder::new(&["width"]);
+    for (width, tally) in [("0.1", [5, 3, 2, 1]), ("0.4", [2, 4, 6, 3]), ("0.8", [1, 1, 5, 9])] {
+        for (rating, count) in tally.into_iter().enumerate() {
+            builder.add_counts("S1", &[width], &rating.to_string(), count).unwrap();
+        }
+    }
+    let counts = builder.finish().counts;
+    let predictions = |spec: &ModelSpec| fit_with_tests(&counts, spec).unwrap().predictions;
+    for link in [Link::Logit, Link::Probit] {
+        let prediction = &predictions(&ModelSpec { link, ..ModelSpec::new(Terms::default()) })[0];
+        let expected = [8.0, 8.0, 13.0, 13.0].map(|n| n / 42.0);
+        let moment = |power: i32| (0..).zip(expected).map(|(k, p)| f64::from(k).powi(power) * p).sum::<f64>();
+        assert!(prediction.probabilities.iter().zip(expected).all(|(found, p)| (found - p).abs() < 1e-9));
+        assert!((prediction.mean - moment(1)).abs() < 1e-9);
+        let interval = prediction.interval.unwrap();
+        let error = (interval.high - interval.low) / (2.0 * 1.959_963_984_540_054);
+        assert!((error - ((moment(2) - moment(1).powi(2)) / 42.0).sqrt()).abs() < 1e-9, "{error}");
+    }
+    let width = Terms::parse("width").unwrap();
+    let found = predictions(&ModelSpec { scale: width.clone(), ..ModelSpec::new(width) });
+    assert_eq!(found.iter().map(|p| p.names[0].as_str()).collect::<Vec<_>>(), ["0.1", "0.4", "0.8"]);
+    assert!(found.is_sorted_by(|l, r| l.mean < r.mean));
+    for prediction in &found {
+        assert!((prediction.probabilities.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(prediction.interval.is_some_and(|i| i.low < prediction.mean && prediction.mean < i.high));
+    }
+}
+
+#[test]
+fn terms_are_read_in_the_order_of_their_size() {
+    for (text, expected) in [
+        ("width, depth", "width,depth"),
+        ("width:num:inv_n,depth,width", "depth,width,width:num:inv_n"),
+        ("num:inv_n,width:num:inv_n", "num:inv_n,num:inv_n:width"),
+        ("a*b*num:c", "a,b,num:c,a:b,a:num:c,b:num:c,a:b:num:c"),
+        ("a:b,b:a,a:a", "a,a:b"),
+        ("", ""),
+    ] {
+        assert_eq!(Terms::parse(text).unwrap().to_string(), expected);
+    }
+    for text in ["width,,depth", "width:", "num:", ":a", "a*", "num::a"] {
+        assert!(Terms::parse(text).unwrap_err().to_string().contains("an empty name"), "{text}");
+    }
+    let terms = Terms::parse("a*b,c").unwrap();
+    assert!(terms.is_marginal(&Term::factor("a")) && !terms.is_marginal(&Term::factor("c")));
+    assert_eq!(terms.without(&Term::factor("c")).to_string(), "a,b,a:b");
 }

@@ -2,7 +2,7 @@
 
 use machband::analysis::{
     ModelSpec, Random,
-    counts::{Counts, CountsBuilder},
+    counts::{Counts, MeasuredBuilder},
     fit,
     terms::Terms,
 };
@@ -18,7 +18,8 @@ const THRESHOLDS: [f64; 3] = [-2.2, -0.7, 0.8];
 
 /// One study: every subject rates every condition twice.
 fn study(subjects: usize, sd: f64, rng: &mut ChaCha8Rng) -> Counts {
-    let mut builder = CountsBuilder::new(&["width", "depth", "orientation_deg"]).with_categories(&["0", "1", "2", "3"]);
+    let mut builder =
+        MeasuredBuilder::new(&["width", "depth", "orientation_deg"]).with_categories(&["0", "1", "2", "3"]);
     for subject in 0..subjects {
         let intercept = sd * rng.sample::<f64, _>(StandardNormal);
         for (width, w) in WIDTHS {
@@ -29,13 +30,13 @@ fn study(subjects: usize, sd: f64, rng: &mut ChaCha8Rng) -> Counts {
                         let latent = intercept + w + d + o + (p / (1.0 - p)).ln();
                         let rating = THRESHOLDS.iter().filter(|threshold| latent > **threshold).count();
                         let values = [width, depth, orientation];
-                        builder.add(&format!("S{subject:03}"), &values, &rating.to_string(), 1).unwrap();
+                        builder.add_counts(&format!("S{subject:03}"), &values, &rating.to_string(), 1).unwrap();
                     }
                 }
             }
         }
     }
-    builder.finish()
+    builder.finish().counts
 }
 
 fn truth(name: &str) -> f64 {

@@ -2,10 +2,9 @@
 //! with versions, are in `tests/golden/ordinal/ranks.csv` and `scripts/golden_ordinal.py`.
 
 use machband::analysis::{
-    agreement::ordinal_alpha,
+    agreement::{Retest, ordinal_alpha},
     bootstrap::Bootstrap,
-    rank_tests::{PMethod, SubjectMeans, friedman, pairs, wilcoxon},
-    retest::Retest,
+    rank_tests::{PMethod, SubjectMeans, friedman, holm, pairs, wilcoxon},
 };
 
 use crate::golden::{counts, read};
@@ -78,4 +77,59 @@ fn agreement_is_that_of_krippendorff_and_scikit_learn() {
         close(retest.kappa().unwrap(), &row[3], row);
     }
     assert_eq!(Retest::new(4).kappa(), None);
+}
+
+/// The exact probability, counted over all signs.
+#[test]
+fn the_exact_distribution_is_that_of_all_signs() {
+    for differences in [
+        &[1.0, -2.0, 3.0, 4.0, 5.0, 6.0, -0.5, 8.0][..],
+        &[1.0, 1.0, -1.0, 2.0, 2.0, 0.0, 3.0, -3.0, 0.5],
+        &[0.25; 8],
+        &[-0.1, 0.2, 0.3 - 0.1, 0.1],
+        &[0.0, 0.0],
+        &[],
+    ] {
+        let test = wilcoxon(differences);
+        let sizes: Vec<f64> = differences.iter().filter(|d| **d != 0.0).map(|d| (d.abs() * 1e9).round()).collect();
+        let (mut below, mut above) = (0.0, 0.0);
+        for signs in 0..1_u32 << sizes.len() {
+            let positive = sizes.iter().enumerate().filter(|(i, _)| signs >> i & 1 == 1).map(|(_, size)| size);
+            // Mid-ranks: half a rank for each tie, its own among them.
+            let rank = |size: &f64| {
+                sizes
+                    .iter()
+                    .map(|s| {
+                        if s < size {
+                            1.0
+                        } else if s == size {
+                            0.5
+                        } else {
+                            0.0
+                        }
+                    })
+                    .sum::<f64>()
+                    + 0.5
+            };
+            let sum: f64 = positive.map(rank).sum();
+            below += f64::from(u8::from(sum <= test.v));
+            above += f64::from(u8::from(sum >= test.v));
+        }
+        let expected = (2.0 * f64::min(below, above) / f64::from(1_u32 << sizes.len())).min(1.0);
+        assert!((test.p - expected).abs() < 1e-12, "{differences:?}: {test:?}, expected {expected}");
+    }
+}
+
+#[test]
+fn eight_subjects_and_ten_pairs_cannot_reach_five_per_cent() {
+    let levels = (0..5).map(|level| level.to_string()).collect();
+    let rows = (0..8).map(|s| (s.to_string(), (0..5).map(f64::from).collect())).collect();
+    let found = pairs(&SubjectMeans { levels, rows, incomplete: Vec::new() });
+    assert_eq!((found.pairs.len(), found.least_p), (10, 10.0 * 2.0 / 256.0));
+    assert!(found.cannot_reach(0.05) && !found.cannot_reach(0.1));
+    // All subjects agree: the least that is possible.
+    assert!(found.pairs.iter().all(|pair| pair.p_holm == found.least_p));
+    // `p.adjust(c(0.01, 0.04, 0.03, 0.005), "holm")`, R 4.2.2.
+    let corrected = holm(&[0.01, 0.04, 0.03, 0.005]).into_iter().zip([0.03, 0.06, 0.06, 0.02]);
+    assert!(corrected.map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max) < 1e-15);
 }

@@ -5,7 +5,7 @@ use std::{path::Path, process::Output};
 
 use machband::{
     analysis::{
-        power::{ModelChoice, Plan, Power, Sampling, Shift, Test},
+        power::{ModelChoice, Plan, Power, Sampling, Shift, Test, clopper_pearson},
         terms::Terms,
     },
     experiment::{OrderedLogit, Protocol},
@@ -98,6 +98,25 @@ fn power_is_that_of_whiteheads_formula() {
     let expected = 0.5 + simpson;
     assert!((0.5..0.9).contains(&expected), "{expected}: a power that tells");
     assert!((found - expected).abs() < 0.04, "{found}, expected {expected}");
+}
+
+/// `binom.test(found, all)$conf.int`, R 4.2.2.
+#[test]
+fn the_interval_of_a_proportion_is_that_of_r() {
+    for (found, all, low, high) in [
+        (0, 200, 0.0, 0.0182753403551),
+        (10, 200, 0.0242341654721, 0.0900275377014),
+        (166, 200, 0.770628399606, 0.879304376764),
+        (200, 200, 0.981724659645, 1.0),
+        (1, 1, 0.025, 1.0),
+        (50, 1000, 0.0373353976047, 0.0653904879155),
+    ] {
+        let interval = clopper_pearson(found, all, 0.95);
+        assert!(
+            (interval.low - low).abs() < 1e-11 && (interval.high - high).abs() < 1e-11,
+            "{found}/{all}: {interval:?}"
+        );
+    }
 }
 
 #[test]

@@ -1,0 +1,199 @@
+//! From rows to counts, and what is said of them without a model: means, times and intervals over subjects.
+
+use machband::{
+    analysis::{
+        agreement::{mean_over_subjects, ordinal_alpha, retests},
+        bootstrap::{Bootstrap, Interval},
+        counts::{CountError, Counts, MeasuredBuilder},
+        summary::{by_cell, by_factor, by_subject},
+    },
+    experiment::RatingRow,
+};
+use rand::{RngExt, SeedableRng};
+
+const SCALE: [&str; 4] = ["0", "1", "2", "3"];
+
+/// Subject, width and depth, rating, repetition.
+const ROWS: [(&str, [&str; 2], &str, u32); 6] = [
+    ("S2", ["0.4", "1"], "3", 2),
+    ("S2", ["0.40", "1"], "1", 1),
+    ("S1", ["0.1", "1"], "0", 1),
+    ("S10", ["0.1", "1"], "2.0", 1),
+    ("S2", ["0.4", "1"], "2", 3),
+    ("S1", ["0.1", "1"], "1", 2),
+];
+
+fn add<'a>(
+    mut builder: MeasuredBuilder,
+    rows: impl IntoIterator<Item = &'a (&'a str, [&'a str; 2], &'a str, u32)>,
+) -> MeasuredBuilder {
+    for (subject, values, rating, repetition) in rows {
+        let (place, response_time_s) = (Some(("1", *repetition)), Some(0.5 * f64::from(*repetition)));
+        builder.add(&RatingRow { subject, values, rating, count: 1, place, response_time_s }).unwrap();
+    }
+    builder
+}
+
+fn empty() -> MeasuredBuilder {
+    MeasuredBuilder::new(&["width", "depth"]).with_categories(&SCALE)
+}
+
+#[test]
+fn order_and_parts_do_not_matter() {
+    let whole = add(empty(), &ROWS).finish();
+    assert_eq!(add(empty(), ROWS.iter().rev()).finish(), whole);
+    for cut in 0..=ROWS.len() {
+        let mut first = add(empty(), &ROWS[..cut]);
+        first.absorb(add(empty(), &ROWS[cut..])).unwrap();
+        assert_eq!(first.finish(), whole, "cut at {cut}");
+    }
+    // `0.40` is `0.4`, so S2 has one condition; its first two ratings are those of repetitions 1 and 2.
+    let pairs: Vec<_> = whole.retests.iter().map(|pair| (pair.subject, pair.first, pair.second)).collect();
+    assert_eq!((whole.counts.total(), &whole.counts.subjects[..]), (6, &["S1", "S10", "S2"].map(String::from)[..]));
+    assert_eq!((pairs, retests(&whole)[2].pairs()), (vec![(0, 0, 1), (2, 1, 3)], 1));
+    let slow = whole.times_by(4, |row| Some(row.rating.into()))[3].quartiles().unwrap();
+    assert!(slow.n == 1 && (slow.median - 1.0).abs() < 0.03, "{slow:?}");
+}
+
+#[test]
+fn what_does_not_vary_can_be_left_out_and_what_is_filtered_is_gone() {
+    let varied = add(MeasuredBuilder::new(&["width", "depth"]).only_varied_factors(), &ROWS).finish();
+    assert_eq!(varied.counts.factors.iter().map(|factor| &factor.name).collect::<Vec<_>>(), ["width"]);
+    let measured = add(empty(), &ROWS).finish();
+    let rest = measured.filtered(|subject| subject != 0, |levels| levels[0] == Some(0));
+    assert_eq!((&rest.counts.subjects[..], rest.counts.total()), (&["S10".to_owned()][..], 1));
+    assert_eq!((rest.counts.categories.len(), rest.retests.len(), rest.times_by(1, |_| Some(0))[0].n()), (4, 0, 1));
+    assert_eq!(measured.filtered(|_| true, |_| true), measured);
+}
+
+#[test]
+fn levels_come_in_natural_order_and_equal_numbers_are_one() {
+    for (texts, levels) in [
+        (&["inf", "10", "2", "-1", "0.5", "2"][..], &["-1", "0.5", "2", "10", "inf"][..]),
+        (&["b", "10", "2", "a", "B"], &["10", "2", "B", "a", "b"]),
+        (&["0.10", "", "0.1", "1e-1", "3"], &["0.1", "3"]),
+    ] {
+        let mut builder = MeasuredBuilder::new(&["width"]);
+        texts.iter().for_each(|text| builder.add_counts("S1", &[text], "1", 1).unwrap());
+        let counts = builder.finish().counts;
+        assert_eq!(counts.factors[0].levels, levels);
+        assert_eq!(
+            counts.conditions.iter().filter(|condition| condition[0].is_none()).count(),
+            usize::from(texts.contains(&""))
+        );
+    }
+}
+
+#[test]
+fn declared_categories_refuse_others_and_keep_empty_ones() {
+    let mut builder = empty();
+    let mut add = |subject: &str, rating: &str| builder.add_counts(subject, &["0.1", "1"], rating, 1);
+    assert_eq!(add("S1", "2.0"), Ok(()));
+    assert_eq!(add("S1", "4").unwrap_err().to_string(), "rating 4; expected one of 0, 1, 2, 3");
+    assert_eq!((add("S1", ""), add("", "1")), (Err(CountError::NoRating), Err(CountError::NoSubject)));
+    assert_eq!(builder.finish().counts.category_totals(), [0, 0, 1, 0]);
+}
+
+/// 1 ms to 10 s, evenly on a logarithmic scale, in a scrambled order; and times that no trial has.
+#[test]
+fn quantiles_of_times_are_within_their_bins() {
+    let seconds = |i: u32| 10_f64.powf(-1.0 + f64::from(i * 7919 % 10_000) / 5000.0);
+    let mut builder = MeasuredBuilder::new(&["width"]);
+    for (subject, time) in (0..10_000).map(|i| ("S1", seconds(i))).chain([0.0, 1e-9, 1e9].map(|time| ("S2", time))) {
+        let row =
+            RatingRow { subject, values: &["1"], rating: "1", count: 1, place: None, response_time_s: Some(time) };
+        builder.add(&row).unwrap();
+    }
+    let times = builder.finish().times_by(3, |row| Some(row.subject as usize));
+    assert_eq!((times[0].n(), times[1].n(), times[2].quartiles()), (10_000, 3, None));
+    for proportion in [0.01_f64, 0.25, 0.5, 0.75, 0.99] {
+        let ratio = times[0].quantile(proportion).unwrap() / 10_f64.powf(-1.0 + 2.0 * proportion);
+        assert!((ratio - 1.0).abs() < 0.026, "{proportion}: {ratio}");
+    }
+}
+
+fn described() -> Counts {
+    let mut builder = empty();
+    for (subject, width, depth, rating, count) in [
+        ("S1", "0.1", "1", "0", 2),
+        ("S1", "0.1", "inf", "3", 1),
+        ("S2", "0.1", "1", "2", 1),
+        ("S2", "0.4", "1", "1", 4),
+        ("S3", "", "1", "3", 1),
+    ] {
+        builder.add_counts(subject, &[width, depth], rating, count).unwrap();
+    }
+    builder.finish().counts
+}
+
+#[test]
+fn cells_factors_and_subjects_are_described() {
+    let (counts, bootstrap) = (described(), Bootstrap::default());
+    let cells = by_cell(&counts, &bootstrap);
+    assert_eq!((cells.len(), cells[0].names.join(",")), (4, ",1".to_owned()));
+    let cell = &cells[1].summary;
+    assert_eq!((cells[1].names.join(","), cell.n, cell.subjects), ("0.1,1".to_owned(), 3, 2));
+    assert!((cell.mean - 2.0 / 3.0).abs() < 1e-15 && cell.median == 0.0);
+    assert_eq!(cell.proportions, [2.0 / 3.0, 0.0, 1.0 / 3.0, 0.0]);
+    // Resampled means go from S1's 0 to S2's 2.
+    assert_eq!(cell.interval, Some(Interval { low: 0.0, high: 2.0 }));
+    assert_eq!(cells[3].summary.interval, None);
+    let widths = by_factor(&counts, 0, &bootstrap);
+    let numbers: Vec<_> = widths.iter().map(|group| (group.names[0].as_str(), group.summary.n)).collect();
+    assert_eq!((numbers, widths[0].summary.median), (vec![("0.1", 4), ("0.4", 4)], 1.0));
+    assert_eq!(by_subject(&counts).iter().map(|group| group.summary.mean).collect::<Vec<_>>(), [1.0, 1.2, 3.0]);
+}
+
+/// Over many studies the interval of a mean covers it about as often as it says; percentile intervals of 20 subjects
+/// are a little short.
+#[test]
+fn intervals_cover_the_mean() {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+    let mut covered = 0;
+    for seed in 0..300 {
+        let mut builder = MeasuredBuilder::new(&["width"]);
+        for subject in 0..20 {
+            let bias: f64 = rng.random();
+            for _ in 0..10 {
+                // Mean 1.5 over subjects.
+                let rating = (3.0 * (0.5 * bias + 0.5 * rng.random::<f64>()) + 0.5).floor();
+                builder.add_counts(&subject.to_string(), &["1"], &rating.to_string(), 1).unwrap();
+            }
+        }
+        let bootstrap = Bootstrap { replicates: 400, seed, level: 0.95 };
+        let interval = by_cell(&builder.finish().counts, &bootstrap)[0].summary.interval.unwrap();
+        covered += usize::from(interval.low <= 1.5 && 1.5 <= interval.high);
+    }
+    assert!((265..=292).contains(&covered), "{covered} of 300");
+}
+
+/// The order of draws for a seed, once and for all: seed 3 draws seven subjects 2, 1, 1, 0, 2, 1 and 0 times first.
+/// Quantiles are those of R and NumPy (type 7).
+#[test]
+fn draws_are_the_same_forever() {
+    let values = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
+    let interval = |replicates, level, seed| {
+        let (mean, interval) = mean_over_subjects(&values, &Bootstrap { replicates, seed, level }).unwrap();
+        assert!((mean * 7.0 - 1_111_111.0).abs() < 1e-6);
+        [interval.unwrap().low, interval.unwrap().high].map(|end| end * 7.0)
+    };
+    let first = interval(1, 0.9, 3)[0];
+    assert!((first - 120_112.0).abs() < 1e-6, "{first}");
+    assert_ne!(interval(1, 0.9, 4)[0], first);
+    let ([low, high], [lower, upper]) = (interval(2, 1.0, 3), interval(2, 0.8, 3));
+    assert!(low == first || high == first, "{low} {high}");
+    assert!((lower - (low + 0.1 * (high - low))).abs() < 1e-6 && (upper - (high - 0.1 * (high - low))).abs() < 1e-6);
+}
+
+#[test]
+fn one_subject_or_one_category_has_no_agreement() {
+    let alpha = |rows: &[(&str, &str)]| {
+        let mut builder = MeasuredBuilder::new(&["unit"]);
+        rows.iter().for_each(|(subject, rating)| builder.add_counts(subject, &["1"], rating, 2).unwrap());
+        ordinal_alpha(&builder.finish().counts, &Bootstrap::default()).map(|alpha| alpha.alpha)
+    };
+    for rows in [&[("a", "1"), ("a", "2")][..], &[("a", "1"), ("b", "1")], &[]] {
+        assert_eq!(alpha(rows), None);
+    }
+    assert!(alpha(&[("a", "1"), ("b", "2")]).unwrap() < 0.0);
+}
