@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Whole processes side by side: machband's analysis against R's ordinal package and DuckDB's CSV reader.
+"""Times whole processes: machband's analysis, compared with R's ordinal package and DuckDB's CSV reader.
 
     python3 benches/analysis_peers.py [--machband target/release/machband] [--runs 7] [--only clm,clmm,rows] [--slow]
 
-Each pair runs alternately in one go; printed are medians of wall time and the median of the ratios, run by run. Needs
-numpy and duckdb (PyPI), Rscript with the package ordinal. --slow adds R's clmm on 160,000 rows, which takes minutes.
+The programs of each pair alternate. The script prints median wall times and the median ratio over runs. Needs numpy and
+duckdb (PyPI), and Rscript with the package ordinal. --slow adds R's clmm on 160,000 rows, which takes minutes.
 """
 
 import argparse
@@ -41,7 +41,7 @@ duckdb.sql(f"COPY (SELECT subject_id, width, depth, orientation_deg, rating, cou
 
 
 def study(path, rows, subjects, seed):
-    """A long CSV: every subject's ratings of the design of bangay2003, ordered logit with a normal intercept."""
+    """A long CSV: every subject's ratings in the design of bangay2003, from an ordered logit with a normal intercept."""
     rng = np.random.default_rng(seed)
     per_subject = rows // subjects
     intercepts = 0.6 * rng.standard_normal(subjects)
@@ -59,7 +59,7 @@ def study(path, rows, subjects, seed):
 
 
 def results(path, rows, subjects, seed):
-    """The same in the columns of a result file, sessions of 240 main trials after 12 of practice."""
+    """The same in the columns of a result file, in sessions of 12 practice trials and 240 main trials."""
     rng = np.random.default_rng(seed)
     cells = [(w, d, o) for w in WIDTHS for d in DEPTHS for o in ANGLES]
     header = ("row_id,experiment,subject_id,session_id,phase,block,trial,attempt,repetition,stimulus,width,depth,"
@@ -84,7 +84,7 @@ def results(path, rows, subjects, seed):
 
 
 def peak_mib(command):
-    """Wall seconds and peak memory of a process."""
+    """Wall time in seconds and peak memory of a process."""
     begun = time.perf_counter()
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     _, status, usage = os.wait4(child.pid, 0)

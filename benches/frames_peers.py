@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Frame cost of machband beside PsychoPy's, on the same screen.
+"""Compares the frame times of machband and PsychoPy on the same screen.
 
-machband draws the screen of a trial (`machband timing --scene trial`); PsychoPy draws one image
-of 512 x 512 pixels (draw + flip). The two take turns, so that a machine that grows slow slows both. Under Xvfb nothing
-waits for a refresh: the interval from frame to frame is what a frame costs.
+machband draws the screen of a trial (`machband timing --scene trial`); PsychoPy draws one image of 512 x 512 pixels
+(draw + flip). The two alternate, so that a slowdown of the machine affects both. Under Xvfb, nothing waits for a
+refresh, so the interval between frames is the cost of a frame.
 
     Xvfb :20 -screen 0 1920x1080x24 &
     python3 -m venv peers && peers/bin/pip install --no-deps psychopy==2026.2.5
@@ -14,7 +14,7 @@ waits for a refresh: the interval from frame to frame is what a frame costs.
     DISPLAY=:20 python3 benches/frames_peers.py --machband target/release/machband --python peers/bin/python \\
         --bare "target/release/tools bare-window"
 
-Prints a line a pair and then medians, 99 % and ratios. Exit status 0; 1 where a program fails.
+Prints a line per pair, and then medians, 99th percentiles and ratios. The exit status is 1 if a program fails.
 """
 
 import argparse
@@ -74,7 +74,7 @@ def told(name, command):
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT")), None)
     if line is None:
         sys.exit(f"{name} failed:\n{done.stdout}\n{done.stderr}")
-    # The bare window also says when its first frame was handed over.
+    # The bare window also prints when its first frame was submitted.
     numbers = [float(number) for number in line.split()[1:]]
     return [seconds * 1e3 for seconds in numbers if seconds < 1e6]
 
@@ -87,20 +87,20 @@ def pair(text):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--machband", required=True, help="the release binary")
-    parser.add_argument("--python", default=sys.executable, help="a Python that has PsychoPy")
-    parser.add_argument("--bare", help="the tool bare-window, for what the graphics take for nothing")
+    parser.add_argument("--python", default=sys.executable, help="a Python with PsychoPy installed")
+    parser.add_argument("--bare", help="the command of the bare-window tool, to measure the cost of an empty frame")
     parser.add_argument("--frames", type=int, default=300)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--fullscreen", action="store_true", help="needs a window manager for machband")
     parser.add_argument("--size", type=pair, default=(1920, 1080), help="the screen, WIDTHxHEIGHT")
-    parser.add_argument("--window", type=pair, default=(1100, 860), help="a window, WIDTHxHEIGHT; machband's own size")
+    parser.add_argument("--window", type=pair, default=(1100, 860), help="the window, WIDTHxHEIGHT; the default is machband's own size")
     arguments = parser.parse_args()
     runs = {"machband": [], "PsychoPy": []}
     if arguments.bare:
         runs["bare window"] = []
     for turn in range(arguments.rounds):
         order = list(runs)
-        # Each comes first in its turn.
+        # The programs take turns to run first.
         order = order[turn % len(order) :] + order[: turn % len(order)]
         for name in order:
             if name == "PsychoPy":

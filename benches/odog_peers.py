@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""ODOG (Blakeslee & McCourt 1999) of machband beside multyscale's, on the same picture.
+"""Compares machband's ODOG (Blakeslee & McCourt 1999) with multyscale's on the same image.
 
-multyscale (computational-psychology/multyscale, MIT license) makes the model's filters, `ODOG_RHS2007(shape, extent)`, and
-then runs it, `.apply(picture)`; machband does the same two steps. The picture is a linear ramp between plateaus, 512 x 512
-pixels at 32 pixels a degree. The two take turns, so that a machine that grows slow slows both; each run is a process of its
-own. The first round also compares what they answer, where machband writes it.
+multyscale (computational-psychology/multyscale, MIT license) constructs the model's filters, `ODOG_RHS2007(shape, extent)`,
+and then runs the model, `.apply(picture)`. machband does the same two steps. The image is a linear ramp between plateaus,
+512 x 512 pixels at 32 pixels per degree. The two alternate, so that a slowdown of the machine affects both. Each run is a
+separate process. The first round also compares the responses, if machband writes one.
 
     python3 -m venv peers && peers/bin/pip install numpy scipy
     git clone https://github.com/computational-psychology/multyscale && git -C multyscale checkout 5d29c68e49ed   # 0.2.0
@@ -13,11 +13,11 @@ own. The first round also compares what they answer, where machband writes it.
     python3 benches/odog_peers.py --python peers/bin/python \\
         --machband-command "target/release/tools odog {size} {ppd} {out}"
 
-In the command {size}, {ppd} and {out} are filled in. It prints `construct_s SECONDS run_s SECONDS`; where it does not, its
-wall time counts as both together. Where it uses {out}, it writes its response there: float32, row by row, as the machine
-has them. Pass `OPENBLAS_NUM_THREADS` and the like in the environment; none is set here.
+The script fills in {size}, {ppd} and {out} in the command. The command prints `construct_s SECONDS run_s SECONDS`; if it does
+not, its wall time counts as the sum of both. If it uses {out}, it writes its response there as float32 in native byte
+order, row by row. Set `OPENBLAS_NUM_THREADS` and similar variables in the environment; this script sets none.
 
-Prints a line a run and then medians and ratios. Exit status 0; 1 where a program fails.
+Prints a line per run, and then medians and ratios. The exit status is 1 if a program fails.
 """
 
 import argparse
@@ -52,7 +52,7 @@ TIMES = re.compile(r"construct_s\s+(\S+)\s+run_s\s+(\S+)")
 
 
 def timed(name, command):
-    """Seconds to construct (None where the program does not tell) and to run."""
+    """Seconds to construct (None if the program does not report it) and to run."""
     began = time.perf_counter()
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=1800)
@@ -73,7 +73,7 @@ def response(path):
 
 
 def compare(ours, peer):
-    """Correlation, and the largest difference as a part of the peer's range."""
+    """The correlation, and the largest difference as a fraction of multyscale's range."""
     if len(ours) != len(peer):
         return f"different sizes: {len(ours)} and {len(peer)} values"
     spread = max(peer) - min(peer)
@@ -83,9 +83,9 @@ def compare(ours, peer):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--machband-command", required=True, help="with {size}, {ppd} and, to compare answers, {out}")
-    parser.add_argument("--python", default=sys.executable, help="a Python that has multyscale")
-    parser.add_argument("--size", type=int, default=512, help="pixels a side")
+    parser.add_argument("--machband-command", required=True, help="a command with {size}, {ppd} and, to compare responses, {out}")
+    parser.add_argument("--python", default=sys.executable, help="a Python with multyscale installed")
+    parser.add_argument("--size", type=int, default=512, help="pixels per side")
     parser.add_argument("--px-per-deg", type=float, default=32.0)
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
@@ -99,7 +99,7 @@ def main():
             "multyscale": [arguments.python, "-c", PEER, size, ppd, out["multyscale"]],
         }
         for turn in range(arguments.rounds):
-            # Each comes first in its turn.
+            # The programs take turns to run first.
             for name in list(runs) if turn % 2 == 0 else list(runs)[::-1]:
                 construct, run = timed(name, commands[name])
                 runs[name].append((construct, run))

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The peer of shading.rs: Mesa's llvmpipe, a rasterizer on the CPU, draws the same kind of picture.
+"""The comparison for shading.rs: Mesa's llvmpipe, a rasterizer on the CPU, draws the same kind of image.
 
 1024 x 1024 pixels RGBA8, 28 x 28 x 2 jittered triangles over the whole window, two threads, no depth buffer, vertices
-already in the card's memory; prints medians in Mpix/s. Nothing is read back. GLSL works in 32-bit floats and writes
-codes without a transfer function, which spares it the conversion to sRGB that shading.rs includes.
+already in graphics memory. Prints medians in Mpix/s. Nothing is read back. GLSL uses 32-bit floats and writes codes
+without a transfer function, so it does not include the conversion to sRGB that shading.rs includes.
 
     pip install moderngl numpy        # and Mesa's EGL: libegl1 libgl1-mesa-dri on Debian
     python3 benches/shading_llvmpipe.py [threads]
@@ -71,7 +71,7 @@ FRAGMENTS = {
 
 
 def grid():
-    """Places, normals and lights of the corners of every triangle, and the constants of their edges."""
+    """Positions, normals and light values at the corners of every triangle, and the constants of their edges."""
     random = np.random.default_rng(1)
     n = CELLS + 1
     y, x = np.mgrid[0:n, 0:n].astype(float)
@@ -85,7 +85,7 @@ def grid():
     a = (np.arange(CELLS)[:, None] * n + np.arange(CELLS)).ravel()
     triangles = np.concatenate([np.stack([a, a + 1, a + n + 1], -1), np.stack([a, a + n + 1, a + n], -1)])
     corners = triangles.ravel()
-    # The constants' values do not change the time.
+    # The values of the constants do not affect the time.
     bend = random.uniform(-0.02, 0.02, (len(triangles), 9)).repeat(3, 0)
     weights = np.tile(np.eye(3), (len(triangles), 1))
     rows = np.concatenate([place[corners], normal[corners], light[corners], weights, bend], 1)

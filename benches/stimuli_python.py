@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The peer of `machband stimuli` in benches/README.md: 1,000 ramps of 1024 x 1024 with numpy and Pillow, one process a
-core.
+"""The comparison for `machband stimuli` in benches/README.md: 1,000 ramps of 1024 x 1024 pixels with numpy and Pillow, in
+one process per core.
 
 Usage: python3 benches/stimuli_python.py OUT_FOLDER [COUNT]     (pip install numpy pillow)
 """
