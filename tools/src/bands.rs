@@ -1,9 +1,9 @@
-//! How visible the model of vision finds the bands that each shader leaves: the table of `docs/shaders.md`.
+//! The visibility of the bands that each shader leaves, as the model of vision predicts it: the table of `docs/shaders.md`.
 //!
-//! Pictures of 512 pixels a side, 10° wide, without their outlines; white has 100 cd/m². Each cell has the visibility of
-//! the strongest band, then the amount of bands (strength times length over the area), both relative to Gouraud's. The lamp
-//! stands at the eye and the surface is matt, so that the light of the surface itself has no lines; with `--default-scene` the
-//! scene is that of the shading page, whose terminators and highlights are lines of their own.
+//! The images have 512 pixels per side and are 10° wide; outlines are excluded, and white is 100 cd/m². Each cell shows the
+//! visibility of the strongest band and the amount of banding (strength times length, divided by area), both relative to
+//! Gouraud's. The lamp is at the viewer's eye and the surface is matte, so that the smooth surface has no lines of its own.
+//! `--default-scene` uses the scene of the shading page, whose terminators and highlights are lines of their own.
 
 use std::error::Error;
 
@@ -15,11 +15,11 @@ use machband::{
     vision::PictureView,
 };
 
-/// Pixels a side.
+/// Pixels per side.
 const SIZE: u32 = 512;
-/// Degrees a side.
+/// Degrees per side.
 const WINDOW_DEG: f64 = 10.0;
-/// Vertices of the meshes that stand for the smooth surfaces.
+/// Vertices of the meshes that approximate the smooth surfaces.
 const FINE: usize = 60_000;
 
 pub fn run(is_default: bool) -> Result<(), Box<dyn Error>> {
@@ -56,7 +56,7 @@ pub fn run(is_default: bool) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A sheet in waves, its triangles of all shapes, with the normals of the waves.
+/// A wavy sheet with triangles of many shapes and the normals of the waves.
 fn waves(cells: usize, jitter: f64) -> Result<Mesh, Box<dyn Error>> {
     let mesh =
         shapes::jittered_grid(cells, cells, jitter, |x, y| 0.25 * (2.2 * x + 0.5).sin() * (1.9 * y - 0.4).cos())?;
@@ -77,7 +77,7 @@ impl Subject {
     fn new(name: &'static str, scene: &Scene, mesh: Mesh, fine: Mesh) -> Result<Subject, Box<dyn Error>> {
         let frame = scene.frame(&Surface::new(mesh), SIZE, SIZE);
         let gouraud = seen(&frame, &Reference::new(&frame, &Shade::new(Shader::Gouraud)).image())?;
-        // Lit at every pixel, by normals that hardly turn within a triangle.
+        // Lighting is computed at every pixel from normals that hardly change within a triangle.
         let fine = scene.frame(&Surface::new(fine), SIZE, SIZE);
         let smooth = seen(&frame, &Reference::new(&fine, &Shade::new(Shader::Phong)).image())?;
         Ok(Subject { name, frame, gouraud, smooth })
@@ -97,7 +97,7 @@ fn seen(frame: &Frame, image: &LinearImage) -> Result<PictureView, Box<dyn Error
     Ok(Sight::new(WINDOW_DEG).see_surface(frame, image)?)
 }
 
-/// Each shader with the depths and widths at which it is compared.
+/// Each shader, with the depths and strip widths at which it is compared.
 fn shades() -> Vec<Shade> {
     let crossed = |shader, depths: &[u8], widths: &[f64]| -> Vec<Shade> {
         let with = |depth: &u8, boundary: &f64| Shade {

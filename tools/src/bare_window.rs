@@ -1,7 +1,7 @@
-//! What the graphics take for a frame with nothing in it: a window that clears itself, without egui.
+//! The cost of an empty frame: a window that only clears itself, without egui.
 //!
-//! `benches/frames_peers.py --bare` compares the program's own frames with it. Prints
-//! `RESULT`, when the first frame was handed over (seconds since 1970), and every interval in seconds.
+//! `benches/frames_peers.py --bare` compares machband's frames with it. Prints `RESULT`, the time when the first frame was
+//! submitted (seconds since 1970), and every interval in seconds.
 
 use std::{
     sync::Arc,
@@ -17,9 +17,9 @@ use winit::{
     window::{Window, WindowId},
 };
 
-/// As machband's own window.
+/// The size of machband's own window.
 const SIZE: [u32; 2] = [1100, 860];
-/// Frames before counting.
+/// Frames to skip before counting.
 const WARM_UP: usize = 30;
 
 struct Open {
@@ -47,12 +47,12 @@ impl Open {
         let adapter = pollster::block_on(instance.request_adapter(&wanted))?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))?;
         let config = surface.get_default_config(&adapter, SIZE[0], SIZE[1]).ok_or("the surface has no format")?;
-        // As machband's.
+        // The same as in machband.
         surface.configure(&device, &wgpu::SurfaceConfiguration { desired_maximum_frame_latency: 1, ..config });
         Ok(Open { window, surface, device, queue })
     }
 
-    /// Whether there was something to clear.
+    /// Whether there was a surface to clear.
     fn clear(&self) -> bool {
         use wgpu::CurrentSurfaceTexture::{Suboptimal, Success};
         let (Success(texture) | Suboptimal(texture)) = self.surface.get_current_texture() else { return false };

@@ -1,8 +1,8 @@
 //! How much of Gouraud's creases each shader leaves.
 //!
-//! A crease is the jump on the screen of the slope normal to an edge that two triangles facing the eye share, measured by
-//! one-sided differences of the light. Each cell has the root mean square over the edges' length, then the median, both
-//! relative to Gouraud's. A slope jump is not yet a perceived band.
+//! A crease is the jump, on the screen, of the slope normal to an edge that two front-facing triangles share. It is
+//! measured by one-sided differences of the luminance. Each cell shows the root mean square over the length of the edges
+//! and the median, both relative to Gouraud's. A slope jump is not yet a perceived band.
 
 use std::error::Error;
 
@@ -11,7 +11,7 @@ use machband::{
     shading::{Creases, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface, crease, shapes},
 };
 
-/// Pixels a side of the window.
+/// Pixels per side of the window.
 const SIZE: u32 = 1024;
 
 pub fn run() -> Result<(), Box<dyn Error>> {
@@ -30,7 +30,7 @@ pub fn run() -> Result<(), Box<dyn Error>> {
     println!("|---|---|---|{}", "---|".repeat(frames.len() + 1));
     for shades in families() {
         let rows: Vec<Row> = shades.iter().map(|shade| Row::of(shade, &frames, &gouraud)).collect();
-        // One line for those that differ in nothing.
+        // One row for all shaders with identical results.
         let mut groups: Vec<Vec<&Row>> = Vec::new();
         for row in &rows {
             match groups.iter_mut().find(|group| group[0].cells == row.cells) {
@@ -51,7 +51,7 @@ pub fn run() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Each shader with the depths and widths at which it is compared.
+/// Each shader, with the depths and strip widths at which it is compared.
 fn families() -> Vec<Vec<Shade>> {
     let family = |&shader: &Shader| {
         let own = Shade::new(shader);
@@ -81,7 +81,7 @@ struct Row {
     cells: Vec<String>,
 }
 
-/// Each once, in their order.
+/// The distinct items, in their order.
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let mut once: Vec<&str> = Vec::new();
     for name in names {
@@ -109,7 +109,7 @@ impl Row {
     }
 }
 
-/// Relative to Gouraud's; with the jump of the light itself where there is one.
+/// Creases relative to Gouraud's, and the jump of the luminance itself if there is one.
 fn cell(own: &Creases, gouraud: &Creases) -> String {
     let ratios = format!("{}, {}", ratio(own.rms / gouraud.rms), ratio(own.median / gouraud.median));
     if own.step_rms > 1e-9 { format!("{ratios}; steps of {:.3}", own.step_rms) } else { ratios }
@@ -123,7 +123,7 @@ fn ratio(value: f64) -> String {
     }
 }
 
-/// How far the light is from having one slope at each vertex, root mean square over the vertices.
+/// How far the luminance is from having a single slope at each vertex: root mean square over the vertices.
 fn spread(frame: &Frame, shade: &Shade) -> f64 {
     let reference = Reference::new(frame, shade);
     let vertices = crease::at_vertices(frame, |triangle, weights| reference.light(triangle, weights));

@@ -1,6 +1,6 @@
-//! What is known of Mach bands, and which of it each model meets: the table of `docs/models.md`.
+//! Known facts about Mach bands, and which of them each model reproduces: the table of `docs/predict.md`.
 //!
-//! Profiles from ¼ to ¾ of white, 10° long with 128 samples a degree, that go on beyond their ends as they end.
+//! The profiles run from ¼ to ¾ of white over 10° at 128 samples per degree, and are constant beyond their ends.
 
 use statrs::function::erf::erf;
 
@@ -12,16 +12,16 @@ use tools::baselines::{self, Baseline, Mark};
 
 const PX_PER_DEG: f64 = 128.0;
 const LENGTH_DEG: f64 = 10.0;
-/// Widths of ramps, degrees.
+/// Widths of the ramps, in degrees.
 const WIDTHS: [f64; 10] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4];
-/// Those of Bangay's ramps, in a window of 10°.
+/// The widths of Bangay's ramps in a window of 10°.
 const USUAL: [f64; 6] = [0.2, 0.5, 1.0, 2.0, 4.0, 8.0];
-/// Those where bands are strongest.
+/// The widths where bands are strongest.
 const STRONGEST: [f64; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
-/// What counts as nothing, of the largest.
+/// A response below this fraction of the largest counts as none.
 const NOTHING: f64 = 0.01;
 
-/// The model of this library, its channels taken together.
+/// The model of this library, with its channels summed.
 struct LocalEnergy {
     border: Border,
 }
@@ -44,7 +44,7 @@ impl Baseline for LocalEnergy {
     }
 }
 
-/// A ramp: width in degrees, depth, contrast (¼ to ¾ has ½).
+/// A ramp: width in degrees, depth, contrast (½ for ¼ to ¾).
 #[derive(Clone, Copy)]
 struct Ramp {
     width: f64,
@@ -75,14 +75,14 @@ fn profile(light: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..samples).map(|i| light((i as f64 + 0.5) / PX_PER_DEG - LENGTH_DEG / 2.0)).collect()
 }
 
-/// What a model says of a fact: a number or more, and whether that meets it.
+/// A model's result for a fact: one or more numbers, and whether they satisfy the bound.
 type Answer = (String, bool);
 
 struct Asked<'a> {
     model: &'a dyn Baseline,
-    /// The same that does not judge what lies beside the ends of a profile.
+    /// The same model, ignoring the area near the ends of a profile.
     inside: &'a dyn Baseline,
-    /// For linear ramps of [`WIDTHS`].
+    /// Strengths for linear ramps of [`WIDTHS`].
     by_width: Vec<f64>,
     largest: f64,
 }
@@ -113,7 +113,7 @@ impl Asked<'_> {
         let (best, _) = self.by_width.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap_or((0, &0.0));
         let rises = self.by_width[..=best].windows(2).all(|pair| pair[1] >= pair[0]);
         let falls = self.by_width[best..].windows(2).all(|pair| pair[1] <= pair[0]);
-        // Flat is no optimum.
+        // A flat curve has no optimum.
         let ends = self.by_width[0].max(self.by_width[WIDTHS.len() - 1]) / self.largest;
         (
             format!("{}°, ends {ends:.2}", WIDTHS[best]),
@@ -178,7 +178,7 @@ impl Asked<'_> {
     }
 }
 
-/// The strongest mark; the picture `size` times as large.
+/// The strength of the strongest mark when the profile is `size` times as large.
 fn strength(model: &dyn Baseline, light: &[f64], size: f64) -> f64 {
     model.marks(light, PX_PER_DEG / size).iter().map(|mark| mark.strength).fold(0.0, f64::max)
 }
@@ -196,7 +196,7 @@ fn ranks_agree(pairs: Vec<[f64; 2]>, least: f64) -> Answer {
     }
 }
 
-/// A fact with its bound, and how a model is asked.
+/// A fact with its bound, and the function that tests it on a model.
 type Fact = (&'static str, fn(&Asked) -> Answer);
 
 const FACTS: [Fact; 12] = [

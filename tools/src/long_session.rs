@@ -1,8 +1,9 @@
-//! A session of 20,000 trials through the real session and the real store: does memory, or the time of a trial, grow?
+//! Runs a session of 20,000 trials through the real session and the real store to see whether memory or the time per
+//! trial grows.
 //!
-//! It prints a table, one row per thousand trials: milliseconds a trial
-//! (median, 99th percentile, of which the disk takes nearly all) and resident memory. The session is written below
-//! FOLDER, or a temporary folder; on a disk in memory (`/dev/shm`) the disk's own time falls away.
+//! Prints a table with one row per thousand trials: milliseconds per trial (median and 99th percentile; the disk takes
+//! nearly all of it) and resident memory. The session is written to FOLDER or to a temporary folder. Use a RAM disk
+//! (`/dev/shm`) to exclude the time of the disk.
 
 use std::{
     path::Path,
@@ -33,7 +34,7 @@ orientation_deg = [0, 45, 90, 135, 180]
 repetitions = 100
 practice = 0
 "#;
-/// Trials a row of the table.
+/// Trials per row of the table.
 const EACH: usize = 1000;
 
 pub fn run(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
@@ -66,7 +67,7 @@ pub fn run(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Resident memory of this process, where Linux tells; else 0.
+/// Resident memory of this process if Linux reports it, and otherwise 0.
 fn resident_mib() -> f64 {
     let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     pages.split(' ').nth(1).and_then(|pages| pages.parse::<f64>().ok()).unwrap_or_default() * 4096.0

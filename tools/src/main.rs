@@ -13,49 +13,49 @@ use std::path::PathBuf;
 use clap::Parser;
 use tools::blue_noise::{MASK_SEED, to_bytes, void_and_cluster};
 
-/// Tables, timings and long runs of machband.
+/// Print tables for the documentation, and run timings and long sessions.
 #[derive(Parser)]
 enum Tool {
-    /// How visible the vision model finds the bands that each shader leaves: the table of docs/shaders.md.
+    /// Print the table of docs/shaders.md: how visible the bands of each shader are.
     Bands {
-        /// Use the scene of the shading page instead of a matt surface lit from the eye.
+        /// Use the scene of the shading page instead of a matte surface lit from the viewer's eye.
         #[arg(long)]
         default_scene: bool,
     },
-    /// How much of Gouraud's creases each shader leaves: the table of creases in the documentation.
+    /// Print the table of docs/shading.md: the slope jumps that each shader leaves, relative to Gouraud's.
     Creases,
-    /// Which known facts about Mach bands each model reproduces: the table of docs/models.md.
+    /// Print the table of docs/predict.md: which known facts about Mach bands each model reproduces.
     Facts,
-    /// How long ODOG takes, for benches/odog_peers.py; writes the response, float32 row by row, to FILE.
+    /// Time ODOG for benches/odog_peers.py and write its response to FILE as float32, row by row.
     Odog {
-        /// Pixels a side.
+        /// Pixels per side.
         #[arg(default_value_t = 512)]
         size: usize,
-        /// Pixels a degree.
+        /// Pixels per degree.
         #[arg(default_value_t = 32.0)]
         px_per_deg: f64,
         file: Option<PathBuf>,
     },
-    /// How long the vision model takes for a picture, for benches/odog_peers.py.
+    /// Time the vision model on an image, for benches/odog_peers.py.
     Picture {
-        /// Pixels a side.
+        /// Pixels per side.
         #[arg(default_value_t = 512)]
         size: usize,
-        /// Pixels a degree.
+        /// Pixels per degree.
         #[arg(default_value_t = 32.0)]
         px_per_deg: f64,
     },
-    /// A session of 20,000 trials through the real store: time and memory per thousand trials.
+    /// Run a session of 20,000 trials through the real store and print time and memory per thousand trials.
     LongSession {
         /// Where to write the session [default: the system's temporary folder].
         folder: Option<PathBuf>,
     },
-    /// The first half of an interrupted session with a corrected response, for scripts/validate_exports.sh.
+    /// Write the first half of an interrupted session with a corrected response, for scripts/validate_exports.sh.
     SampleStudy {
         /// Where to write the results.
         results: PathBuf,
     },
-    /// A window that only clears itself, for benches/frames_peers.py.
+    /// Open a window that only clears itself, for benches/frames_peers.py.
     BareWindow {
         /// Frames to count.
         #[arg(default_value_t = 300)]

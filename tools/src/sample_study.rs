@@ -1,8 +1,8 @@
-//! The first half of an interrupted session with a corrected response.
+//! Writes the first half of an interrupted session that contains a corrected response.
 //!
-//! Participant S001 of `quick` rates a few trials, takes one rating back, and the program is killed while it writes a row.
-//! `machband simulate quick --results RESULTS --resume` goes on with it. A simulated observer corrects nothing and is not
-//! interrupted, so what exports do with that is tried on this.
+//! Participant S001 of `quick` rates a few trials and corrects one rating; then the program is killed while it writes a row.
+//! `machband simulate quick --results RESULTS --resume` continues the session. A simulated observer never corrects a rating
+//! and is never interrupted, so this session is needed to test how exports handle both.
 
 use std::{fs::OpenOptions, io::Write as _, path::Path, time::Duration};
 
@@ -18,16 +18,16 @@ use machband::{
     },
 };
 
-/// Ratings before the program is killed; that of the one in the middle is taken back.
+/// Ratings before the program is killed; the middle one is corrected.
 const RATED: usize = 11;
-/// As `simulate` has it.
+/// The same as in `simulate`.
 const SEED: u64 = 1;
 
 pub fn run(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let protocol = definition::open("quick")?;
     let identity = Identity::new("S001", "1")?;
     let schedule = Schedule::new(&protocol, &identity, SEED)?;
-    // An hour ago: the simulated rest of the session does not lie before it.
+    // An hour ago, so that the simulated rest of the session does not start earlier.
     let now = Timestamp::now() - Duration::from_secs(3600);
     let sitting = Sitting {
         started_at: now.to_string(),
@@ -61,7 +61,7 @@ pub fn run(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
     }
     let csv = store.csv().to_owned();
     drop(store);
-    // The power goes while the next row is written.
+    // The power fails while the next row is written.
     OpenOptions::new().append(true).open(&csv)?.write_all(b"S001_1_main_00")?;
     println!("{}: {} rows, one of them corrected, and half a row", csv.display(), rows.len());
     Ok(())

@@ -1,11 +1,11 @@
-//! How long models of vision take for a picture, for `benches/odog_peers.py`: a linear ramp between plateaus.
+//! Times models of vision on an image of a linear ramp between plateaus, for `benches/odog_peers.py`.
 
 use std::{error::Error, path::Path, time::Instant};
 
 use machband::vision::{Eye, Picture};
 use tools::baselines::Odog;
 
-/// Seconds of the median of `runs` runs.
+/// The median time of `runs` runs, in seconds.
 fn median(runs: usize, mut run: impl FnMut() -> Result<(), Box<dyn Error>>) -> Result<f64, Box<dyn Error>> {
     let mut times = Vec::new();
     for _ in 0..runs {
@@ -22,8 +22,8 @@ fn ramp(size: usize) -> impl Iterator<Item = f64> {
     (0..size).map(move |x| 0.25 + 0.5 * ((x as f64 / size as f64 - 0.4) / 0.2).clamp(0.0, 1.0))
 }
 
-/// ODOG: prints the seconds for the filters and the median of five runs; writes the response, float32 row by row, to
-/// `file`.
+/// Times ODOG: prints the seconds for the filters and the median of five runs. Writes the response to `file` as float32,
+/// row by row.
 pub fn odog(size: usize, px_per_deg: f64, file: Option<&Path>) -> Result<(), Box<dyn Error>> {
     let light = ramp(size).map(|light| light as f32).collect::<Vec<_>>().repeat(size);
     let began = Instant::now();
@@ -41,7 +41,7 @@ pub fn odog(size: usize, px_per_deg: f64, file: Option<&Path>) -> Result<(), Box
     Ok(())
 }
 
-/// The program's own model: prints the median of seven runs; there is nothing to construct.
+/// Times machband's own model: prints the median of seven runs. There is nothing to construct.
 pub fn picture(size: usize, px_per_deg: f64) -> Result<(), Box<dyn Error>> {
     let light = ramp(size).collect::<Vec<_>>().repeat(size);
     let picture = Picture { light: &light, width: size, height: size, px_per_deg, mask: None };

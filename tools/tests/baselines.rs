@@ -1,17 +1,17 @@
-//! Published models of Mach bands: ODOG against another implementation, and what is known to be true of each.
+//! Published models of Mach bands: ODOG compared with another implementation, and known properties of each model.
 
 use tools::baselines::{Baseline, Beyond, LateralInhibition, Mark, Odog, SecondDerivativeRatio, all};
 
-/// Samples a degree of the profiles here.
+/// Samples per degree of the profiles in these tests.
 const PX_PER_DEG: f64 = 120.0;
 
-/// `length_deg` degrees of light that `value` gives for degrees from the middle.
+/// A profile of `length_deg` degrees; `value` gives the light for each position in degrees from the middle.
 fn profile(length_deg: f64, value: impl Fn(f64) -> f64) -> Vec<f64> {
     let count = (length_deg * PX_PER_DEG) as i32;
     (0..count).map(|i| value((f64::from(i) - f64::from(count - 1) / 2.0) / PX_PER_DEG)).collect()
 }
 
-/// A ramp from `low` to `high`, `width_deg` wide, of continuity depth 1, 2 or 3; 0 degrees is a step.
+/// A ramp from `low` to `high`, `width_deg` wide, with a continuity depth of 1, 2 or 3; 0 degrees is a step.
 fn ramp(depth: u32, width_deg: f64, low: f64, high: f64) -> Vec<f64> {
     profile(10.0, |x| {
         let u = if width_deg > 0.0 { (x / width_deg + 0.5).clamp(0.0, 1.0) } else { f64::from(u8::from(x > 0.0)) };
@@ -28,12 +28,12 @@ fn strongest(marks: &[Mark], bright: bool) -> f64 {
     marks.iter().filter(|mark| mark.bright == bright).map(|mark| mark.strength).fold(0.0, f64::max)
 }
 
-/// The bright band of a ramp as a model sees it; 0 where it sees none.
+/// The strength of the bright band that a model predicts for a ramp; 0 if there is none.
 fn bright(model: &dyn Baseline, depth: u32, width_deg: f64) -> f64 {
     strongest(&model.marks(&ramp(depth, width_deg, 0.25, 0.75), PX_PER_DEG), true)
 }
 
-/// The picture of the golden file: a turned ramp with a square on it.
+/// The image of the golden file: a rotated ramp with a square on it.
 fn golden_picture() -> Vec<f32> {
     let off = |i: usize| (i as f64 - 31.5) / 16.0;
     let (sin, cos) = 20f64.to_radians().sin_cos();
@@ -64,8 +64,9 @@ fn odog_agrees_with_multyscale() {
     }
 }
 
-/// A tall picture of a profile has, in its middle row, the profile's own response: bands at the same places and of the
-/// same strength. Two ways that share no filter: sampled in two dimensions, and exact in one.
+/// In its middle row, a tall image of a profile has the same response as the profile itself: bands at the same positions
+/// and with the same strengths. The two computations share no filter: one is sampled in two dimensions, the other is exact
+/// in one.
 #[test]
 fn odog_of_a_profile_is_that_of_its_picture() {
     let (width, px_per_deg) = (161, 16.0);
@@ -83,7 +84,7 @@ fn odog_of_a_profile_is_that_of_its_picture() {
     assert!((band.strength / over - 1.0).abs() < 0.01, "{} in the profile, {over} in the picture", band.strength);
 }
 
-/// Each orientation is divided by its own root mean square: contrast goes out.
+/// Each orientation is divided by its own root mean square, so contrast cancels out.
 #[test]
 fn odog_knows_no_contrast() {
     let size = 48;
@@ -114,7 +115,7 @@ fn what_is_no_picture_has_no_response() {
     }
 }
 
-/// A ramp of every model: dark band at its foot, bright band at its head, within half its width.
+/// Every model predicts a dark band at the foot of a ramp and a bright band at its top, within half its width.
 #[test]
 fn a_ramp_has_a_dark_and_a_bright_band() {
     for model in all() {
@@ -133,25 +134,25 @@ fn a_ramp_has_a_dark_and_a_bright_band() {
     }
 }
 
-/// Where the light has its own extrema there is no Mach band, and where it has no change none either.
+/// There is no Mach band where the light itself has an extremum, nor where it does not change.
 #[test]
 fn gratings_and_fields_have_no_bands() {
     let cases = [
         profile(10.0, |_| 0.4),
-        // Whole periods from crest to crest: the ends are smooth.
+        // Whole periods from crest to crest, so that the ends are smooth.
         profile(10.0, |x| 0.5 + 0.25 * (std::f64::consts::TAU * 0.6 * x).cos()),
     ];
     for model in all() {
         for light in &cases {
             let marks = model.marks(light, PX_PER_DEG);
-            // The outermost period ends in a plateau: a sine edge, which may have bands.
+            // The outermost period ends in a plateau. This is a sine edge, which may have bands.
             let inside: Vec<_> = marks.iter().filter(|mark| mark.at_deg.abs() < 3.0).collect();
             assert!(inside.is_empty(), "{}: {inside:?}", model.name());
         }
     }
 }
 
-/// The fact that difference-of-Gaussian models miss: they see most at a step, where people see nothing.
+/// Difference-of-Gaussians models get this fact wrong: their response is largest at a step, where people see no band.
 #[test]
 fn lateral_inhibition_and_odog_are_largest_at_a_step() {
     let models: [&dyn Baseline; 2] = [&LateralInhibition::default(), &Odog::default()];
@@ -168,7 +169,7 @@ fn lateral_inhibition_and_odog_are_largest_at_a_step() {
 fn lateral_inhibition_at_a_step_is_the_textbook_value() {
     let model = LateralInhibition::default();
     let width = LateralInhibition::WIDTH_ARCMIN / 60.0;
-    // The response is largest where the two Gaussians are equal: at half the width of the excitatory part.
+    // The response is largest where the two Gaussians are equal, at half the width of the excitatory part.
     let light = profile(4.0, |x| if x > 0.0 { 0.75 } else { 0.25 });
     let marks = model.marks(&light, PX_PER_DEG);
     let band = marks.iter().find(|mark| mark.bright).expect("a bright band");
@@ -179,7 +180,7 @@ fn lateral_inhibition_at_a_step_is_the_textbook_value() {
     assert!((band.strength / expected - 1.0).abs() < 0.02, "{}, not {expected}", band.strength);
 }
 
-/// The normal distribution's share below `z`, by Simpson's rule.
+/// The normal cumulative distribution at `z`, by Simpson's rule.
 fn normal(z: f64) -> f64 {
     let density = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
     let h = z / 200.0;
@@ -187,7 +188,7 @@ fn normal(z: f64) -> f64 {
     0.5 + h / 3.0 * (density(0.0) + density(z) + (1..200).map(inner).sum::<f64>())
 }
 
-/// One number for a shape, whatever its size and contrast; none at a step; falling with the continuity depth.
+/// The strength is the same for one shape at any size and contrast, 0 at a step, and falls with continuity depth.
 #[test]
 fn the_ratio_knows_shape_only() {
     let model = SecondDerivativeRatio::default();
@@ -205,7 +206,7 @@ fn the_ratio_knows_shape_only() {
     assert!(depths.is_sorted_by(|a, b| a > b) && depths[2] > 0.0, "{depths:?}");
 }
 
-/// A blurred edge has the ratio √(α₂/2) whatever its blur: below the criterion, so that it has no band.
+/// A blurred edge has the ratio √(α₂/2) at any blur. This is below the criterion, so there is no band.
 #[test]
 fn the_ratio_of_a_blurred_edge_is_known() {
     let seeing = SecondDerivativeRatio { criterion: 0.0, ..SecondDerivativeRatio::default() };

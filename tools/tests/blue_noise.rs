@@ -1,4 +1,4 @@
-//! The blue-noise mask: it is what the generator makes, obeys void and cluster, and is blue.
+//! The blue-noise mask matches the generator, follows the void-and-cluster method, and has a blue-noise spectrum.
 
 use std::f64::consts::TAU;
 
@@ -23,9 +23,8 @@ fn masks_hold_every_rank_once() {
     }
 }
 
-/// Ulichney's three phases as he gives them, with a plain f64 filter made of `exp`: at every rank the
-/// mask's next pixel is the tightest cluster, or the largest void, or in phase III the tightest cluster
-/// of the dark.
+/// Ulichney's three phases as published, with a plain f64 filter based on `exp`. At every rank, the next pixel of the
+/// mask is the tightest cluster, the largest void, or, in phase III, the tightest cluster of dark pixels.
 #[test]
 fn the_mask_obeys_void_and_cluster() {
     let n = MASK_SIZE as usize;
@@ -45,8 +44,7 @@ fn the_mask_obeys_void_and_cluster() {
     for (place, &rank) in ranks.iter().enumerate() {
         places[usize::from(rank)] = place;
     }
-    // No pixel of a rank in `among` may be more crowded than the pixel of rank `chosen` by more than
-    // rounding.
+    // Apart from rounding, no pixel whose rank is in `among` may be more crowded than the pixel of rank `chosen`.
     let most_crowded = |energy: &[f64], chosen: usize, among: std::ops::Range<usize>| {
         let most = among.map(|rank| energy[places[rank]]).fold(f64::MIN, f64::max);
         assert!(energy[places[chosen]] >= most - 1e-9, "rank {chosen}: {} and {most}", energy[places[chosen]]);
@@ -73,8 +71,8 @@ fn the_mask_obeys_void_and_cluster() {
     }
 }
 
-/// Mean power of `values`, a square of `n` a side, over the frequencies of `inner` < |k| ≤ `outer`
-/// cycles a side, relative to white noise of the same variance.
+/// Mean power of `values`, a square with `n` values per side, over the frequencies `inner` < |k| ≤ `outer` in cycles per
+/// side, relative to white noise of the same variance.
 fn relative_power(values: &[f64], n: usize, inner: f64, outer: f64) -> f64 {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
@@ -108,7 +106,7 @@ fn the_mask_is_blue() {
     let high = relative_power(&ranks, n, 24.0, 30.0);
     println!("mask: power below 8 cycles a side {low:.4} of white noise's, at 24…30 {high:.2}");
     assert!(low < 0.03 && high > 1.0, "{low} {high}");
-    // The patterns that it makes, below 0.35 of their principal frequency √p·64.
+    // The patterns that the mask produces, below 0.35 of their principal frequency √p·64.
     for (p, bound) in [(1.0 / 16.0, 0.1), (0.125, 0.1), (0.25, 0.1), (0.5, 0.1), (0.875, 0.1)] {
         let pattern: Vec<f64> = ranks.iter().map(|&rank| f64::from(u8::from(rank < p * 4096.0))).collect();
         let below = 0.35 * f64::min(p, 1.0 - p).sqrt() * 64.0;
@@ -116,7 +114,7 @@ fn the_mask_is_blue() {
         println!("pattern of {p}: power below {below:.1} cycles a side {low:.4} of white noise's");
         assert!(low < bound, "p {p}: {low}");
     }
-    // The measure knows white noise.
+    // The measure gives 1 for white noise.
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let white: Vec<f64> = ranks.iter().map(|_| f64::from(rng.next_u32())).collect();
     let white = relative_power(&white, n, 0.0, 8.0);

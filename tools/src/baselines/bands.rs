@@ -1,30 +1,30 @@
-//! From a model's response to the bands in it.
+//! Finds the bands in a model's response.
 
 use super::model::Mark;
 use machband::vision::vertex;
 
-/// Part of a response's range below which an extremum is rounding, not a band.
+/// An extremum below this fraction of the response's range is a rounding error, not a band.
 const OF_RESPONSE: f64 = 1e-7;
-/// Part of the light's level below which a response is rounding altogether.
+/// A response below this fraction of the light level is entirely rounding error.
 const OF_LIGHT: f64 = 1e-12;
 
-/// A local maximum of a response: a stretch of equal samples between lower ones.
+/// A local maximum of a response: a run of equal samples between lower ones.
 struct Peak {
     /// Its first sample.
     first: usize,
     /// Its last sample.
     last: usize,
-    /// How far the response falls, on the side where it falls less, before it is higher again or ends.
+    /// How far the response falls before it rises above the maximum or ends, on the side where it falls less.
     prominence: f64,
 }
 
 /// The bands of a profile whose predicted brightness is `response`.
 ///
-/// A bright band is a local maximum inside the profile, a dark one a minimum. Its strength is the maximum's
-/// height over the higher of the two lowest places that lie, left and right, between it and a higher one or the
-/// profile's end: over the plateau beside it, for a ramp between plateaus. `strength` turns that height, at the
-/// sample given, into the model's unit. Where the light itself has its extremum, within `near_px` samples, there
-/// is no band.
+/// A bright band is a local maximum inside the profile; a dark band is a local minimum. To the left and right of the
+/// maximum, take the lowest value before a higher maximum or the end of the profile. The strength is the height of the
+/// maximum above the higher of these two values; for a ramp between plateaus, this is the height above the adjacent
+/// plateau. `strength` converts that height, at the given sample, into the model's unit. If the light itself has an
+/// extremum within `near_px` samples, there is no band.
 pub fn overshoots(
     light: &[f64],
     response: &[f64],
@@ -50,23 +50,23 @@ pub fn overshoots(
     sorted(marks)
 }
 
-/// `marks` in the order of their position, those of no strength left out.
+/// `marks` in the order of their positions, without those that have no strength.
 pub fn sorted(mut marks: Vec<Mark>) -> Vec<Mark> {
     marks.retain(|mark| mark.strength > 0.0 && mark.strength.is_finite());
     marks.sort_by(|a, b| a.at_deg.total_cmp(&b.at_deg));
     marks
 }
 
-/// Degrees from the middle of a profile of `len` samples to the place `at`, counted in samples.
+/// Degrees from the middle of a profile of `len` samples to the position `at`, in samples.
 pub fn degrees(at: f64, len: usize, px_per_deg: f64) -> f64 {
     (at - (len as f64 - 1.0) / 2.0) / px_per_deg
 }
 
-/// Whether the light at `at` is itself an extremum, a maximum where `bright`: past it on both sides, `near_px`
-/// samples away, it is lower (higher). At the knee of a ramp one side is a plateau, at the same height.
+/// Whether the light itself has an extremum at `at` (a maximum if `bright`): `near_px` samples away on both sides, it is
+/// lower (or higher). At the knee of a ramp, one side is a plateau at the same height.
 fn lit(light: &[f64], at: f64, near_px: f64, bright: bool) -> bool {
     let end = light.len() - 1;
-    // Never less than a sample, or a coarse profile would have no neighbors.
+    // At least one sample; otherwise, a coarse profile would have no neighbors.
     let near = near_px.max(1.0);
     let value = |at: f64| light[(at.round().max(0.0) as usize).min(end)];
     let least = 1e-9 * range(light);
@@ -75,7 +75,7 @@ fn lit(light: &[f64], at: f64, near_px: f64, bright: bool) -> bool {
     beyond(value(at - near)) && beyond(value(at + near))
 }
 
-/// The local maxima inside `values`, in order. An end is no maximum: the profile goes on there as it ends.
+/// The local maxima inside `values`, in order. An end is not a maximum, because the profile is constant beyond it.
 fn peaks(values: &[f64]) -> Vec<Peak> {
     let mut found = Vec::new();
     let mut first = 1;
@@ -92,7 +92,7 @@ fn peaks(values: &[f64]) -> Vec<Peak> {
     found
 }
 
-/// The lowest of the values up to the first that is higher than `height`.
+/// The lowest value before the first one that is higher than `height`.
 fn lowest<'a>(height: f64, values: impl Iterator<Item = &'a f64>) -> f64 {
     values.take_while(|value| **value <= height).fold(height, |lowest, value| lowest.min(*value))
 }
@@ -106,7 +106,7 @@ fn summit(values: &[f64], at: usize) -> f64 {
     at as f64 + vertex(values[at - 1], values[at], values[at + 1])
 }
 
-/// Largest less smallest of `values`.
+/// The range of `values`.
 pub fn range(values: &[f64]) -> f64 {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     high - low

@@ -1,4 +1,4 @@
-//! Lateral inhibition: one difference of Gaussians, the text-book account of Mach bands since Mach 1865 and
+//! Lateral inhibition: one difference of Gaussians, the textbook explanation of Mach bands since Mach 1865 and
 //! Ratliff 1965.
 
 use rustfft::num_complex::Complex;
@@ -7,19 +7,19 @@ use super::bands::overshoots;
 use super::model::{Baseline, Mark, is_profile};
 use super::spectrum::{Spectrum, gaussian};
 
-/// A balanced center and surround of one size, both Gaussians of area 1.
+/// A balanced center and surround, both Gaussians of area 1.
 ///
-/// Predicted brightness is the response, center less surround: 0 on any plateau and on any straight ramp. A band's
-/// strength is the response's overshoot over the plateau beside it, divided by the light under the surround, as
-/// contrast is: 0.1 is a band of a tenth of the local light.
+/// The predicted brightness is the response, center minus surround: 0 on any plateau and on any straight ramp. The strength
+/// of a band is the overshoot of the response above the adjacent plateau, divided by the light under the surround. It is
+/// therefore a contrast: 0.1 means a tenth of the local light.
 ///
-/// For a profile that goes on unchanged across its own direction the round receptive field of two dimensions is
-/// exactly this filter of one: a Gaussian's integral across is a Gaussian of the same width.
+/// For an image that varies only along one direction, the round two-dimensional receptive field is exactly this
+/// one-dimensional filter, because the integral of a Gaussian across that direction is a Gaussian of the same width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralInhibition {
     /// Standard deviation of the center, degrees of visual angle, above 0.
     pub center_deg: f64,
-    /// The surround's standard deviation over the center's, above 1.
+    /// Standard deviation of the surround divided by that of the center, above 1.
     pub surround: f64,
 }
 
@@ -28,14 +28,14 @@ impl LateralInhibition {
     /// at the fovea, the more sensitive of the two sustained ones, as Marr and Hildreth give it (Proc. R. Soc. Lond.
     /// B 207:187, 1980): N 3.1′, S 6.2′, T 11.7′, U 21′.
     pub const WIDTH_ARCMIN: f64 = 6.2;
-    /// Surround over center of the sustained mechanisms (same sources; 3 for the transient ones).
+    /// Ratio of surround to center of the sustained mechanisms (same sources; 3 for the transient ones).
     pub const SURROUND: f64 = 1.75;
 
-    /// The model whose excitatory part is `width_deg` degrees wide, and whose surround is `surround` (> 1) times as
-    /// wide as its center. Marr and Hildreth make the mechanism balanced; so is this one.
+    /// The model whose excitatory part is `width_deg` degrees wide and whose surround is `surround` (> 1) times as wide as
+    /// its center. Like Marr and Hildreth's mechanism, it is balanced.
     #[must_use]
     pub fn with_width(width_deg: f64, surround: f64) -> Self {
-        // Centre and surround of area 1 are equal where x² = 2σ²·ln r·r²/(r² − 1).
+        // Center and surround of area 1 are equal where x² = 2σ²·ln r·r²/(r² − 1).
         let square = surround * surround;
         let half = (2.0 * surround.ln() * square / (square - 1.0)).sqrt();
         Self { center_deg: 0.5 * width_deg / half, surround }

@@ -1,11 +1,11 @@
-//! Published models of Mach bands, to be held against ours on the same facts.
+//! Published models of Mach bands, for comparison with ours on the same facts.
 //!
-//! Each sees a picture of one dimension: a profile of linear light. Each answers with the bands it
-//! predicts, in a unit of its own; only order and ratios of one model's strengths mean anything, never
-//! one model's against another's.
+//! The input of each model is a one-dimensional profile of linear light. The output is the bands that it predicts, in a
+//! unit of its own. Only the order and the ratios of strengths within a model are meaningful; never compare strengths
+//! between models.
 //!
-//! A band, in all of them, is an extremum of what the model makes of the light **where the light itself has
-//! none**: the crest of a grating is bright, but it is no Mach band.
+//! In all models, a band is an extremum of the response **where the light itself has none**: the crest of a grating is
+//! bright, but it is not a Mach band.
 
 mod bands;
 mod dog;
@@ -20,7 +20,7 @@ pub use model::{Baseline, Mark};
 pub use odog::{Beyond, Odog, OdogFilters};
 pub use ratio::SecondDerivativeRatio;
 
-/// Every model here with its published constants.
+/// Every model in this module, with its published constants.
 #[must_use]
 pub fn all() -> Vec<Box<dyn Baseline + Send + Sync>> {
     vec![Box::new(LateralInhibition::default()), Box::new(Odog::default()), Box::new(SecondDerivativeRatio::default())]

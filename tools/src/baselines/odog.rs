@@ -1,9 +1,9 @@
-//! ODOG: oriented differences of Gaussians, Blakeslee and McCourt 1999 (Vision Research 39:4361), as Robinson,
-//! Hammon and de Sa 2007 (Vision Research 47:1631) made it a program.
+//! ODOG: oriented differences of Gaussians, Blakeslee and McCourt 1999 (Vision Research 39:4361), as implemented by
+//! Robinson, Hammon and de Sa 2007 (Vision Research 47:1631).
 //!
-//! Seven sizes of filter in octaves at six orientations. Each filter is a round Gaussian center less a surround
-//! twice as long along one axis. The sizes of one orientation are added up with weights that rise as f^0.1, each
-//! orientation's sum is divided by its root mean square over the whole picture, and the six are added.
+//! There are seven filter sizes, one octave apart, at six orientations. Each filter is a round Gaussian center minus a
+//! surround that is twice as long along one axis. The responses of all sizes at one orientation are added with weights that
+//! increase as f^0.1. Each orientation's sum is divided by its root mean square over the whole image, and the six are added.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -15,39 +15,39 @@ use super::model::{Baseline, Mark, is_profile};
 use super::picture::Bank;
 use super::spectrum::{Spectrum, gaussian};
 
-/// Part of a picture's range of light below which the response of an orientation is rounding, not a response.
+/// A response of an orientation below this fraction of the image's range of light is rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// What lies beyond a picture's border.
+/// The light beyond the border of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Beyond {
     /// The same light everywhere, 0…1.
     Light(f64),
-    /// The light of the nearest pixel: the picture goes on as it ends.
+    /// The light of the nearest pixel: the border pixels are repeated.
     Nearest,
 }
 
-/// The model. A picture's response is its predicted brightness, 0 in the mean of an orientation's far field, in units
-/// of the orientations' root mean squares: it knows no contrast.
+/// The model. The response to an image is its predicted brightness, in units of the orientations' root mean squares; the
+/// mean far from the image is 0. It does not depend on contrast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Odog {
-    /// Space constant of the smallest center, degrees: where it has fallen to 1/e. √2 standard deviations.
+    /// Space constant of the smallest center, in degrees: the distance at which it has fallen to 1/e, √2 standard deviations.
     pub finest_deg: f64,
-    /// Sizes of filter, each twice the one before.
+    /// Number of filter sizes, each twice the previous one.
     pub sizes: u32,
-    /// Orientations, evenly spread over half a turn.
+    /// Number of orientations, evenly spaced over half a turn.
     pub orientations: u32,
-    /// Length of the surround over the center's along the orientation's axis.
+    /// Length of the surround divided by that of the center, along the axis of the orientation.
     pub surround: f64,
-    /// Power of a filter's frequency that is its weight.
+    /// Exponent: the weight of a filter is its frequency to this power.
     pub slope: f64,
-    /// What lies beyond a picture's border; a profile always goes on as it ends.
+    /// The light beyond the border of an image. A profile is always extended by its end values.
     pub beyond: Beyond,
 }
 
 impl Odog {
-    /// Space constants 0.047 to 3 degrees in octaves: Blakeslee and McCourt 1999, table 1, by way of Robinson et al.
-    /// 2007 (1.5 to 96 pixels at 32 pixels a degree).
+    /// Space constants from 0.047 to 3 degrees in octaves: Blakeslee and McCourt 1999, table 1, as given by Robinson et al.
+    /// 2007 (1.5 to 96 pixels at 32 pixels per degree).
     pub const FINEST_DEG: f64 = 0.046_875;
     /// Blakeslee and McCourt 1999.
     pub const SIZES: u32 = 7;
@@ -55,24 +55,25 @@ impl Odog {
     pub const ORIENTATIONS: u32 = 6;
     /// Blakeslee and McCourt 1999: center to surround 1:2 along one axis, 1:1 along the other.
     pub const SURROUND: f64 = 2.0;
-    /// Blakeslee and McCourt 1999: after the low-frequency fall of the suprathreshold contrast sensitivity function.
+    /// Blakeslee and McCourt 1999: follows the low-frequency falloff of suprathreshold contrast sensitivity.
     pub const SLOPE: f64 = 0.1;
-    /// Robinson et al. 2007: mid gray around the picture.
+    /// Robinson et al. 2007: mid-gray around the image.
     pub const BEYOND: Beyond = Beyond::Light(0.5);
 
-    /// The predicted brightness of a picture of linear light, `width` × `height` pixels in rows from the top left,
-    /// `px_per_deg` pixels a degree.
+    /// The predicted brightness of an image in linear light, with `width` × `height` pixels in rows from the top left and
+    /// `px_per_deg` pixels per degree.
     ///
-    /// Filters are as large as the picture, and one of an even number of pixels has its middle between two of them,
-    /// as in Robinson et al.'s program: along an even side the response of a pixel is that half a pixel on.
+    /// Filters are as large as the image. If a side has an even number of pixels, the center of the filter is between two
+    /// pixels, as in Robinson et al.'s program, so the response along that side is shifted by half a pixel.
     ///
-    /// Empty where `light` is not a picture of that size or a value is not finite. Memory: about 450 bytes a pixel.
+    /// The result is empty if `light` does not have that size or contains a value that is not finite. Memory: about 450
+    /// bytes per pixel.
     #[must_use]
     pub fn respond(&self, light: &[f32], width: usize, height: usize, px_per_deg: f64) -> Vec<f32> {
         self.filters(width, height, px_per_deg).map_or_else(Vec::new, |filters| filters.respond(light))
     }
 
-    /// The filters for pictures of one size, for many of them; `None` where a side or `px_per_deg` is not positive.
+    /// The filters for many images of one size; `None` if a side or `px_per_deg` is not positive.
     #[must_use]
     pub fn filters(&self, width: usize, height: usize, px_per_deg: f64) -> Option<OdogFilters> {
         if width == 0 || height == 0 || !(px_per_deg.is_finite() && px_per_deg > 0.0) {
@@ -85,22 +86,22 @@ impl Odog {
         Some(OdogFilters { bank: Bank::new(&kernels, width, height), beyond: self.beyond })
     }
 
-    /// An orientation's angle, radians.
+    /// Angle of an orientation, in radians.
     fn angle(&self, orientation: u32) -> f64 {
         PI * f64::from(orientation) / f64::from(self.orientations)
     }
 
-    /// Standard deviation of each size's center, degrees, and its weight in the sum.
+    /// Standard deviation of the center for each size, in degrees, and its weight in the sum.
     fn sizes(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let (finest, slope) = (self.finest_deg, self.slope);
-        // The response knows no common factor, so frequency may be 1/size.
+        // A common factor does not change the response, so frequency can be 1/size.
         (0..self.sizes).map(move |size| {
             let octaves = f64::from(size);
             (finest * octaves.exp2() / SQRT_2, (-slope * octaves).exp2())
         })
     }
 
-    /// The weighted sum of the filters of all sizes at one angle, `width` × `height` samples, row by row.
+    /// The weighted sum of the filters of all sizes at one angle: `width` × `height` samples, row by row.
     fn kernel(&self, width: usize, height: usize, px_per_deg: f64, angle: f64) -> Vec<f64> {
         let mut kernel = vec![0.0; width * height];
         for (sigma, weight) in self.sizes() {
@@ -111,11 +112,11 @@ impl Odog {
         kernel
     }
 
-    /// The predicted brightness of a profile that goes on unchanged across its own direction, without end.
+    /// The predicted brightness of an unbounded image that varies only along this profile.
     ///
-    /// This is exactly the picture's response there, the borders apart: a filter's integral across the profile is a
-    /// Gaussian less a Gaussian, for a surround at angle θ of variance σ²(cos²θ + 4 sin²θ). The orientation along
-    /// the profile (θ = 0) answers nothing and drops out. Root mean squares are over the samples given.
+    /// Except near borders, this is exactly the response to the image. The integral of a filter across the profile is a
+    /// difference of two Gaussians; the surround at angle θ has the variance σ²(cos²θ + 4 sin²θ). The orientation along the
+    /// profile (θ = 0) has no response and drops out. Root mean squares are over the given samples.
     fn respond_to_profile(&self, light: &[f64], px_per_deg: f64) -> Vec<f64> {
         let widest = self.finest_deg * f64::from(self.sizes).exp2() / (2.0 * SQRT_2);
         let spectrum = Spectrum::new(light, px_per_deg, 6.0 * self.surround * widest);
@@ -133,7 +134,7 @@ impl Odog {
         sum
     }
 
-    /// What an orientation's summed filters, integrated across the profile, leave of `f` cycles a degree.
+    /// The transfer function at `f` cycles per degree of an orientation's summed filters, integrated across the profile.
     fn across(&self, angle: f64, f: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         let wider = (cos * cos + (self.surround * sin).powi(2)).sqrt();
@@ -159,7 +160,7 @@ impl Baseline for Odog {
         "ODOG"
     }
 
-    /// A band's strength is the overshoot of predicted brightness over the plateau beside it, in root mean squares.
+    /// The strength of a band is the overshoot of predicted brightness above the adjacent plateau, in root mean squares.
     fn marks(&self, light: &[f64], px_per_deg: f64) -> Vec<Mark> {
         if !is_profile(light, px_per_deg) || range(light) <= ROUNDING * light[0].abs() {
             return Vec::new();
@@ -169,7 +170,7 @@ impl Baseline for Odog {
     }
 }
 
-/// The model's filters for pictures of one size.
+/// The model's filters for images of one size.
 #[derive(Debug)]
 pub struct OdogFilters {
     bank: Bank,
@@ -177,7 +178,7 @@ pub struct OdogFilters {
 }
 
 impl OdogFilters {
-    /// As [`Odog::respond`], for a picture of these filters' size.
+    /// The same as [`Odog::respond`], for an image of the filters' size.
     #[must_use]
     pub fn respond(&self, light: &[f32]) -> Vec<f32> {
         let (low, high) = light.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -188,7 +189,7 @@ impl OdogFilters {
             Beyond::Light(outside) => (Some(outside), f64::from(high.abs().max(low.abs())).max(outside.abs())),
             Beyond::Nearest => (None, f64::from(high - low)),
         };
-        // A uniform picture on its own light has no response at all.
+        // A uniform image with a surround of the same light has no response.
         deviation = deviation.max(f64::MIN_POSITIVE);
         let mut sum = vec![0.0; light.len()];
         for response in self.bank.filtered(light, outside) {
@@ -201,14 +202,14 @@ impl OdogFilters {
     }
 }
 
-/// Adds `weight` times a Gaussian of area 1 to `kernel`, of `width` samples a row. `sigma_px`: its standard deviations
-/// along its two axes, the first of which stands at `angle` to the rows. Area is over the samples there are.
+/// Adds `weight` times a Gaussian of area 1 to `kernel`, which has `width` samples per row. `sigma_px` contains the standard
+/// deviations along its two axes; the first axis is at `angle` to the rows. The area is the sum over the existing samples.
 fn add_gaussian(kernel: &mut [f64], width: usize, height: usize, sigma_px: [f64; 2], angle: f64, weight: f64) {
     let (sin, cos) = angle.sin_cos();
     let [p, q] = sigma_px.map(|sigma| 0.5 / (sigma * sigma));
     let (xx, yy) = (p * cos * cos + q * sin * sin, p * sin * sin + q * cos * cos);
     let xy = 2.0 * (q - p) * sin * cos;
-    // Beyond ten standard deviations there is less than rounding.
+    // Values beyond ten standard deviations are below rounding error.
     let reach = 10.0 * sigma_px[0].max(sigma_px[1]);
     let (columns, rows) = (within(width, reach), within(height, reach));
     let mut values = vec![0.0; columns.len() * rows.len()];
@@ -223,10 +224,10 @@ fn add_gaussian(kernel: &mut [f64], width: usize, height: usize, sigma_px: [f64;
     }
 }
 
-/// Fills `line` with exp(−(ax² + bx + c)) for x = `first`, `first` + 1 and so on; a > 0.
+/// Fills `line` with exp(−(ax² + bx + c)) for x = `first`, `first` + 1, and so on; a > 0.
 fn bell(line: &mut [f64], first: f64, [a, b, c]: [f64; 3]) {
     let exponent = |x: f64| -((a * x + b) * x + c);
-    // From its top down both sides: each value is a factor times the last, and the factor itself falls by a factor.
+    // From the peak down both sides: each value is the previous one times a factor, which itself decreases by a factor.
     let walk = |values: &mut dyn Iterator<Item = &mut f64>, x: f64, step: f64| {
         let (mut value, mut factor) = (exponent(x).exp(), (exponent(x + step) - exponent(x)).exp());
         let bend = (-2.0 * a).exp();
@@ -242,19 +243,19 @@ fn bell(line: &mut [f64], first: f64, [a, b, c]: [f64; 3]) {
     walk(&mut before.iter_mut().rev(), first + top as f64 - 1.0, -1.0);
 }
 
-/// How far the `i`-th of `len` samples is from their middle.
+/// Distance of the `i`-th of `len` samples from their middle.
 fn off(len: usize, i: usize) -> f64 {
     i as f64 - (len as f64 - 1.0) / 2.0
 }
 
-/// The samples of `len` within `reach` of their middle; always the middle one or two.
+/// Those of `len` samples that are within `reach` of the middle, and always the middle one or two.
 fn within(len: usize, reach: f64) -> std::ops::Range<usize> {
     let half = (len as f64 - 1.0) / 2.0;
     let first = (half - reach.max(0.5)).ceil().max(0.0) as usize;
     first..len - first
 }
 
-/// Root mean square of `values`; 0 without any.
+/// Root mean square of `values`; 0 if there are none.
 fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = values.len().max(1) as f64;
     (values.map(|value| value * value).sum::<f64>() / count).sqrt()

@@ -1,4 +1,4 @@
-//! Pictures through filters as large as they are, in the frequency domain.
+//! Applies filters as large as the image, in the frequency domain.
 
 use std::fmt;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use rustfft::num_complex::Complex;
 
 use machband::vision::fft::{self, smooth};
 
-/// Filters of one size, ready for pictures of the same size.
+/// Filters of one size, ready for images of the same size.
 pub struct Bank {
     width: usize,
     height: usize,
@@ -20,9 +20,9 @@ pub struct Bank {
 }
 
 impl Bank {
-    /// The bank of these filters, each `width` × `height` samples, row by row.
+    /// The bank of these filters, each with `width` × `height` samples, row by row.
     pub fn new(kernels: &[Vec<f64>], width: usize, height: usize) -> Self {
-        // Room for the picture and what a filter sees on either side of it.
+        // Room for the image and for half a filter on either side of it.
         let plane = Plane::new(smooth(2 * width - 1), smooth(2 * height - 1));
         let pairs = kernels
             .chunks(2)
@@ -40,16 +40,16 @@ impl Bank {
         Self { width, height, plane, pairs, count: kernels.len() }
     }
 
-    /// Pixels of a picture.
+    /// Number of pixels of an image.
     pub fn len(&self) -> usize {
         self.width * self.height
     }
 
-    /// The picture through every filter. Beyond its border is the light `outside`, or, with none given, that of the
-    /// nearest pixel. Filters must have no answer to uniform light.
+    /// The response of every filter to the image. Beyond its border, the light is `outside`, or that of the nearest pixel if
+    /// `outside` is `None`. Filters must have no response to uniform light.
     pub fn filtered(&self, light: &[f32], outside: Option<f64>) -> Vec<Vec<f64>> {
         let (left, top) = (before(self.width), before(self.height));
-        // Without its mean or its surround a picture rounds less, and the filters do not see the difference.
+        // Subtracting the mean or the surround reduces rounding errors and does not change the response.
         let level = outside.unwrap_or_else(|| mean(light));
         let spectrum = self.plane.spectrum(2 * self.height - 1, |row, line| {
             for (column, value) in line.iter_mut().enumerate().take(2 * self.width - 1) {
@@ -66,7 +66,7 @@ impl Bank {
             let values = self.plane.inverse(product, self.height - 1, self.height, self.width - 1, self.width);
             [values.iter().map(|v| v.re).collect(), values.iter().map(|v| v.im).collect()]
         };
-        // One pair after the other: each uses all threads, and memory for one is enough.
+        // Pairs are processed one after the other: each uses all threads, and the memory for one pair is enough.
         self.pairs.iter().flat_map(through).take(self.count).collect()
     }
 }
@@ -77,7 +77,7 @@ impl fmt::Debug for Bank {
     }
 }
 
-/// Samples of surround before a side of `side` pixels: half a filter, less one where its middle is between two.
+/// Samples of surround before a side of `side` pixels: half a filter, minus one if its center is between two pixels.
 fn before(side: usize) -> usize {
     side - 1 - side / 2
 }
@@ -86,7 +86,7 @@ fn mean(light: &[f32]) -> f64 {
     light.iter().map(|value| f64::from(*value)).sum::<f64>() / light.len().max(1) as f64
 }
 
-/// The transforms of a plane of samples. A spectrum lies column by column.
+/// The transforms of a plane of samples. A spectrum is stored column by column.
 struct Plane {
     width: usize,
     height: usize,
@@ -101,7 +101,7 @@ impl Plane {
         Self { width, height, rows, columns }
     }
 
-    /// The spectrum of a plane whose first `used` rows `fill` writes into zeros; the others are zero.
+    /// The spectrum of a plane. `fill` writes the first `used` rows; all other values are zero.
     fn spectrum(&self, used: usize, fill: impl Fn(usize, &mut [Complex<f64>]) + Sync) -> Vec<Complex<f64>> {
         let mut lines = vec![Complex::default(); self.width * used];
         lines.par_chunks_mut(self.width).enumerate().for_each_init(
@@ -116,7 +116,7 @@ impl Plane {
         columns
     }
 
-    /// The samples of `height` rows from `top` and `width` columns from `left` of the plane with this spectrum.
+    /// The samples of the plane with this spectrum, in `height` rows from `top` and `width` columns from `left`.
     fn inverse(
         &self,
         mut spectrum: Vec<Complex<f64>>,
@@ -142,9 +142,9 @@ fn scratch(fft: &Arc<dyn Fft<f64>>) -> Vec<Complex<f64>> {
     vec![Complex::default(); fft.get_inplace_scratch_len()]
 }
 
-/// The columns `wanted` of `lines`, of `width` values each, as lines of `len` values; what there is no line for is 0.
+/// Transposes the columns `wanted` of `lines` (of `width` values each) into lines of `len` values. Missing values are 0.
 fn transposed(lines: &[Complex<f64>], width: usize, wanted: std::ops::Range<usize>, len: usize) -> Vec<Complex<f64>> {
-    /// Columns taken at once, so that a line of memory is used while it is near.
+    /// Columns processed at once, so that a cache line is used while it is still in the cache.
     const BLOCK: usize = 8;
     let mut out = vec![Complex::default(); wanted.len() * len];
     out.par_chunks_mut(BLOCK * len).enumerate().for_each(|(block, out)| {

@@ -1,5 +1,5 @@
-//! Wallis and Georgeson 2012: a band is a peak of the second derivative over place and scale, seen where the
-//! second derivative is large beside the first.
+//! Wallis and Georgeson 2012: a band is a peak of the second derivative over position and scale. It is visible if the
+//! second derivative is large relative to the first.
 //!
 //! Wallis and Georgeson, *Mach bands and multiscale models of spatial vision*, Journal of Vision 12(13):18.
 
@@ -12,48 +12,49 @@ use super::model::{Baseline, Mark, is_profile};
 use super::spectrum::{Spectrum, gaussian};
 use machband::vision::vertex;
 
-/// Gaussian derivatives of first and second order at many scales σ, each times a power of σ:
+/// Gaussian derivatives of first and second order at many scales σ, each multiplied by a power of σ:
 /// `N_k = σ^α_k · ∂^k(G_σ ∗ I)`.
 ///
-/// A bright band stands where −N₂ peaks over place **and** scale, a dark one where N₂ does; its strength is
-/// |N₂|/|N₁| there, a pure number that knows neither contrast nor, with α₂ = α₁ + 1, size. It is that of a
-/// Gaussian-blurred edge, √(α₂/2), or less where nobody sees bands: such a peak is none.
+/// A bright band is where −N₂ peaks over position **and** scale; a dark band is where N₂ does. The strength is |N₂|/|N₁|
+/// at the peak, a dimensionless number that does not depend on contrast nor, if α₂ = α₁ + 1, on size. A Gaussian-blurred
+/// edge, where nobody sees bands, has a strength of √(α₂/2). A peak of this strength or less is not a band.
 ///
-/// A step has no peak: its response only grows as the scale falls. Nor is a peak a Mach band where the blurred light
-/// itself has an extremum, its first derivative a change of sign, within σ: it is a bar of the light.
+/// A step has no peak: its response only grows as the scale decreases. A peak is not a Mach band either if the blurred
+/// light itself has an extremum (its first derivative changes sign) within σ: that is a bar in the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SecondDerivativeRatio {
     /// Power of σ on the first derivative.
     pub first_power: f64,
-    /// Power of σ on the second derivative, above 1 and below 2: at 1 the corner of a ramp has no scale of its own,
-    /// at 2 a blurred edge has none.
+    /// Power of σ on the second derivative, above 1 and below 2. At 1, the corner of a ramp has no scale of its own; at 2,
+    /// a blurred edge has none.
     pub second_power: f64,
-    /// Smallest scale σ, degrees. A profile too coarse for it begins with 1½ samples.
+    /// Smallest scale σ, in degrees. If the profile is too coarse for it, the smallest scale is 1½ samples.
     pub smallest_deg: f64,
-    /// Largest scale σ, degrees; never more than the profile is long. A band is found if its scale lies
-    /// inside the range; it is about 0.55 of a ramp's width.
+    /// Largest scale σ, in degrees, and at most the length of the profile. A band is found only if its scale is inside the
+    /// range; the scale is about 0.55 of a ramp's width.
     pub largest_deg: f64,
-    /// Scales an octave.
+    /// Scales per octave.
     pub per_octave: u32,
-    /// Ratio up to which a peak is not seen as a band.
+    /// Largest ratio at which a peak is not seen as a band.
     pub criterion: f64,
 }
 
 impl SecondDerivativeRatio {
-    /// α₁ = ½. The first derivative of an edge blurred by σ then peaks at the scale σ: Lindeberg (Int. J. Computer
+    /// α₁ = ½. The first derivative of an edge that is blurred by σ then peaks at the scale σ: Lindeberg (Int. J. Computer
     /// Vision 30:117, 1998, γ = ½ for edges), as in Georgeson, May, Freeman and Hesse's N₁ (J. Vision 7(13):7, 2007).
     pub const FIRST_POWER: f64 = 0.5;
     /// α₂ = 3⁄2. The second derivative of a Gaussian bar of width σ then peaks at the scale σ: Lindeberg 1998,
     /// γ = ¾ for ridges.
     pub const SECOND_POWER: f64 = 1.5;
-    /// How far over the ratio of a Gaussian edge a peak must be: ours, above what sampling does to the ratio.
+    /// How far a peak must exceed the ratio of a Gaussian edge. This is our value; it is above the effect of sampling on the
+    /// ratio.
     pub const MARGIN: f64 = 5e-4;
 
-    /// Least height of a peak, |N₂|·σ^(2−α₂) over the profile's range of light: ours, to pass over wiggles that no eye
-    /// could see. At a ramp's end it is about 0.3.
+    /// Minimum height of a peak, |N₂|·σ^(2−α₂) divided by the profile's range of light. This is our value; it excludes
+    /// fluctuations that no eye could see. At the end of a ramp, the height is about 0.3.
     pub const LEAST: f64 = 1e-4;
 
-    /// |N₂|/|N₁| at the peaks of an edge blurred by a Gaussian, whatever its blur and contrast, for α₂ = α₁ + 1:
+    /// |N₂|/|N₁| at the peaks of an edge blurred by a Gaussian, for any blur and contrast, if α₂ = α₁ + 1:
     /// √(α₂/2), 0.866 for α₂ = 3⁄2. (At scale σ and blur b the peak is at x = s, s² = σ² + b², and the ratio σx/s²; it
     /// is largest over σ at σ²/s² = α₂/2.)
     #[must_use]
@@ -61,16 +62,16 @@ impl SecondDerivativeRatio {
         (second_power / 2.0).sqrt()
     }
 
-    /// The scales σ, in degrees and rising, for a profile of `len` samples, `px_per_deg` a degree.
+    /// The scales σ, in degrees and ascending, for a profile of `len` samples with `px_per_deg` samples per degree.
     fn scales(&self, len: usize, px_per_deg: f64) -> Vec<f64> {
         let first = self.smallest_deg.max(1.5 / px_per_deg);
-        // A band of a larger scale than the profile is long stands outside it.
+        // A band whose scale is larger than the profile lies outside it.
         let last = self.largest_deg.min(len as f64 / px_per_deg);
         let steps = (f64::from(self.per_octave) * (last / first).log2()).floor().max(0.0) as u32;
         (0..=steps).map(|step| first * (f64::from(step) / f64::from(self.per_octave)).exp2()).collect()
     }
 
-    /// N₁ and N₂ of the profile at scale `sigma_deg`.
+    /// N₁ and N₂ of the profile at the scale `sigma_deg`.
     fn derivatives(&self, spectrum: &Spectrum, sigma_deg: f64) -> [Vec<f64>; 2] {
         let (first, second) = (sigma_deg.powf(self.first_power), sigma_deg.powf(self.second_power));
         spectrum.filtered(|f| {
@@ -81,8 +82,8 @@ impl SecondDerivativeRatio {
 }
 
 impl Default for SecondDerivativeRatio {
-    /// Powers as published, and scales from 1 minute of arc, about the eye's own blur, to 8 degrees: ours, so wide
-    /// that the range decides nothing for ramps of 0.05 to 12 degrees.
+    /// The published powers, and scales from 1 minute of arc (about the blur of the eye) to 8 degrees. This range is our
+    /// choice; it is wide enough not to affect ramps of 0.05 to 12 degrees.
     fn default() -> Self {
         Self {
             first_power: Self::FIRST_POWER,
@@ -95,16 +96,16 @@ impl Default for SecondDerivativeRatio {
     }
 }
 
-/// A peak over place at one scale.
+/// A peak over position at one scale.
 #[derive(Clone, Copy, Debug)]
 struct Crest {
-    /// Place in samples.
+    /// Position in samples.
     at: f64,
     /// Height of the peak: |N₂|.
     height: f64,
     /// |N₂|/|N₁| there.
     ratio: f64,
-    /// Whether the blurred light itself has an extremum near.
+    /// Whether the blurred light itself has an extremum nearby.
     lit: bool,
 }
 
@@ -140,7 +141,7 @@ impl Baseline for SecondDerivativeRatio {
     }
 }
 
-/// The peaks over place of `sign`·N₂ above `floor`, at a scale of `sigma_px` samples.
+/// The peaks over position of `sign`·N₂ above `floor`, at a scale of `sigma_px` samples.
 fn crests_of(first: &[f64], second: &[f64], sign: f64, floor: f64, sigma_px: f64) -> Vec<Crest> {
     let reach = sigma_px.round() as usize;
     let rounding = 1e-9 * first.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -154,19 +155,19 @@ fn crests_of(first: &[f64], second: &[f64], sign: f64, floor: f64, sigma_px: f64
         let (a, b, c) = (value(i - 1), value(i), value(i + 1));
         let off = vertex(a, b, c);
         let height = through([a, b, c], off);
-        // The gradient bends too, but over a sample it is straight.
+        // The gradient is curved too, but it is nearly straight over one sample.
         let slope = through([first[i - 1], first[i], first[i + 1]], off);
         Crest { at: i as f64 + off, height, ratio: height / slope.abs(), lit: lit(i) }
     };
     (1..second.len() - 1).filter(is_crest).map(crest).collect()
 }
 
-/// The peaks over scale along the lines that the peaks over place draw from scale to scale. A line that begins or ends
-/// with the range, or before it, has no peak there.
+/// The peaks over scale along the lines that connect the peaks over position from scale to scale. The first and last points
+/// of a line are not peaks.
 fn peaks_over_scale(crests: &[Vec<Crest>], scales: &[f64], px_per_deg: f64) -> Vec<Crest> {
     let mut found = Vec::new();
     for scale in 1..crests.len().saturating_sub(1) {
-        // From one scale to the next a line moves by less than a scale's width.
+        // From one scale to the next, a line moves by less than the scale.
         let reach = scales[scale] * px_per_deg;
         for &here in &crests[scale] {
             let (Some(fine), Some(coarse)) =
@@ -188,7 +189,7 @@ fn nearest(crests: &[Crest], here: Crest, reach: f64) -> Option<Crest> {
     crests.iter().copied().filter(|crest| away(crest) <= reach).min_by(|a, b| away(a).total_cmp(&away(b)))
 }
 
-/// Place, height and ratio where the height is largest between neighboring scales.
+/// Position, height and ratio where the height is largest between neighboring scales.
 fn between(fine: Crest, here: Crest, coarse: Crest) -> Crest {
     let off = vertex(fine.height, here.height, coarse.height);
     let at = |get: fn(Crest) -> f64| through([get(fine), get(here), get(coarse)], off);
