@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Holds folders against the rules of Psych-DS 1.5, by the codes of its validator.
+"""Checks folders against the rules of Psych-DS 1.5 and reports the codes of its validator.
 
-    check_psych_ds.py FOLDER...      # prints what it finds; exit status 1 where anything is an error
+    check_psych_ds.py FOLDER...      # prints errors and warnings; the exit status is 1 if there are errors
     check_psych_ds.py --self-test FOLDER
-                                     # breaks copies of a valid data set in every way that it knows, and must see it
+                                     # breaks copies of a valid data set in every known way and checks that each is detected
 
-The validator itself runs on Deno and is on no registry that packages are installed from; this is written from its published
-rules (https://psychds-docs.readthedocs.io) with the standard library alone. It knows no more of schema.org than the
-properties that data sets of machband use.
+The official validator runs on Deno and is not available from an ordinary package registry. This script implements its
+published rules (https://psychds-docs.readthedocs.io) with the standard library only. It knows only the properties of
+schema.org that machband's data sets use.
 """
 
 import csv
@@ -23,7 +23,7 @@ import tempfile
 NAME = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 OFFICIAL = {"study", "site", "subject", "session", "task", "condition", "trial", "stimulus", "description"}
 REQUIRED = ["name", "description", "variableMeasured"]
-# Properties of a schema.org Dataset that are in use here; of its PropertyValue those that have a meaning for a column.
+# The properties of a schema.org Dataset that are used here, and those of its PropertyValue that apply to a column.
 DATASET = set(REQUIRED) | {
     "author", "citation", "creator", "dateCreated", "dateModified", "datePublished", "funder", "identifier", "keywords",
     "license", "privacyPolicy", "schemaVersion", "temporalCoverage", "url", "version",
@@ -37,7 +37,7 @@ SCHEMA_ORG = re.compile(r"https?://schema\.org/?")
 
 
 class Dataset:
-    """A folder, and what is wrong with it."""
+    """A folder and its faults."""
 
     def __init__(self, root):
         self.root = pathlib.Path(root)
@@ -103,12 +103,12 @@ class Dataset:
             self.error("INVALID_JSON_FORMATTING", path, str(error))
             return None
         if not isinstance(value, dict):
-            self.error("INVALID_JSON_FORMATTING", path, "no object")
+            self.error("INVALID_JSON_FORMATTING", path, "not an object")
             return None
         return value
 
     def place(self, path):
-        """Whether any rule covers a file, and whether it may be where it is."""
+        """Whether any rule covers a file, and whether its location is allowed."""
         inside = path.relative_to(self.root).as_posix()
         if path.stat().st_size == 0:
             self.warning("FILE_EMPTY", path)
@@ -154,8 +154,8 @@ class Dataset:
         return header
 
     def metadata(self, path, header):
-        """What holds for a data file: the description, each file_metadata.json on the way to it, its sidecar; what comes
-        later replaces what was before, key by key."""
+        """The metadata of a data file: the description, each file_metadata.json on its path, and its sidecar. Later values
+        replace earlier ones, key by key."""
         parts = [self.description]
         folder = self.root
         for name in path.relative_to(self.root).parts[:-1]:
@@ -204,7 +204,7 @@ class Dataset:
 
 
 def null_keys(context):
-    """Keys that a context says have no meaning to schema.org."""
+    """Keys that the context maps to nothing in schema.org."""
     return {key: None for key, value in context.items() if value is None} if isinstance(context, dict) else {}
 
 
@@ -218,7 +218,7 @@ def report(root):
 
 
 def breakages(folder):
-    """Ways to break a copy, each with the code that must be found."""
+    """Ways to break a copy, each with the code that must be reported."""
     table = sorted((folder / "data").glob("*_data.csv"))[0]
     sidecar = table.with_suffix(".json")
     description = folder / "dataset_description.json"
@@ -264,7 +264,7 @@ def breakages(folder):
 
 
 def codes(root):
-    """What is found in a data set, however often."""
+    """The distinct codes reported for a data set."""
     return {(code, pathlib.Path(path).relative_to(root).as_posix()) for _, code, path, _ in Dataset(root).check()}
 
 
@@ -282,7 +282,7 @@ def self_test(root):
             code, breaking = ways[count]
             breaking()
             if code not in {found for found, _ in codes(copy) - before}:
-                print(f"error: {code} was not found in a data set that has it")
+                print(f"error: {code} was not reported for a data set that has this fault")
                 unseen += 1
             count += 1
     print(f"self-test: {count - unseen} of {count} faults found")

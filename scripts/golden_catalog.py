@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Light of every catalog entry and variant, computed independently of the program.
+"""The light of every catalog entry and variant, computed independently of the program.
 
 Usage: python3 scripts/golden_catalog.py > tests/golden/catalog.csv
 
-Plain Python: the formulas of the documentation evaluated at pixel centres; pixels near an edge that does not run along
-the pixels are averaged over a fine grid of points (the share of the area).
+Evaluates the documented formulas at pixel centers in plain Python. Pixels near an edge that is not aligned with the pixel
+grid are averaged over a fine grid of points, which gives the proportion of the area.
 """
 import math
 import platform
 
 SIZE = 96
-FINE = 160  # points a side within a pixel
+FINE = 160  # points per side within a pixel
 
 
 def smooth(n, u):
@@ -84,7 +84,7 @@ def cylinder(shading="gouraud", facets=6, low=0.25, high=0.75):
     return light
 
 
-# kind, variant, formula, orientation, sharp edges, averaged at the edges whatever the orientation
+# kind, variant, formula, orientation, sharp edges, averaged at the edges at any orientation
 CASES = [
     ("mach-band", 0, mach_band(), 0, False),
     ("mach-band", 1, mach_band(0.1, 3), 33, False),
@@ -129,7 +129,7 @@ def main():
     print("kind,variant,x,y,averaged,light")
     for kind, variant, light, degrees, averaged in CASES:
         for n in range(40):
-            # A fixed scatter that also visits the middle rows.
+            # A fixed scatter of pixels that includes the middle rows.
             ix, iy = (n * 37 + 11) % SIZE, (n * 53 + 5 + n // 7) % SIZE
             value = pixel(light, degrees, ix, iy, averaged)
             print(f"{kind},{variant},{ix},{iy},{int(averaged)},{value:.9f}")

@@ -4,10 +4,10 @@
 Usage: python3 scripts/golden_illumination.py highlights > tests/golden/illumination.csv
        python3 scripts/golden_illumination.py scene > tests/golden/illumination_scene.csv
 
-Columns: n normal, l toward the lamp, v toward the viewer, p place of the point; r,g,b the result.
+Columns: n is the normal, l points toward the lamp, v toward the viewer, p is the position of the point; r,g,b is the result.
 
-Plain Python. By other ways than the program's: Fresnel's reflectance from Snell's law and the two amplitudes, the
-microfacets' distribution and geometry from angles, the mirror image of the lamp by turning it about the normal.
+Plain Python that uses different methods from the program's: Fresnel reflectance from Snell's law and the two amplitudes,
+the distribution and geometry of microfacets from angles, and the mirror image of the lamp by rotation about the normal.
 """
 import math
 import platform
@@ -33,7 +33,7 @@ def angle(a, b):
 
 
 def fresnel(theta, index):
-    """Mean of the two polarisations' reflectances, index of the far medium over that of the near one."""
+    """Mean reflectance of the two polarizations; the index is that of the far medium divided by that of the near one."""
     sine = math.sin(theta) / index
     if sine >= 1:
         return 1.0
@@ -45,7 +45,7 @@ def fresnel(theta, index):
 
 
 def cook_torrance(model, slope, c1, indices, n, l, v):
-    """F D G / (pi N.V) of each index."""
+    """F D G / (pi N.V) for each index."""
     h = unit([a + b for a, b in zip(l, v)])
     tilt, to_v, to_l, half = angle(n, h), angle(n, v), angle(n, l), angle(v, h)
     if max(tilt, to_v, to_l) >= math.pi / 2:
@@ -77,7 +77,7 @@ def highlights():
                 for _ in range(8):
                     l = direction(rng, -0.1)
                     v = direction(rng, -0.1)
-                    # Near the highlight, where there is light.
+                    # Near the highlight, where the result is not 0.
                     h = [a + b for a, b in zip(l, v)]
                     n = unit([a + rng.gauss(0, slope) for a in unit(h)])
                     c1 = rng.uniform(0.5, 3)
@@ -85,20 +85,20 @@ def highlights():
                     print(model, *map(repr, row), sep=",")
 
 
-# The scene, repeated in tests/illumination.rs.
+# The scene; the tests repeat it.
 COLOR, SPECULAR_COLOR = (0.9, 0.5, 0.1), (0.8, 1.0, 0.6)
 K_A, K_D, K_S, M = 0.2, 0.55, 0.4, 12.5
 AMBIENT = (0.3, 0.5, 0.7)
 SLOPE, C1, INDICES = 0.3, 1.7, (1.5, 1.8, 2.2)
 DIRECTION, DIRECTION_LIGHT = (2 / 7, 3 / 7, 6 / 7), (0.9, 0.8, 0.7)
-POINTS = [  # place, light, c1 c2 c3
+POINTS = [  # position, light, c1 c2 c3
     ((1.5, -0.5, 2.0), (1.0, 0.1, 0.4), (0.5, 0.25, 0.125)),
     ((-0.25, 0.5, 0.75), (0.2, 2.0, 0.3), (0.1, 0.2, 0.3)),
 ]
 
 
 def mirrored(l, n):
-    """l turned by half a circle about n (Rodrigues)."""
+    """l rotated by half a turn about n (Rodrigues)."""
     cosine, along = math.cos(math.pi), dot(n, l)
     return [cosine * a + along * (1 - cosine) * b for a, b in zip(l, n)]
 

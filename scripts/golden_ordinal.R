@@ -1,9 +1,9 @@
-# Reference values of the ordinal models by R's ordinal package: tests/golden/ordinal/models.csv and tests.csv.
+# Reference values for the ordinal models from R's ordinal package: tests/golden/ordinal/models.csv and tests.csv.
 #
 #   apt-get install --no-install-recommends r-base-core r-cran-ordinal
 #   Rscript scripts/golden_ordinal.R
 #
-# The data come from scripts/golden_ordinal.py. clmm stops early; here Newton steps on its own likelihood follow.
+# The data come from scripts/golden_ordinal.py. clmm stops early, so this script adds Newton steps on clmm's likelihood.
 suppressPackageStartupMessages(library(ordinal))
 folder <- "tests/golden/ordinal"
 
@@ -24,7 +24,7 @@ read <- function(name) {
   if ("depth" %in% names(d)) d$num_inv_n <- 1 / d$num_depth
   d
 }
-# "num:x" of --terms is the column num_x here; R's name of its coefficient is x.
+# "num:x" in --terms is the column num_x here; R calls its coefficient x.
 sides <- function(terms) if (terms == "") "1" else gsub(",", " + ", gsub("num:", "num_", terms))
 tidy <- function(names) gsub("num_", "", names)
 back <- function(term) gsub("num_", "num:", term)
@@ -37,9 +37,9 @@ writeLines(c(versions, "# nodes: 0 is clm, 1 is clmm by Laplace's approximation,
 writeLines(c(versions, "# location: likelihood ratio against the model without the term; nominal: nominal_test; scale: scale_test.",
              "data,link,terms,scale,nodes,test,term,lr,df,p"), tests)
 
-# Newton steps on the package's own likelihood, with its own numerical derivatives, from where clmm ended. With one
-# random intercept clmm takes the curvature of Laplace's approximation one step before the mode; its code for any random
-# effects (useMatrix) takes it at the mode, and is used here.
+# Newton steps on the package's likelihood, with its numerical derivatives, starting where clmm ended. With one random
+# intercept, clmm computes the curvature for Laplace's approximation one step before the mode. Its code for arbitrary random
+# effects (useMatrix) computes it at the mode and is used here.
 finish <- function(m, rho) {
   laplace <- rho$nAGQ == 1
   likelihood <- function(par) {
@@ -90,7 +90,7 @@ record <- function(name, link, terms, nodes = 0, scale = "", drop = TRUE, assump
   put("loglik", "", as.numeric(m$logLik))
   put("gradient", "", max(abs(m$gradient)))
   v <- vcov(m)
-  # Parameters that vcov names: thresholds, coefficients, scale, then the log of the standard deviation.
+  # The parameters in vcov: thresholds, coefficients, scale, and the log of the standard deviation.
   se <- sqrt(diag(v))
   thresholds <- m$alpha
   for (j in seq_along(thresholds)) {

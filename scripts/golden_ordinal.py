@@ -5,7 +5,7 @@
     python3 scripts/golden_ordinal.py statsmodels # statsmodels.csv
     python3 scripts/golden_ordinal.py ranks       # ranks.csv: rank tests and agreement
 
-Needs numpy, pandas, scipy, statsmodels, krippendorff and scikit-learn; the versions that were used are in the files' headers.
+Needs numpy, pandas, scipy, statsmodels, krippendorff and scikit-learn; the headers of the files contain the versions that were used.
 """
 
 import csv
@@ -28,7 +28,7 @@ def rate(rng, eta, thresholds, link, scale=1.0):
 
 
 def write(name, factors, rows, about):
-    """Counts of equal rows, in a fixed order."""
+    """Counts of identical rows, in a fixed order."""
     counts = Counter(rows)
     path = FOLDER / f"data_{name}.csv"
     with path.open("w", newline="") as file:
@@ -61,7 +61,7 @@ def unbalanced():
     rows = []
     for subject in range(23):
         intercept = 1.1 * rng.normal()
-        # Three subjects have one rating.
+        # Three subjects have only one rating.
         for _ in range(1 if subject % 8 == 5 else int(rng.integers(3, 40))):
             shader, size = shaders[rng.choice(4, p=[0.5, 0.3, 0.15, 0.05])], sizes[rng.integers(4)]
             eta = intercept + effect[shader] - 0.04 * float(size)
@@ -227,7 +227,7 @@ def statsmodels_values():
 
 
 def alpha_by_pairs(frame, factors):
-    """Ordinal alpha from every pair of ratings of different subjects, one by one."""
+    """Ordinal alpha from every pair of ratings by different subjects, one pair at a time."""
     ratings = sorted(frame["rating"].astype(int).unique())
     coincidences = np.zeros((len(ratings), len(ratings)))
     for _, unit in frame.groupby(factors):
@@ -269,7 +269,7 @@ def rank_values():
             for a, b in itertools.combinations(means, 2):
                 differences = (means[a] - means[b]).round(12)
                 if (differences != 0).any():
-                    # All 2^n signs, ties and all.
+                    # All 2^n combinations of signs, including ties.
                     exact = wilcoxon(differences, zero_method="wilcox", method=PermutationMethod(n_resamples=10**9))
                     nonzero = differences[differences != 0]
                     v = scipy.stats.rankdata(nonzero.abs())[nonzero > 0].sum()

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Values of SciPy's Clough-Tocher cubic, for tests/patch.rs.
+"""Values of SciPy's Clough-Tocher cubic, for the tests of the patch shader.
 
 Usage: python3 scripts/golden_patch.py > tests/golden/patch.csv
 
 SciPy's CloughTocher2DInterpolator is another implementation of the reduced Clough-Tocher cubic whose slope toward the
-neighbor's centroid is linear along an edge. Its own estimate of the gradients is replaced by gradients written down
-here, and its triangulation is written down too, so that the test compares the cubics alone. Needs numpy and scipy.
+neighbor's centroid is linear along an edge. This script replaces SciPy's estimated gradients and its triangulation with
+fixed ones, so that the test compares only the cubics. Needs numpy and scipy.
 """
 import numpy
 import scipy
@@ -16,7 +16,7 @@ SAMPLES = 120
 
 random = numpy.random.default_rng(5)
 places = random.uniform(0.0, 100.0, (POINTS, 2))
-# Three fields, one for each channel.
+# Three fields, one per channel.
 lights = random.uniform(0.0, 1.0, (POINTS, 3))
 gradients = random.normal(0.0, 0.02, (POINTS, 3, 2))
 

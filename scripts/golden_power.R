@@ -1,10 +1,10 @@
-# The power of one design as R finds it: tests/golden/power.csv.
+# The power of one design, estimated in R: tests/golden/power.csv.
 #
 #   apt-get install --no-install-recommends r-base-core r-cran-ordinal
 #   Rscript scripts/golden_power.R > tests/golden/power.csv
 #
-# The observer is written down again from experiments/observers/paper.toml, with oblique = 0.6; the design is
-# tests/golden/power.toml. Nothing here is the program's code or its random numbers.
+# The observer repeats experiments/observers/paper.toml with oblique = 0.6; the design is tests/golden/power.toml. This
+# script uses neither the program's code nor its random numbers.
 suppressPackageStartupMessages(library(ordinal))
 set.seed(20240611)
 studies <- 1000
