@@ -59,23 +59,20 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let recipes: Vec<Recipe> = conditions.iter().map(of).collect();
     let Shard { index, of } = arguments.shard;
     let manifest = Manifest::open(&arguments.out, &protocol, &conditions, &recipes, (index, of))?;
-    let mine: Vec<usize> = (0..recipes.len()).filter(|i| i % of == index - 1).collect();
-    let missing: Vec<usize> = mine.iter().copied().filter(|i| !manifest.is_made(*i)).collect();
-    let bar = ProgressBar::new(missing.len() as u64).with_style(progress_style("images"));
-    if let Some(first) = missing.first() {
+    let (made, kept) = (manifest.missing.len(), manifest.kept);
+    let bar = ProgressBar::new(made as u64).with_style(progress_style("images"));
+    if let Some(first) = manifest.missing.first() {
         let quantizer = recipes[*first].quantizer();
-        missing.par_iter().try_for_each(|i| {
+        manifest.missing.par_iter().try_for_each(|i| {
             manifest.make(*i, &quantizer)?;
             bar.inc(1);
             anyhow::Ok(())
         })?;
     }
     bar.finish_and_clear();
-    let whole = manifest.finish(&mine)?;
+    let whole = manifest.finish()?;
     super::say(&format!(
-        "{} images made, {} kept, in {}, {:.1} s{}",
-        missing.len(),
-        mine.len() - missing.len(),
+        "{made} images made, {kept} kept, in {}, {:.1} s{}",
         arguments.out.display(),
         started.elapsed().as_secs_f64(),
         if whole { "" } else { "; manifest.csv follows when every shard is done" }

@@ -1,17 +1,14 @@
 //! Is this file what it should be? Finds every fault, not the first only.
 
-use std::{
-    collections::{BTreeSet, HashMap},
-    path::Path,
-};
+use std::{collections::HashMap, path::Path};
 
 use super::{
-    FileFault, FileFaults, definition, file::read_text, frames, image, matches, observer, profile, readings, results,
-    sidecar::Sidecar, toml::Document,
+    FileFault, FileFaults, definition, file::read_text, frames, image, matches, observer, profile, readings,
+    recorded::Recorded, results, toml::Document,
 };
 use crate::{
     display::DisplayProfile,
-    experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns, columns_by_header},
+    experiment::{Identity, Protocol, Schedule, columns_by_header},
 };
 
 /// A file without a fault.
@@ -90,41 +87,36 @@ fn check_definition(protocol: Protocol) -> Result<String, FileFaults> {
     ))
 }
 
-/// A result file, held against the definition and seed in its sidecar where there is one.
+/// A result file, checked against the definition and the seed in its sidecar where there is one.
 fn check_results(path: &Path) -> Result<String, FileFaults> {
-    let file = path.display().to_string();
-    let whole = |message: String| FileFaults::whole(&file, message);
-    let content =
-        std::fs::read(path).map_err(|error| whole(format!("cannot be read: {error}; expected a readable file")))?;
-    let beside = path.with_extension("json");
-    let sidecar = Sidecar::read(&beside).map_err(|error| whole(error.to_string()))?;
-    let Some(sidecar) = sidecar else {
-        let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
-        let header = String::from_utf8_lossy(header);
-        let rows = results::parse(&file, &content, &columns_by_header(header.trim_end().split(',')))?;
-        let faults = repeated(&file, &rows);
-        let summary = format!("result file: {} rows; no sidecar beside it, so the order was not checked", rows.len());
-        return if faults.is_empty() { Ok(summary) } else { Err(FileFaults(faults)) };
-    };
-    let protocol = definition::from_json(&beside.display().to_string(), &sidecar.definition)?;
-    let rows = results::parse(&file, &content, &columns(&protocol))?;
-    let mut faults = repeated(&file, &rows);
-    let Some(first) = rows.first() else {
-        return Ok("result file: 0 rows; none of the planned trials is rated".to_owned());
-    };
-    let identity = Identity::new(&first.subject_id, &first.session_id).map_err(|error| whole(error.to_string()))?;
-    let schedule = Schedule::new(&protocol, &identity, sidecar.seed).map_err(|error| whole(error.to_string()))?;
-    let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
-    let mut rated = BTreeSet::new();
-    for (row, line) in rows.iter().zip(2..) {
-        match row.planned_trial(&context) {
-            Ok(trial) => _ = rated.insert(trial),
-            Err(message) => faults.push(FileFault::at(&file, (line, 1), message)),
-        }
+    if path.with_extension("json").exists() {
+        return check_session(path);
     }
-    let (rows, rated, planned, name) = (rows.len(), rated.len(), schedule.trials.len(), &protocol.name);
-    let summary = format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated");
-    if faults.is_empty() { Ok(summary) } else { Err(FileFaults(faults)) }
+    let content = std::fs::read(path)
+        .map_err(|error| FileFaults::whole(path, format!("cannot be read: {error}; expected a readable file")))?;
+    let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
+    let rows = results::parse(&path.display().to_string(), &content, &columns)?;
+    let mut lines = HashMap::new();
+    let repeated = rows.iter().zip(2..).filter_map(|(row, line)| {
+        let first = lines.insert(row.row_id.as_str(), line)?;
+        let message = format!("row_id {} is already in line {first}; expected every row_id once", row.row_id);
+        Some(FileFault::at(path, (line, 1), message))
+    });
+    FileFaults::none(repeated.collect())?;
+    Ok(format!("result file: {} rows; no sidecar beside it, so the order was not checked", rows.len()))
+}
+
+fn check_session(path: &Path) -> Result<String, FileFaults> {
+    let session = Recorded::open(path).map_err(|error| FileFaults(error.faults(path)))?;
+    let mut faults = session.row_faults();
+    if let Some(torn) = &session.torn {
+        let message = format!("the file ends within a row, {torn:?}; expected whole rows");
+        faults.push(FileFault::at(path, (session.rows.len() + 2, 1), message));
+    }
+    FileFaults::none(faults)?;
+    let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);
+    Ok(format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated"))
 }
 
 /// The name of a table's first column; `None` where there is none to be read.
@@ -149,14 +141,4 @@ fn check_frames(path: &Path) -> Result<String, FileFaults> {
     let rows = frames::read(path)?;
     let intervals: usize = rows.iter().map(|row| row.intervals_us.len()).sum();
     Ok(format!("frames of a session: {intervals} intervals in {} stretches", rows.len()))
-}
-
-fn repeated(file: &str, rows: &[TrialRecord]) -> Vec<FileFault> {
-    let mut lines = HashMap::new();
-    let repeated = rows.iter().zip(2..).filter_map(|(row, line)| {
-        let first = lines.insert(row.row_id.as_str(), line)?;
-        let message = format!("row_id {} stands in line {first} already; expected every row_id once", row.row_id);
-        Some(FileFault::at(file, (line, 1), message))
-    });
-    repeated.collect()
 }

@@ -50,15 +50,9 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
 /// # Errors
 /// The system's refusal.
 pub fn write_profile(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
-    let failed = |error: csv::Error| io(path, "write")(std::io::Error::other(error));
-    let file = std::fs::File::create(path).map_err(io(path, "create"))?;
-    let mut writer = csv::Writer::from_writer(std::io::BufWriter::new(file));
-    writer.write_record(["x", "linear", "code_r", "code_g", "code_b", "emitted"]).map_err(failed)?;
-    for sample in samples(recipe, quantizer) {
-        let [r, g, b] = sample.codes.map(|code| code.to_string());
-        writer
-            .write_record([sample.x.to_string(), sample.linear.to_string(), r, g, b, sample.emitted.to_string()])
-            .map_err(failed)?;
+    let mut text = "x,linear,code_r,code_g,code_b,emitted\n".to_owned();
+    for Sample { x, linear, codes: [r, g, b], emitted } in samples(recipe, quantizer) {
+        text += &format!("{x},{linear},{r},{g},{b},{emitted}\n");
     }
-    writer.flush().map_err(io(path, "write"))
+    std::fs::write(path, text).map_err(io(path, "write"))
 }

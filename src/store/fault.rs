@@ -123,6 +123,14 @@ pub enum StoreError {
 }
 
 impl StoreError {
+    /// The faults of a file that cannot be read.
+    pub(super) fn faults(self, path: &Path) -> Vec<FileFault> {
+        match self {
+            Self::Faults(FileFaults(faults)) => faults,
+            error => vec![FileFault::whole(path, error.to_string())],
+        }
+    }
+
     /// The system refused to do something with a path.
     pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
         Self::Io { path: path.to_owned(), action, source }

@@ -10,7 +10,7 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    FileFaults, StoreError,
+    FileFault, FileFaults, StoreError,
     fault::{io, position},
 };
 
@@ -24,10 +24,9 @@ const LARGEST_TEXT: u64 = 1 << 20;
 pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
     String::from_utf8(read_bytes(path, LARGEST_TEXT, "a readable file")?).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
-        let before = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
-        let mut faults = FileFaults::whole(path.display().to_string(), "is not UTF-8 text; expected UTF-8");
-        faults.0[0].position = Some(position(&before, before.len()));
-        faults
+        let before = String::from_utf8_lossy(&error.as_bytes()[..valid]);
+        let place = position(&before, before.len());
+        FileFaults(vec![FileFault::at(path, place, "is not UTF-8 text; expected UTF-8")])
     })
 }
 
@@ -36,7 +35,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
 /// # Errors
 /// Missing, a folder, too large, or not readable.
 pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u8>, FileFaults> {
-    let fail = |message: String| FileFaults::whole(path.display().to_string(), message);
+    let fail = |message: String| FileFaults::whole(path, message);
     let refused = |error: std::io::Error| fail(format!("cannot be opened: {error}; expected {expected}"));
     let metadata = std::fs::metadata(path).map_err(refused)?;
     if metadata.is_dir() {
@@ -118,7 +117,8 @@ pub(super) fn make_folder(path: &Path) -> Result<(), StoreError> {
     fs::create_dir_all(path).map_err(io(path, "make the folder"))
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folder that a file is in.
+pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
@@ -191,13 +191,15 @@ pub(super) struct AppendFile {
     content: Vec<u8>,
     /// How much of the content is known to be in the file.
     written: usize,
+    /// The beginning of a line whose writing was interrupted. The next write cuts it off.
+    torn: Option<String>,
     sync: Sync,
 }
 
 impl AppendFile {
     /// A file that does not exist yet; the first write makes it, and never touches an existing one.
     pub fn new(path: &Path, sync: Sync) -> Self {
-        Self { path: path.to_owned(), file: None, content: Vec::new(), written: 0, sync }
+        Self { path: path.to_owned(), file: None, content: Vec::new(), written: 0, torn: None, sync }
     }
 
     /// Opens and reads a file, and keeps every other program from it. It is not changed until the next write.
@@ -209,7 +211,8 @@ impl AppendFile {
         lock(&file, path)?;
         let mut content = Vec::new();
         file.read_to_end(&mut content).map_err(io(path, "read"))?;
-        Ok(Self { path: path.to_owned(), file: Some(file), written: content.len(), content, sync })
+        let (content, torn) = split_torn(content);
+        Ok(Self { path: path.to_owned(), file: Some(file), written: content.len(), content, torn, sync })
     }
 
     /// Where the file is, or will be.
@@ -217,9 +220,14 @@ impl AppendFile {
         &self.path
     }
 
-    /// Everything that belongs in the file.
+    /// Everything that belongs in the file: whole lines.
     pub fn content(&self) -> &[u8] {
         &self.content
+    }
+
+    /// The beginning of a line whose writing was interrupted, where the file ended within one when it was opened.
+    pub fn torn(&self) -> Option<&str> {
+        self.torn.as_deref()
     }
 
     /// SHA-256 of everything that belongs in the file.
@@ -227,10 +235,9 @@ impl AppendFile {
         sha256(&self.content)
     }
 
-    /// Replaces the content by what of it is whole; of the file its first `written` bytes are right. The next write
-    /// cuts off the rest.
-    pub fn repair(&mut self, content: Vec<u8>, written: usize) {
-        (self.content, self.written) = (content, written);
+    /// Adds rows that the next write puts into the file.
+    pub fn extend(&mut self, rows: &[u8]) {
+        self.content.extend_from_slice(rows);
     }
 
     /// Adds rows. They are kept in memory from here on, and in the file when this returns without an error.
@@ -238,7 +245,7 @@ impl AppendFile {
     /// # Errors
     /// As [`AppendFile::flush`].
     pub fn append(&mut self, rows: &[u8]) -> Result<(), StoreError> {
-        self.content.extend_from_slice(rows);
+        self.extend(rows);
         self.flush()
     }
 
@@ -326,12 +333,16 @@ fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// The part of a file that consists of whole lines. A power cut may also leave zero bytes where the system had enlarged
-/// the file and not yet filled it: after the last line, or within it. Zeros before the last line are no interrupted
-/// writing, since each line was on disk before the next; they are left for the parser to name.
-pub(super) fn whole_lines(content: &[u8]) -> &[u8] {
+/// Splits the content of a file of rows into its whole lines and the beginning of a line whose writing was interrupted.
+///
+/// A power cut may also leave zero bytes where the system had enlarged the file and not yet filled it: after the last
+/// line, or within it. Zeros before the last line are no interrupted writing, since each line was on disk before the
+/// next; they are left for the parser to report.
+pub(super) fn split_torn(mut content: Vec<u8>) -> (Vec<u8>, Option<String>) {
     let end_of_line = |content: &[u8]| content.iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1);
-    let whole = end_of_line(content);
+    let whole = end_of_line(&content);
     let last = end_of_line(&content[..whole.saturating_sub(1)]);
-    &content[..if content[last..whole].contains(&0) { last } else { whole }]
+    let torn = content.split_off(if content[last..whole].contains(&0) { last } else { whole });
+    let text = String::from_utf8_lossy(&torn).trim_end_matches('\0').to_owned();
+    (content, (!torn.is_empty()).then_some(text))
 }

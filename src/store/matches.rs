@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{
     FileFaults, StoreError,
-    file::{AppendFile, Sync, read_text, whole_lines},
+    file::{AppendFile, Sync, folder_of, make_folder, read_text},
     table::{self, exactly},
 };
 use crate::display::{
@@ -38,9 +38,7 @@ impl MatchFile {
     /// # Errors
     /// The system's refusal.
     pub fn create(path: &Path, seed: u64) -> Result<Self, StoreError> {
-        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).map_err(|error| StoreError::io(folder, "make the folder", error))?;
-        }
+        make_folder(folder_of(path))?;
         let mut file = AppendFile::new(path, Sync::Always);
         file.append(format!("{COLUMNS}\n").as_bytes())?;
         Ok(Self { file, seed })
@@ -51,12 +49,9 @@ impl MatchFile {
     /// # Errors
     /// A file that another program writes, or that is not one of matches.
     pub fn resume(path: &Path) -> Result<(Self, Vec<Match>), StoreError> {
-        let mut file = AppendFile::open(path, Sync::Always)?;
-        let whole = whole_lines(file.content()).to_vec();
-        let rows = rows(&path.display().to_string(), &whole)?;
+        let file = AppendFile::open(path, Sync::Always)?;
+        let rows = rows(&path.display().to_string(), file.content())?;
         let seed = rows.last().map_or(0, |row| row.seed);
-        let written = whole.len();
-        file.repair(whole, written);
         Ok((Self { file, seed }, counted(rows)))
     }
 

@@ -185,7 +185,7 @@ fn every_stim_file_is_the_picture_that_was_shown() {
     fs::write(&path, fs::read_to_string(&path).unwrap().replace(&shown, &"0".repeat(64))).unwrap();
     let refused = scratch.path().join("refused");
     let error = export(&results, &refused, Format::Bids, false).unwrap_err().to_string();
-    assert!(error.contains("that of what was shown"), "{error}");
+    assert!(error.contains("the hash of what was shown"), "{error}");
     assert!(!refused.exists());
 }
 

@@ -92,7 +92,7 @@ fn everything_that_is_touched_is_named() {
                     lines.join("\n") + "\n"
                 });
             },
-            &["lies before the row above it", "was changed since"],
+            &["was recorded before the row above it", "was changed since"],
         ),
         (
             "the end cut off",
@@ -107,12 +107,12 @@ fn everything_that_is_touched_is_named() {
         (
             "the definition",
             |_, sidecar| edit(sidecar, |text| text.replacen("\"duration_s\": 2.0", "\"duration_s\": 3.0", 1)),
-            &["expected", "that of the definition recorded with", "_data.json: was changed since"],
+            &["expected", "that of the definition used", "_data.json: was changed since"],
         ),
         (
             "the stimulus",
             |_, sidecar| edit(sidecar, |text| text.replacen("\"high\": 0.75", "\"high\": 0.8", 1)),
-            &["renders to sha256", "that of the definition recorded with"],
+            &["renders to sha256", "that of the definition used"],
         ),
         (
             "a hash",
@@ -177,7 +177,7 @@ fn an_interrupted_session_is_no_fault_and_said() {
     let found = verify::session(&csv, &mut verify::Renderer::default());
     assert_eq!(found.faults, []);
     assert!(
-        !found.sealed && found.notes.iter().any(|note| note.contains("line 29 is half written")),
+        !found.sealed && found.notes.iter().any(|note| note.contains("line 29 is incomplete")),
         "{:?}",
         found.notes
     );

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::{
     psych_ds,
-    sessions::{Experiment, dataset, rated},
+    sessions::{Experiment, dataset},
     stimuli::{self, Stimuli},
 };
 use crate::{
@@ -169,7 +169,7 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
         ]);
         Value::from(entries)
     });
-    let (rated, planned) = rated(session);
+    let (rated, planned) = session.rated();
     keys([
         ("StimulusPresentation", Some(common.into())),
         ("TrialsPlanned", Some(planned.into())),
@@ -336,7 +336,7 @@ fn write_participants(experiments: &[Experiment], to: &Path) -> Result<(), Store
         let simulated =
             |session: &&&Recorded| session.sidecar.sittings.iter().any(|sitting| sitting.observer.is_some());
         let complete = |session: &&&Recorded| {
-            let (rated, planned) = rated(session);
+            let (rated, planned) = session.rated();
             rated == planned
         };
         let observer = match sessions.iter().filter(simulated).count() {

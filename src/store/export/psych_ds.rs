@@ -71,7 +71,7 @@ fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
         return Ok(());
     }
     let stem = session.stem();
-    let whole = results::whole(&session.csv, &columns(&session.protocol))?;
+    let (whole, _) = results::whole(&session.csv, &columns(&session.protocol))?;
     write_file(&data.join(format!("{stem}{DATA_FILE}")), &whole)?;
     if session.sidecar.seal.is_some() {
         let mut sidecar = session.sidecar.clone();

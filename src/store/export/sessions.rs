@@ -1,7 +1,7 @@
 //! The sessions to be exported, read and checked.
 
 use std::{
-    collections::{BTreeMap, HashSet},
+    collections::BTreeMap,
     path::{Path, PathBuf},
 };
 
@@ -9,7 +9,7 @@ use rayon::{iter::Either, prelude::*};
 
 use crate::{
     experiment::{columns, name_fault},
-    store::{FileFault, FileFaults, StoreError, recorded::Recorded, table::is_formula},
+    store::{FileFault, FileFaults, recorded::Recorded, table::is_formula},
 };
 
 /// An experiment with all its sessions.
@@ -40,8 +40,7 @@ pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileFaults> {
             faults if faults.is_empty() => Either::Left(session),
             faults => Either::Right(faults),
         },
-        Err(StoreError::Faults(FileFaults(faults))) => Either::Right(faults),
-        Err(error) => Either::Right(vec![FileFault::whole(csv.display().to_string(), error.to_string())]),
+        Err(error) => Either::Right(error.faults(csv)),
     });
     FileFaults::none(faults.concat())?;
     Ok(sessions)
@@ -49,23 +48,17 @@ pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileFaults> {
 
 /// What keeps a session that can be read from leaving its folder.
 fn faults(session: &Recorded) -> Vec<FileFault> {
-    let mut faults = Vec::new();
     // The name becomes that of a folder, and a sidecar may say anything.
-    if let Some(message) = name_fault(&session.protocol.name) {
-        faults.push(FileFault::whole(session.sidecar_path.display().to_string(), message));
-    }
+    let name = name_fault(&session.protocol.name).map(|message| FileFault::whole(&session.sidecar_path, message));
+    let mut faults: Vec<FileFault> = name.into_iter().chain(session.row_faults()).collect();
     let columns = columns(&session.protocol);
-    let file = session.csv.display().to_string();
     for (row, line) in session.rows.iter().zip(2..) {
-        let mut add = |message: String| faults.push(FileFault::at(&file, (line, 1), message));
-        if let Err(message) = row.planned_trial(&session.context()) {
-            add(message);
-        }
         for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
-            add(format!(
+            let message = format!(
                 "{} is {cell:?}, which spreadsheets take for a formula; expected a text that begins otherwise",
                 column.name
-            ));
+            );
+            faults.push(FileFault::at(&session.csv, (line, 1), message));
         }
     }
     faults
@@ -74,7 +67,7 @@ fn faults(session: &Recorded) -> Vec<FileFault> {
 /// Leaves out what is not complete where that is asked, and notes what is not.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
-        let (rated, planned) = rated(session);
+        let (rated, planned) = session.rated();
         if rated == planned && session.torn.is_none() {
             return true;
         }
@@ -84,12 +77,6 @@ pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &m
         !complete_only
     });
     sessions
-}
-
-/// Planned trials that are rated, and all that are planned.
-pub(super) fn rated(session: &Recorded) -> (usize, usize) {
-    let trials: HashSet<_> = session.rows.iter().filter_map(|row| row.planned_trial(&session.context()).ok()).collect();
-    (trials.len(), session.schedule.trials.len())
 }
 
 /// # Errors
@@ -106,7 +93,7 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
             let message = format!(
                 "participant {subject} and participant {known} differ in upper and lower case only; expected names that differ otherwise"
             );
-            faults.push(FileFault::whole(session.csv.display().to_string(), message));
+            faults.push(FileFault::whole(&session.csv, message));
         }
         let place = format!("{}/{subject}/{id}", session.protocol.task()).to_ascii_lowercase();
         if let Some(other) = places.insert(place, session) {
@@ -114,7 +101,7 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
                 "is the same session of the same task as {}; expected each once, and experiments whose names differ in more than hyphens",
                 other.csv.display()
             );
-            faults.push(FileFault::whole(session.csv.display().to_string(), message));
+            faults.push(FileFault::whole(&session.csv, message));
         }
     }
     FileFaults::none(faults)?;

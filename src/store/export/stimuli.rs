@@ -1,7 +1,7 @@
 //! The pictures that were shown, each once: rendered again from the sidecars' recipes and compared with the hashes there.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap, HashSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -11,9 +11,14 @@ use rayon::prelude::*;
 use super::sessions::Experiment;
 use crate::{
     experiment::{Condition, Protocol, TrialRecord},
-    light::Quantizer,
     stimulus::recipe::Recipe,
-    store::{FileFault, FileFaults, StoreError, file::make_folder, image, recorded::Recorded},
+    store::{
+        FileFaults, StoreError,
+        file::make_folder,
+        image,
+        recorded::Recorded,
+        verify::{Renderer, picture_faults},
+    },
 };
 
 /// Digits of a hash in a file's name.
@@ -33,17 +38,6 @@ impl Stimuli {
     }
 }
 
-/// A picture to be made, and every hash that it must have.
-struct Wanted {
-    recipe: Recipe,
-    /// One table from light to codes serves all pictures of a display.
-    quantizer: Arc<Quantizer>,
-    /// For the name of its file.
-    label: String,
-    /// Hash, sidecar that records it, and number of the condition there.
-    expected: BTreeMap<String, (PathBuf, usize)>,
-}
-
 /// Writes every picture into `folder`. Returns their number too.
 ///
 /// # Errors
@@ -53,88 +47,59 @@ pub(super) fn write(
     folder: &Path,
     notes: &mut Vec<String>,
 ) -> Result<(Stimuli, usize), StoreError> {
-    let mut wanted: Vec<Wanted> = Vec::new();
-    let mut by_recipe: HashMap<String, usize> = HashMap::new();
-    let mut shown = Vec::new();
-    for session in experiments.iter().flat_map(|experiment| &experiment.sessions) {
-        let rows = session.rows.iter().filter_map(|row| Some((row.sitting, session.condition(row)?)));
-        for (sitting, index) in rows.collect::<BTreeSet<_>>() {
-            let condition = &session.schedule.conditions[index];
+    let sessions = || experiments.iter().flat_map(|experiment| &experiment.sessions);
+    let mut renderer = Renderer::default();
+    FileFaults::none(sessions().flat_map(|session| picture_faults(session, &mut renderer)).collect())?;
+    // Equal pictures share one file.
+    let (mut names, mut files) = (HashMap::<String, String>::new(), BTreeMap::new());
+    let (mut shown, mut proved) = (HashMap::new(), HashSet::new());
+    for session in sessions() {
+        let mut sittings = BTreeMap::<u32, BTreeSet<usize>>::new();
+        for row in &session.rows {
+            sittings.entry(row.sitting).or_default().extend(session.condition(row));
+        }
+        for (sitting, conditions) in sittings {
             let known = session.sidecar.sittings.get((sitting as usize).saturating_sub(1));
             let Some(pictures) = known.and_then(|sitting| sitting.pictures.as_ref()) else {
                 notes.push(format!(
-                    "{}: does not say how its pictures of sitting {sitting} were made; their stim_file is n/a",
+                    "{}: does not say how the pictures of sitting {sitting} were made; their stim_file is n/a",
                     session.sidecar_path.display()
                 ));
                 continue;
             };
-            let recipe = pictures.recipe_of(condition);
-            let place = *by_recipe.entry(image::describe(&recipe)).or_insert_with(|| {
-                let label = label(&session.protocol, condition);
-                let alike =
-                    |other: &&Wanted| other.recipe.transfers == recipe.transfers && other.recipe.bits == recipe.bits;
-                let quantizer = match wanted.iter().find(alike) {
-                    Some(other) => Arc::clone(&other.quantizer),
-                    None => Arc::new(recipe.quantizer()),
-                };
-                wanted.push(Wanted { recipe, quantizer, label, expected: BTreeMap::new() });
-                wanted.len() - 1
-            });
-            if let Some(hash) = pictures.sha256.get(&(index + 1)) {
-                let source = (session.sidecar_path.clone(), index + 1);
-                wanted[place].expected.entry(hash.clone()).or_insert(source);
+            let quantizer = Arc::new(pictures.recipe.quantizer());
+            let recipe = |index: &usize| pictures.recipe_of(&session.schedule.conditions[*index]);
+            let recipes: Vec<Recipe> = conditions.iter().map(recipe).collect();
+            let hashes = renderer.hashes(&recipes);
+            for ((index, recipe), hash) in conditions.into_iter().zip(recipes).zip(hashes) {
+                if pictures.sha256.contains_key(&(index + 1)) {
+                    proved.insert(hash.clone());
+                }
+                let name = names.entry(hash).or_insert_with_key(|hash| {
+                    let label = label(&session.protocol, &session.schedule.conditions[index]);
+                    let short = format!("{label}_{}.png", &hash[..HASH_SHOWN]);
+                    let name = if files.contains_key(&short) { format!("{label}_{hash}.png") } else { short };
+                    files.insert(name.clone(), (recipe, Arc::clone(&quantizer)));
+                    name
+                });
+                shown.insert((session.csv.clone(), sitting, index), name.clone());
             }
-            shown.push(((session.csv.clone(), sitting, index), place));
         }
     }
-    let hashes: Vec<String> = wanted.par_iter().map(|one| image::hash(&one.recipe.codes(&one.quantizer))).collect();
-    prove(&wanted, &hashes)?;
-    let unproved = wanted.iter().filter(|one| one.expected.is_empty()).count();
+    let unproved = files.len() - proved.len();
     if unproved > 0 {
         notes.push(format!(
             "stimuli: {unproved} of {} pictures have no recorded hash, because their sitting was not ended; they follow the sidecar",
-            wanted.len()
+            files.len()
         ));
     }
-    let (names, files) = names(&wanted, &hashes);
     if !files.is_empty() {
         make_folder(folder)?;
     }
-    files.par_iter().try_for_each(|(name, place)| {
-        let one = &wanted[*place];
-        image::write_recipe(&folder.join(name), &one.recipe, &one.quantizer).map(drop)
+    files.par_iter().try_for_each(|(name, (recipe, quantizer))| {
+        image::write_recipe(&folder.join(name), recipe, quantizer).map(drop)
     })?;
-    let stimuli = Stimuli(shown.into_iter().map(|(key, place)| (key, names[place].clone())).collect());
-    Ok((stimuli, files.len()))
-}
-
-fn prove(wanted: &[Wanted], hashes: &[String]) -> Result<(), FileFaults> {
-    let mut faults = Vec::new();
-    for (one, hash) in wanted.iter().zip(hashes) {
-        for (expected, (sidecar, number)) in one.expected.iter().filter(|(expected, _)| *expected != hash) {
-            let message =
-                format!("condition {number} renders to sha256 {hash}; expected {expected}, that of what was shown");
-            faults.push(FileFault::whole(sidecar.display().to_string(), message));
-        }
-    }
-    FileFaults::none(faults)
-}
-
-/// The name of each picture's file, and which picture each file is made from: equal pictures share one.
-fn names(wanted: &[Wanted], hashes: &[String]) -> (Vec<String>, BTreeMap<String, usize>) {
-    let mut by_hash: HashMap<&str, String> = HashMap::new();
-    let mut files = BTreeMap::new();
-    let mut names = Vec::new();
-    for (place, (one, hash)) in wanted.iter().zip(hashes).enumerate() {
-        let name = by_hash.entry(hash).or_insert_with(|| {
-            let short = format!("{}_{}.png", one.label, &hash[..HASH_SHOWN]);
-            let name = if files.contains_key(&short) { format!("{}_{hash}.png", one.label) } else { short };
-            files.insert(name.clone(), place);
-            name
-        });
-        names.push(name.clone());
-    }
-    (names, files)
+    Ok((Stimuli(shown), files.len()))
 }
 
 /// `mach-band_width-0.4_depth-1`: for people; the hash after it makes it unique.

@@ -10,7 +10,7 @@ use crate::{
     experiment::{Phase, Schedule, Shown, Stretch},
     store::{
         FileFaults, StoreError,
-        file::{AppendFile, Sync, is_there, read_text, whole_lines},
+        file::{AppendFile, Sync, is_there, read_text},
         table::{self, CellFault, shortened},
     },
 };
@@ -74,15 +74,15 @@ impl FrameFile {
         if !is_there(path)? {
             return Ok(Self::new(path));
         }
-        let mut file = AppendFile::open(path, Sync::Never)?;
-        let content = file.content();
-        if !content.starts_with(HEADER.as_bytes()) && !HEADER.as_bytes().starts_with(content) {
+        let file = AppendFile::open(path, Sync::Never)?;
+        let begins = match (file.content(), file.torn()) {
+            ([], torn) => HEADER.starts_with(torn.unwrap_or_default()),
+            (content, _) => content.starts_with(HEADER.as_bytes()),
+        };
+        if !begins {
             let message = format!("is not a file of frames; expected the header {HEADER}");
-            return Err(FileFaults::whole(path.display().to_string(), message).into());
+            return Err(FileFaults::whole(path, message).into());
         }
-        let whole = whole_lines(content).to_vec();
-        let written = whole.len();
-        file.repair(whole, written);
         Ok(Self(file))
     }
 

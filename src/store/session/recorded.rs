@@ -1,6 +1,9 @@
 //! Recorded sessions as they are on disk, for code that reads whole data sets: nothing is changed or locked.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::{HashMap, HashSet},
+    path::{Path, PathBuf},
+};
 
 use super::{
     dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
@@ -9,7 +12,7 @@ use super::{
 };
 use crate::{
     experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord, columns},
-    store::{FileFaults, StoreError, definition},
+    store::{FileFault, FileFaults, StoreError, definition},
 };
 
 /// A session with everything that is known of it.
@@ -41,11 +44,10 @@ impl Recorded {
     /// # Errors
     /// A name that is none of a session; no sidecar; anything that does not parse, with its place.
     pub fn open(csv: &Path) -> Result<Self, StoreError> {
-        let whole = |path: &Path, message: String| FileFaults::whole(path.display().to_string(), message);
-        let (stem, identity) = identity(csv).map_err(|message| whole(csv, message))?;
+        let (stem, identity) = identity(csv).map_err(|message| FileFaults::whole(csv, message))?;
         let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
         let sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| {
-            whole(&sidecar_path, "is not there; expected the sidecar of the data file beside it".to_owned())
+            FileFaults::whole(&sidecar_path, "is not there; expected the sidecar of the data file beside it")
         })?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
         let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
@@ -79,5 +81,42 @@ impl Recorded {
     /// Index of the condition that a row shows, into [`Schedule::conditions`]; `None` where the row is not planned.
     pub fn condition(&self, row: &TrialRecord) -> Option<usize> {
         Some(self.schedule.trials[row.planned_trial(&self.context()).ok()?].condition)
+    }
+
+    /// Planned trials that are rated, and all that are planned.
+    pub fn rated(&self) -> (usize, usize) {
+        let context = self.context();
+        let rated: HashSet<_> = self.rows.iter().filter_map(|row| row.planned_trial(&context).ok()).collect();
+        (rated.len(), self.schedule.trials.len())
+    }
+
+    /// What is wrong with its rows: each must be one that definition and seed plan, its attempts follow each other, and its
+    /// times do not run back.
+    pub fn row_faults(&self) -> Vec<FileFault> {
+        let context = self.context();
+        let (mut attempts, mut faults) = (HashMap::new(), Vec::new());
+        let mut last = (0, f64::NEG_INFINITY);
+        for (row, line) in self.rows.iter().zip(2..) {
+            let mut add = |message: String| faults.push(FileFault::at(&self.csv, (line, 1), message));
+            let trial = match row.planned_trial(&context) {
+                Ok(trial) => trial,
+                Err(message) => {
+                    add(message);
+                    continue;
+                }
+            };
+            let expected = attempts.insert(trial, row.attempt).unwrap_or(0) + 1;
+            if row.attempt != expected {
+                add(format!("row {} is attempt {}; expected attempt {expected}", row.row_id, row.attempt));
+            }
+            if row.sitting < last.0 || row.onset_s.0 < last.1 {
+                add(format!(
+                    "row {} was recorded before the row above it; expected the order of recording",
+                    row.row_id
+                ));
+            }
+            last = (row.sitting, row.onset_s.0);
+        }
+        faults
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     store::{
         FileFault, FileFaults, StoreError,
         fault::io,
-        file::{AppendFile, Sync, whole_lines},
+        file::{AppendFile, Sync, split_torn},
         table::{self, CellFault, shortened},
     },
 };
@@ -20,7 +20,7 @@ pub struct ResultFile {
     width: usize,
 }
 
-/// What an interrupted session left.
+/// What a result file holds.
 #[derive(Debug, PartialEq)]
 pub struct Recovered {
     /// Its rows in the order of the file.
@@ -36,7 +36,7 @@ impl ResultFile {
     /// [`StoreError::Exists`], or the system's refusal.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
         let mut file = AppendFile::new(path, Sync::Always);
-        file.append(&table::line(columns.iter().map(|column| &column.name)))?;
+        file.append(&header(columns))?;
         Ok(Self { file, width: columns.len() })
     }
 
@@ -55,11 +55,14 @@ impl ResultFile {
     /// # Errors
     /// Rows that do not parse, each with line and column.
     pub fn recover(&mut self, columns: &[Column]) -> Result<Recovered, FileFaults> {
-        let name = self.path().display().to_string();
-        let (recovered, content, whole) = recover(&name, self.file.content(), columns)?;
-        self.width = columns_of(&content, columns).len();
-        self.file.repair(content, whole);
-        Ok(recovered)
+        let (name, torn) = (self.path().display().to_string(), self.file.torn().map(str::to_owned));
+        if self.file.content().is_empty() {
+            self.file.extend(&begun(&name, torn.as_deref(), columns)?);
+        }
+        let content = self.file.content();
+        let rows = parse(&name, content, columns)?;
+        self.width = columns_of(content, columns).len();
+        Ok(Recovered { rows, torn })
     }
 
     /// SHA-256 of everything that belongs in the file.
@@ -103,34 +106,38 @@ impl ResultFile {
 /// # Errors
 /// The system's refusal; rows that do not parse, each with line and column.
 pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
-    let content = fs::read(path).map_err(io(path, "read"))?;
-    Ok(recover(&path.display().to_string(), &content, columns)?.0)
+    let (content, torn) = whole(path, columns)?;
+    Ok(Recovered { rows: parse(&path.display().to_string(), &content, columns)?, torn })
 }
 
-/// A result file without a last line that is half written: the header and whole rows.
+/// The header and whole rows of a result file, and a last line that is half written.
 ///
 /// # Errors
-/// As [`read`].
-pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<Vec<u8>, StoreError> {
-    let content = fs::read(path).map_err(io(path, "read"))?;
-    Ok(recover(&path.display().to_string(), &content, columns)?.1)
+/// The system's refusal; a file that begins otherwise.
+pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<(Vec<u8>, Option<String>), StoreError> {
+    let (mut content, torn) = split_torn(fs::read(path).map_err(io(path, "read"))?);
+    if content.is_empty() {
+        content = begun(&path.display().to_string(), torn.as_deref(), columns)?;
+    }
+    Ok((content, torn))
 }
 
-/// What a file holds, its content without a half-written last line, and how much of the file that is.
-fn recover(file: &str, found: &[u8], columns: &[Column]) -> Result<(Recovered, Vec<u8>, usize), FileFaults> {
-    let header = table::line(columns.iter().map(|column| &column.name));
-    let whole = whole_lines(found).len();
-    let rest = without_zeros(&found[whole..]);
-    if whole == 0 && !header.starts_with(rest) {
-        // Not the beginning of a file of ours: not to be cut away.
-        let [found, expected] = [rest, &header].map(|line| shortened(&String::from_utf8_lossy(line)));
-        let message = format!("the file begins with {found:?}; expected the header {expected:?}");
-        return Err(FileFaults(vec![FileFault::at(file, (1, 1), message)]));
+/// The header of a file that has no whole line yet.
+///
+/// # Errors
+/// It does not begin with this header, so that it is not to be cut off.
+fn begun(file: &str, torn: Option<&str>, columns: &[Column]) -> Result<Vec<u8>, FileFaults> {
+    let (header, found) = (header(columns), torn.unwrap_or_default());
+    if header.starts_with(found.as_bytes()) {
+        return Ok(header);
     }
-    let torn = (whole < found.len()).then(|| String::from_utf8_lossy(rest).into_owned());
-    let content = if whole == 0 { header } else { found[..whole].to_vec() };
-    let rows = parse(file, &content, columns)?;
-    Ok((Recovered { rows, torn }, content, whole))
+    let [found, expected] = [found, &String::from_utf8_lossy(&header)].map(shortened);
+    let message = format!("the file begins with {found:?}; expected the header {expected:?}");
+    Err(FileFaults(vec![FileFault::at(file, (1, 1), message)]))
+}
+
+fn header(columns: &[Column]) -> Vec<u8> {
+    table::line(columns.iter().map(|column| &column.name))
 }
 
 /// Those of the columns that the file has: one of an earlier version lacks some of the last.
@@ -168,9 +175,4 @@ fn check_header(header: &[&str], columns: &[Column]) -> Result<(), CellFault> {
         }
     }
     Ok(())
-}
-
-fn without_zeros(content: &[u8]) -> &[u8] {
-    let end = content.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
-    &content[..end]
 }

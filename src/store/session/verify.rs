@@ -15,10 +15,9 @@ use super::{
     recorded::Recorded,
 };
 use crate::{
-    experiment::Condition,
     stimulus::recipe::Recipe,
     store::{
-        FileFault, FileFaults, StoreError, definition,
+        FileFault, FileFaults, definition,
         file::{TEMPORARY, sha256},
         image,
     },
@@ -49,8 +48,8 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// The hashes of the pictures of several recipes.
-    fn hashes(&mut self, recipes: &[Recipe]) -> Vec<String> {
+    /// The hashes of the pictures of several recipes of one sitting, which differ in their stimulus alone.
+    pub(crate) fn hashes(&mut self, recipes: &[Recipe]) -> Vec<String> {
         let keys: Vec<String> =
             recipes.iter().map(|recipe| serde_json::to_string(recipe).unwrap_or_default()).collect();
         let mut wanted = BTreeMap::new();
@@ -60,7 +59,7 @@ impl Renderer {
             }
         }
         if let Some(first) = wanted.values().next() {
-            // Those of one sitting differ in their stimulus alone: one table from light to codes serves them all.
+            // One table from light to codes serves them all.
             let quantizer = first.quantizer();
             let made: Vec<_> =
                 wanted.into_par_iter().map(|(key, recipe)| (key, image::hash(&recipe.codes(&quantizer)))).collect();
@@ -76,87 +75,56 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
     match Recorded::open(csv) {
         Ok(recorded) => {
             found.rows = recorded.rows.len();
+            found.rated = recorded.rated();
             check_definition(&recorded, &mut found);
-            check_rows(&recorded, &mut found);
+            found.faults.extend(recorded.row_faults());
+            check_end(&recorded, &mut found);
             check_seal(&recorded, &mut found);
-            check_frames(&recorded, &mut found);
+            if let Some(Err(FileFaults(faults))) = recorded.frames.as_ref().map(|path| frames::read(path)) {
+                found.faults.extend(faults);
+            }
             check_pictures(&recorded, renderer, &mut found);
-            found.notes.extend(incidents(&recorded));
+            for (number, sitting) in (1..).zip(&recorded.sidecar.sittings) {
+                found.notes.extend(sitting.incidents.iter().map(|incident| format!("sitting {number}: {incident}")));
+            }
         }
-        Err(StoreError::Faults(FileFaults(faults))) => found.faults = faults,
-        Err(error) => found.faults.push(fault(csv, error.to_string())),
+        Err(error) => found.faults = error.faults(csv),
     }
     found
 }
 
-fn fault(path: &Path, message: String) -> FileFault {
-    FileFault::whole(path.display().to_string(), message)
-}
-
 fn check_definition(recorded: &Recorded, found: &mut Verified) {
-    let hash = definition::hash(&recorded.protocol);
-    if hash != recorded.sidecar.definition_sha256 {
-        let message = format!(
-            "the definition has the sha256 {hash}; expected {}, that of the definition recorded with",
-            recorded.sidecar.definition_sha256
-        );
-        found.faults.push(fault(&recorded.sidecar_path, message));
+    let (hash, expected) = (definition::hash(&recorded.protocol), &recorded.sidecar.definition_sha256);
+    if hash != *expected {
+        let message = format!("the definition has the sha256 {hash}; expected {expected}, that of the definition used");
+        found.faults.push(FileFault::whole(&recorded.sidecar_path, message));
     }
 }
 
-/// Every row is one that definition and seed plan, its attempts follow each other, and its times do not run back.
-fn check_rows(recorded: &Recorded, found: &mut Verified) {
-    let at = |index: usize, message: String| FileFault::at(recorded.csv.display().to_string(), (index + 2, 1), message);
-    let context = recorded.context();
-    let mut attempts: BTreeMap<usize, u32> = BTreeMap::new();
-    let mut last: Option<(u32, f64)> = None;
-    let mut clock_back = 0;
-    for (index, row) in recorded.rows.iter().enumerate() {
-        let trial = match row.planned_trial(&context) {
-            Ok(trial) => trial,
-            Err(message) => {
-                found.faults.push(at(index, message));
-                continue;
-            }
-        };
-        let attempt = attempts.entry(trial).or_default();
-        if row.attempt != *attempt + 1 {
-            let message = format!("row {} is attempt {}; expected attempt {}", row.row_id, row.attempt, *attempt + 1);
-            found.faults.push(at(index, message));
-        }
-        *attempt = row.attempt;
-        if let Some((sitting, onset_s)) = last
-            && (row.sitting < sitting || row.onset_s.0 < onset_s)
-        {
-            let message = format!("row {} lies before the row above it; expected the order of recording", row.row_id);
-            found.faults.push(at(index, message));
-        }
-        last = Some((row.sitting, row.onset_s.0));
-        clock_back += usize::from(index > 0 && row.started_at < recorded.rows[index - 1].started_at);
-    }
-    found.rated = (attempts.len(), recorded.schedule.trials.len());
-    let complete = found.rated.0 == found.rated.1;
-    if recorded.sidecar.complete && !complete {
+/// Whether everything is there, up to the last row.
+fn check_end(recorded: &Recorded, found: &mut Verified) {
+    let ((rated, planned), is_complete) = (found.rated, recorded.sidecar.complete);
+    if is_complete && rated < planned {
         let message = format!(
-            "{} of {} trials are rated; expected all of them, as the sidecar says that the session is complete",
-            found.rated.0, found.rated.1
+            "{rated} of {planned} trials are rated; expected all of them, since the sidecar says that the session is complete"
         );
-        found.faults.push(fault(&recorded.csv, message));
+        found.faults.push(FileFault::whole(&recorded.csv, message));
     }
-    if let Some(torn) = &recorded.torn {
-        let line = recorded.rows.len() + 2;
-        if recorded.sidecar.complete {
+    let line = recorded.rows.len() + 2;
+    match &recorded.torn {
+        Some(torn) if is_complete => {
             let message = format!("the file ends within a row, {torn:?}; expected whole rows of a complete session");
-            found.faults.push(at(line - 2, message));
-        } else {
-            let note = format!("line {line} is half written: the program was interrupted there; --resume asks again");
-            found.notes.push(note);
+            found.faults.push(FileFault::at(&recorded.csv, (line, 1), message));
         }
-    } else if !complete && !recorded.sidecar.complete {
-        found.notes.push("not complete; --resume continues it".to_owned());
+        Some(_) => found.notes.push(format!(
+            "line {line} is incomplete because the program was interrupted; --resume shows its trial again"
+        )),
+        None if !is_complete && rated < planned => found.notes.push("not complete; --resume continues it".to_owned()),
+        None => {}
     }
-    if clock_back > 0 {
-        found.notes.push(format!("the wall clock was turned back {clock_back} times; onset_s gives the order"));
+    let turned_back = recorded.rows.windows(2).filter(|rows| rows[1].started_at < rows[0].started_at).count();
+    if turned_back > 0 {
+        found.notes.push(format!("the wall clock was turned back {turned_back} times; onset_s gives the order"));
     }
 }
 
@@ -175,7 +143,7 @@ fn check_seal(recorded: &Recorded, found: &mut Verified) {
             Some(is) => format!("was changed since the session ended: sha256 {is}; expected {was}"),
             None => "is gone; expected the file that the session left".to_owned(),
         };
-        found.faults.push(fault(path, message));
+        found.faults.push(FileFault::whole(path, message));
     };
     let of = |path: &Path| fs::read(path).ok().map(|content| sha256(&content));
     touched(&recorded.csv, of(&recorded.csv), &seal.data_sha256);
@@ -186,59 +154,43 @@ fn check_seal(recorded: &Recorded, found: &mut Verified) {
     }
 }
 
-fn check_frames(recorded: &Recorded, found: &mut Verified) {
-    if let Some(path) = &recorded.frames
-        && let Err(FileFaults(faults)) = frames::read(path)
-    {
-        found.faults.extend(faults);
-    }
-}
-
-/// Renders what each sitting showed.
 fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Verified) {
-    let mut proved = BTreeSet::new();
-    for (sitting, pictures) in (1..).zip(recorded.sidecar.sittings.iter().map(|sitting| &sitting.pictures)) {
-        let Some(pictures) = pictures else { continue };
-        let conditions: Vec<(usize, &Condition)> = pictures
-            .sha256
-            .keys()
-            .filter_map(|number| Some((*number, recorded.schedule.conditions.get(number.checked_sub(1)?)?)))
-            .collect();
-        let recipes: Vec<Recipe> = conditions.iter().map(|(_, condition)| pictures.recipe_of(condition)).collect();
-        for ((number, _), hash) in conditions.iter().zip(renderer.hashes(&recipes)) {
-            let was = &pictures.sha256[number];
-            found.pictures += 1;
-            proved.insert(*number - 1);
-            if *was != hash {
-                let message = format!(
-                    "condition {number} of sitting {sitting} renders to sha256 {hash}; expected {was}, that of what was shown"
-                );
-                found.faults.push(fault(&recorded.sidecar_path, message));
-            }
-        }
-        if conditions.len() < pictures.sha256.len() {
-            let message = format!(
-                "sitting {sitting} has hashes of conditions that the definition does not have; expected 1…{}",
-                recorded.schedule.conditions.len()
-            );
-            found.faults.push(fault(&recorded.sidecar_path, message));
-        }
-    }
+    found.faults.extend(picture_faults(recorded, renderer));
+    let pictures = recorded.sidecar.sittings.iter().filter_map(|sitting| sitting.pictures.as_ref());
+    let hashed: Vec<usize> = pictures.flat_map(|pictures| pictures.sha256.keys().copied()).collect();
+    found.pictures = hashed.len();
     let shown: BTreeSet<usize> = recorded.rows.iter().filter_map(|row| recorded.condition(row)).collect();
-    let unproved = shown.difference(&proved).count();
+    let unproved = shown.iter().filter(|index| !hashed.contains(&(*index + 1))).count();
     if unproved > 0 {
         found.notes.push(format!("{unproved} of {} pictures have no hash: their sitting was not ended", shown.len()));
     }
 }
 
-/// The incidents that the sidecar records.
-fn incidents(recorded: &Recorded) -> Vec<String> {
-    let sittings = (1..).zip(&recorded.sidecar.sittings);
-    sittings
-        .flat_map(|(number, sitting)| {
-            sitting.incidents.iter().map(move |incident| format!("sitting {number}: {incident}"))
-        })
-        .collect()
+/// Renders what each sitting showed, and names what differs from it.
+pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Vec<FileFault> {
+    let (path, conditions) = (&recorded.sidecar_path, &recorded.schedule.conditions);
+    let mut faults = Vec::new();
+    for (sitting, pictures) in (1..).zip(recorded.sidecar.sittings.iter().map(|sitting| &sitting.pictures)) {
+        let Some(pictures) = pictures else { continue };
+        let known: Vec<_> = pictures.sha256.iter().filter(|hash| (1..=conditions.len()).contains(hash.0)).collect();
+        let recipes: Vec<Recipe> = known.iter().map(|hash| pictures.recipe_of(&conditions[hash.0 - 1])).collect();
+        for ((number, expected), hash) in known.iter().zip(renderer.hashes(&recipes)) {
+            if **expected != hash {
+                let message = format!(
+                    "condition {number} of sitting {sitting} renders to sha256 {hash}; expected {expected}, the hash of what was shown"
+                );
+                faults.push(FileFault::whole(path, message));
+            }
+        }
+        if known.len() < pictures.sha256.len() {
+            let message = format!(
+                "sitting {sitting} has hashes of conditions that the definition does not have; expected 1…{}",
+                conditions.len()
+            );
+            faults.push(FileFault::whole(path, message));
+        }
+    }
+    faults
 }
 
 /// What lies in the folder of an experiment and belongs to no session: sidecars without rows, and files that a killed
@@ -253,11 +205,11 @@ pub fn leftovers(dataset: &Path) -> Vec<FileFault> {
         for path in paths {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             if name.ends_with(TEMPORARY) {
-                faults.push(fault(&path, "was left by a program that was killed; expected no such file".to_owned()));
+                faults.push(FileFault::whole(&path, "was left by a program that was killed; expected no such file"));
             } else if let Some(stem) = name.strip_suffix(SIDECAR_SUFFIX)
                 && !path.with_file_name(format!("{stem}{DATA_FILE}")).exists()
             {
-                faults.push(fault(&path, "has no data file beside it; expected the rows of its session".to_owned()));
+                faults.push(FileFault::whole(&path, "has no data file beside it; expected the rows of its session"));
             }
         }
     }
