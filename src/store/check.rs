@@ -3,7 +3,7 @@
 use std::{collections::HashMap, path::Path};
 
 use super::{
-    FileFault, FileFaults, definition, file::read_text, frames, image, matches, observer, profile, readings,
+    FileFault, FileFaults, dataset, definition, file::read_text, frames, image, matches, observer, profile, readings,
     recorded::Recorded, results, toml::Document,
 };
 use crate::{
@@ -89,7 +89,7 @@ fn check_definition(protocol: Protocol) -> Result<String, FileFaults> {
 
 /// A result file, checked against the definition and the seed in its sidecar where there is one.
 fn check_results(path: &Path) -> Result<String, FileFaults> {
-    if path.with_extension("json").exists() {
+    if dataset::identity(path).is_ok() && path.with_extension("json").exists() {
         return check_session(path);
     }
     let content = std::fs::read(path)
@@ -104,7 +104,10 @@ fn check_results(path: &Path) -> Result<String, FileFaults> {
         Some(FileFault::at(path, (line, 1), message))
     });
     FileFaults::none(repeated.collect())?;
-    Ok(format!("result file: {} rows; no sidecar beside it, so the order was not checked", rows.len()))
+    Ok(format!(
+        "result file: {} rows; the order was not checked, which needs a session's file and its sidecar",
+        rows.len()
+    ))
 }
 
 fn check_session(path: &Path) -> Result<String, FileFaults> {
