@@ -6,7 +6,7 @@ use divan::{Bencher, black_box};
 use machband::{
     light::Depth,
     shading::{Reference, Scene, Shade, Shader, Surface, coverage, shapes},
-    stimulus::{MachBand, Sight, Stimulus},
+    stimulus::{MachBand, ViewingConditions, Stimulus},
     vision::{Border, Eye, Line, Picture, luminance, luminances},
 };
 
@@ -32,7 +32,7 @@ fn picture_of_a_mesh(bencher: Bencher) {
 
 fn see(bencher: Bencher, light: &[f64], mask: Option<&[bool]>) {
     let picture = Picture { light, width: 512, height: 512, px_per_deg: 51.2, mask };
-    bencher.bench_local(|| black_box(&picture).see(&Eye::default()).expect("a picture"));
+    bencher.bench_local(|| black_box(&picture).predict(&Eye::default()).expect("a picture"));
 }
 
 /// A thousand ramps of different widths, each for its own eye, as `machband predict` sees them; one thread.
@@ -43,9 +43,9 @@ fn thousand_conditions(bencher: Bencher) {
         Stimulus::MachBand(MachBand { width, depth: Depth::Finite(1), ..MachBand::default() })
     };
     let ramps: Vec<Stimulus> = (0..1000).map(ramp).collect();
-    let sight = Sight::new(10.0);
+    let viewing = ViewingConditions::new(10.0);
     bencher.bench_local(|| {
-        ramps.iter().map(|ramp| sight.see(ramp, 512).expect("a ramp").visibility().max()).fold(0.0, f64::max)
+        ramps.iter().map(|ramp| viewing.predict(ramp, 512).expect("a ramp").visibility().max()).fold(0.0, f64::max)
     });
 }
 
@@ -56,7 +56,7 @@ fn thousand_profiles(bencher: Bencher) {
     let line = Line::new(512, 51.2, &Eye::default()).expect("a line");
     bencher.bench_local(|| {
         (0..1000)
-            .map(|_| line.see(black_box(&profile), Border::Continues).expect("a view").visibility.max())
+            .map(|_| line.predict(black_box(&profile), Border::Continues).expect("a view").visibility.max())
             .sum::<f64>()
     });
 }

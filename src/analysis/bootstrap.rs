@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use crate::light::normal::Z_95;
+use crate::light::random::Z_95;
 
 /// How to resample. Equal settings give equal intervals on every machine (ChaCha8).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -14,7 +14,7 @@ use crate::{
         Study,
         prediction::{self, Comparison, window_deg},
     },
-    stimulus::Sight,
+    stimulus::ViewingConditions,
     store::{self, definition, observer, ratings::ReadOptions, table::inert},
     vision::{Criterion, Visibility},
 };
@@ -78,27 +78,27 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let window = positive("window", arguments.window)?;
     let white = match positive("white", arguments.white)? {
         Some(white) => white,
-        None => arguments.transfer.white()?.unwrap_or(Sight::WHITE_CD_M2),
+        None => arguments.transfer.white()?.unwrap_or(ViewingConditions::WHITE_CD_M2),
     };
-    let sight = |window_deg| Sight { window_deg, white_cd_m2: white };
+    let viewing = |window_deg| ViewingConditions { window_deg, white_cd_m2: white };
     if let Some(experiment) = &arguments.experiment {
         let protocol = definition::open(experiment)?;
         let study =
             if arguments.fit.is_empty() { None } else { Some(Study::read(&arguments.fit, &ReadOptions::default())?) };
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
-        return all(arguments, &protocol, study.as_ref(), &sight(window.unwrap_or(planned)));
+        return all(arguments, &protocol, study.as_ref(), &viewing(window.unwrap_or(planned)));
     }
     let criterion = criterion(arguments)?;
-    let sight = sight(window.unwrap_or(10.0));
+    let viewing = viewing(window.unwrap_or(10.0));
     if let Some(path) = &arguments.image {
-        let visibility = image(arguments, path, &sight)?;
+        let visibility = image(arguments, path, &viewing)?;
         let row = Prediction { values: vec![path.display().to_string()], visibility };
         return write(arguments, &["image".to_owned()], &[row], &criterion, 0.0);
     }
     let stimulus = arguments.stimulus.stimulus()?;
-    let size = arguments.size.unwrap_or_else(|| Sight::px(&stimulus));
+    let size = arguments.size.unwrap_or_else(|| ViewingConditions::px(&stimulus));
     let seen =
-        sight.see(&stimulus, size).map_err(|error| anyhow::anyhow!("{}: {error}", stimulus.kind()))?.visibility();
+        viewing.predict(&stimulus, size).map_err(|error| anyhow::anyhow!("{}: {error}", stimulus.kind()))?.visibility();
     let names: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
     let header: Vec<String> = std::iter::once("stimulus").chain(names.iter().copied()).map(str::to_owned).collect();
     let value = |name: &&str| stimulus.get(name).map_or_else(String::new, |value| value.to_string());
@@ -106,10 +106,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     write(arguments, &header, &[Prediction { values, visibility: seen }], &criterion, 0.0)
 }
 
-fn image(arguments: &Arguments, path: &Path, sight: &Sight) -> anyhow::Result<Visibility> {
+fn image(arguments: &Arguments, path: &Path, viewing: &ViewingConditions) -> anyhow::Result<Visibility> {
     let (transfers, _) = arguments.transfer.transfers()?;
     let image = store::image::read_light(path, &transfers)?;
-    let view = sight.see_image(&image).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
+    let view = viewing.predict_image(&image).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
     if let Some(map) = &arguments.map {
         // The strongest band is white or black; no band is a mean gray.
         let most = view.map.bright.iter().chain(&view.map.dark).copied().fold(1e-9, f64::max);
@@ -122,9 +122,9 @@ fn image(arguments: &Arguments, path: &Path, sight: &Sight) -> anyhow::Result<Vi
     Ok(view.visibility)
 }
 
-fn all(arguments: &Arguments, protocol: &Protocol, study: Option<&Study>, sight: &Sight) -> anyhow::Result<()> {
+fn all(arguments: &Arguments, protocol: &Protocol, study: Option<&Study>, viewing: &ViewingConditions) -> anyhow::Result<()> {
     let conditions = protocol.conditions()?;
-    let seen = visibilities(&conditions, sight, arguments.size)
+    let seen = visibilities(&conditions, viewing, arguments.size)
         .map_err(|error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind()))?;
     let header: Vec<String> = protocol.factors.iter().map(|factor| factor.name.clone()).collect();
     let level = |condition: &Condition| -> Vec<String> {

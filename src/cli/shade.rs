@@ -20,7 +20,7 @@ use crate::{
         Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Scene, Shade, Shader, Surface, crease,
         shapes::{self, Shape},
     },
-    stimulus::{Renderer, Shot, Sight, StimulusColor, Triple, describe_scene},
+    stimulus::{Renderer, Shot, ViewingConditions, StimulusColor, Triple, describe_scene},
     store,
     vision::{Visibility, VisionError},
 };
@@ -149,7 +149,7 @@ fn distance(text: &str) -> Result<f64, String> {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.check_files()?;
-    let (renderer, scene, sight) = (arguments.renderer()?, arguments.scene()?, arguments.sight()?);
+    let (renderer, scene, viewing) = (arguments.renderer()?, arguments.scene()?, arguments.viewing()?);
     let (transfers, _) = arguments.transfer.transfers()?;
     let surface = Surface::new(arguments.mesh()?);
     let frame = scene.frame(&surface, arguments.size, arguments.size);
@@ -179,17 +179,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let (creases, gouraud) = (shot.creases(), Creases::of_gouraud(&frame));
     if let Some(path) = &arguments.metrics {
-        let seen = scene.frame(&surface, Sight::PICTURE_PX, Sight::PICTURE_PX);
-        let bands = arguments.bands(&renderer.shoot(&seen, &transfers), &sight)?;
+        let seen = scene.frame(&surface, ViewingConditions::PICTURE_PX, ViewingConditions::PICTURE_PX);
+        let bands = arguments.bands(&renderer.shoot(&seen, &transfers), &viewing)?;
         let bands_gouraud = match renderer.is_gouraud() {
             true => bands,
-            false => arguments.bands(&Renderer::gouraud().shoot(&seen, &transfers), &sight)?,
+            false => arguments.bands(&Renderer::gouraud().shoot(&seen, &transfers), &viewing)?,
         };
-        let found = measurements(&surface, &frame, [&creases, &gouraud], &sight, [bands, bands_gouraud]);
+        let found = measurements(&surface, &frame, [&creases, &gouraud], &viewing, [bands, bands_gouraud]);
         let mut metrics = description.clone();
         append(&mut metrics, found);
         store::write_json(path, &metrics)?;
-        summarize(renderer.shade.shader, [&creases, &gouraud], &sight, [bands, bands_gouraud])?;
+        summarize(renderer.shade.shader, [&creases, &gouraud], &viewing, [bands, bands_gouraud])?;
     }
     if let Some(path) = &arguments.creases {
         let picture = crease::picture(&frame, &creases, gouraud.p95);
@@ -211,7 +211,7 @@ fn over(value: f64, gouraud: f64) -> Option<f64> {
 }
 
 /// Prints the two measurements that matter most.
-fn summarize(shader: Shader, creases: [&Creases; 2], sight: &Sight, bands: [Bands; 2]) -> anyhow::Result<()> {
+fn summarize(shader: Shader, creases: [&Creases; 2], viewing: &ViewingConditions, bands: [Bands; 2]) -> anyhow::Result<()> {
     let of_gouraud = |[value, gouraud]: [f64; 2]| match over(value, gouraud) {
         Some(over) => format!("{over:.4} of Gouraud's"),
         None => "Gouraud has none".to_owned(),
@@ -220,7 +220,7 @@ fn summarize(shader: Shader, creases: [&Creases; 2], sight: &Sight, bands: [Band
     let over = of_gouraud(creases.map(|creases| creases.rms));
     say(&format!("{shader}: crease rms {rms:.3e} per pixel over {edges} edges, {over}"))?;
     let Visibility { bright, dark } = bands[0].visibility;
-    let (visibility, deg) = (bands[0].visibility.max(), sight.window_deg);
+    let (visibility, deg) = (bands[0].visibility.max(), viewing.window_deg);
     let over = of_gouraud(bands.map(|bands| bands.visibility.max()));
     say(&format!(
         "{shader}: visibility of bands {visibility:.2} (bright {bright:.2}, dark {dark:.2}) in a window of {deg}°, {over}"
@@ -235,7 +235,7 @@ fn append(object: &mut Value, fields: Value) {
 }
 
 /// How many edges and triangles there are, and what was measured and predicted, beside Gouraud's.
-fn measurements(surface: &Surface, frame: &Frame, creases: [&Creases; 2], sight: &Sight, bands: [Bands; 2]) -> Value {
+fn measurements(surface: &Surface, frame: &Frame, creases: [&Creases; 2], viewing: &ViewingConditions, bands: [Bands; 2]) -> Value {
     let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
     let [creases, creases_gouraud] = creases;
     let [visibility, visibility_gouraud] = bands.map(|bands| bands.visibility.max());
@@ -255,8 +255,8 @@ fn measurements(surface: &Surface, frame: &Frame, creases: [&Creases; 2], sight:
         "crease_p95_over_gouraud": over(creases.p95, creases_gouraud.p95),
         "step_rms": creases.step_rms,
         "crease_unit": "linear light a pixel",
-        "window_deg": sight.window_deg,
-        "white_cd_m2": sight.white_cd_m2,
+        "window_deg": viewing.window_deg,
+        "white_cd_m2": viewing.white_cd_m2,
         "visibility": visibility,
         "visibility_bright": bands.visibility.bright,
         "visibility_dark": bands.visibility.dark,
@@ -322,14 +322,14 @@ impl Arguments {
         })
     }
 
-    fn sight(&self) -> anyhow::Result<Sight> {
+    fn viewing(&self) -> anyhow::Result<ViewingConditions> {
         let of_profile = self.transfer.white()?;
-        let white_cd_m2 = self.white.or(of_profile).unwrap_or(Sight::WHITE_CD_M2);
-        Ok(Sight { window_deg: self.window, white_cd_m2 })
+        let white_cd_m2 = self.white.or(of_profile).unwrap_or(ViewingConditions::WHITE_CD_M2);
+        Ok(ViewingConditions { window_deg: self.window, white_cd_m2 })
     }
 
-    fn bands(&self, shot: &Shot<'_>, sight: &Sight) -> anyhow::Result<Bands> {
-        match sight.see_surface(&shot.frame, &shot.emitted()) {
+    fn bands(&self, shot: &Shot<'_>, viewing: &ViewingConditions) -> anyhow::Result<Bands> {
+        match viewing.predict_surface(&shot.frame, &shot.emitted()) {
             Ok(view) => Ok(Bands { visibility: view.visibility, density: view.density }),
             Err(VisionError::AllBlack) => Ok(Bands::default()),
             Err(error) => Err(anyhow::anyhow!("--window {}: {error}", self.window)),

@@ -4,7 +4,7 @@
 use super::DisplayProfile;
 use crate::light::{
     Bits, Quantizer, TransferError,
-    gamma::{equal_brightness_levels, nearest_equal_brightness_level},
+    transfer::{equal_brightness_levels, nearest_equal_brightness_level},
 };
 
 /// One level and its codes.

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     light::interpolation::Depth,
-    stimulus::{ParameterValue, Sight, Stimulus},
+    stimulus::{ParameterValue, ViewingConditions, Stimulus},
     vision::{Criterion, Visibility, VisionError},
 };
 
@@ -156,15 +156,15 @@ impl Default for VisionRater {
     }
 }
 
-/// How visible the bands of each condition are to the vision model, drawn with `px` pixels on a side, or with [`Sight::px`]
+/// How visible the bands of each condition are to the vision model, drawn with `px` pixels on a side, or with [`ViewingConditions::px`]
 /// by default.
 ///
 /// # Errors
 /// [`VisionError`] of a condition that cannot be seen, such as one that is all black.
-pub fn visibilities(conditions: &[Condition], sight: &Sight, px: Option<u32>) -> Result<Vec<Visibility>, VisionError> {
+pub fn visibilities(conditions: &[Condition], viewing: &ViewingConditions, px: Option<u32>) -> Result<Vec<Visibility>, VisionError> {
     let see = |condition: &Condition| {
         let stimulus = &condition.stimulus;
-        Ok(sight.see(stimulus, px.unwrap_or_else(|| Sight::px(stimulus)))?.visibility())
+        Ok(viewing.predict(stimulus, px.unwrap_or_else(|| ViewingConditions::px(stimulus)))?.visibility())
     };
     // Pictures keep all threads busy one by one, and need memory.
     if conditions.iter().any(|condition| !condition.stimulus.is_line()) {
@@ -188,7 +188,7 @@ impl VisionObserver {
     pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, VisionError> {
         // A validated protocol has them.
         let conditions = protocol.conditions().unwrap_or_default();
-        let found = visibilities(&conditions, &Sight::new(protocol.viewing.window_deg), None)?;
+        let found = visibilities(&conditions, &ViewingConditions::new(protocol.viewing.window_deg), None)?;
         let stimuli = conditions.into_iter().map(|condition| condition.stimulus);
         Ok(Self { rater, visibilities: stimuli.zip(found.iter().map(Visibility::max)).collect() })
     }

@@ -10,7 +10,7 @@ use super::{
     identity::{Identity, fnv1a},
     protocol::{Order, Protocol},
 };
-use crate::light::{names::named, shuffle::shuffle};
+use crate::light::{names::named, random::shuffle};
 
 /// How an order follows from a seed, for the sidecar. Changing what this names changes recorded data's meaning.
 pub const GENERATOR: &str = "ChaCha8, seed_from_u64(seed), stream FNV-1a-64(subject_id NUL session_id), Fisher-Yates from the end, rejection sampling";

@@ -18,9 +18,7 @@ use std::str::FromStr;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use super::blue_noise;
-use super::matrix::{DitherMatrix, DitherMatrixError};
-use super::names::serde_as_text;
+use super::names::{named, serde_as_text};
 
 /// How pixels between two codes are decided. Written `none`, `ordered`, `ordered:MATRIX` with the name
 /// of a [`DitherMatrix`], `blue-noise` or `random`; the seed of the last has no place in the text.
@@ -31,7 +29,7 @@ pub enum Dither {
     None,
     /// A small matrix, repeated. Written without a matrix it is [`DitherMatrix::Bayer8`].
     Ordered(DitherMatrix),
-    /// The 64 × 64 mask of [`blue_noise`], repeated.
+    /// The 64 × 64 mask of [`mask`], repeated.
     BlueNoise,
     /// Random thresholds, stratified: every tile of 4 × 4 pixels has one threshold in each sixteenth of
     /// (0, 1), and each 2 × 2 quarter of it one in each quarter of (0, 1); which pixel has which, and
@@ -99,6 +97,96 @@ impl FromStr for Dither {
 }
 
 serde_as_text!(Dither);
+
+/// Shoaff §2.1.2, D⁽²⁾.
+const SHOAFF_2: [[u16; 2]; 2] = [[0, 2], [3, 1]];
+/// Shoaff §2.1.2, D⁽³⁾: it grows outward from its center.
+const SHOAFF_3: [[u16; 3]; 3] = [[6, 8, 4], [1, 0, 3], [5, 2, 7]];
+
+named! {
+    /// An n × n tile that holds every rank 0…n²−1 once: the dot of rank k is the (k + 1)-th to be lit.
+    ///
+    /// Bayer's (*An optimum method for two-level rendition of continuous-tone pictures*, ICC 1973) scatter
+    /// the dots as far as they can, for screens. Shoaff's, written `clustered`, are those of a growing
+    /// dot, for print; D⁽²⁾ is too small to cluster, and is Bayer's 2 × 2 turned over.
+    #[derive(Default)]
+    DitherMatrix, DitherMatrixError {
+        /// Bayer 2 × 2: 5 levels between two codes.
+        Bayer2 = "bayer2",
+        /// Bayer 4 × 4: 17 levels.
+        Bayer4 = "bayer4",
+        /// Bayer 8 × 8: 65 levels.
+        #[default]
+        Bayer8 = "bayer8",
+        /// Bayer 16 × 16: 257 levels.
+        Bayer16 = "bayer16",
+        /// Shoaff's D⁽²⁾: 5 levels.
+        Clustered2 = "clustered2",
+        /// Shoaff's D⁽³⁾: 10 levels.
+        Clustered3 = "clustered3",
+    }
+}
+
+impl DitherMatrix {
+    /// Dots n a side.
+    #[must_use]
+    pub const fn size(self) -> u32 {
+        match self {
+            Self::Bayer2 | Self::Clustered2 => 2,
+            Self::Clustered3 => 3,
+            Self::Bayer4 => 4,
+            Self::Bayer8 => 8,
+            Self::Bayer16 => 16,
+        }
+    }
+
+    /// The rank, 0…n²−1, of the dot in column `x` and row `y`; the tile repeats for ever.
+    ///
+    /// Shoaff indexes D\[i\]\[j\] with i = x mod n, j = y mod n, so his printed rows are columns here.
+    #[must_use]
+    pub fn rank(self, x: u32, y: u32) -> u16 {
+        let (x, y) = (x % self.size(), y % self.size());
+        match self {
+            Self::Clustered2 => SHOAFF_2[x as usize][y as usize],
+            Self::Clustered3 => SHOAFF_3[x as usize][y as usize],
+            _ => bayer_rank(self.size(), x, y),
+        }
+    }
+
+    /// Every rank, row by row from the top left.
+    #[must_use]
+    pub fn ranks(self) -> Vec<u16> {
+        let n = self.size();
+        (0..n * n).map(|i| self.rank(i % n, i / n)).collect()
+    }
+}
+
+/// Bayer's recursion, M₂ₙ = \[4Mₙ, 4Mₙ + 2; 4Mₙ + 3, 4Mₙ + 1\] from M₁ = \[0\], bit by bit: the lowest
+/// bits of the place decide the highest of the rank. `size` is a power of 2.
+fn bayer_rank(size: u32, x: u32, y: u32) -> u16 {
+    let bits = size.trailing_zeros();
+    (0..bits).fold(0, |rank, bit| {
+        let (x, y) = (x >> bit & 1, y >> bit & 1);
+        // \[0, 2; 3, 1\] by row y and column x; both are single bits.
+        rank << 2 | ((x ^ y) << 1 | y) as u16
+    })
+}
+
+/// Pixels a side of the blue-noise mask.
+pub const MASK_SIZE: u32 = 64;
+
+/// The mask's ranks, 16 bits each, lower byte first.
+const MASK_BYTES: &[u8; 2 * MASK_SIZE as usize * MASK_SIZE as usize] = include_bytes!("blue_noise_64.bin");
+
+/// The ranks of the blue-noise mask, each of 0…[`MASK_SIZE`]²−1 once, row by row from the top left: noise without
+/// pattern and without slow undulation. R. Ulichney, *The void-and-cluster method for dither array generation*, Proc.
+/// SPIE 1913 (1993).
+///
+/// `cargo run -p tools -- blue-noise` generates the file again; a test there compares the two byte for byte.
+#[must_use]
+pub fn mask() -> Vec<u16> {
+    MASK_BYTES.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect()
+}
 
 /// The threshold of `rank` among `size`²: the middle of its share of (0, 1).
 pub(super) fn from_rank(rank: u16, size: u32) -> f64 {
@@ -198,7 +286,7 @@ impl Thresholds {
         let source = match *dither {
             Dither::None => return None,
             Dither::Ordered(matrix) => periodic(matrix.size(), matrix.ranks()),
-            Dither::BlueNoise => periodic(blue_noise::MASK_SIZE, blue_noise::mask()),
+            Dither::BlueNoise => periodic(MASK_SIZE, mask()),
             Dither::Random { seed } => Source::Tiled {
                 tiles: Box::new(Tiles::new(seed)),
                 at: None,

@@ -11,11 +11,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::dither::{Levels, from_rank};
-use super::gamma::Transfer;
+use super::dither::{DitherMatrix, Levels, from_rank};
 use super::image::{CodeImage, LinearImage, Samples};
-use super::matrix::DitherMatrix;
-use super::transfers::Transfers;
+use super::transfer::{Transfer, Transfers};
 
 /// Most bits of a device that needs a halftone.
 const MAX_BITS: u32 = 8;

@@ -8,29 +8,21 @@
 //! rounding. *Codes* are the rounded integers. [`quantize`] is the only way from light to a display's
 //! codes; [`halftone`], to those of a device with few.
 
-pub mod blue_noise;
 pub mod color;
 pub mod color_models;
-pub mod depth;
 pub mod dither;
-pub mod gamma;
 pub mod halftone;
 pub mod image;
 pub mod interpolation;
-pub mod matrix;
 pub(crate) mod names;
-pub mod normal;
 pub mod palette;
 pub mod quantize;
-pub mod shuffle;
-pub mod transfers;
+pub mod random;
+pub mod transfer;
 
-pub use depth::{Depth, DepthError};
-pub use dither::{Dither, DitherError, Thresholds};
-pub use gamma::{Gog, Transfer, TransferError, TransferTable};
+pub use dither::{Dither, DitherError, DitherMatrix, DitherMatrixError, Thresholds};
 pub use halftone::{Halftone, HalftoneError};
 pub use image::{CodeImage, LinearImage, Samples};
-pub use interpolation::Interpolation;
-pub use matrix::{DitherMatrix, DitherMatrixError};
+pub use interpolation::{Depth, DepthError, Interpolation};
 pub use quantize::{Bits, ChannelQuantizer, Quantizer};
-pub use transfers::Transfers;
+pub use transfer::{Gog, Transfer, TransferError, TransferTable, Transfers};

@@ -18,7 +18,7 @@ use quantette::{PaletteCounts, PaletteSize};
 use super::image::{CodeImage, Samples};
 use super::names::named;
 use super::quantize::{Bits, Quantizer};
-use super::transfers::Transfers;
+use super::transfer::Transfers;
 
 /// Most colors that an 8-bit index tells apart.
 pub const MOST_COLORS: usize = 256;

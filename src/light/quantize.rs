@@ -7,10 +7,9 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use super::dither::{Dither, Levels, Thresholds};
-use super::gamma::Transfer;
 use super::image::{CodeImage, LinearImage, Samples};
 use super::names::named;
-use super::transfers::Transfers;
+use super::transfer::{Transfer, Transfers};
 
 named! {
     /// Bits of a code.

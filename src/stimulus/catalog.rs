@@ -1,10 +1,194 @@
-//! Every named stimulus, once. Commands take their `--kind` from here, the gallery its list, the tests their cases.
+//! Every kind of stimulus as one type, and the catalog: the one place that commands, the gallery and the tests take the
+//! named stimuli from.
+
+use serde::{Deserialize, Serialize};
 
 use super::{
-    kinds::{KINDS, Stimulus},
+    drawing::{self, Area, Profile, light, place},
+    figures::{Kanizsa, Vasarely},
     mach_band::MachBand,
-    parameter::ParameterValue,
+    parameter::{Parameter, ParameterError, ParameterValue},
+    profiles::{Chevreul, Cornsweet, Cylinder},
+    shaded_mesh::ShadedMesh,
 };
+use crate::light::{Bits, CodeImage, LinearImage, Quantizer, Samples};
+
+macro_rules! stimuli {
+    ($($(#[$meta:meta])* $name:ident,)*) => {
+        /// Every kind of stimulus, by the name that files and commands use.
+        pub const KINDS: &[&str] = &[$($name::KIND,)*];
+
+        /// A stimulus of one of the known [`KINDS`].
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(tag = "kind", rename_all = "kebab-case")]
+        pub enum Stimulus {
+            $($(#[$meta])* $name($name),)*
+        }
+
+        $(impl From<$name> for Stimulus {
+            fn from(stimulus: $name) -> Self {
+                Self::$name(stimulus)
+            }
+        })*
+
+        impl Stimulus {
+            /// The name of this kind, one of [`KINDS`].
+            #[must_use]
+            pub fn kind(&self) -> &'static str {
+                match self {
+                    $(Self::$name(_) => $name::KIND,)*
+                }
+            }
+
+            /// The stimulus of kind `kind` with every parameter at its default; `None` if there is no such kind.
+            #[must_use]
+            pub fn default_of(kind: &str) -> Option<Stimulus> {
+                $(if kind == $name::KIND {
+                    return Some(Self::$name($name::default()));
+                })*
+                None
+            }
+
+            /// Every parameter that can be set, in the order in which files list them.
+            #[must_use]
+            pub fn parameters(&self) -> &'static [Parameter] {
+                match self {
+                    $(Self::$name(_) => $name::PARAMETERS,)*
+                }
+            }
+
+            /// Sets the parameter `name`, checking its own range only; [`Stimulus::validate`] checks the parameters
+            /// against each other.
+            ///
+            /// # Errors
+            /// When there is no such parameter, or it cannot have this value; the stimulus is then as before.
+            pub fn set(&mut self, name: &str, value: &ParameterValue) -> Result<(), ParameterError> {
+                match self {
+                    $(Self::$name(stimulus) => stimulus.set(name, value),)*
+                }
+            }
+
+            /// The value of the parameter `name`; `None` if there is no such parameter.
+            #[must_use]
+            pub fn get(&self, name: &str) -> Option<ParameterValue> {
+                match self {
+                    $(Self::$name(stimulus) => stimulus.get(name),)*
+                }
+            }
+
+            /// Whether this can be shown.
+            ///
+            /// # Errors
+            /// Every fault found.
+            pub fn validate(&self) -> Result<(), Vec<ParameterError>> {
+                match self {
+                    $(Self::$name(stimulus) => stimulus.validate(),)*
+                }
+            }
+
+            /// Weights of red, green and blue.
+            fn weights(&self) -> [f64; 3] {
+                match self {
+                    $(Self::$name(stimulus) => stimulus.color.rgb(),)*
+                }
+            }
+        }
+    };
+}
+
+stimuli! {
+    /// Two plateaus and the ramp between them, Bangay §3.1.
+    MachBand,
+    /// Uniform steps.
+    Chevreul,
+    /// Equal areas with an edge between them.
+    Cornsweet,
+    /// Nested squares.
+    Vasarely,
+    /// A triangle of which only the corners are hinted at.
+    Kanizsa,
+    /// A mesh under one of the shaders.
+    ShadedMesh,
+    /// A faceted cylinder under flat, Gouraud or Phong shading.
+    #[serde(rename = "shaded-cylinder")]
+    Cylinder,
+}
+
+/// How a kind is drawn.
+enum Form<'a> {
+    /// It varies in one direction only.
+    Line(Box<dyn Profile>),
+    Area(&'a dyn Area),
+}
+
+impl Stimulus {
+    fn form(&self) -> Form<'_> {
+        match self {
+            Self::MachBand(band) => Form::Line(Box::new(band.ramp())),
+            Self::Chevreul(chevreul) => Form::Line(Box::new(chevreul.clone())),
+            Self::Cornsweet(cornsweet) => Form::Line(Box::new(cornsweet.clone())),
+            Self::Cylinder(cylinder) => Form::Line(Box::new(cylinder.clone())),
+            Self::Vasarely(vasarely) => Form::Area(vasarely),
+            Self::Kanizsa(kanizsa) => Form::Area(kanizsa),
+            Self::ShadedMesh(mesh) => Form::Area(mesh),
+        }
+    }
+
+    /// Whether it varies along its orientation only.
+    #[must_use]
+    pub fn is_line(&self) -> bool {
+        matches!(self.form(), Form::Line(_))
+    }
+
+    /// The light of a window of `size` × `size` pixels.
+    #[must_use]
+    pub fn linear(&self, size: u32) -> LinearImage {
+        match self.form() {
+            Form::Line(profile) => drawing::linear(profile.as_ref(), size),
+            Form::Area(area) => area.linear(size),
+        }
+    }
+
+    /// The codes of a window of `size` × `size` pixels: those of [`Stimulus::linear`], quantized.
+    #[must_use]
+    pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
+        match self.form() {
+            Form::Line(profile) if quantizer.bits() == Bits::Eight => {
+                let samples = Samples::Eight(drawing::codes(profile.as_ref(), size, quantizer));
+                CodeImage { width: size, height: size, samples }
+            }
+            _ => quantizer.quantize(&self.linear(size)),
+        }
+    }
+
+    /// The light asked at the pixel centers of a row of `size` through the center of the window, along the orientation.
+    #[must_use]
+    pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
+        match self.form() {
+            Form::Line(profile) => {
+                (0..size).map(|i| profile.light(place(i, size), 0.0).map(|light| light as f32)).collect()
+            }
+            Form::Area(area) => area.profile(size),
+        }
+    }
+
+    /// The light of a uniform field of relative luminance `level` in the color of this stimulus.
+    #[must_use]
+    pub fn field_light(&self, level: f64) -> [f32; 3] {
+        light(self.weights(), level)
+    }
+
+    /// The channel that gets the most light: 0 red, 1 green, 2 blue; the first of equals.
+    #[must_use]
+    pub fn strongest_channel(&self) -> usize {
+        let weights = match self {
+            // The brighter plateau decides where it has a color of its own.
+            Self::MachBand(MachBand { color_high: Some(color), .. }) => color.rgb(),
+            _ => self.weights(),
+        };
+        (1..3).fold(0, |best, channel| if weights[channel] > weights[best] { channel } else { best })
+    }
+}
 
 /// A stimulus as the catalog lists it.
 #[derive(Clone, Copy, Debug)]

@@ -3,8 +3,7 @@
 use super::{
     color::{self, StimulusColor},
     drawing::Profile,
-    kind::{Range, kind, low_above_high},
-    parameter::ParameterError,
+    parameter::{ParameterError, Range, kind, low_above_high},
     ramp_space::{Between, RampSpace},
 };
 use crate::light::{Depth, Interpolation, interpolation::TANH_K};

@@ -1,10 +1,13 @@
-//! Parameters by name: how files, commands and the editor reach into a stimulus.
+//! Parameters by name: how files, commands and the editor reach into a stimulus, and `kind!`, which declares one.
 
 use std::convert::Infallible;
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
+
+use super::color::{ColorError, StimulusColor};
+use crate::light::Depth;
 
 /// What there is to know about one parameter of a stimulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,4 +115,213 @@ impl Parameter {
             expected: self.expected.to_owned(),
         }
     }
+}
+
+/// The values that a parameter can have.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Range {
+    /// Finite numbers from the first to the second.
+    Within(f64, f64),
+    /// Numbers above 0, and at most this.
+    UpTo(f64),
+    /// Any finite number.
+    Finite,
+    /// Whatever the type reads.
+    Any,
+}
+
+/// A field's type: how it is read from a parameter's value and written as one.
+pub(super) trait Field: Sized {
+    fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError>;
+    fn write(&self) -> ParameterValue;
+}
+
+fn number(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<f64, ParameterError> {
+    let ParameterValue::Number(number) = value else {
+        return Err(parameter.error(format!("{:?}", value.to_string()), "is not a number"));
+    };
+    match range {
+        _ if !number.is_finite() => Err(parameter.error(number, "is not a finite number")),
+        Range::Within(least, most) if !(least..=most).contains(number) => {
+            Err(parameter.error(number, format!("is outside {least}…{most}")))
+        }
+        Range::UpTo(most) if !(*number > 0.0 && *number <= most) => {
+            Err(parameter.error(number, format!("is not above 0 and at most {most}")))
+        }
+        _ => Ok(*number),
+    }
+}
+
+impl Field for f64 {
+    fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        number(parameter, range, value)
+    }
+    fn write(&self) -> ParameterValue {
+        (*self).into()
+    }
+}
+
+impl Field for u32 {
+    fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        let number = number(parameter, range, value)?;
+        if number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number) {
+            Ok(number as u32)
+        } else {
+            Err(parameter.error(number, "is not a whole number"))
+        }
+    }
+    fn write(&self) -> ParameterValue {
+        f64::from(*self).into()
+    }
+}
+
+impl Field for Depth {
+    fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        match value {
+            ParameterValue::Text(text) => {
+                text.parse().map_err(|_| parameter.error(format!("{text:?}"), "is not a depth"))
+            }
+            ParameterValue::Number(n) if n.fract() != 0.0 => Err(parameter.error(n, "is not a whole number")),
+            // `as` keeps what is outside u32's range outside the depths.
+            ParameterValue::Number(n) => Depth::finite(*n as u32).map_err(|_| parameter.error(n, "is outside 1…32")),
+        }
+    }
+    fn write(&self) -> ParameterValue {
+        match self {
+            Depth::Finite(n) => f64::from(*n).into(),
+            Depth::Infinite => self.to_string().as_str().into(),
+        }
+    }
+}
+
+/// Fields that are written as a word.
+macro_rules! text_field {
+    ($($kind:ty),*) => {$(
+        impl $crate::stimulus::parameter::Field for $kind {
+            fn read(
+                parameter: &$crate::stimulus::parameter::Parameter,
+                _: $crate::stimulus::parameter::Range,
+                value: &$crate::stimulus::parameter::ParameterValue,
+            ) -> Result<Self, $crate::stimulus::parameter::ParameterError> {
+                let text = value.to_string();
+                text.parse().map_err(|_| parameter.error(format!("{text:?}"), "is not known"))
+            }
+            fn write(&self) -> $crate::stimulus::parameter::ParameterValue {
+                self.to_string().as_str().into()
+            }
+        }
+    )*};
+}
+pub(super) use text_field;
+
+impl Field for StimulusColor {
+    fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        let text = value.to_string();
+        text.parse().map_err(|fault: ColorError| parameter.error(format!("{text:?}"), fault.problem()))
+    }
+    fn write(&self) -> ParameterValue {
+        self.to_string().as_str().into()
+    }
+}
+
+/// The text of a color that is another parameter's.
+const SAME: &str = "same";
+
+impl Field for Option<StimulusColor> {
+    fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
+        if value.to_string().trim() == SAME { Ok(None) } else { Field::read(parameter, range, value).map(Some) }
+    }
+    fn write(&self) -> ParameterValue {
+        self.as_ref().map_or(SAME.into(), Field::write)
+    }
+}
+
+/// Declares a kind of stimulus: a struct whose fields are its parameters, with defaults, ranges, units, meanings and
+/// levels worth comparing; `set`, `get` and `validate` follow from the declaration.
+macro_rules! kind {
+    (
+        $(#[$meta:meta])*
+        $name:ident = $kind:literal {
+            $($(#[$field_meta:meta])* $field:ident: $type:ty = $default:expr, $range:expr, $unit:literal, $meaning:expr, $expected:expr, [$($level:literal),*];)*
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct $name {
+            $(#[doc = concat!("The parameter `", stringify!($field), "`; see [`Self::PARAMETERS`].")] $(#[$field_meta])* pub $field: $type,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        impl $name {
+            /// This kind's name in files and commands.
+            pub const KIND: &'static str = $kind;
+
+            /// Every parameter, in the order of the fields.
+            pub const PARAMETERS: &'static [$crate::stimulus::parameter::Parameter] = &[$($crate::stimulus::parameter::Parameter {
+                name: stringify!($field),
+                unit: $unit,
+                description: $meaning,
+                expected: $expected,
+                levels_hint: &[$($level),*],
+            },)*];
+
+            /// The ranges, in the same order.
+            const RANGES: &'static [$crate::stimulus::parameter::Range] = &[$($range,)*];
+
+            /// Sets the parameter `name`, checking its own range only.
+            ///
+            /// # Errors
+            /// When there is no such parameter, or it cannot have this value.
+            pub fn set(
+                &mut self,
+                name: &str,
+                value: &$crate::stimulus::parameter::ParameterValue,
+            ) -> Result<(), $crate::stimulus::parameter::ParameterError> {
+                let Some(at) = Self::PARAMETERS.iter().position(|parameter| parameter.name == name) else {
+                    return Err($crate::stimulus::parameter::ParameterError::unknown(name, value, Self::KIND, Self::PARAMETERS));
+                };
+                let (parameter, range) = (&Self::PARAMETERS[at], Self::RANGES[at]);
+                $(if name == stringify!($field) {
+                    self.$field = $crate::stimulus::parameter::Field::read(parameter, range, value)?;
+                })*
+                Ok(())
+            }
+
+            /// The value of the parameter `name`; `None` if there is no such parameter.
+            #[must_use]
+            pub fn get(&self, name: &str) -> Option<$crate::stimulus::parameter::ParameterValue> {
+                $(if name == stringify!($field) {
+                    return Some($crate::stimulus::parameter::Field::write(&self.$field));
+                })*
+                None
+            }
+
+            /// Whether every parameter is within its range, and they agree with each other.
+            ///
+            /// # Errors
+            /// Every fault found, in the order of the fields.
+            pub fn validate(&self) -> Result<(), Vec<$crate::stimulus::parameter::ParameterError>> {
+                let mut probe = self.clone();
+                let mut faults: Vec<_> = Self::PARAMETERS
+                    .iter()
+                    .filter_map(|parameter| probe.set(parameter.name, &self.get(parameter.name)?).err())
+                    .collect();
+                faults.extend(self.contradictions());
+                if faults.is_empty() { Ok(()) } else { Err(faults) }
+            }
+        }
+    };
+}
+pub(super) use kind;
+
+/// The fault of a pair of plateaus in the wrong order; equal ones are a uniform field.
+pub(super) fn low_above_high(parameters: &[Parameter], low: f64, high: f64) -> Option<ParameterError> {
+    let parameter = parameters.iter().find(|parameter| parameter.name == "high")?;
+    (low > high).then(|| parameter.error(high, format!("is below low, which is {low}")))
 }

@@ -1,6 +1,6 @@
 //! How a ramp passes from the light of one plateau to that of the other: Shoaff §2.2.9.
 
-use super::{color::StimulusColor, kind::text_field};
+use super::{color::StimulusColor, parameter::text_field};
 use crate::light::color::{LAB_DELTA, Lab, Primaries, cube_roots, lab_from_xyz, xyz_from_lab};
 use crate::light::color_models::{Hsv, hsv_from_rgb, rgb_from_hsv, wrapped_deg};
 use crate::light::names::named;

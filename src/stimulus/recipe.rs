@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
-use super::kinds::Stimulus;
+use super::catalog::Stimulus;
 use crate::light::{
     Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferError, TransferTable, Transfers,
 };

@@ -7,8 +7,7 @@ use glam::{DVec2, DVec3};
 use super::{
     color::{self, StimulusColor},
     drawing::Area,
-    kind::{Range, kind, low_above_high, text_field},
-    parameter::ParameterError,
+    parameter::{ParameterError, Range, kind, low_above_high, text_field},
     shot::{Renderer, Shot},
 };
 use crate::{

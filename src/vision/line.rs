@@ -6,9 +6,8 @@ use rustfft::{Fft, num_complex::Complex64};
 
 use super::{
     band::{Band, FALL_PERIODS, Polarity, Visibility, peak, strength, unmasked},
-    border::Border,
-    eye::{ADAPTATION_DEG, Channel, Eye, REACH},
-    fault::{VisionError, check},
+    error::{VisionError, check},
+    eye::{ADAPTATION_DEG, Border, Channel, Eye, REACH},
     fft::{self, smooth},
 };
 
@@ -71,7 +70,7 @@ fn last_place(frequency: f64, length: f64) -> usize {
 
 /// The prediction for a line.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LineView {
+pub struct LinePrediction {
     /// Of every channel, the strongest first.
     pub bands: Vec<Band>,
     /// Over all channels.
@@ -106,12 +105,12 @@ impl Line {
     ///
     /// # Errors
     /// [`VisionError`] for another number of samples, light that is negative or no number, and all black.
-    pub fn see(&self, light: &[f64], border: Border) -> Result<LineView, VisionError> {
+    pub fn predict(&self, light: &[f64], border: Border) -> Result<LinePrediction, VisionError> {
         check(light.iter().copied(), self.samples, 1, light.len())?;
         let spectrum = self.spectrum(light, border);
         let mean = Mean::new(light, self.px_per_deg);
         let length = self.period as f64 / self.px_per_deg;
-        let mut view = LineView::default();
+        let mut view = LinePrediction::default();
         let mut channels = Vec::with_capacity(self.channels.len());
         let mut response = Vec::new();
         let seen = self.samples as f64 / self.px_per_deg;

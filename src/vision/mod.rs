@@ -14,18 +14,18 @@
 //! source where it is defined. [`Line`] is for stimuli that vary in one direction, [`Picture`] for images; they agree.
 
 mod band;
-mod border;
+mod error;
 mod eye;
-mod fault;
 pub mod fft;
+mod image;
 mod line;
 mod picture;
-mod rating;
+mod ridge;
+mod spectrum;
 
-pub use band::{Band, Polarity, Visibility, pooled, vertex};
-pub use border::Border;
-pub use eye::{Channel, Eye, luminance, luminances};
-pub use fault::VisionError;
-pub use line::{Line, LineView};
-pub use picture::{BandMap, Picture, PictureView};
-pub use rating::Criterion;
+pub use band::{Band, Criterion, Polarity, Visibility, pooled, vertex};
+pub use error::VisionError;
+pub use eye::{Border, Channel, Eye, luminance, luminances};
+pub use image::Picture;
+pub use line::{Line, LinePrediction};
+pub use picture::{BandMap, PicturePrediction};

@@ -12,7 +12,7 @@ use machband::{
     app::{App, Launch, explore::shading::Comparison},
     light::LinearImage,
     shading::{Reference, Surface},
-    stimulus::{MachBand, Renderer, Sight, Stimulus, catalog},
+    stimulus::{MachBand, Renderer, ViewingConditions, Stimulus, catalog},
     vision::{Criterion, Visibility},
 };
 
@@ -61,7 +61,7 @@ fn set(window: &mut Window, name: &str, value: f64) {
 
 /// The sentence that belongs to a stimulus in a window of 10°.
 fn sentence(stimulus: &Stimulus, size: u32) -> String {
-    let view = Sight::new(10.0).see(stimulus, size).unwrap();
+    let view = ViewingConditions::new(10.0).predict(stimulus, size).unwrap();
     let Visibility { bright, dark } = view.visibility();
     let most = view.visibility().max();
     format!(
@@ -123,8 +123,8 @@ fn seen(compared: &Comparison, side: &Renderer, size: [u32; 2]) -> f64 {
             LinearImage::from_fn(width, height, |x, y| codes.pixel(x, y).map(light))
         }
     };
-    let sight = Sight::new(10.0 * f64::from(width) / f64::from(width.min(height)));
-    sight.see_surface(&frame, &image).unwrap().visibility.max()
+    let viewing = ViewingConditions::new(10.0 * f64::from(width) / f64::from(width.min(height)));
+    viewing.predict_surface(&frame, &image).unwrap().visibility.max()
 }
 
 /// The cells of the table under the head `predicted visibility`, left and right.

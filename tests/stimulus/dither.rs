@@ -6,7 +6,7 @@
 use super::draw::Draw as _;
 use std::sync::LazyLock;
 
-use machband::light::blue_noise::{self, MASK_SIZE};
+use machband::light::dither::{MASK_SIZE, mask};
 use machband::light::halftone::{Halftone, Screen};
 use machband::light::{
     Bits, CodeImage, Depth, Dither, DitherError, DitherMatrix, LinearImage, Quantizer, Thresholds, Transfer,
@@ -153,7 +153,7 @@ fn matrices_hold_every_rank_once() {
 
 #[test]
 fn the_mask_holds_every_rank_once() {
-    let mut ranks = blue_noise::mask();
+    let mut ranks = mask();
     ranks.sort_unstable();
     assert!(ranks.into_iter().map(u32::from).eq(0..MASK_SIZE * MASK_SIZE));
 }

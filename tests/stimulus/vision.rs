@@ -4,7 +4,7 @@ use super::draw::Draw as _;
 use machband::{
     light::Depth,
     stimulus::{MachBand, Stimulus, place},
-    vision::{Border, Eye, Line, LineView, Picture, Polarity, VisionError, luminance, luminances},
+    vision::{Border, Eye, Line, LinePrediction, Picture, Polarity, VisionError, luminance, luminances},
 };
 
 /// Windows, degrees, and pixels in a degree, in which the facts are to hold.
@@ -22,11 +22,11 @@ fn light(band: &MachBand, window: f64, px_per_deg: f64) -> Vec<f64> {
     (0..size).map(|i| band.ramp().luminance_at(place(i, size))).collect()
 }
 
-fn see_light(light: &[f64], px_per_deg: f64, border: Border) -> LineView {
-    Line::new(light.len(), px_per_deg, &Eye::default()).unwrap().see(light, border).unwrap()
+fn see_light(light: &[f64], px_per_deg: f64, border: Border) -> LinePrediction {
+    Line::new(light.len(), px_per_deg, &Eye::default()).unwrap().predict(light, border).unwrap()
 }
 
-fn see(width: f64, depth: Depth, window: f64, px_per_deg: f64) -> LineView {
+fn see(width: f64, depth: Depth, window: f64, px_per_deg: f64) -> LinePrediction {
     see_light(&light(&band(width, depth, window), window, px_per_deg), px_per_deg, Border::Continues)
 }
 
@@ -211,8 +211,8 @@ fn picture(width: f64, depth: Depth, orientation_deg: f64) -> (Vec<f64>, f64) {
     (luminances(&band.linear(512)), 51.2)
 }
 
-fn seen(light: &[f64], px_per_deg: f64) -> machband::vision::PictureView {
-    Picture { light, width: 512, height: 512, px_per_deg, mask: None }.see(&Eye::default()).unwrap()
+fn seen(light: &[f64], px_per_deg: f64) -> machband::vision::PicturePrediction {
+    Picture { light, width: 512, height: 512, px_per_deg, mask: None }.predict(&Eye::default()).unwrap()
 }
 
 /// Along a line and in an image the same is seen, whatever the orientation: Bangay §3.2.
@@ -264,7 +264,7 @@ fn what_is_masked_is_not_seen() {
     let (light, px_per_deg) = picture(0.5, Depth::Finite(1), 0.0);
     let mask: Vec<bool> = (0..512 * 512).map(|i| i % 512 < 150).collect();
     let masked = Picture { light: &light, width: 512, height: 512, px_per_deg, mask: Some(&mask) };
-    let view = masked.see(&Eye::default()).unwrap();
+    let view = masked.predict(&Eye::default()).unwrap();
     assert!(view.bands.iter().all(|band| band.at_deg[0] < -2.0), "{:?}", view.bands.first());
     assert!(view.visibility.max() < 0.05 * seen(&light, px_per_deg).visibility.max());
 }
@@ -273,14 +273,14 @@ fn what_is_masked_is_not_seen() {
 fn what_cannot_be_seen_is_said() {
     let eye = Eye::default();
     let of = |light: &[f64], width: usize, height: usize, px_per_deg: f64| {
-        Picture { light, width, height, px_per_deg, mask: None }.see(&eye).map(|_| ()).unwrap_err()
+        Picture { light, width, height, px_per_deg, mask: None }.predict(&eye).map(|_| ()).unwrap_err()
     };
     assert!(matches!(of(&[0.5], 1, 1, 50.0), VisionError::TooSmall { width: 1, height: 1, .. }));
     assert!(matches!(of(&[0.5; 400], 20, 20, 200.0), VisionError::TooSmall { .. }), "smaller than the smallest filter");
     let VisionError::TooSmall { least, .. } = of(&[0.5; 400], 20, 20, 200.0) else { unreachable!("it is too small") };
     let see = |side: usize| {
         let light = vec![0.5; side * side];
-        Picture { light: &light, width: side, height: side, px_per_deg: 200.0, mask: None }.see(&eye).map(|_| ())
+        Picture { light: &light, width: side, height: side, px_per_deg: 200.0, mask: None }.predict(&eye).map(|_| ())
     };
     assert_eq!((see(least), see(least - 1).is_err()), (Ok(()), true), "{least} pixels are what it says");
     assert_eq!(of(&[0.0; 10_000], 100, 100, 50.0), VisionError::AllBlack);
@@ -290,6 +290,6 @@ fn what_cannot_be_seen_is_said() {
     assert!(matches!(of(&nan[..50], 100, 100, 50.0), VisionError::Count { found: 50, expected: 10_000 }));
     assert_eq!(of(&[0.5; 10_000], 100, 100, 0.0), VisionError::Sampling(0.0));
     assert!(Line::new(1, 50.0, &eye).is_err());
-    assert!(Line::new(10, 50.0, &eye).unwrap().see(&[0.1; 9], Border::Cut).is_err());
+    assert!(Line::new(10, 50.0, &eye).unwrap().predict(&[0.1; 9], Border::Cut).is_err());
     assert!((luminance([1.0; 3]) - 1.0).abs() < 1e-12);
 }

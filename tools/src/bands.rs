@@ -11,8 +11,8 @@ use glam::DVec3;
 use machband::{
     light::{Depth, LinearImage},
     shading::{Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface, shapes},
-    stimulus::Sight,
-    vision::PictureView,
+    stimulus::ViewingConditions,
+    vision::PicturePrediction,
 };
 
 /// Pixels per side.
@@ -69,8 +69,8 @@ fn waves(cells: usize, jitter: f64) -> Result<Mesh, Box<dyn Error>> {
 struct Subject {
     name: &'static str,
     frame: Frame,
-    gouraud: PictureView,
-    smooth: PictureView,
+    gouraud: PicturePrediction,
+    smooth: PicturePrediction,
 }
 
 impl Subject {
@@ -83,18 +83,18 @@ impl Subject {
         Ok(Subject { name, frame, gouraud, smooth })
     }
 
-    fn seen(&self, shade: &Shade) -> Result<PictureView, Box<dyn Error>> {
+    fn seen(&self, shade: &Shade) -> Result<PicturePrediction, Box<dyn Error>> {
         seen(&self.frame, &Reference::new(&self.frame, shade).image())
     }
 
-    fn cell(&self, view: &PictureView) -> String {
+    fn cell(&self, view: &PicturePrediction) -> String {
         let strongest = view.visibility.max() / self.gouraud.visibility.max();
         format!("{strongest:.2}, {:.2}", view.density / self.gouraud.density)
     }
 }
 
-fn seen(frame: &Frame, image: &LinearImage) -> Result<PictureView, Box<dyn Error>> {
-    Ok(Sight::new(WINDOW_DEG).see_surface(frame, image)?)
+fn seen(frame: &Frame, image: &LinearImage) -> Result<PicturePrediction, Box<dyn Error>> {
+    Ok(ViewingConditions::new(WINDOW_DEG).predict_surface(frame, image)?)
 }
 
 /// Each shader, with the depths and strip widths at which it is compared.

@@ -82,7 +82,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Tool::SampleStudy { results } => sample_study::run(&results),
         Tool::BareWindow { frames } => bare_window::run(frames),
         Tool::BlueNoise { file } => {
-            std::fs::write(&file, to_bytes(&void_and_cluster(machband::light::blue_noise::MASK_SIZE, MASK_SEED)))?;
+            std::fs::write(&file, to_bytes(&void_and_cluster(machband::light::dither::MASK_SIZE, MASK_SEED)))?;
             println!("{}", file.display());
             Ok(())
         }

@@ -46,7 +46,7 @@ pub fn picture(size: usize, px_per_deg: f64) -> Result<(), Box<dyn Error>> {
     let light = ramp(size).collect::<Vec<_>>().repeat(size);
     let picture = Picture { light: &light, width: size, height: size, px_per_deg, mask: None };
     let run_s = median(7, || {
-        std::hint::black_box(picture.see(&Eye::default())?);
+        std::hint::black_box(picture.predict(&Eye::default())?);
         Ok(())
     })?;
     println!("construct_s 0.000000 run_s {run_s:.6}");

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use machband::light::blue_noise::{self, MASK_SIZE};
+use machband::light::dither::{MASK_SIZE, mask};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use tools::blue_noise::{MASK_SEED, void_and_cluster};
@@ -10,7 +10,7 @@ use tools::blue_noise::{MASK_SEED, void_and_cluster};
 #[test]
 fn the_mask_is_what_the_generator_makes() {
     let made = void_and_cluster(MASK_SIZE, MASK_SEED);
-    assert!(blue_noise::mask() == made, "run `cargo run -p tools -- blue-noise`");
+    assert!(mask() == made, "run `cargo run -p tools -- blue-noise`");
     assert!(void_and_cluster(MASK_SIZE, MASK_SEED + 1) != made);
 }
 
@@ -39,7 +39,7 @@ fn the_mask_obeys_void_and_cluster() {
             *energy += sign * filter[(i % n).abs_diff(place % n) + (i / n).abs_diff(place / n) * n];
         }
     };
-    let ranks = blue_noise::mask();
+    let ranks = mask();
     let mut places = vec![0; n * n];
     for (place, &rank) in ranks.iter().enumerate() {
         places[usize::from(rank)] = place;
@@ -101,7 +101,7 @@ fn relative_power(values: &[f64], n: usize, inner: f64, outer: f64) -> f64 {
 #[test]
 fn the_mask_is_blue() {
     let n = MASK_SIZE as usize;
-    let ranks: Vec<f64> = blue_noise::mask().iter().map(|&rank| f64::from(rank)).collect();
+    let ranks: Vec<f64> = mask().iter().map(|&rank| f64::from(rank)).collect();
     let low = relative_power(&ranks, n, 0.0, 8.0);
     let high = relative_power(&ranks, n, 24.0, 30.0);
     println!("mask: power below 8 cycles a side {low:.4} of white noise's, at 24…30 {high:.2}");

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     analysis::{bootstrap::Interval, counts::Counts, levels},
-    light::normal::Z_95,
+    light::random::Z_95,
 };
 
 /// Fits a model.

@@ -7,8 +7,8 @@ use crate::{
     app::ui::{self, pixels, work::Latest},
     display::{DisplayProfile, Screen, Viewing},
     light::{CodeImage, Samples, Transfer},
-    stimulus::{Sight, Stimulus, View},
-    vision::{Band, BandMap, Criterion, LineView, Polarity, Visibility, VisionError, luminances, pooled},
+    stimulus::{Stimulus, StimulusPrediction, ViewingConditions},
+    vision::{Band, BandMap, Criterion, LinePrediction, Polarity, Visibility, VisionError, luminances, pooled},
 };
 
 /// Degrees that the window takes where nothing is known of the screen's size: as `machband predict` has it.
@@ -28,7 +28,7 @@ impl Place {
             let ([columns, rows], width) = (display.native_px?, display.screen_width_cm?);
             Viewing::new(Screen::new(columns, rows, width).ok()?, distance_cm?).ok()
         };
-        let white_cd_m2 = display.luminance.map_or(Sight::WHITE_CD_M2, |range| range.white_cd_m2);
+        let white_cd_m2 = display.luminance.map_or(ViewingConditions::WHITE_CD_M2, |range| range.white_cd_m2);
         Self { viewing: viewing(), white_cd_m2 }
     }
 
@@ -45,8 +45,8 @@ impl Place {
         }
     }
 
-    fn see(&self, stimulus: &Stimulus, size: u32) -> Result<View, VisionError> {
-        Sight { window_deg: self.window_deg(size), white_cd_m2: self.white_cd_m2 }.see(stimulus, size)
+    fn predict(&self, stimulus: &Stimulus, size: u32) -> Result<StimulusPrediction, VisionError> {
+        ViewingConditions { window_deg: self.window_deg(size), white_cd_m2: self.white_cd_m2 }.predict(stimulus, size)
     }
 }
 
@@ -86,9 +86,9 @@ impl Prediction {
         let key = (stimulus.clone(), size);
         if stimulus.is_line() {
             if self.line.as_ref().is_none_or(|line| line.key != key) {
-                let seen = self.place.see(stimulus, size).map(|view| match view {
-                    View::Line(view) => (view.visibility, marks(&view)),
-                    View::Picture(view) => (view.visibility, Vec::new()),
+                let seen = self.place.predict(stimulus, size).map(|view| match view {
+                    StimulusPrediction::Line(view) => (view.visibility, marks(&view)),
+                    StimulusPrediction::Picture(view) => (view.visibility, Vec::new()),
                 });
                 self.line = Some(AlongLine { key, seen: seen.map_err(|error| error.to_string()) });
             }
@@ -152,7 +152,7 @@ impl Prediction {
 }
 
 fn of_picture(place: &Place, stimulus: &Stimulus, size: u32) -> Result<OfPicture, String> {
-    let View::Picture(view) = place.see(stimulus, size).map_err(|error| error.to_string())? else {
+    let StimulusPrediction::Picture(view) = place.predict(stimulus, size).map_err(|error| error.to_string())? else {
         return Err("it varies in one direction only".to_owned());
     };
     let light = luminances(&stimulus.linear(size));
@@ -207,7 +207,7 @@ pub struct Mark {
 
 /// The visible bands of a line, each once. Fine channels locate a band exactly and coarse channels a little beside it, so
 /// each peak joins the nearest band that finer channels have found.
-pub fn marks(view: &LineView) -> Vec<Mark> {
+pub fn marks(view: &LinePrediction) -> Vec<Mark> {
     let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= LEAST).collect();
     finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
     let mut clusters: Vec<Vec<&Band>> = Vec::new();

@@ -8,7 +8,7 @@ use rand_chacha::{
 use super::rows::Rows;
 use crate::{
     display::channel::Channel,
-    light::{CodeImage, shuffle::shuffle},
+    light::{CodeImage, random::shuffle},
 };
 
 /// Time of one match, seconds: about ten steps at a few a second, there and back, then a look.

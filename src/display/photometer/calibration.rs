@@ -14,7 +14,7 @@ use crate::{
         channel::Channel,
         profile::{DisplayProfile, LuminanceRange, Measurement},
     },
-    light::{Transfer, Transfers, normal::Z_95},
+    light::{Transfer, Transfers, random::Z_95},
 };
 
 /// Uncertainty of γ (standard error) above which more readings are advised.

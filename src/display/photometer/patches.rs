@@ -3,7 +3,7 @@
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::checks::LEAST_LEVELS;
-use crate::{display::channel::Channel, light::shuffle::shuffle};
+use crate::{display::channel::Channel, light::random::shuffle};
 
 /// Patches between two readings of white, which show drift.
 const BETWEEN_WHITES: usize = 16;

@@ -7,7 +7,7 @@ use crate::{
         summary::category_values,
     },
     experiment::{Condition, Protocol, visibilities},
-    stimulus::{ParameterValue, Sight},
+    stimulus::{ParameterValue, ViewingConditions},
     store::{ratings::Source, sidecar::Sitting},
     vision::Visibility,
 };
@@ -21,7 +21,7 @@ const MOST_PICTURES: usize = 100;
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyPrediction {
     /// How the conditions were looked at.
-    pub sight: Sight,
+    pub viewing: ViewingConditions,
     /// How the prediction compares with the ratings.
     pub comparison: Comparison,
     /// The rating expected in each of the counts' conditions, in the numbers of the categories; `None` where a
@@ -45,8 +45,8 @@ impl StudyPrediction {
             return Err(PredictionError::TooMany { conditions: conditions.len(), most, name });
         }
         let places = places(counts, protocol, &conditions)?;
-        let sight = Sight::new(window_deg(source, protocol));
-        let predicted = visibilities(&conditions, &sight, None)?;
+        let viewing = ViewingConditions::new(window_deg(source, protocol));
+        let predicted = visibilities(&conditions, &viewing, None)?;
         let predicted: Vec<Option<f64>> = at(&places, &predicted);
         let comparison = compare(counts, &predicted)?;
         let values = category_values(counts);
@@ -60,7 +60,7 @@ impl StudyPrediction {
                 .sum()
         };
         let ratings = predicted.iter().map(|visibility| visibility.map(expected)).collect();
-        Ok(Self { sight, comparison, ratings })
+        Ok(Self { viewing, comparison, ratings })
     }
 }
 

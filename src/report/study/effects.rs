@@ -8,7 +8,7 @@ use crate::{
         results::FactorResults,
         terms::{Term, Variable},
     },
-    light::normal::Z_95,
+    light::random::Z_95,
 };
 
 /// Kendall's τ of means and levels from which a course is called a tendency.

@@ -208,7 +208,7 @@ fn vision(cited: &mut Cited, predicted: &StudyPrediction) -> String {
         "The visibility of the bands of every condition was predicted, for a window of {} and a white of {} cd/m², by a \
          model of local energy ({}) in log-Gabor channels of light weighted by contrast sensitivity ({}).",
         degrees(predicted),
-        fixed(predicted.sight.white_cd_m2, 0),
+        fixed(predicted.viewing.white_cd_m2, 0),
         cited.cite("Morrone & Burr, 1988"),
         cited.cite("Barten, 2003")
     );

@@ -39,7 +39,7 @@ pub(super) fn section<'a>(
          {} cd/m². It says how visible the bands are: 0 for none, 1 for what is just seen. It knows no ratings. Only the \
          criterion is fitted to them: {}.",
         degrees(prediction),
-        fixed(prediction.sight.white_cd_m2, 0),
+        fixed(prediction.viewing.white_cd_m2, 0),
         criterion(comparison, counts)
     ));
     section.figures(figures);
@@ -59,7 +59,7 @@ pub(super) fn section<'a>(
 
 /// The width of the window, with its unit.
 pub(super) fn degrees(prediction: &StudyPrediction) -> String {
-    let text = fixed(prediction.sight.window_deg, 2);
+    let text = fixed(prediction.viewing.window_deg, 2);
     format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
 }
 

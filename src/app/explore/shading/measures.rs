@@ -15,7 +15,7 @@ use crate::{
     },
     light::{Bits, CodeImage, Quantizer, Transfer},
     shading::{Creases, Surface, crease},
-    stimulus::{Renderer, Sight},
+    stimulus::{Renderer, ViewingConditions},
     vision::luminances,
 };
 
@@ -139,10 +139,10 @@ pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
 fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
     let [width, height] = predicted_size(size);
     let frame = compared.scene.frame(surface, width, height);
-    let sight = Sight::new(SHORTER_SIDE_DEG * f64::from(width) / f64::from(width.min(height)));
+    let viewing = ViewingConditions::new(SHORTER_SIDE_DEG * f64::from(width) / f64::from(width.min(height)));
     let see = |side: &Renderer| {
         let image = compared.shot(side, &frame).emitted();
-        let view = sight.see_surface(&frame, &image).map_err(|error| error.to_string())?;
+        let view = viewing.predict_surface(&frame, &image).map_err(|error| error.to_string())?;
         Ok::<_, String>((view, luminances(&image)))
     };
     let sides = [see(&compared.sides[0])?, see(&compared.sides[1])?];

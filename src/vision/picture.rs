@@ -3,18 +3,36 @@
 use rayon::prelude::*;
 
 use super::{
-    clear::Clear,
-    field::{Field, Grid},
-    image::{BandMap, Picture, PictureView},
+    band::{Band, Polarity, Visibility, pooled, powered, unmasked, unpowered},
+    error::{VisionError, check},
+    eye::{Border, Channel, Eye},
+    image::{Clear, Field, Grid, Picture},
     ridge::{Ridge, Search},
     spectrum::{Responses, Scratch, Spectrum},
 };
-use crate::vision::{
-    band::{Band, Polarity, Visibility, pooled, powered, unmasked, unpowered},
-    border::Border,
-    eye::{Channel, Eye},
-    fault::{VisionError, check},
-};
+
+/// The prediction for an image.
+#[derive(Clone, Debug, Default)]
+pub struct PicturePrediction {
+    /// Of every channel, at every place of its lines, the strongest first.
+    pub bands: Vec<Band>,
+    /// Of the strongest place, over all channels.
+    pub visibility: Visibility,
+    /// How much band there is: strength times length over the area judged, for every channel, added up over channels
+    /// as visibility is; per degree.
+    pub density: f64,
+    /// Strength of bright and of dark bands at every pixel, over all channels.
+    pub map: BandMap,
+}
+
+/// Lines of bands, drawn one pixel wide.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BandMap {
+    /// Bright bands.
+    pub bright: Vec<f64>,
+    /// Dark bands.
+    pub dark: Vec<f64>,
+}
 
 /// Places in a degree at which channels mask each other.
 const MASK_PER_DEG: f64 = 16.0;
@@ -27,7 +45,7 @@ impl Picture<'_> {
     /// # Errors
     /// [`VisionError`] for an image smaller than 16 × 16 pixels or than three periods of the finest channel, for light
     /// that is negative or no number, and for all black.
-    pub fn see(&self, eye: &Eye) -> Result<PictureView, VisionError> {
+    pub fn predict(&self, eye: &Eye) -> Result<PicturePrediction, VisionError> {
         self.check()?;
         let (spectrum, clear) = rayon::join(|| Spectrum::new(self, eye), || Clear::new(self));
         let side = self.width.min(self.height) as f64 / self.px_per_deg;
@@ -78,7 +96,7 @@ impl Picture<'_> {
         (search.ridges(), self.energy(responses))
     }
 
-    fn view(&self, seen: &[Vec<Ridge>], clear: &Clear) -> PictureView {
+    fn view(&self, seen: &[Vec<Ridge>], clear: &Clear) -> PicturePrediction {
         let strongest = |ridges: &Vec<Ridge>| {
             let of = |polarity| self.strongest(ridges, polarity);
             Visibility { bright: of(Polarity::Bright), dark: of(Polarity::Dark) }
@@ -90,7 +108,7 @@ impl Picture<'_> {
             let amounts = ridges.iter().map(|ridge| ridge.strength * ridge.length_px / self.px_per_deg);
             amounts.sum::<f64>() / area
         };
-        PictureView { bands, visibility: Visibility::over(&channels), density: pooled(seen.iter().map(amount)), map }
+        PicturePrediction { bands, visibility: Visibility::over(&channels), density: pooled(seen.iter().map(amount)), map }
     }
 
     fn bands(&self, seen: &[Vec<Ridge>]) -> Vec<Band> {

@@ -2,10 +2,11 @@
 
 use rustfft::num_complex::Complex64;
 
-use super::{clear::Clear, field::Field, spectrum::Responses};
-use crate::vision::{
+use super::{
     band::{FALL_PERIODS, FALLEN, ODD, Polarity, STANDS_OUT, VEIL, strength},
     eye::Channel,
+    image::{Clear, Field},
+    spectrum::Responses,
 };
 
 /// Energy of a hundredth of what is just seen on black: below there is nothing but rounding.

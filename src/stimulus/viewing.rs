@@ -1,10 +1,10 @@
 //! What the model of vision makes of stimuli and pictures in a window on a screen.
 
-use super::kinds::Stimulus;
+use super::catalog::Stimulus;
 use crate::{
     light::LinearImage,
     shading::{Frame, coverage},
-    vision::{Border, Eye, Line, LineView, Picture, PictureView, Visibility, VisionError, luminance, luminances},
+    vision::{Border, Eye, Line, LinePrediction, Picture, PicturePrediction, Visibility, VisionError, luminance, luminances},
 };
 
 /// An eye is set for no less, cd/m²: a black window is no world.
@@ -12,14 +12,14 @@ const LEAST_CD_M2: f64 = 0.01;
 
 /// What is seen of a stimulus.
 #[derive(Clone, Debug)]
-pub enum View {
+pub enum StimulusPrediction {
     /// Of one that varies in one direction only.
-    Line(LineView),
+    Line(LinePrediction),
     /// Of any other.
-    Picture(Box<PictureView>),
+    Picture(Box<PicturePrediction>),
 }
 
-impl View {
+impl StimulusPrediction {
     /// How strong its bands are.
     #[must_use]
     pub fn visibility(&self) -> Visibility {
@@ -32,14 +32,14 @@ impl View {
 
 /// A window on a screen, as an eye sees it that is set for the window's mean light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
+pub struct ViewingConditions {
     /// The window's width in the eye's field, degrees; above 0.
     pub window_deg: f64,
     /// Luminance of white, cd/m²; above 0.
     pub white_cd_m2: f64,
 }
 
-impl Sight {
+impl ViewingConditions {
     /// Luminance of a common screen's white, cd/m².
     pub const WHITE_CD_M2: f64 = 100.0;
     /// Pixels across that tell enough of a stimulus that varies in one direction.
@@ -53,7 +53,7 @@ impl Sight {
         Self { window_deg, white_cd_m2: Self::WHITE_CD_M2 }
     }
 
-    /// [`Sight::LINE_PX`] or [`Sight::PICTURE_PX`].
+    /// [`ViewingConditions::LINE_PX`] or [`ViewingConditions::PICTURE_PX`].
     #[must_use]
     pub fn px(stimulus: &Stimulus) -> u32 {
         if stimulus.is_line() { Self::LINE_PX } else { Self::PICTURE_PX }
@@ -61,32 +61,32 @@ impl Sight {
 
     /// What is seen of a stimulus that fills the window with `size` pixels on a side. What varies in one direction is
     /// taken to go on beyond the window as it ends there; of a mesh the outlines are left out, see
-    /// [`Sight::see_surface`].
+    /// [`ViewingConditions::see_surface`].
     ///
     /// # Errors
     /// [`VisionError`] for a window that is too small, and for one that is all black.
-    pub fn see(&self, stimulus: &Stimulus, size: u32) -> Result<View, VisionError> {
+    pub fn predict(&self, stimulus: &Stimulus, size: u32) -> Result<StimulusPrediction, VisionError> {
         if stimulus.is_line() {
             let light: Vec<f64> = stimulus.profile(size).into_iter().map(luminance).collect();
             let line = Line::new(light.len(), self.px_per_deg(size), &self.eye(&light))?;
-            return Ok(View::Line(line.see(&light, Border::Continues)?));
+            return Ok(StimulusPrediction::Line(line.predict(&light, Border::Continues)?));
         }
         let surface = match stimulus {
             Stimulus::ShadedMesh(shaded) => shaded.frame(size).map(|frame| (frame, shaded)),
             _ => None,
         };
         let view = match surface {
-            Some((frame, shaded)) => self.see_surface(&frame, &shaded.shot(&frame).emitted())?,
-            None => self.see_image(&stimulus.linear(size))?,
+            Some((frame, shaded)) => self.predict_surface(&frame, &shaded.shot(&frame).emitted())?,
+            None => self.predict_image(&stimulus.linear(size))?,
         };
-        Ok(View::Picture(Box::new(view)))
+        Ok(StimulusPrediction::Picture(Box::new(view)))
     }
 
     /// What is seen of an image that fills the window's width.
     ///
     /// # Errors
     /// [`VisionError`] for an image that is too small, and for one that is all black.
-    pub fn see_image(&self, image: &LinearImage) -> Result<PictureView, VisionError> {
+    pub fn predict_image(&self, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
         self.see_part(image, None)
     }
 
@@ -95,14 +95,14 @@ impl Sight {
     ///
     /// # Errors
     /// [`VisionError`] for a picture of another size than the frame's, one that is too small, and one that is all black.
-    pub fn see_surface(&self, frame: &Frame, image: &LinearImage) -> Result<PictureView, VisionError> {
+    pub fn predict_surface(&self, frame: &Frame, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
         self.see_part(image, Some(&coverage::inside_outlines(frame)))
     }
 
-    fn see_part(&self, image: &LinearImage, mask: Option<&[bool]>) -> Result<PictureView, VisionError> {
+    fn see_part(&self, image: &LinearImage, mask: Option<&[bool]>) -> Result<PicturePrediction, VisionError> {
         let light = luminances(image);
         let (width, height) = (image.width as usize, image.height as usize);
-        Picture { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }.see(&self.eye(&light))
+        Picture { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }.predict(&self.eye(&light))
     }
 
     fn eye(&self, light: &[f64]) -> Eye {

@@ -1,6 +1,10 @@
-//! Orders that follow from a seed, written out so that no library's next version can change one.
+//! Chance: orders that follow from a seed, written out so that no library's next version can change one; and the
+//! quantile of the normal distribution behind every 95 % interval.
 
 use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
+
+/// Standard errors from an estimate to either end of its 95 % interval: the 97.5 % quantile of the normal distribution.
+pub const Z_95: f64 = 1.959_963_984_540_054;
 
 /// Brings `items` into a random order: Fisher and Yates.
 pub fn shuffle<T>(items: &mut [T], rng: &mut ChaCha8Rng) {

@@ -6,12 +6,9 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::{
-    field::{Field, Grid},
-    image::Picture,
-};
-use crate::vision::{
     eye::{ADAPTATION_DEG, Channel, Eye},
     fft::{self, smooth},
+    image::{Field, Grid, Picture},
 };
 
 /// Frequencies of a channel that are computed, times its own: beyond, it passes less than a hundredth.

@@ -1,0 +1,242 @@
+//! Stimuli that vary in both directions: Vasarely's nested squares and Kanizsa's triangle, with the share of every pixel
+//! that a shape covers, exactly.
+
+use super::{
+    color::{self, StimulusColor},
+    drawing::{Area, Grid, cos_sin, light, place},
+    parameter::{ParameterError, Range, kind, low_above_high},
+};
+use crate::light::LinearImage;
+
+kind! {
+    /// Squares within squares of graded luminance, whose diagonals look brighter; after Vasarely's "Arcturus", Bangay
+    /// fig. 1 j, k.
+    ///
+    /// L = low + (high − low)·k/(squares − 1), k = ⌊squares·(1 − 2d)⌋ kept within 0…squares − 1, d = max(|x|, |y|) in
+    /// window sides, x and y turned by the orientation: `low` outside, `high` in the middle.
+    Vasarely = "vasarely" {
+        squares: u32 = 12, Range::Within(2.0, 256.0), "1", "Number of nested squares", "a whole number of squares", ["6", "12", "24"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the squares, counter-clockwise", "an angle in degrees, such as 45", ["0", "45"];
+        low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the outermost square", "the relative luminance of the outermost square", ["0.1"];
+        high: f64 = 0.9, Range::Within(0.0, 1.0), "1", "Relative luminance of the innermost square", "the relative luminance of the innermost square, at least low's", ["0.9"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
+    }
+}
+
+impl Vasarely {
+    fn contradictions(&self) -> Option<ParameterError> {
+        low_above_high(Self::PARAMETERS, self.low, self.high)
+    }
+
+    /// In how many squares beyond the outermost a point at this distance lies.
+    fn inside(&self, distance: f64) -> f64 {
+        (f64::from(self.squares) * (1.0 - 2.0 * distance)).floor().clamp(0.0, f64::from(self.squares - 1))
+    }
+
+    /// The mean of that over a pixel that lies in at least `least` and at most `most` squares.
+    fn covered(&self, grid: &Grid, place: Point, least: f64, most: f64) -> f64 {
+        let side = f64::from(grid.size);
+        // In the frame of the pixel, whose sides run along the axes: the squares are turned.
+        let corner = |x: f64, y: f64| {
+            let (x, y) = (x - place[0] * side, y - place[1] * side);
+            [x * grid.cos - y * grid.sin, x * grid.sin + y * grid.cos]
+        };
+        let cell = pixel([0.0, 0.0]);
+        (least as u32 + 1..=most as u32).fold(least, |sum, k| {
+            let half = side / 2.0 * (1.0 - f64::from(k) / f64::from(self.squares));
+            let square = [corner(-half, -half), corner(half, -half), corner(half, half), corner(-half, half)];
+            sum + area(&within(&cell, &square))
+        })
+    }
+
+    fn luminance(&self, squares: f64) -> f64 {
+        self.low + (self.high - self.low) * squares / f64::from(self.squares - 1)
+    }
+
+    /// The light at `x` window sides from the middle, along the orientation.
+    fn light_at(&self, x: f64) -> [f32; 3] {
+        light(self.color.rgb(), self.luminance(self.inside(x.abs())))
+    }
+}
+impl Area for Vasarely {
+    fn linear(&self, size: u32) -> LinearImage {
+        let grid = Grid::new(size, self.orientation_deg);
+        let weights = self.color.rgb();
+        let turned = Grid::new(size, self.orientation_deg + 90.0);
+        let sharp = grid.is_along_pixels();
+        LinearImage::from_fn(size, size, |ix, iy| {
+            let place = [grid.across(ix, iy), turned.across(ix, iy)];
+            let distance = place[0].abs().max(place[1].abs());
+            let reach = if sharp { 0.0 } else { std::f64::consts::FRAC_1_SQRT_2 / f64::from(size) };
+            let (least, most) = (self.inside(distance + reach), self.inside((distance - reach).max(0.0)));
+            let squares = if least == most { least } else { self.covered(&grid, place, least, most) };
+            light(weights, self.luminance(squares))
+        })
+    }
+
+    fn profile(&self, size: u32) -> Vec<[f32; 3]> {
+        (0..size).map(|i| self.light_at(place(i, size))).collect()
+    }
+}
+
+kind! {
+    /// Three discs with a sector missing, so that a triangle seems to lie on them; Kanizsa 1955, Bangay fig. 1 l.
+    ///
+    /// L = high − (high − low)·(share of the pixel that lies in a disc and not in the triangle). The triangle is
+    /// equilateral, its centroid in the middle of the window, one corner up at orientation 0; a disc stands at each
+    /// corner.
+    Kanizsa = "kanizsa" {
+        side: f64 = 0.6, Range::Within(0.05, 1.0), "1", "Side of the triangle as a proportion of the window", "the side of the triangle as a proportion of the window", ["0.4", "0.6"];
+        radius: f64 = 0.15, Range::Within(0.01, 0.5), "1", "Radius of the discs as a proportion of the window, at most half the triangle's side", "the radius of the discs as a proportion of the window", ["0.1", "0.15", "0.2"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the triangle, counter-clockwise", "an angle in degrees, such as 45", ["0", "30"];
+        low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the discs", "the relative luminance of the discs", ["0.1"];
+        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the ground", "the relative luminance of the ground, at least low's", ["0.75"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
+    }
+}
+
+impl Kanizsa {
+    fn contradictions(&self) -> Vec<ParameterError> {
+        let parameter = |name: &str| Self::PARAMETERS.iter().find(|parameter| parameter.name == name);
+        let overlap = (self.radius > self.side / 2.0)
+            .then(|| {
+                parameter("radius").map(|radius| {
+                    radius.error(self.radius, format!("lets the discs overlap at a side of {}", self.side))
+                })
+            })
+            .flatten();
+        low_above_high(Self::PARAMETERS, self.low, self.high).into_iter().chain(overlap).collect()
+    }
+
+    /// The triangle's corners around the middle, counter-clockwise, y up, in a window of this side.
+    fn corners(&self, window: f64) -> [Point; 3] {
+        let reach = self.side * window / 3f64.sqrt();
+        [90.0, 210.0, 330.0].map(|degrees| {
+            let (cos, sin) = cos_sin(self.orientation_deg + degrees);
+            [reach * cos, reach * sin]
+        })
+    }
+
+    /// The light at `x` window sides from the middle, along the orientation.
+    fn light_at(&self, x: f64) -> [f32; 3] {
+        let corners = self.corners(1.0);
+        let in_triangle = (0..3).all(|i| {
+            let (a, b) = (corners[i], corners[(i + 1) % 3]);
+            (b[0] - a[0]) * -a[1] - (b[1] - a[1]) * (x - a[0]) >= 0.0
+        });
+        let in_disc = corners.iter().any(|corner| (x - corner[0]).hypot(corner[1]) < self.radius);
+        light(self.color.rgb(), if in_disc && !in_triangle { self.low } else { self.high })
+    }
+}
+
+impl Area for Kanizsa {
+    fn linear(&self, size: u32) -> LinearImage {
+        let side = f64::from(size);
+        let corners = self.corners(side);
+        let weights = self.color.rgb();
+        let radius = self.radius * side;
+        LinearImage::from_fn(size, size, |ix, iy| {
+            let center = [f64::from(ix) + 0.5 - side / 2.0, side / 2.0 - f64::from(iy) - 0.5];
+            let disc =
+                corners.iter().find(|corner| (center[0] - corner[0]).hypot(center[1] - corner[1]) < radius + 1.0);
+            let share = disc.map_or(0.0, |disc| notched(center, *disc, &corners, radius));
+            light(weights, self.high - (self.high - self.low) * share)
+        })
+    }
+
+    fn profile(&self, size: u32) -> Vec<[f32; 3]> {
+        (0..size).map(|i| self.light_at(place(i, size))).collect()
+    }
+}
+
+/// The share of the pixel around `center` that lies in the disc and not in the triangle.
+fn notched(center: Point, disc: Point, triangle: &[Point; 3], radius: f64) -> f64 {
+    let from_disc = |p: Point| [p[0] - disc[0], p[1] - disc[1]];
+    let cell = pixel(from_disc(center));
+    let triangle: Polygon = triangle.iter().map(|corner| from_disc(*corner)).collect();
+    let share = area_in_disc(&cell, radius) - area_in_disc(&within(&cell, &triangle), radius);
+    share.clamp(0.0, 1.0)
+}
+
+/// A point in pixels.
+type Point = [f64; 2];
+
+/// A convex polygon, counter-clockwise.
+type Polygon = Vec<Point>;
+
+/// The square of side 1 around a center.
+fn pixel(center: Point) -> Polygon {
+    [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[x, y]| [center[0] + x, center[1] + y]).to_vec()
+}
+
+/// The part of a convex polygon on the left of the line from `a` to `b`; Sutherland and Hodgman 1974.
+fn left_of(polygon: &[Point], a: Point, b: Point) -> Polygon {
+    let side = |p: Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    let mut kept = Polygon::with_capacity(polygon.len() + 1);
+    for (i, &p) in polygon.iter().enumerate() {
+        let q = polygon[(i + 1) % polygon.len()];
+        let (at_p, at_q) = (side(p), side(q));
+        if at_p >= 0.0 {
+            kept.push(p);
+        }
+        if (at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0) {
+            let t = at_p / (at_p - at_q);
+            kept.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+        }
+    }
+    kept
+}
+
+/// The part of a convex polygon within another, given counter-clockwise.
+fn within(polygon: &[Point], clip: &[Point]) -> Polygon {
+    (0..clip.len()).fold(polygon.to_vec(), |kept, i| left_of(&kept, clip[i], clip[(i + 1) % clip.len()]))
+}
+
+/// Area of a polygon, positive counter-clockwise.
+fn area(polygon: &[Point]) -> f64 {
+    edges(polygon).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>() / 2.0
+}
+
+/// Area that a polygon and the disc of this radius around the origin have in common: over the edges, the triangle with
+/// the origin where the edge runs inside, the sector where it runs outside.
+fn area_in_disc(polygon: &[Point], radius: f64) -> f64 {
+    edges(polygon).map(|(p, q)| edge_in_disc(p, q, radius)).sum()
+}
+
+fn edges(polygon: &[Point]) -> impl Iterator<Item = (Point, Point)> {
+    polygon.iter().enumerate().map(|(i, &p)| (p, polygon[(i + 1) % polygon.len()]))
+}
+
+fn edge_in_disc(p: Point, q: Point, radius: f64) -> f64 {
+    let d = [q[0] - p[0], q[1] - p[1]];
+    let (a, b, c) = (dot(d, d), dot(p, d), dot(p, p) - radius * radius);
+    if a == 0.0 {
+        return 0.0;
+    }
+    let discriminant = b * b - a * c;
+    let point = |t: f64| [p[0] + t * d[0], p[1] + t * d[1]];
+    if discriminant <= 0.0 {
+        return sector(p, q, radius);
+    }
+    let root = discriminant.sqrt();
+    // Where the edge enters and leaves the disc, kept on the edge.
+    let (enter, leave) = (((-b - root) / a).clamp(0.0, 1.0), ((-b + root) / a).clamp(0.0, 1.0));
+    if enter >= leave {
+        return sector(p, q, radius);
+    }
+    let (first, last) = (point(enter), point(leave));
+    sector(p, first, radius) + cross(first, last) / 2.0 + sector(last, q, radius)
+}
+
+/// Area of the sector between the directions of two points.
+fn sector(p: Point, q: Point, radius: f64) -> f64 {
+    radius * radius / 2.0 * cross(p, q).atan2(dot(p, q))
+}
+
+fn dot(p: Point, q: Point) -> f64 {
+    p[0] * q[0] + p[1] * q[1]
+}
+
+fn cross(p: Point, q: Point) -> f64 {
+    p[0] * q[1] - p[1] * q[0]
+}

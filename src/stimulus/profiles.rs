@@ -1,0 +1,224 @@
+//! The classical stimuli that vary in one direction: Chevreul's staircase, Cornsweet's edge and a shaded cylinder.
+
+use super::{
+    color::{self, StimulusColor},
+    drawing::Profile,
+    parameter::{ParameterError, Range, kind, low_above_high, text_field},
+};
+use crate::light::names::named;
+
+kind! {
+    /// A staircase of `steps` uniform bands of equal width, Chevreul 1839; Bangay fig. 1 a, b.
+    ///
+    /// L(x) = low + (high − low)·k/(steps − 1) with k = ⌊(x + ½)·steps⌋ kept within 0…steps − 1, x across the bands in
+    /// window sides.
+    Chevreul = "chevreul" {
+        steps: u32 = 5, Range::Within(2.0, 256.0), "1", "Number of uniform bands", "a whole number of bands", ["3", "5", "9"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction in which the bands brighten, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
+        low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darkest band", "the relative luminance of the darkest band", ["0.25"];
+        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brightest band", "the relative luminance of the brightest band, at least low's", ["0.75"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
+    }
+}
+
+impl Chevreul {
+    fn contradictions(&self) -> Option<ParameterError> {
+        low_above_high(Self::PARAMETERS, self.low, self.high)
+    }
+
+    fn band(&self, x: f64) -> f64 {
+        ((x + 0.5) * f64::from(self.steps)).floor().clamp(0.0, f64::from(self.steps - 1))
+    }
+}
+
+impl Profile for Chevreul {
+    fn orientation_deg(&self) -> f64 {
+        self.orientation_deg
+    }
+
+    fn weights(&self) -> [f64; 3] {
+        self.color.rgb()
+    }
+
+    fn luminance(&self, x: f64) -> f64 {
+        self.low + (self.high - self.low) * self.band(x) / f64::from(self.steps - 1)
+    }
+
+    fn jumps(&self) -> Vec<(f64, f64)> {
+        let height = (self.high - self.low) / f64::from(self.steps - 1);
+        (1..self.steps).map(|k| (f64::from(k) / f64::from(self.steps) - 0.5, height)).collect()
+    }
+
+    fn turns(&self) -> Vec<f64> {
+        self.jumps().into_iter().map(|(at, _)| at).collect()
+    }
+
+    fn is_level(&self, _: f64) -> bool {
+        true
+    }
+}
+
+kind! {
+    /// Two areas of the same luminance with an edge between them, from which the luminance returns to the areas' own;
+    /// Craik 1940, O'Brien 1958, Cornsweet 1970; Bangay fig. 1 g, h.
+    ///
+    /// L(x) = (low + high)/2 ± (high − low)/2·(1 − |x|/width)^exponent for |x| < width, + beyond the edge and − before
+    /// it, (low + high)/2 elsewhere; x across the edge in window sides. Exponent 1 is the linear profile.
+    Cornsweet = "cornsweet" {
+        width: f64 = 0.2, Range::Within(0.0, 0.5), "1", "Proportion of the window that the ramp fills on each side of the edge", "the proportion of the window that each ramp fills", ["0.05", "0.1", "0.2", "0.4"];
+        exponent: f64 = 1.0, Range::Within(0.1, 20.0), "1", "Exponent of the return to the mean: 1 is linear, larger is steeper at the edge", "an exponent such as 1 or 2.75", ["1", "2", "2.75"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction from the dark to the bright side of the edge, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
+        low: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Relative luminance on the dark side of the edge", "the relative luminance on the dark side", ["0.4"];
+        high: f64 = 0.6, Range::Within(0.0, 1.0), "1", "Relative luminance on the bright side of the edge", "the relative luminance on the bright side, at least low's", ["0.6"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
+    }
+}
+
+impl Cornsweet {
+    fn contradictions(&self) -> Option<ParameterError> {
+        low_above_high(Self::PARAMETERS, self.low, self.high)
+    }
+}
+
+impl Profile for Cornsweet {
+    fn orientation_deg(&self) -> f64 {
+        self.orientation_deg
+    }
+
+    fn weights(&self) -> [f64; 3] {
+        self.color.rgb()
+    }
+
+    fn luminance(&self, x: f64) -> f64 {
+        let mean = (self.low + self.high) / 2.0;
+        let left = 1.0 - x.abs() / self.width;
+        if self.width == 0.0 || left <= 0.0 {
+            return mean;
+        }
+        let half = (self.high - self.low) / 2.0 * left.powf(self.exponent);
+        if x >= 0.0 { mean + half } else { mean - half }
+    }
+
+    fn jumps(&self) -> Vec<(f64, f64)> {
+        // Without width there is no edge left.
+        if self.width == 0.0 { Vec::new() } else { vec![(0.0, self.high - self.low)] }
+    }
+
+    fn turns(&self) -> Vec<f64> {
+        vec![-self.width, 0.0, self.width]
+    }
+
+    fn is_level(&self, x: f64) -> bool {
+        x.abs() >= self.width
+    }
+}
+
+named! {
+    /// How the facets are shaded.
+    Shading, ShadingError {
+        /// One luminance a facet, that of its own normal: a Chevreul staircase.
+        Flat = "flat",
+        /// Luminance interpolated between the edges: Mach bands at every edge.
+        Gouraud = "gouraud",
+        /// Normals interpolated between the edges, and lit.
+        Phong = "phong",
+    }
+}
+text_field!(Shading);
+
+kind! {
+    /// A cylinder of plane facets, seen from the side and lit from the viewer, the one-dimensional companion of a
+    /// shaded mesh; Bangay fig. 1 c (flat) and f (Gouraud).
+    ///
+    /// The visible arc of 120° is cut into `facets` equal angles; an edge at angle φ stands at x = sin φ/(2 sin 60°)
+    /// window sides. L = low + (high − low)·(N·V − ½)/½, so that the middle has `high` and the rims `low`. N is the
+    /// facet's normal (flat), or L is interpolated between the edges' (Gouraud), or N is (Phong).
+    Cylinder = "shaded-cylinder" {
+        shading: Shading = Shading::Gouraud, Range::Any, "", "How the facets are shaded: flat, gouraud or phong", "flat, gouraud or phong", ["flat", "gouraud", "phong"];
+        facets: u32 = 6, Range::Within(1.0, 256.0), "1", "Number of facets across the window", "a whole number of facets", ["4", "6", "12"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction across the facets, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
+        low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the rims", "the relative luminance of the rims", ["0.25"];
+        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the middle", "the relative luminance of the middle, at least low's", ["0.75"];
+        color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
+    }
+}
+
+/// Half the visible arc: 60°.
+const HALF_ARC: f64 = std::f64::consts::FRAC_PI_3;
+
+impl Cylinder {
+    fn contradictions(&self) -> Option<ParameterError> {
+        low_above_high(Self::PARAMETERS, self.low, self.high)
+    }
+
+    /// Angle of edge `i` of 0…facets.
+    fn angle(&self, i: u32) -> f64 {
+        HALF_ARC * (2.0 * f64::from(i) / f64::from(self.facets) - 1.0)
+    }
+
+    /// Place of edge `i` in window sides.
+    fn place(&self, i: u32) -> f64 {
+        // The rims exactly at the window's sides.
+        match i {
+            0 => -0.5,
+            i if i == self.facets => 0.5,
+            i => self.angle(i).sin() / (2.0 * HALF_ARC.sin()),
+        }
+    }
+
+    /// The facet that `x` lies on.
+    fn facet(&self, x: f64) -> u32 {
+        (1..self.facets).take_while(|i| self.place(*i) <= x).count() as u32
+    }
+
+    /// Luminance of a surface whose normal makes an angle of this cosine with the view.
+    fn lit(&self, cosine: f64) -> f64 {
+        self.low + (self.high - self.low) * (cosine - HALF_ARC.cos()) / (1.0 - HALF_ARC.cos())
+    }
+
+    fn flat(&self, facet: u32) -> f64 {
+        self.lit(((self.angle(facet) + self.angle(facet + 1)) / 2.0).cos())
+    }
+}
+
+impl Profile for Cylinder {
+    fn orientation_deg(&self) -> f64 {
+        self.orientation_deg
+    }
+
+    fn weights(&self) -> [f64; 3] {
+        self.color.rgb()
+    }
+
+    fn luminance(&self, x: f64) -> f64 {
+        let x = x.clamp(-0.5, 0.5);
+        let facet = self.facet(x);
+        let (left, right) = (self.place(facet), self.place(facet + 1));
+        let t = ((x - left) / (right - left)).clamp(0.0, 1.0);
+        let (before, after) = (self.angle(facet), self.angle(facet + 1));
+        let mix = |a: f64, b: f64| (1.0 - t) * a + t * b;
+        match self.shading {
+            Shading::Flat => self.flat(facet),
+            Shading::Gouraud => mix(self.lit(before.cos()), self.lit(after.cos())),
+            Shading::Phong => {
+                let (toward, aside) = (mix(before.cos(), after.cos()), mix(before.sin(), after.sin()));
+                self.lit(toward / toward.hypot(aside))
+            }
+        }
+    }
+
+    fn jumps(&self) -> Vec<(f64, f64)> {
+        match self.shading {
+            Shading::Flat => (1..self.facets).map(|i| (self.place(i), self.flat(i) - self.flat(i - 1))).collect(),
+            Shading::Gouraud | Shading::Phong => Vec::new(),
+        }
+    }
+
+    fn turns(&self) -> Vec<f64> {
+        [0.0].into_iter().chain((0..=self.facets).map(|i| self.place(i))).collect()
+    }
+
+    fn is_level(&self, x: f64) -> bool {
+        self.shading == Shading::Flat || x.abs() > 0.5
+    }
+}
