@@ -6,7 +6,7 @@ use divan::{Bencher, black_box};
 use machband::{
     light::Depth,
     shading::{Reference, Scene, Shade, Shader, Surface, coverage, shapes},
-    stimulus::{MachBand, ViewingConditions, Stimulus},
+    stimulus::{MachBand, Stimulus, ViewingConditions},
     vision::{Border, Eye, Line, Picture, luminance, luminances},
 };
 

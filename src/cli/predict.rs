@@ -122,7 +122,12 @@ fn image(arguments: &Arguments, path: &Path, viewing: &ViewingConditions) -> any
     Ok(view.visibility)
 }
 
-fn all(arguments: &Arguments, protocol: &Protocol, study: Option<&Study>, viewing: &ViewingConditions) -> anyhow::Result<()> {
+fn all(
+    arguments: &Arguments,
+    protocol: &Protocol,
+    study: Option<&Study>,
+    viewing: &ViewingConditions,
+) -> anyhow::Result<()> {
     let conditions = protocol.conditions()?;
     let seen = visibilities(&conditions, viewing, arguments.size)
         .map_err(|error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind()))?;

@@ -20,7 +20,7 @@ use crate::{
         Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Scene, Shade, Shader, Surface, crease,
         shapes::{self, Shape},
     },
-    stimulus::{Renderer, Shot, ViewingConditions, StimulusColor, Triple, describe_scene},
+    stimulus::{Renderer, Shot, StimulusColor, Triple, ViewingConditions, describe_scene},
     store,
     vision::{Visibility, VisionError},
 };
@@ -211,7 +211,12 @@ fn over(value: f64, gouraud: f64) -> Option<f64> {
 }
 
 /// Prints the two measurements that matter most.
-fn summarize(shader: Shader, creases: [&Creases; 2], viewing: &ViewingConditions, bands: [Bands; 2]) -> anyhow::Result<()> {
+fn summarize(
+    shader: Shader,
+    creases: [&Creases; 2],
+    viewing: &ViewingConditions,
+    bands: [Bands; 2],
+) -> anyhow::Result<()> {
     let of_gouraud = |[value, gouraud]: [f64; 2]| match over(value, gouraud) {
         Some(over) => format!("{over:.4} of Gouraud's"),
         None => "Gouraud has none".to_owned(),
@@ -235,7 +240,13 @@ fn append(object: &mut Value, fields: Value) {
 }
 
 /// How many edges and triangles there are, and what was measured and predicted, beside Gouraud's.
-fn measurements(surface: &Surface, frame: &Frame, creases: [&Creases; 2], viewing: &ViewingConditions, bands: [Bands; 2]) -> Value {
+fn measurements(
+    surface: &Surface,
+    frame: &Frame,
+    creases: [&Creases; 2],
+    viewing: &ViewingConditions,
+    bands: [Bands; 2],
+) -> Value {
     let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
     let [creases, creases_gouraud] = creases;
     let [visibility, visibility_gouraud] = bands.map(|bands| bands.visibility.max());

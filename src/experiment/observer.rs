@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     light::interpolation::Depth,
-    stimulus::{ParameterValue, ViewingConditions, Stimulus},
+    stimulus::{ParameterValue, Stimulus, ViewingConditions},
     vision::{Criterion, Visibility, VisionError},
 };
 
@@ -161,7 +161,11 @@ impl Default for VisionRater {
 ///
 /// # Errors
 /// [`VisionError`] of a condition that cannot be seen, such as one that is all black.
-pub fn visibilities(conditions: &[Condition], viewing: &ViewingConditions, px: Option<u32>) -> Result<Vec<Visibility>, VisionError> {
+pub fn visibilities(
+    conditions: &[Condition],
+    viewing: &ViewingConditions,
+    px: Option<u32>,
+) -> Result<Vec<Visibility>, VisionError> {
     let see = |condition: &Condition| {
         let stimulus = &condition.stimulus;
         Ok(viewing.predict(stimulus, px.unwrap_or_else(|| ViewingConditions::px(stimulus)))?.visibility())

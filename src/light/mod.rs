@@ -9,7 +9,6 @@
 //! codes; [`halftone`], to those of a device with few.
 
 pub mod color;
-pub mod color_models;
 pub mod dither;
 pub mod halftone;
 pub mod image;

@@ -4,7 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    drawing::{self, Area, Profile, light, place},
+    color::StimulusColor,
+    drawing::{self, Area, Profile, place},
     figures::{Kanizsa, Vasarely},
     mach_band::MachBand,
     parameter::{Parameter, ParameterError, ParameterValue},
@@ -86,10 +87,9 @@ macro_rules! stimuli {
                 }
             }
 
-            /// Weights of red, green and blue.
-            fn weights(&self) -> [f64; 3] {
+            fn color(&self) -> StimulusColor {
                 match self {
-                    $(Self::$name(stimulus) => stimulus.color.rgb(),)*
+                    $(Self::$name(stimulus) => stimulus.color,)*
                 }
             }
         }
@@ -116,18 +116,18 @@ stimuli! {
 
 /// How a kind is drawn.
 enum Form<'a> {
-    /// It varies in one direction only.
-    Line(Box<dyn Profile>),
+    /// It varies along an orientation only, degrees.
+    Line(f64, Box<dyn Profile + 'a>),
     Area(&'a dyn Area),
 }
 
 impl Stimulus {
     fn form(&self) -> Form<'_> {
         match self {
-            Self::MachBand(band) => Form::Line(Box::new(band.ramp())),
-            Self::Chevreul(chevreul) => Form::Line(Box::new(chevreul.clone())),
-            Self::Cornsweet(cornsweet) => Form::Line(Box::new(cornsweet.clone())),
-            Self::Cylinder(cylinder) => Form::Line(Box::new(cylinder.clone())),
+            Self::MachBand(band) => Form::Line(band.orientation_deg, Box::new(band.ramp())),
+            Self::Chevreul(chevreul) => Form::Line(chevreul.orientation_deg, Box::new(chevreul)),
+            Self::Cornsweet(cornsweet) => Form::Line(cornsweet.orientation_deg, Box::new(cornsweet)),
+            Self::Cylinder(cylinder) => Form::Line(cylinder.orientation_deg, Box::new(cylinder)),
             Self::Vasarely(vasarely) => Form::Area(vasarely),
             Self::Kanizsa(kanizsa) => Form::Area(kanizsa),
             Self::ShadedMesh(mesh) => Form::Area(mesh),
@@ -137,14 +137,14 @@ impl Stimulus {
     /// Whether it varies along its orientation only.
     #[must_use]
     pub fn is_line(&self) -> bool {
-        matches!(self.form(), Form::Line(_))
+        matches!(self.form(), Form::Line(..))
     }
 
     /// The light of a window of `size` × `size` pixels.
     #[must_use]
     pub fn linear(&self, size: u32) -> LinearImage {
         match self.form() {
-            Form::Line(profile) => drawing::linear(profile.as_ref(), size),
+            Form::Line(orientation_deg, profile) => drawing::linear(&*profile, orientation_deg, size),
             Form::Area(area) => area.linear(size),
         }
     }
@@ -153,8 +153,8 @@ impl Stimulus {
     #[must_use]
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
         match self.form() {
-            Form::Line(profile) if quantizer.bits() == Bits::Eight => {
-                let samples = Samples::Eight(drawing::codes(profile.as_ref(), size, quantizer));
+            Form::Line(orientation_deg, profile) if quantizer.bits() == Bits::Eight => {
+                let samples = Samples::Eight(drawing::codes(&*profile, orientation_deg, size, quantizer));
                 CodeImage { width: size, height: size, samples }
             }
             _ => quantizer.quantize(&self.linear(size)),
@@ -165,7 +165,7 @@ impl Stimulus {
     #[must_use]
     pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
         match self.form() {
-            Form::Line(profile) => {
+            Form::Line(_, profile) => {
                 (0..size).map(|i| profile.light(place(i, size), 0.0).map(|light| light as f32)).collect()
             }
             Form::Area(area) => area.profile(size),
@@ -175,7 +175,7 @@ impl Stimulus {
     /// The light of a uniform field of relative luminance `level` in the color of this stimulus.
     #[must_use]
     pub fn field_light(&self, level: f64) -> [f32; 3] {
-        light(self.weights(), level)
+        self.color().light(level).map(|light| light as f32)
     }
 
     /// The channel that gets the most light: 0 red, 1 green, 2 blue; the first of equals.
@@ -184,7 +184,7 @@ impl Stimulus {
         let weights = match self {
             // The brighter plateau decides where it has a color of its own.
             Self::MachBand(MachBand { color_high: Some(color), .. }) => color.rgb(),
-            _ => self.weights(),
+            _ => self.color().rgb(),
         };
         (1..3).fold(0, |best, channel| if weights[channel] > weights[best] { channel } else { best })
     }

@@ -4,12 +4,9 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::light::color::{
-    Chromaticity, Lab, Luv, OutOfGamut, Primaries, XyY, in_gamut, lab_from_xyz, luv_from_xyz, xyy_from_xyz,
-    xyz_from_lab, xyz_from_luv, xyz_from_xyy,
-};
-use crate::light::color_models::{
-    Cmyk, Hls, Hsv, cmy_from_cmyk, cmy_from_rgb, cmyk_from_cmy, hls_from_rgb, hsv_from_rgb, rgb_from_cmy, rgb_from_hls,
-    rgb_from_hsv, wrapped_deg,
+    cmy_from_rgb, cmyk_from_rgb, hls_from_rgb, hsv_from_rgb, hue, lab_from_xyz, luv_from_xyz, rgb_from_cmyk,
+    rgb_from_hls, rgb_from_hsv, rgb_from_xyz, wrapped_deg, xyy_from_xyz, xyz_from_lab, xyz_from_luv, xyz_from_rgb,
+    xyz_from_xyy,
 };
 use crate::light::names::serde_as_text;
 
@@ -51,118 +48,94 @@ pub(super) const EXPECTED: &str = "yellow, gray, red, green, blue, cyan, magenta
                                    all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y, cmyk:C,M,Y,K, \
                                    xyY:x,y,Y, lab:L,a,b or luv:L,u,v";
 
-/// A text or triple that is no color.
+/// A text that is not a color.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("color {color} {}; expected {EXPECTED}", self.problem())]
+#[error("color {color:?} {problem}; expected {EXPECTED}")]
 pub struct ColorError {
-    /// What was given.
     color: String,
-    fault: Fault,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-enum Fault {
-    Unknown,
-    Number { name: &'static str, value: f64, range: &'static str },
-    Dark,
-    OutOfGamut(OutOfGamut),
-}
-
-impl ColorError {
     /// What is wrong: a verb and what follows.
-    #[must_use]
-    pub fn problem(&self) -> String {
-        match &self.fault {
-            Fault::Unknown => "is not known".to_owned(),
-            Fault::Number { name, value, range } => format!("has {name} = {value}, outside {range}"),
-            Fault::Dark => "has no light in it".to_owned(),
-            Fault::OutOfGamut(by_how_much) => format!("is outside the gamut of sRGB: {by_how_much}"),
+    pub problem: String,
+}
+
+/// What a quantity of a color may be: the range as text, and its ends.
+type Range = (&'static str, f64, f64);
+
+const UNIT: Range = ("0…1", 0.0, 1.0);
+const PERCENT: Range = ("0…100", 0.0, 100.0);
+const DEGREES: Range = ("the angles in degrees", f64::MIN, f64::MAX);
+const ANY: Range = ("the numbers", f64::MIN, f64::MAX);
+
+fn outside(name: &str, value: f64, range: &str) -> String {
+    format!("has {name} = {value}, outside {range}")
+}
+
+/// The numbers of a color in `text`, each within its range.
+fn quantities<const N: usize>(text: &str, names: [(&str, Range); N]) -> Result<[f64; N], String> {
+    let unknown = || "is not known".to_owned();
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let numbers: [f64; N] = numbers.map_err(|_| unknown())?.try_into().map_err(|_| unknown())?;
+    for (value, (name, (range, least, most))) in numbers.iter().zip(names) {
+        if !(least..=most).contains(value) {
+            return Err(outside(name, *value, range));
         }
     }
+    Ok(numbers)
 }
 
-fn within_unit(name: &'static str, value: f64) -> Result<f64, Fault> {
-    // −0 is within the range; it must not be written.
-    if (0.0..=1.0).contains(&value) { Ok(value + 0.0) } else { Err(Fault::Number { name, value, range: "0…1" }) }
-}
-
-fn from_rgb([r, g, b]: [f64; 3]) -> Result<StimulusColor, Fault> {
-    let rgb = [within_unit("R", r)?, within_unit("G", g)?, within_unit("B", b)?];
-    if rgb == [0.0; 3] { Err(Fault::Dark) } else { Ok(StimulusColor { rgb }) }
-}
-
-fn hue(degrees: f64) -> Result<Option<f64>, Fault> {
-    if degrees.is_finite() {
-        Ok(Some(degrees))
-    } else {
-        Err(Fault::Number { name: "H", value: degrees, range: "the angles in degrees" })
+fn from_rgb(rgb: [f64; 3]) -> Result<StimulusColor, String> {
+    for (value, name) in rgb.iter().zip(["R", "G", "B"]) {
+        if !(0.0..=1.0).contains(value) {
+            return Err(outside(name, *value, "0…1"));
+        }
     }
+    // −0 is within the range; it must not be written.
+    if rgb == [0.0; 3] { Err("has no light in it".to_owned()) } else { Ok(StimulusColor { rgb: rgb.map(|v| v + 0.0) }) }
 }
 
-fn lightness(value: f64) -> Result<f64, Fault> {
-    if (0.0..=100.0).contains(&value) { Ok(value) } else { Err(Fault::Number { name: "L", value, range: "0…100" }) }
-}
-
+/// A light this far outside the gamut counts as its edge.
+const OUTSIDE: f64 = 1e-9;
 /// Closer than this to 0 or 1 a weight is meant to be it: the white point's own xyY is white.
 const ROUNDING: f64 = 1e-12;
-const WHITE: [f64; 3] = Primaries::SRGB.white_xyz();
 
-fn from_xyz(xyz: [f64; 3]) -> Result<StimulusColor, Fault> {
-    let rgb = in_gamut(Primaries::SRGB.rgb_from_xyz(xyz)).map_err(Fault::OutOfGamut)?;
+fn from_xyz(xyz: [f64; 3]) -> Result<StimulusColor, String> {
+    let rgb = rgb_from_xyz(xyz);
+    let beyond = rgb.iter().zip(["red", "green", "blue"]);
+    let beyond: Vec<String> = beyond
+        .filter(|(value, _)| !(-OUTSIDE..=1.0 + OUTSIDE).contains(*value))
+        .map(|(value, name)| format!("{name} would be {value:.6}"))
+        .collect();
+    if !beyond.is_empty() {
+        return Err(format!("is outside the gamut of sRGB: {}", beyond.join(", ")));
+    }
+    let rgb = rgb.map(|value| value.clamp(0.0, 1.0));
     from_rgb(rgb.map(|weight| if (weight - weight.round()).abs() < ROUNDING { weight.round() } else { weight }))
 }
 
-fn from_xyy([x, y, luminance]: [f64; 3]) -> Result<StimulusColor, Fault> {
-    let chromaticity = Chromaticity::new(x, y).map_err(|_| {
-        if (0.0..=1.0).contains(&x) {
-            Fault::Number { name: "y", value: y, range: "0…1−x, 0 excluded" }
-        } else {
-            Fault::Number { name: "x", value: x, range: "0…1" }
-        }
-    })?;
-    from_xyz(xyz_from_xyy(XyY { chromaticity, luminance: within_unit("Y", luminance)? }))
-}
-
-fn parsed(text: &str) -> Result<StimulusColor, Fault> {
+fn parsed(text: &str) -> Result<StimulusColor, String> {
     if let Some((_, rgb)) = NAMED.iter().find(|(name, _)| *name == text) {
         return Ok(StimulusColor { rgb: *rgb });
     }
-    let Some((model, list)) = text.split_once(':') else { return from_rgb(numbers(text)?) };
-    let inks =
-        |inks: [f64; 3]| Ok([within_unit("C", inks[0])?, within_unit("M", inks[1])?, within_unit("Y", inks[2])?]);
+    let Some((model, list)) = text.split_once(':') else {
+        return from_rgb(quantities(text, [("R", UNIT), ("G", UNIT), ("B", UNIT)])?);
+    };
     match model {
-        "hsv" => {
-            let [h, s, v] = numbers(list)?;
-            from_rgb(rgb_from_hsv(Hsv { hue: hue(h)?, saturation: within_unit("S", s)?, value: within_unit("V", v)? }))
+        "hsv" => from_rgb(rgb_from_hsv(quantities(list, [("H", DEGREES), ("S", UNIT), ("V", UNIT)])?)),
+        "hls" => from_rgb(rgb_from_hls(quantities(list, [("H", DEGREES), ("L", UNIT), ("S", UNIT)])?)),
+        "cmy" => from_rgb(cmy_from_rgb(quantities(list, [("C", UNIT), ("M", UNIT), ("Y", UNIT)])?)),
+        "cmyk" => from_rgb(rgb_from_cmyk(quantities(list, [("C", UNIT), ("M", UNIT), ("Y", UNIT), ("K", UNIT)])?)),
+        "xyY" => {
+            let [x, y, luminance] = quantities(list, [("x", UNIT), ("y", UNIT), ("Y", UNIT)])?;
+            // A chromaticity on the line x + y = 1 may miss it by a rounding.
+            if y > 0.0 && x + y <= 1.0 + OUTSIDE {
+                from_xyz(xyz_from_xyy([x, y, luminance]))
+            } else {
+                Err(outside("y", y, "0…1−x, 0 excluded"))
+            }
         }
-        "hls" => {
-            let [h, l, s] = numbers(list)?;
-            let (lightness, saturation) = (within_unit("L", l)?, within_unit("S", s)?);
-            from_rgb(rgb_from_hls(Hls { hue: hue(h)?, lightness, saturation }))
-        }
-        "cmy" => from_rgb(rgb_from_cmy(inks(numbers(list)?)?)),
-        "cmyk" => {
-            let [c, m, y, k] = numbers(list)?;
-            let ([cyan, magenta, yellow], black) = (inks([c, m, y])?, within_unit("K", k)?);
-            from_rgb(rgb_from_cmy(cmy_from_cmyk(Cmyk { cyan, magenta, yellow, black })))
-        }
-        "xyY" => from_xyy(numbers(list)?),
-        "lab" => {
-            let [l, a, b] = numbers(list)?;
-            from_xyz(xyz_from_lab(Lab { lightness: lightness(l)?, a, b }, WHITE))
-        }
-        "luv" => {
-            let [l, u, v] = numbers(list)?;
-            from_xyz(xyz_from_luv(Luv { lightness: lightness(l)?, u, v }, WHITE))
-        }
-        _ => Err(Fault::Unknown),
+        "lab" => from_xyz(xyz_from_lab(quantities(list, [("L", PERCENT), ("a", ANY), ("b", ANY)])?)),
+        "luv" => from_xyz(xyz_from_luv(quantities(list, [("L", PERCENT), ("u", ANY), ("v", ANY)])?)),
+        _ => Err("is not known".to_owned()),
     }
-}
-
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], Fault> {
-    let numbers: Vec<f64> =
-        text.split(',').map(|number| number.trim().parse()).collect::<Result<_, _>>().map_err(|_| Fault::Unknown)?;
-    numbers.try_into().map_err(|_| Fault::Unknown)
 }
 
 impl StimulusColor {
@@ -171,57 +144,41 @@ impl StimulusColor {
     /// The display's white, dimmed.
     pub const GRAY: StimulusColor = StimulusColor { rgb: [1.0, 1.0, 1.0] };
 
-    /// The color of the weights `rgb`.
-    ///
-    /// # Errors
-    /// When one is not within 0…1, or all are 0.
-    pub fn new(rgb: [f64; 3]) -> Result<Self, ColorError> {
-        let [r, g, b] = rgb;
-        from_rgb(rgb).map_err(|fault| ColorError { color: format!("{r},{g},{b}"), fault })
-    }
-
     /// Weights of red, green and blue, 0…1, linear in light.
     #[must_use]
     pub const fn rgb(self) -> [f64; 3] {
         self.rgb
     }
 
+    /// The light of this color at the relative luminance `luminance`.
+    pub(super) fn light(self, luminance: f64) -> [f64; 3] {
+        self.rgb.map(|weight| weight * luminance)
+    }
+
     /// This color in every model, to three decimals; a gray, which has no hue, with hue 0.
     #[must_use]
     pub fn in_models(self) -> Vec<String> {
-        let Cmyk { cyan, magenta, yellow, black } = cmyk_from_cmy(cmy_from_rgb(self.rgb));
-        let hls = hls_from_rgb(self.rgb);
-        let xyz = Primaries::SRGB.xyz_from_rgb(self.rgb);
-        let (lab, luv) = (lab_from_xyz(xyz, WHITE), luv_from_xyz(xyz, WHITE));
-        let others = [
-            ("hls", vec![hls.hue.unwrap_or(0.0), hls.lightness, hls.saturation]),
-            ("cmy", cmy_from_rgb(self.rgb).to_vec()),
-            ("cmyk", vec![cyan, magenta, yellow, black]),
-            ("lab", vec![lab.lightness, lab.a, lab.b]),
-            ("luv", vec![luv.lightness, luv.u, luv.v]),
+        let (rgb, xyz) = (self.rgb, xyz_from_rgb(self.rgb));
+        let models: [(&str, &[f64]); 8] = [
+            ("", &rgb),
+            ("hsv:", &hsv_from_rgb(rgb)),
+            ("xyY:", &xyy_from_xyz(xyz)),
+            ("hls:", &hls_from_rgb(rgb)),
+            ("cmy:", &cmy_from_rgb(rgb)),
+            ("cmyk:", &cmyk_from_rgb(rgb)),
+            ("lab:", &lab_from_xyz(xyz)),
+            ("luv:", &luv_from_xyz(xyz)),
         ];
-        let rgb = written("", &self.rgb, 1e3);
-        let [hsv, xyy] = [self.hsv().unwrap_or([0.0, 0.0, self.rgb[0]]), self.xyy().unwrap_or_default()];
-        let first = [rgb, written("hsv:", &hsv, 1e3), written("xyY:", &xyy, 1e3)];
-        first.into_iter().chain(others.iter().map(|(model, parts)| written(&format!("{model}:"), parts, 1e3))).collect()
-    }
-
-    /// Hue, saturation and value; `None` for a gray.
-    fn hsv(self) -> Option<[f64; 3]> {
-        let Hsv { hue, saturation, value } = hsv_from_rgb(self.rgb);
-        Some([hue?, saturation, value])
-    }
-
-    fn xyy(self) -> Option<[f64; 3]> {
-        let xyy = xyy_from_xyz(Primaries::SRGB.xyz_from_rgb(self.rgb))?;
-        Some([xyy.chromaticity.x(), xyy.chromaticity.y(), xyy.luminance])
+        models.map(|(model, numbers)| written(model, numbers, 1e3)).into()
     }
 
     /// The texts that this color may have come from: as `hsv:` and as `xyY:`, with more and more decimals.
     fn candidates(self) -> impl Iterator<Item = String> {
+        let [_, s, v] = hsv_from_rgb(self.rgb);
+        let xyy = xyy_from_xyz(xyz_from_rgb(self.rgb));
         DECIMALS.into_iter().flat_map(move |scale| {
-            let hsv = self.hsv().map(|[h, s, v]| written("hsv:", &[wrapped_deg(rounded(h, scale)), s, v], scale));
-            hsv.into_iter().chain(self.xyy().map(|xyy| written("xyY:", &xyy, scale)))
+            let hsv = hue(self.rgb).map(|h| written("hsv:", &[wrapped_deg(rounded(h, scale)), s, v], scale));
+            hsv.into_iter().chain([written("xyY:", &xyy, scale)])
         })
     }
 }
@@ -263,7 +220,7 @@ impl FromStr for StimulusColor {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
-        parsed(text).map_err(|fault| ColorError { color: format!("{text:?}"), fault })
+        parsed(text).map_err(|problem| ColorError { color: text.to_owned(), problem })
     }
 }
 

@@ -16,17 +16,11 @@ pub(super) trait Area {
     fn profile(&self, size: u32) -> Vec<[f32; 3]>;
 }
 
-/// A luminance that varies along one direction only. Positions are window sides from the center line, positive toward
-/// the orientation.
+/// Light that varies along one direction only. Positions are window sides from the center line, positive toward the
+/// orientation.
 pub(super) trait Profile {
-    /// Direction in which the positions grow, degrees counter-clockwise from the right.
-    fn orientation_deg(&self) -> f64;
-
-    /// Weights of red, green and blue.
-    fn weights(&self) -> [f64; 3];
-
-    /// Relative luminance at `x`; at a jump, the value beyond it.
-    fn luminance(&self, x: f64) -> f64;
+    /// The light at `x`, with `more` luminance added; at a jump, the value beyond it.
+    fn light(&self, x: f64, more: f64) -> [f64; 3];
 
     /// Where the luminance jumps, and by how much.
     fn jumps(&self) -> Vec<(f64, f64)> {
@@ -39,12 +33,6 @@ pub(super) trait Profile {
 
     /// Whether the light around `x`, as far as the next turns, is one light to the last bit.
     fn is_level(&self, x: f64) -> bool;
-
-    /// The light at `x`, with `more` luminance added.
-    fn light(&self, x: f64, more: f64) -> [f64; 3] {
-        let luminance = self.luminance(x) + more;
-        self.weights().map(|weight| weight * luminance)
-    }
 
     /// The least and the most light between two positions without a turn between them.
     fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
@@ -62,8 +50,8 @@ struct Pixels<'a> {
 }
 
 impl<'a> Pixels<'a> {
-    fn new(profile: &'a dyn Profile, size: u32) -> Self {
-        let grid = Grid::new(size, profile.orientation_deg());
+    fn new(profile: &'a dyn Profile, orientation_deg: f64, size: u32) -> Self {
+        let grid = Grid::new(size, orientation_deg);
         let jumps = if grid.is_along_pixels() { Vec::new() } else { profile.jumps() };
         Self { profile, grid, jumps }
     }
@@ -86,8 +74,8 @@ impl<'a> Pixels<'a> {
 }
 
 /// The light of a window of `size` × `size` pixels.
-pub(super) fn linear(profile: &dyn Profile, size: u32) -> LinearImage {
-    let pixels = Pixels::new(profile, size);
+pub(super) fn linear(profile: &dyn Profile, orientation_deg: f64, size: u32) -> LinearImage {
+    let pixels = Pixels::new(profile, orientation_deg, size);
     LinearImage::from_fn(size, size, |ix, iy| pixels.light(ix, iy))
 }
 
@@ -95,12 +83,12 @@ pub(super) fn linear(profile: &dyn Profile, size: u32) -> LinearImage {
 ///
 /// All pixels of equal distance from the center line are alike, so the profile is cut into runs of positions that have
 /// one code for certain. A row is filled from run to run; the few pixels between two runs are computed.
-pub(super) fn codes(profile: &dyn Profile, size: u32, quantizer: &Quantizer) -> Vec<u8> {
+pub(super) fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quantizer: &Quantizer) -> Vec<u8> {
     let mut codes = vec![0; 3 * size as usize * size as usize];
     if size == 0 {
         return codes;
     }
-    let pixels = Pixels::new(profile, size);
+    let pixels = Pixels::new(profile, orientation_deg, size);
     // An 8-bit code fits.
     let pixel = |ix, iy| quantizer.codes(pixels.light(ix, iy)).map(|code| code as u8);
     let mut rows = (0..size).zip(codes.chunks_exact_mut(3 * size as usize));
@@ -328,9 +316,4 @@ impl Grid {
 #[must_use]
 pub fn place(i: u32, size: u32) -> f64 {
     (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size))
-}
-
-/// Light of a pixel of relative luminance `luminance`.
-pub(super) fn light(weights: [f64; 3], luminance: f64) -> [f32; 3] {
-    weights.map(|weight| (weight * luminance) as f32)
 }

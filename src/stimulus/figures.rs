@@ -3,8 +3,8 @@
 
 use super::{
     color::{self, StimulusColor},
-    drawing::{Area, Grid, cos_sin, light, place},
-    parameter::{ParameterError, Range, kind, low_above_high},
+    drawing::{Area, Grid, cos_sin, place},
+    parameter::{ParameterError, Range, fault, kind},
 };
 use crate::light::LinearImage;
 
@@ -24,10 +24,6 @@ kind! {
 }
 
 impl Vasarely {
-    fn contradictions(&self) -> Option<ParameterError> {
-        low_above_high(Self::PARAMETERS, self.low, self.high)
-    }
-
     /// In how many squares beyond the outermost a point at this distance lies.
     fn inside(&self, distance: f64) -> f64 {
         (f64::from(self.squares) * (1.0 - 2.0 * distance)).floor().clamp(0.0, f64::from(self.squares - 1))
@@ -49,19 +45,16 @@ impl Vasarely {
         })
     }
 
-    fn luminance(&self, squares: f64) -> f64 {
-        self.low + (self.high - self.low) * squares / f64::from(self.squares - 1)
-    }
-
-    /// The light at `x` window sides from the middle, along the orientation.
-    fn light_at(&self, x: f64) -> [f32; 3] {
-        light(self.color.rgb(), self.luminance(self.inside(x.abs())))
+    /// The light of a point that lies in so many squares beyond the outermost.
+    fn light(&self, squares: f64) -> [f32; 3] {
+        let luminance = self.low + (self.high - self.low) * squares / f64::from(self.squares - 1);
+        self.color.light(luminance).map(|light| light as f32)
     }
 }
+
 impl Area for Vasarely {
     fn linear(&self, size: u32) -> LinearImage {
         let grid = Grid::new(size, self.orientation_deg);
-        let weights = self.color.rgb();
         let turned = Grid::new(size, self.orientation_deg + 90.0);
         let sharp = grid.is_along_pixels();
         LinearImage::from_fn(size, size, |ix, iy| {
@@ -70,12 +63,12 @@ impl Area for Vasarely {
             let reach = if sharp { 0.0 } else { std::f64::consts::FRAC_1_SQRT_2 / f64::from(size) };
             let (least, most) = (self.inside(distance + reach), self.inside((distance - reach).max(0.0)));
             let squares = if least == most { least } else { self.covered(&grid, place, least, most) };
-            light(weights, self.luminance(squares))
+            self.light(squares)
         })
     }
 
     fn profile(&self, size: u32) -> Vec<[f32; 3]> {
-        (0..size).map(|i| self.light_at(place(i, size))).collect()
+        (0..size).map(|i| self.light(self.inside(place(i, size).abs()))).collect()
     }
 }
 
@@ -85,7 +78,7 @@ kind! {
     /// L = high − (high − low)·(share of the pixel that lies in a disc and not in the triangle). The triangle is
     /// equilateral, its centroid in the middle of the window, one corner up at orientation 0; a disc stands at each
     /// corner.
-    Kanizsa = "kanizsa" {
+    Kanizsa = "kanizsa" where overlap {
         side: f64 = 0.6, Range::Within(0.05, 1.0), "1", "Side of the triangle as a proportion of the window", "the side of the triangle as a proportion of the window", ["0.4", "0.6"];
         radius: f64 = 0.15, Range::Within(0.01, 0.5), "1", "Radius of the discs as a proportion of the window, at most half the triangle's side", "the radius of the discs as a proportion of the window", ["0.1", "0.15", "0.2"];
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the triangle, counter-clockwise", "an angle in degrees, such as 45", ["0", "30"];
@@ -96,16 +89,9 @@ kind! {
 }
 
 impl Kanizsa {
-    fn contradictions(&self) -> Vec<ParameterError> {
-        let parameter = |name: &str| Self::PARAMETERS.iter().find(|parameter| parameter.name == name);
-        let overlap = (self.radius > self.side / 2.0)
-            .then(|| {
-                parameter("radius").map(|radius| {
-                    radius.error(self.radius, format!("lets the discs overlap at a side of {}", self.side))
-                })
-            })
-            .flatten();
-        low_above_high(Self::PARAMETERS, self.low, self.high).into_iter().chain(overlap).collect()
+    fn overlap(&self) -> Option<ParameterError> {
+        let problem = || format!("lets the discs overlap at a side of {}", self.side);
+        (self.radius > self.side / 2.0).then(|| fault(Self::PARAMETERS, "radius", self.radius, problem()))?
     }
 
     /// The triangle's corners around the middle, counter-clockwise, y up, in a window of this side.
@@ -117,15 +103,9 @@ impl Kanizsa {
         })
     }
 
-    /// The light at `x` window sides from the middle, along the orientation.
-    fn light_at(&self, x: f64) -> [f32; 3] {
-        let corners = self.corners(1.0);
-        let in_triangle = (0..3).all(|i| {
-            let (a, b) = (corners[i], corners[(i + 1) % 3]);
-            (b[0] - a[0]) * -a[1] - (b[1] - a[1]) * (x - a[0]) >= 0.0
-        });
-        let in_disc = corners.iter().any(|corner| (x - corner[0]).hypot(corner[1]) < self.radius);
-        light(self.color.rgb(), if in_disc && !in_triangle { self.low } else { self.high })
+    /// The light of a place of which the share `share` lies in a disc and not in the triangle.
+    fn light(&self, share: f64) -> [f32; 3] {
+        self.color.light(self.high - (self.high - self.low) * share).map(|light| light as f32)
     }
 }
 
@@ -133,19 +113,27 @@ impl Area for Kanizsa {
     fn linear(&self, size: u32) -> LinearImage {
         let side = f64::from(size);
         let corners = self.corners(side);
-        let weights = self.color.rgb();
         let radius = self.radius * side;
         LinearImage::from_fn(size, size, |ix, iy| {
             let center = [f64::from(ix) + 0.5 - side / 2.0, side / 2.0 - f64::from(iy) - 0.5];
             let disc =
                 corners.iter().find(|corner| (center[0] - corner[0]).hypot(center[1] - corner[1]) < radius + 1.0);
             let share = disc.map_or(0.0, |disc| notched(center, *disc, &corners, radius));
-            light(weights, self.high - (self.high - self.low) * share)
+            self.light(share)
         })
     }
 
     fn profile(&self, size: u32) -> Vec<[f32; 3]> {
-        (0..size).map(|i| self.light_at(place(i, size))).collect()
+        let corners = self.corners(1.0);
+        let light = |x: f64| {
+            let in_triangle = (0..3).all(|i| {
+                let (a, b) = (corners[i], corners[(i + 1) % 3]);
+                (b[0] - a[0]) * -a[1] - (b[1] - a[1]) * (x - a[0]) >= 0.0
+            });
+            let in_disc = corners.iter().any(|corner| (x - corner[0]).hypot(corner[1]) < self.radius);
+            self.light(f64::from(u8::from(in_disc && !in_triangle)))
+        };
+        (0..size).map(|i| light(place(i, size))).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{
     color::{self, StimulusColor},
     drawing::Profile,
-    parameter::{ParameterError, Range, kind, low_above_high},
+    parameter::{Range, kind},
     ramp_space::{Between, RampSpace},
 };
 use crate::light::{Depth, Interpolation, interpolation::TANH_K};
@@ -33,10 +33,6 @@ kind! {
 }
 
 impl MachBand {
-    fn contradictions(&self) -> Option<ParameterError> {
-        low_above_high(Self::PARAMETERS, self.low, self.high)
-    }
-
     /// The profile across the ramp, ready to be evaluated many times.
     #[must_use]
     pub fn ramp(&self) -> Ramp {
@@ -47,10 +43,9 @@ impl MachBand {
         Ramp {
             interpolation: Interpolation::with_k(self.depth, self.tanh_k),
             width: self.width,
-            orientation_deg: self.orientation_deg,
             low: self.low,
             high: self.high,
-            weights: self.color.rgb(),
+            color: self.color,
             between: (!is_one_color).then(between),
         }
     }
@@ -61,10 +56,9 @@ impl MachBand {
 pub struct Ramp {
     interpolation: Interpolation,
     width: f64,
-    orientation_deg: f64,
     low: f64,
     high: f64,
-    weights: [f64; 3],
+    color: StimulusColor,
     /// Where not only the luminance changes.
     between: Option<Between>,
 }
@@ -90,10 +84,7 @@ impl Ramp {
     pub fn light_at(&self, x: f64) -> [f64; 3] {
         match &self.between {
             Some(between) => between.light_at_part(self.part_at(x)),
-            None => {
-                let luminance = self.luminance_at(x);
-                self.weights.map(|weight| weight * luminance)
-            }
+            None => self.color.light(self.luminance_at(x)),
         }
     }
 
@@ -105,16 +96,8 @@ impl Ramp {
 }
 
 impl Profile for Ramp {
-    fn orientation_deg(&self) -> f64 {
-        self.orientation_deg
-    }
-
-    fn weights(&self) -> [f64; 3] {
-        self.weights
-    }
-
-    fn luminance(&self, x: f64) -> f64 {
-        self.luminance_at(x)
+    fn light(&self, x: f64, _: f64) -> [f64; 3] {
+        self.light_at(x)
     }
 
     fn turns(&self) -> Vec<f64> {
@@ -123,10 +106,6 @@ impl Profile for Ramp {
 
     fn is_level(&self, x: f64) -> bool {
         x.abs() > 0.5 * self.width
-    }
-
-    fn light(&self, x: f64, _: f64) -> [f64; 3] {
-        self.light_at(x)
     }
 
     fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {

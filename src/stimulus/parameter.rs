@@ -7,7 +7,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::color::{ColorError, StimulusColor};
-use crate::light::Depth;
+use crate::light::{Depth, DepthError};
 
 /// What there is to know about one parameter of a stimulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,14 +177,10 @@ impl Field for u32 {
 
 impl Field for Depth {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
-        match value {
-            ParameterValue::Text(text) => {
-                text.parse().map_err(|_| parameter.error(format!("{text:?}"), "is not a depth"))
-            }
-            ParameterValue::Number(n) if n.fract() != 0.0 => Err(parameter.error(n, "is not a whole number")),
-            // `as` keeps what is outside u32's range outside the depths.
-            ParameterValue::Number(n) => Depth::finite(*n as u32).map_err(|_| parameter.error(n, "is outside 1…32")),
-        }
+        value.to_string().parse().map_err(|error| match error {
+            DepthError::OutOfRange(depth) => parameter.error(depth, "is outside 1…32"),
+            DepthError::NotWhole(depth) => parameter.error(depth, "is not a whole number"),
+        })
     }
     fn write(&self) -> ParameterValue {
         match self {
@@ -217,7 +213,7 @@ pub(super) use text_field;
 impl Field for StimulusColor {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         let text = value.to_string();
-        text.parse().map_err(|fault: ColorError| parameter.error(format!("{text:?}"), fault.problem()))
+        text.parse().map_err(|fault: ColorError| parameter.error(format!("{text:?}"), fault.problem))
     }
     fn write(&self) -> ParameterValue {
         self.to_string().as_str().into()
@@ -237,11 +233,12 @@ impl Field for Option<StimulusColor> {
 }
 
 /// Declares a kind of stimulus: a struct whose fields are its parameters, with defaults, ranges, units, meanings and
-/// levels worth comparing; `set`, `get` and `validate` follow from the declaration.
+/// levels worth comparing; `set`, `get` and `validate` follow from the declaration. `low` must not be above `high`, and
+/// the method after `where` returns any other parameter that contradicts the rest.
 macro_rules! kind {
     (
         $(#[$meta:meta])*
-        $name:ident = $kind:literal {
+        $name:ident = $kind:literal $(where $rule:ident)? {
             $($(#[$field_meta:meta])* $field:ident: $type:ty = $default:expr, $range:expr, $unit:literal, $meaning:expr, $expected:expr, [$($level:literal),*];)*
         }
     ) => {
@@ -312,7 +309,8 @@ macro_rules! kind {
                     .iter()
                     .filter_map(|parameter| probe.set(parameter.name, &self.get(parameter.name)?).err())
                     .collect();
-                faults.extend(self.contradictions());
+                faults.extend($crate::stimulus::parameter::low_above_high(Self::PARAMETERS, self.low, self.high));
+                $(faults.extend(self.$rule());)?
                 if faults.is_empty() { Ok(()) } else { Err(faults) }
             }
         }
@@ -322,6 +320,16 @@ pub(super) use kind;
 
 /// The fault of a pair of plateaus in the wrong order; equal ones are a uniform field.
 pub(super) fn low_above_high(parameters: &[Parameter], low: f64, high: f64) -> Option<ParameterError> {
-    let parameter = parameters.iter().find(|parameter| parameter.name == "high")?;
-    (low > high).then(|| parameter.error(high, format!("is below low, which is {low}")))
+    (low > high).then(|| fault(parameters, "high", high, format!("is below low, which is {low}")))?
+}
+
+/// The error for the parameter `name` of `parameters`, set to `value`.
+pub(super) fn fault(
+    parameters: &[Parameter],
+    name: &str,
+    value: impl fmt::Display,
+    problem: impl Into<String>,
+) -> Option<ParameterError> {
+    let parameter = parameters.iter().find(|parameter| parameter.name == name)?;
+    Some(parameter.error(value, problem))
 }

@@ -3,7 +3,7 @@
 use super::{
     color::{self, StimulusColor},
     drawing::Profile,
-    parameter::{ParameterError, Range, kind, low_above_high, text_field},
+    parameter::{Range, kind, text_field},
 };
 use crate::light::names::named;
 
@@ -21,27 +21,10 @@ kind! {
     }
 }
 
-impl Chevreul {
-    fn contradictions(&self) -> Option<ParameterError> {
-        low_above_high(Self::PARAMETERS, self.low, self.high)
-    }
-
-    fn band(&self, x: f64) -> f64 {
-        ((x + 0.5) * f64::from(self.steps)).floor().clamp(0.0, f64::from(self.steps - 1))
-    }
-}
-
-impl Profile for Chevreul {
-    fn orientation_deg(&self) -> f64 {
-        self.orientation_deg
-    }
-
-    fn weights(&self) -> [f64; 3] {
-        self.color.rgb()
-    }
-
-    fn luminance(&self, x: f64) -> f64 {
-        self.low + (self.high - self.low) * self.band(x) / f64::from(self.steps - 1)
+impl Profile for &Chevreul {
+    fn light(&self, x: f64, more: f64) -> [f64; 3] {
+        let band = ((x + 0.5) * f64::from(self.steps)).floor().clamp(0.0, f64::from(self.steps - 1));
+        self.color.light(self.low + (self.high - self.low) * band / f64::from(self.steps - 1) + more)
     }
 
     fn jumps(&self) -> Vec<(f64, f64)> {
@@ -74,29 +57,15 @@ kind! {
     }
 }
 
-impl Cornsweet {
-    fn contradictions(&self) -> Option<ParameterError> {
-        low_above_high(Self::PARAMETERS, self.low, self.high)
-    }
-}
-
-impl Profile for Cornsweet {
-    fn orientation_deg(&self) -> f64 {
-        self.orientation_deg
-    }
-
-    fn weights(&self) -> [f64; 3] {
-        self.color.rgb()
-    }
-
-    fn luminance(&self, x: f64) -> f64 {
+impl Profile for &Cornsweet {
+    fn light(&self, x: f64, more: f64) -> [f64; 3] {
         let mean = (self.low + self.high) / 2.0;
         let left = 1.0 - x.abs() / self.width;
         if self.width == 0.0 || left <= 0.0 {
-            return mean;
+            return self.color.light(mean + more);
         }
         let half = (self.high - self.low) / 2.0 * left.powf(self.exponent);
-        if x >= 0.0 { mean + half } else { mean - half }
+        self.color.light(if x >= 0.0 { mean + half } else { mean - half } + more)
     }
 
     fn jumps(&self) -> Vec<(f64, f64)> {
@@ -147,10 +116,6 @@ kind! {
 const HALF_ARC: f64 = std::f64::consts::FRAC_PI_3;
 
 impl Cylinder {
-    fn contradictions(&self) -> Option<ParameterError> {
-        low_above_high(Self::PARAMETERS, self.low, self.high)
-    }
-
     /// Angle of edge `i` of 0…facets.
     fn angle(&self, i: u32) -> f64 {
         HALF_ARC * (2.0 * f64::from(i) / f64::from(self.facets) - 1.0)
@@ -181,30 +146,23 @@ impl Cylinder {
     }
 }
 
-impl Profile for Cylinder {
-    fn orientation_deg(&self) -> f64 {
-        self.orientation_deg
-    }
-
-    fn weights(&self) -> [f64; 3] {
-        self.color.rgb()
-    }
-
-    fn luminance(&self, x: f64) -> f64 {
+impl Profile for &Cylinder {
+    fn light(&self, x: f64, more: f64) -> [f64; 3] {
         let x = x.clamp(-0.5, 0.5);
         let facet = self.facet(x);
         let (left, right) = (self.place(facet), self.place(facet + 1));
         let t = ((x - left) / (right - left)).clamp(0.0, 1.0);
         let (before, after) = (self.angle(facet), self.angle(facet + 1));
         let mix = |a: f64, b: f64| (1.0 - t) * a + t * b;
-        match self.shading {
+        let luminance = match self.shading {
             Shading::Flat => self.flat(facet),
             Shading::Gouraud => mix(self.lit(before.cos()), self.lit(after.cos())),
             Shading::Phong => {
                 let (toward, aside) = (mix(before.cos(), after.cos()), mix(before.sin(), after.sin()));
                 self.lit(toward / toward.hypot(aside))
             }
-        }
+        };
+        self.color.light(luminance + more)
     }
 
     fn jumps(&self) -> Vec<(f64, f64)> {

@@ -1,8 +1,10 @@
 //! How a ramp passes from the light of one plateau to that of the other: Shoaff §2.2.9.
 
 use super::{color::StimulusColor, parameter::text_field};
-use crate::light::color::{LAB_DELTA, Lab, Primaries, cube_roots, lab_from_xyz, xyz_from_lab};
-use crate::light::color_models::{Hsv, hsv_from_rgb, rgb_from_hsv, wrapped_deg};
+use crate::light::color::{
+    LAB_DELTA, WHITE, cube_roots, hsv_from_rgb, hue, lab_from_xyz, rgb_from_hsv, rgb_from_xyz, wrapped_deg,
+    xyz_from_lab, xyz_from_rgb,
+};
 use crate::light::names::named;
 
 named! {
@@ -36,39 +38,34 @@ impl RampSpace {
 pub struct Between {
     low: [f64; 3],
     high: [f64; 3],
-    course: Course,
-}
-
-/// Which way from one light to another.
-#[derive(Clone, Copy, Debug)]
-enum Course {
-    Rgb,
-    /// From `low` by `arc` degrees.
-    Hsv {
-        low: Hsv,
-        high: Hsv,
-        arc: f64,
-    },
-    Lab {
-        low: Lab,
-        high: Lab,
-    },
+    space: RampSpace,
+    /// The low plateau in the space, and the way from there to the high one.
+    from: [f64; 3],
+    way: [f64; 3],
 }
 
 impl Between {
     /// Between two colors at the luminances `low` and `high`.
     pub fn new(color: StimulusColor, low: f64, color_high: StimulusColor, high: f64, space: RampSpace) -> Self {
-        let ends = [(color, low), (color_high, high)].map(|(color, level)| color.rgb().map(|weight| weight * level));
-        let course = match space {
-            _ if ends[0] == ends[1] => Course::Rgb,
-            RampSpace::Rgb => Course::Rgb,
-            RampSpace::Hsv => hsv_course(color, low, color_high, high),
-            RampSpace::Lab => {
-                let [low, high] = ends.map(|rgb| lab_from_xyz(Primaries::SRGB.xyz_from_rgb(rgb), WHITE));
-                Course::Lab { low, high }
-            }
+        let lights = [color.light(low), color_high.light(high)];
+        let space = if lights[0] == lights[1] { RampSpace::Rgb } else { space };
+        let ends = match space {
+            RampSpace::Rgb => lights,
+            // Of the colors, so that black keeps its hue and saturation.
+            RampSpace::Hsv => [(color, low), (color_high, high)].map(|(color, level)| {
+                let [hue, saturation, value] = hsv_from_rgb(color.rgb());
+                [hue, saturation, value * level]
+            }),
+            RampSpace::Lab => lights.map(|rgb| lab_from_xyz(xyz_from_rgb(rgb))),
         };
-        Self { low: ends[0], high: ends[1], course }
+        let (mut from, mut way) = (ends[0], [0, 1, 2].map(|i| ends[1][i] - ends[0][i]));
+        if space == RampSpace::Hsv {
+            let [low, high] = [color, color_high].map(|color| hue(color.rgb()));
+            from[0] = low.or(high).unwrap_or(0.0);
+            let turn = wrapped_deg(high.unwrap_or(from[0]) - from[0]);
+            way[0] = if turn > 180.0 { turn - 360.0 } else { turn };
+        }
+        Self { low: lights[0], high: lights[1], space, from, way }
     }
 
     /// The light `part` of the way from low, at 0, to high, at 1; each channel 0…1.
@@ -80,21 +77,11 @@ impl Between {
         if part >= 1.0 {
             return self.high;
         }
-        let rgb = match self.course {
-            Course::Rgb => [0, 1, 2].map(|channel| mix(self.low[channel], self.high[channel], part)),
-            Course::Hsv { low, high, arc } => rgb_from_hsv(Hsv {
-                hue: low.hue.map(|hue| hue + arc * part),
-                saturation: mix(low.saturation, high.saturation, part),
-                value: mix(low.value, high.value, part),
-            }),
-            Course::Lab { low, high } => {
-                let lab = Lab {
-                    lightness: mix(low.lightness, high.lightness, part),
-                    a: mix(low.a, high.a, part),
-                    b: mix(low.b, high.b, part),
-                };
-                Primaries::SRGB.rgb_from_xyz(xyz_from_lab(lab, WHITE))
-            }
+        let point = [0, 1, 2].map(|i| self.from[i] + self.way[i] * part);
+        let rgb = match self.space {
+            RampSpace::Rgb => point,
+            RampSpace::Hsv => rgb_from_hsv(point),
+            RampSpace::Lab => rgb_from_xyz(xyz_from_lab(point)),
         };
         rgb.map(|value| value.clamp(0.0, 1.0))
     }
@@ -108,46 +95,26 @@ impl Between {
 
     /// The most that each channel can change, per part of the way.
     fn steepness(&self) -> [f64; 3] {
-        match self.course {
-            Course::Rgb => [0, 1, 2].map(|channel| (self.high[channel] - self.low[channel]).abs()),
-            Course::Hsv { low, high, arc } => {
+        let (from, way) = (self.from, self.way.map(f64::abs));
+        let to = [0, 1, 2].map(|i| from[i] + self.way[i]);
+        match self.space {
+            RampSpace::Rgb => way,
+            RampSpace::Hsv => {
                 // Every channel is V, V(1−S), or V(1−S·t) with t the sixth of a turn, or 1 − t.
-                let (value, saturation) = (low.value.max(high.value), low.saturation.max(high.saturation));
-                let most = (high.value - low.value).abs()
-                    + value * (high.saturation - low.saturation).abs()
-                    + value * saturation * arc.abs() / 60.0;
-                [most; 3]
+                let (value, saturation) = (from[2].max(to[2]), from[1].max(to[1]));
+                [way[2] + value * way[1] + value * saturation * way[0] / 60.0; 3]
             }
-            Course::Lab { low, high } => {
+            RampSpace::Lab => {
                 // Every channel is a sum of cubes, or of straight lines no steeper than these where the cubes begin, of the
                 // cube roots of X, Y and Z; they are straight in Lab.
-                let [from, to] = [low, high].map(cube_roots);
+                let [from, to] = [from, to].map(cube_roots);
                 let steepest = [0, 1, 2].map(|i| {
                     let root = from[i].abs().max(to[i].abs()).max(LAB_DELTA);
                     WHITE[i] * 3.0 * root * root * (to[i] - from[i]).abs()
                 });
-                let channels = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-                let by_xyz = channels.map(|xyz| Primaries::SRGB.rgb_from_xyz(xyz));
+                let by_xyz = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(rgb_from_xyz);
                 [0, 1, 2].map(|channel| (0..3).map(|i| by_xyz[i][channel].abs() * steepest[i]).sum())
             }
         }
     }
 }
-
-/// HSV of the colors at their full, and from it that of the lights: black keeps hue and saturation.
-fn hsv_course(color: StimulusColor, low: f64, color_high: StimulusColor, high: f64) -> Course {
-    let [mut low, mut high] = [(color, low), (color_high, high)].map(|(color, level)| {
-        let hsv = hsv_from_rgb(color.rgb());
-        Hsv { value: hsv.value * level, ..hsv }
-    });
-    low.hue = low.hue.or(high.hue);
-    high.hue = high.hue.or(low.hue);
-    let turn = wrapped_deg(high.hue.unwrap_or(0.0) - low.hue.unwrap_or(0.0));
-    Course::Hsv { low, high, arc: if turn > 180.0 { turn - 360.0 } else { turn } }
-}
-
-fn mix(from: f64, to: f64, part: f64) -> f64 {
-    from + (to - from) * part
-}
-
-const WHITE: [f64; 3] = Primaries::SRGB.white_xyz();

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::{
     color::{self, StimulusColor},
     drawing::Area,
-    parameter::{ParameterError, Range, kind, low_above_high, text_field},
+    parameter::{ParameterError, Range, kind, text_field},
     shot::{Renderer, Shot},
 };
 use crate::{
@@ -55,7 +55,7 @@ kind! {
     /// The surface has `low` where the lamp does not reach and `high` where it falls straight on it; a highlight adds
     /// up to `highlight`. Rendered in linear light by the plain f64 reference, so that equal parameters give equal
     /// bytes on every machine.
-    ShadedMesh = "shaded-mesh" {
+    ShadedMesh = "shaded-mesh" where contradictions {
         shader: Shader = Shader::Gouraud, Range::Any, "", "How light is spread over the triangles", "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch", ["flat", "gouraud", "phong", "exact", "cut", "patch"];
         depth: Depth = Depth::Finite(3), Range::Any, "", "Continuity depth n of the strips at the edges", "a whole number from 1 to 32, or inf", ["1", "3", "5"];
         boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; above 1/3 only cut differs", ["0.05", "0.2", "0.33"];
@@ -99,7 +99,7 @@ impl ShadedMesh {
                     .error(self.highlight, "and high are above 1 together: clipped light has edges of its own"),
             );
         }
-        low_above_high(Self::PARAMETERS, self.low, self.high)
+        None
     }
 
     /// The shader with its options.

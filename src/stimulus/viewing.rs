@@ -4,7 +4,9 @@ use super::catalog::Stimulus;
 use crate::{
     light::LinearImage,
     shading::{Frame, coverage},
-    vision::{Border, Eye, Line, LinePrediction, Picture, PicturePrediction, Visibility, VisionError, luminance, luminances},
+    vision::{
+        Border, Eye, Line, LinePrediction, Picture, PicturePrediction, Visibility, VisionError, luminance, luminances,
+    },
 };
 
 /// An eye is set for no less, cd/m²: a black window is no world.
@@ -102,7 +104,8 @@ impl ViewingConditions {
     fn see_part(&self, image: &LinearImage, mask: Option<&[bool]>) -> Result<PicturePrediction, VisionError> {
         let light = luminances(image);
         let (width, height) = (image.width as usize, image.height as usize);
-        Picture { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }.predict(&self.eye(&light))
+        Picture { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }
+            .predict(&self.eye(&light))
     }
 
     fn eye(&self, light: &[f64]) -> Eye {

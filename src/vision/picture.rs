@@ -108,7 +108,12 @@ impl Picture<'_> {
             let amounts = ridges.iter().map(|ridge| ridge.strength * ridge.length_px / self.px_per_deg);
             amounts.sum::<f64>() / area
         };
-        PicturePrediction { bands, visibility: Visibility::over(&channels), density: pooled(seen.iter().map(amount)), map }
+        PicturePrediction {
+            bands,
+            visibility: Visibility::over(&channels),
+            density: pooled(seen.iter().map(amount)),
+            map,
+        }
     }
 
     fn bands(&self, seen: &[Vec<Ridge>]) -> Vec<Band> {

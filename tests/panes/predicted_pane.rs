@@ -12,7 +12,7 @@ use machband::{
     app::{App, Launch, explore::shading::Comparison},
     light::LinearImage,
     shading::{Reference, Surface},
-    stimulus::{MachBand, Renderer, ViewingConditions, Stimulus, catalog},
+    stimulus::{MachBand, Renderer, Stimulus, ViewingConditions, catalog},
     vision::{Criterion, Visibility},
 };
 

@@ -1,9 +1,9 @@
 //! The interpolation, the transfer functions and the way from light to codes, against other
 //! implementations and against what must be true of them.
 
-use machband::light::transfer::{equal_brightness_levels, nearest_equal_brightness_level};
 use machband::light::interpolation::{TANH_K, coefficients};
 use machband::light::quantize::reference_code;
+use machband::light::transfer::{equal_brightness_levels, nearest_equal_brightness_level};
 use machband::light::{
     Bits, Depth, DepthError, Dither, Interpolation, LinearImage, Quantizer, Transfer, TransferError, TransferTable,
     Transfers,
