@@ -3,7 +3,7 @@
 //!
 //! `cargo test --test dither -- --nocapture` prints the figures.
 
-use super::draw::Draw as _;
+use super::Draw as _;
 use std::sync::LazyLock;
 
 use machband::light::dither::{MASK_SIZE, mask};

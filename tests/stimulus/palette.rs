@@ -1,6 +1,6 @@
 //! Palettes: what each reducer leaves, and that it is the same every time.
 
-use super::draw::Draw as _;
+use super::Draw as _;
 use machband::light::palette::{IndexedImage, PaletteError, Reducer, reduce};
 use machband::light::{Bits, CodeImage, Depth, Quantizer, Samples, Transfer};
 use machband::stimulus::MachBand;

@@ -1,6 +1,6 @@
 //! The model of vision against what is known of Mach bands, each fact with its source; and against itself.
 
-use super::draw::Draw as _;
+use super::Draw as _;
 use machband::{
     light::Depth,
     stimulus::{MachBand, Stimulus, place},
