@@ -8,20 +8,22 @@ const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/results/README.md");
 fn dictionary() -> String {
     let mut text = String::from(
         "# Results\n\n\
-         Sessions are recorded here unless told otherwise (`--results DIR`): one folder an experiment, each a Psych-DS data set.\n\n\
+         Sessions are recorded here unless you choose another folder (`--results DIR`). Each experiment has one folder, which is a\n\
+         Psych-DS data set.\n\n\
          ```\n\
          results/EXPERIMENT/dataset_description.json                         name, description, every column; people add author, license, …\n\
-         results/EXPERIMENT/README.md, CHANGES.md                            what this is; what was changed by hand\n\
-         results/EXPERIMENT/.psychds-ignore, .psychdsignore                  what is no data, under both names that are in use\n\
-         results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_data.csv    one row a trial, on disk before the next trial is shown\n\
+         results/EXPERIMENT/README.md, CHANGES.md                            a description; manual changes\n\
+         results/EXPERIMENT/.psychds-ignore, .psychdsignore                  files that are not data, under both names in use\n\
+         results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_data.csv    one row per trial, on disk before the next trial is shown\n\
          results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_data.json   the sidecar: definition, seed, program, screen, geometry, frames, columns, hashes of the pictures, the seal\n\
-         results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_frames.csv  every frame interval in microseconds, one row for what stood on the screen\n\
+         results/EXPERIMENT/data/subject-ID_session-ID_task-NAME_frames.csv  every frame interval in microseconds, one row per screen content\n\
          ```\n\n\
-         The seal is the hashes of a session's files at its end: by it and the pictures' hashes `machband verify` proves a session.\n\
-         `machband export` writes other forms; docs/data.md describes them.\n\n\
+         The seal contains the hashes of a session's files at its end. `machband verify` uses the seal and the hashes of the\n\
+         pictures to verify a session.\n\
+         `machband export` writes other formats; see [The data](../docs/data.md).\n\n\
          NAME is the experiment's name without hyphens. Missing values are empty. A corrected response is a new row with\n\
-         `attempt` + 1; the last attempt counts. A factor without a column below has one of its own name, after `seed`;\n\
-         files of earlier versions end before some of the columns after that.\n\n\
+         `attempt` + 1; the last attempt counts. A factor that is not listed below has a column of its own name, after `seed`;\n\
+         files from earlier versions may lack some of the last columns.\n\n\
          | column | unit | what |\n|---|---|---|\n",
     );
     for column in columns(&definition::open("bangay2003").unwrap()) {
