@@ -9,7 +9,7 @@ use machband::{
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Everything in linear light: a smooth gray ramp over half the window, turned by 30°.
+    // Everything is in linear light: a smooth gray ramp over half the window, rotated by 30°.
     let ramp = MachBand {
         width: 0.5,
         depth: Depth::finite(3)?,
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Err(faults[0].clone().into());
     }
 
-    // What the display makes of it. The dither keeps the shallow ramp free of steps.
+    // Conversion to display codes. The dither keeps the shallow ramp free of steps.
     let recipe = Recipe {
         stimulus: Stimulus::MachBand(ramp),
         size: 512,
@@ -33,6 +33,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let path = Path::new("stimulus.png");
     image::write_recipe(path, &recipe, &recipe.quantizer())?;
-    println!("{} written; the same by command:\n{}", path.display(), recipe.command());
+    println!("{} written; this command writes the same image:\n{}", path.display(), recipe.command());
     Ok(())
 }

@@ -1,5 +1,5 @@
 #![no_main]
-//! The fuzzer of the target that has this program's name.
+//! Fuzzes the target that has the same name as this program.
 
 #[path = "targets.rs"]
 mod targets;

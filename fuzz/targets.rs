@@ -1,7 +1,7 @@
-//! Everything that reads a file from elsewhere, fed with anything. Each target takes the content of a file and panics
-//! where something is wrong: the reader did, an error says nothing, or what was read does not come back when written.
+//! Targets for every reader of files from other sources. Each target takes the content of a file. It panics if the reader
+//! panics, if an error has no message, or if data changes when it is written and read again.
 //!
-//! The fuzzers run these with what they invent, `tests/store/fuzz_corpus.rs` with what they have found.
+//! The fuzzers run the targets with generated input, and `tests/store/fuzz_corpus.rs` runs them with the saved input.
 #![allow(dead_code, reason = "a fuzzer has one of the targets")]
 
 use std::{fmt::Debug, path::PathBuf, sync::LazyLock};
@@ -35,11 +35,11 @@ pub fn definition(content: &[u8]) {
     let again = definition::from_json("fuzz.json", &written).unwrap();
     assert_eq!(definition::hash(&again), definition::hash(&protocol));
     let someone = Identity::new("S001", "1").unwrap();
-    // Looking for an order with max_run is given up after about a second, which the sanitizer makes ten.
+    // The search for an order with max_run stops after about a second, which is ten seconds with the sanitizer.
     if protocol.design.max_run.is_some() {
         return;
     }
-    // A design that cannot be ordered says so; one that can plans every trial once.
+    // A design without a possible order gives an error; any other design plans every trial once.
     if let Ok(schedule) = Schedule::new(&protocol, &someone, 1) {
         assert_eq!(schedule.trials.len(), protocol.design.practice as usize + protocol.main_trials());
     }
@@ -105,7 +105,7 @@ pub fn obj(content: &[u8]) {
     assert!(mesh.triangles.iter().flatten().all(|corner| (*corner as usize) < corners));
 }
 
-/// An image, as `check` proves it and as `predict` looks at it.
+/// An image, as `check` verifies it and as `predict` reads it.
 pub fn png(content: &[u8]) {
     told(image::prove_content("fuzz.png", content));
     if let Some(image) = told(image::parse_light("fuzz.png", content, &Transfer::Srgb.into())) {
@@ -120,12 +120,12 @@ pub fn observer(content: &[u8]) {
     told(observer::parse_vision("fuzz.toml", text));
 }
 
-/// Other bytes never reach the readers of text.
+/// Invalid UTF-8 never reaches the readers of text.
 fn text(content: &[u8]) -> Option<&str> {
     std::str::from_utf8(content).ok()
 }
 
-/// What was read; where nothing was, that is said.
+/// Returns the result. If there is none, checks that the error has a message.
 fn told<T: Debug>(read: Result<T, FileFaults>) -> Option<T> {
     match read {
         Ok(read) => Some(read),
@@ -140,7 +140,7 @@ fn told<T: Debug>(read: Result<T, FileFaults>) -> Option<T> {
     }
 }
 
-/// A file of this process' own, in memory where the system offers that.
+/// A file that only this process uses, in memory if the system supports that.
 fn temporary(extension: &str) -> PathBuf {
     let memory = PathBuf::from("/dev/shm");
     let folder = if memory.is_dir() { memory } else { std::env::temp_dir() };

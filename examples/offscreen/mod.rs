@@ -1,4 +1,4 @@
-//! What both shader examples need around their shader: two triangles, drawn off screen into one byte a pixel.
+//! Shared by both shader examples: draws two triangles off screen, with one byte per pixel.
 
 use std::borrow::Cow;
 
@@ -6,16 +6,16 @@ use glam::{DMat3, DVec2, DVec3};
 use machband::shading::{Across, Frame, FrameTriangle, FrameVertex, Lighting, View};
 use wgpu::util::DeviceExt as _;
 
-/// Side of the picture, pixels.
+/// Side of the image, in pixels.
 pub const SIZE: u32 = 256;
 
-/// A kite of two triangles ABC and DCB over the edge BC. Places in pixels from the top left, and lights.
+/// A kite of two triangles, ABC and DCB, that share the edge BC: positions in pixels from the top left, and light values.
 pub const CORNERS: [([f32; 2], f32); 4] =
     [([40.0, 30.0], 0.35), ([30.0, 170.0], 0.75), ([220.0, 60.0], 0.8), ([200.0, 230.0], 0.3)];
-/// Counter-clockwise as the eye sees it, each triangle's corners.
+/// The corners of each triangle, counterclockwise as seen by the viewer.
 pub const TRIANGLES: [[usize; 3]; 2] = [[0, 1, 2], [3, 2, 1]];
 
-/// The parts around a shader: `constants` holds `N` numbers a triangle, and `light_of(weights, base)` the light.
+/// The code around a shader: `constants` contains `N` numbers per triangle, and `light_of(weights, base)` computes the light.
 const AROUND: &str = "
 @group(0) @binding(0) var<storage, read> constants: array<f32>;
 struct Vertex { @builtin(position) place: vec4f, @location(0) @interpolate(linear) weights: vec3f,
@@ -27,7 +27,7 @@ struct Vertex { @builtin(position) place: vec4f, @location(0) @interpolate(linea
 @fragment fn fragment(in: Vertex) -> @location(0) vec4f { return vec4f(light_of(in.weights, in.triangle * N)); }
 ";
 
-/// The kite as the library knows it.
+/// The kite as a library mesh.
 pub fn frame() -> Frame {
     let vertex = |(place, light): ([f32; 2], f32)| FrameVertex {
         screen: DVec2::from(place.map(f64::from)),
@@ -61,8 +61,8 @@ pub fn frame() -> Frame {
     }
 }
 
-/// Draws the kite with `shader`, of which every triangle has `count` of the `constants`; one byte a pixel in linear
-/// light, row by row from the top, 0 outside. `depth` is n of the strips. `None` where there is no graphics adapter.
+/// Draws the kite with `shader`, which uses `count` of the `constants` per triangle. Returns one byte per pixel in linear
+/// light, row by row from the top, and 0 outside; `None` if there is no graphics adapter. `depth` is n of the strips.
 pub fn draw(shader: &str, depth: u8, constants: &[f32], count: usize) -> Option<Vec<u8>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
@@ -157,7 +157,7 @@ pub fn draw(shader: &str, depth: u8, constants: &[f32], count: usize) -> Option<
     Some(bytes.slice(..).get_mapped_range().ok()?.to_vec())
 }
 
-/// Barycentric weights of the pixel at column `x` and row `y` in triangle `triangle`, if it is in it.
+/// Barycentric weights in triangle `triangle` of the pixel at column `x` and row `y`, if the pixel is inside.
 pub fn weights(triangle: usize, x: u32, y: u32) -> Option<[f64; 3]> {
     let p = [f64::from(x) + 0.5, f64::from(y) + 0.5];
     let [a, b, c] = TRIANGLES[triangle].map(|corner| CORNERS[corner].0.map(f64::from));
@@ -167,10 +167,10 @@ pub fn weights(triangle: usize, x: u32, y: u32) -> Option<[f64; 3]> {
     w.iter().all(|w| *w > 1e-3).then_some(w)
 }
 
-/// Compares a picture with the library's light, and says how far they are apart.
+/// Compares an image with the library's, and prints the largest difference.
 pub fn compare(name: &str, drawn: Option<Vec<u8>>, light: impl Fn(usize, [f64; 3]) -> f64) {
     let Some(drawn) = drawn else {
-        println!("{name}: SKIPPED, no graphics adapter; the constants above are all that the shader needs");
+        println!("{name}: SKIPPED, because there is no graphics adapter; the shader needs only the constants above");
         return;
     };
     let mut largest = 0.0_f64;
@@ -182,6 +182,6 @@ pub fn compare(name: &str, drawn: Option<Vec<u8>>, light: impl Fn(usize, [f64; 3
             }
         }
     }
-    println!("{name}: drawn by the graphics adapter within {largest:.2} of a code of the library's f64 reference");
+    println!("{name}: the image is within {largest:.2} of a code of the f64 reference");
     assert!(largest < 1.0, "the shader and the reference differ");
 }
