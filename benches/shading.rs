@@ -10,7 +10,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::DVec3;
 use machband::light::Transfer;
-use machband::shading::{Encoder, Frame, Lighting, Prepared, Shade, Shader, Surface, View, shapes};
+use machband::shading::{Encoder, Frame, Lighting, Mesh, Prepared, Shade, Shader, Surface, View};
 
 const SIZE: u32 = 1024;
 const PIXELS: usize = SIZE as usize * SIZE as usize;
@@ -21,11 +21,23 @@ fn main() {
 
 /// A jittered grid of `columns` × `rows` × 2 triangles over the whole window, its normals those of gentle hills.
 fn grid(columns: usize, rows: usize, color: DVec3) -> Frame {
-    let mut mesh = shapes::jittered_grid(columns, rows, 0.24, |_, _| 0.0).expect("a grid");
-    for vertex in &mut mesh.vertices {
-        let p = vertex.position;
-        vertex.normal = DVec3::new(0.5 * (4.0 * p.x).sin(), 0.5 * (3.0 * p.y + p.x).sin(), 1.0).normalize();
-    }
+    // −1…1, without pattern.
+    let noise = |i: usize| (i as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) as i64 as f64 / (1u64 << 63) as f64;
+    let along = |step: usize, steps: usize, noise: f64| {
+        let moved = if step == 0 || step == steps { 0.0 } else { 0.24 * noise };
+        (step as f64 + moved) / steps as f64 * 2.0 - 1.0
+    };
+    let place = |i: usize| {
+        let (column, row) = (i % (columns + 1), i / (columns + 1));
+        DVec3::new(along(column, columns, noise(2 * i)), along(row, rows, noise(2 * i + 1)), 0.0)
+    };
+    let places: Vec<DVec3> = (0..(columns + 1) * (rows + 1)).map(place).collect();
+    let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (row * (columns + 1) + column) as u32));
+    let above = columns as u32 + 1;
+    let triangles: Vec<[u32; 3]> =
+        cells.flat_map(|a| [[a, a + 1, a + above + 1], [a, a + above + 1, a + above]]).collect();
+    let mesh = Mesh::new(&places, &triangles, 180.0).expect("a grid");
+    let mesh = mesh.with_normals(|p| DVec3::new(0.5 * (4.0 * p.x).sin(), 0.5 * (3.0 * p.y + p.x).sin(), 1.0));
     // The square's corners are on the bounding sphere.
     let view = View { fill: std::f64::consts::SQRT_2, ..View::square(SIZE) };
     Frame::new(&Surface::new(mesh), &view, &Lighting::standard().with_color(color), DVec3::ZERO)

@@ -41,7 +41,6 @@ pub fn frame() -> Frame {
     // The two triangles share their first edge.
     let triangle = |t: usize| FrameTriangle {
         vertices: TRIANGLES[t].map(|v| v as u32),
-        source: t as u32,
         normal: DVec3::Z,
         across: [
             Across::Triangle { triangle: 1 - t as u32, apex: TRIANGLES[1 - t][0] as u32 },

@@ -143,7 +143,7 @@ fn patch_leaves_a_thousandth_at_most_and_one_slope_at_a_vertex() {
         let reference = Reference::new(frame, shade);
         let spreads = crease::at_vertices(frame, |t, w| reference.light(t, w));
         assert!(spreads.len() > 100);
-        (spreads.iter().map(|v| v.spread * v.spread).sum::<f64>() / spreads.len() as f64).sqrt()
+        (spreads.iter().map(|spread| spread * spread).sum::<f64>() / spreads.len() as f64).sqrt()
     };
     for (name, frame) in scenes() {
         for &gradients in Gradients::ALL {

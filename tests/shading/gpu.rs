@@ -6,7 +6,7 @@ use machband::{
     shading::{
         Correction, Frame, FrameVertex, Gradients, Lamp, LampPlace, Lighting, Mesh, Reference, Shade, Shader, Specular,
         Surface, View, coverage,
-        gpu::{self, Gpu, GpuError},
+        gpu::{Gpu, GpuError},
         lighting::{Facets, Microfacets},
         shapes,
     },
@@ -91,7 +91,7 @@ impl Offscreen {
 }
 
 fn card(backend: wgpu::Backends) -> Option<Offscreen> {
-    Offscreen::new(backend, gpu::limits)
+    Offscreen::new(backend, wgpu::Adapter::limits)
 }
 
 /// A wavy sheet: open, both sides seen, folds of it hidden by others.

@@ -251,28 +251,6 @@ fn faults_of_triangles_are_named() {
             "position 2 is not finite or is beyond ±1e30; expected three finite numbers within it"
         );
     }
-    assert_eq!(shapes::jittered_grid(0, 3, 0.0, |_, _| 0.0), Err(MeshError::NoTriangles));
-}
-
-#[test]
-fn grid_is_a_square_whose_pairs_are_parallelograms() {
-    let flat = shapes::jittered_grid(28, 28, 0.0, |x, y| 0.3 * x - 0.1 * y).unwrap();
-    assert_eq!(flat.triangles.len(), 1568);
-    let edges = Edges::of(&flat);
-    for edge in &edges.edges {
-        if let [(t, k), (u, l)] = edge.sides[..] {
-            let apex = |t: u32, k: u8| flat.corners(t as usize)[usize::from(k)];
-            let ends = edge.sites.map(|s| flat.vertices.iter().find(|v| v.site == s).unwrap().position);
-            assert!((apex(t, k) + apex(u, l)).distance(ends[0] + ends[1]) < 1e-12);
-        }
-    }
-    let jittered = shapes::jittered_grid(28, 28, 9.0, |_, _| 0.0).unwrap();
-    let areas: Vec<f64> =
-        (0..1568).map(|t| jittered.corners(t)).map(|[a, b, c]| (b - a).cross(c - a).z / 2.0).collect();
-    assert!(areas.iter().all(|a| *a > 0.0) && (areas.iter().sum::<f64>() - 4.0).abs() < 1e-12);
-    let spread = areas.iter().map(|a| (a * 392.0 / 2.0 - 0.5).abs()).fold(0.0, f64::max);
-    assert!(spread > 0.1, "hardly moved: {spread}");
-    assert_eq!(jittered, shapes::jittered_grid(28, 28, 9.0, |_, _| 0.0).unwrap());
 }
 
 /// The round shapes' normals are those of the surface: across it, as its neighboring places tell ever better.

@@ -36,12 +36,8 @@ pub fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Ligh
             _ => Across::Several,
         }
     };
-    let triangle = |t: usize| FrameTriangle {
-        vertices: triangles[t],
-        source: t as u32,
-        normal: DVec3::Z,
-        across: [0, 1, 2].map(|k| across(t, k)),
-    };
+    let triangle =
+        |t: usize| FrameTriangle { vertices: triangles[t], normal: DVec3::Z, across: [0, 1, 2].map(|k| across(t, k)) };
     Frame {
         width: 200,
         height: 200,

@@ -58,12 +58,31 @@ pub fn run(is_default: bool) -> Result<(), Box<dyn Error>> {
 
 /// A wavy sheet with triangles of many shapes and the normals of the waves.
 fn waves(cells: usize, jitter: f64) -> Result<Mesh, Box<dyn Error>> {
-    let mesh =
-        shapes::jittered_grid(cells, cells, jitter, |x, y| 0.25 * (2.2 * x + 0.5).sin() * (1.9 * y - 0.4).cos())?;
-    Ok(mesh.with_normals(|p| {
+    let along = |step: usize, at: u64| {
+        let moved = if step == 0 || step == cells { 0.0 } else { jitter * noise(at) };
+        (step as f64 + moved) / cells as f64 * 2.0 - 1.0
+    };
+    let place = |i: usize| {
+        let (x, y) = (along(i % (cells + 1), 2 * i as u64), along(i / (cells + 1), 2 * i as u64 + 1));
+        DVec3::new(x, y, 0.25 * (2.2 * x + 0.5).sin() * (1.9 * y - 0.4).cos())
+    };
+    let places: Vec<DVec3> = (0..(cells + 1).pow(2)).map(place).collect();
+    let above = cells as u32 + 1;
+    let corners = (0..cells as u32).flat_map(|row| (0..cells as u32).map(move |column| row * above + column));
+    let triangles: Vec<[u32; 3]> =
+        corners.flat_map(|a| [[a, a + 1, a + above + 1], [a, a + above + 1, a + above]]).collect();
+    Ok(Mesh::new(&places, &triangles, 180.0)?.with_normals(|p| {
         let ((up, along), (down, across)) = ((2.2 * p.x + 0.5).sin_cos(), (1.9 * p.y - 0.4).sin_cos());
         DVec3::new(-0.25 * 2.2 * along * across, 0.25 * 1.9 * up * down, 1.0)
     }))
+}
+
+/// −1…1, the same for the same number, without pattern (SplitMix64).
+fn noise(at: u64) -> f64 {
+    let mut z = at.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (z ^ (z >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
 }
 
 struct Subject {

@@ -127,5 +127,5 @@ fn ratio(value: f64) -> String {
 fn spread(frame: &Frame, shade: &Shade) -> f64 {
     let reference = Reference::new(frame, shade);
     let vertices = crease::at_vertices(frame, |triangle, weights| reference.light(triangle, weights));
-    (vertices.iter().map(|v| v.spread * v.spread).sum::<f64>() / vertices.len() as f64).sqrt()
+    (vertices.iter().map(|spread| spread * spread).sum::<f64>() / vertices.len() as f64).sqrt()
 }

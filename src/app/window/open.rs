@@ -15,7 +15,6 @@ use super::{
     input::{Input, Stamps},
     program::{Program, Shared},
 };
-use crate::shading::gpu;
 
 /// Least size of the window, outside sessions, in points.
 pub const LEAST_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
@@ -52,7 +51,7 @@ fn options(fullscreen: bool) -> NativeOptions {
     if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
         setup.device_descriptor = Arc::new(|adapter| DeviceDescriptor {
             label: Some("machband"),
-            required_limits: gpu::limits(adapter),
+            required_limits: adapter.limits(),
             ..Default::default()
         });
     }

@@ -27,7 +27,7 @@ pub struct Bend {
 }
 
 /// A corner: where it is on the screen, and its light.
-pub type Corner = (DVec2, DVec3);
+type Corner = (DVec2, DVec3);
 
 /// Where the perpendicular from `p` meets the line from `b` (0) to `c` (1); 0 if they are one place.
 fn foot(p: DVec2, b: DVec2, c: DVec2) -> f64 {
@@ -45,8 +45,7 @@ fn excess(apex: DVec3, s: f64, b: DVec3, c: DVec3) -> DVec3 {
 /// the triangle with apex `d`:
 /// `c = −(h_D·a_A + h_A·a_D)/(h_A + h_D)`, h the heights over the edge. `None` if either has no height, or they lie on
 /// one side.
-#[must_use]
-pub fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend)> {
+fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend)> {
     // Twice the areas: heights in units of the edge.
     let (ha, hd) = (Frame::area2(a.0, b.0, c.0), Frame::area2(d.0, c.0, b.0));
     if !(ha > 0.0 && hd > 0.0) {
@@ -62,15 +61,10 @@ pub fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend
 
 /// The constants of an edge at which every triangle is to arrive with no slope across: `c = I_BC(s_A) − I_A`. Used for
 /// edges of three triangles and more.
-#[must_use]
-pub fn level(a: Corner, b: Corner, c: Corner) -> Bend {
+fn level(a: Corner, b: Corner, c: Corner) -> Bend {
     let s = foot(a.0, b.0, c.0);
-    let (start, end) = reach(s);
+    let (start, end) = (s.max(LEAST_REACH), (1.0 - s).max(LEAST_REACH));
     Bend { c: excess(a.1, s, b.1, c.1) * -1.0, foot: s, start, end }
-}
-
-fn reach(s: f64) -> (f64, f64) {
-    (s.max(LEAST_REACH), (1.0 - s).max(LEAST_REACH))
 }
 
 /// The constants of every edge of every triangle of `frame`; edge k is opposite corner k. Computed from the side of the
@@ -86,33 +80,17 @@ pub fn bends(frame: &Frame) -> Vec<[Bend; 3]> {
             let level = level(corners[k], corners[i], corners[j]);
             match triangle.across[k] {
                 Across::Several => level,
-                // That across a triangle follows, when both sides are there.
+                // That across a triangle follows.
                 Across::Nothing | Across::Triangle { .. } => Bend { c: DVec3::ZERO, ..level },
             }
         }));
     }
-    for (t, triangle) in frame.triangles.iter().enumerate() {
-        for k in 0..3 {
-            let Across::Triangle { triangle: u, apex } = triangle.across[k] else { continue };
-            let Some(their_edge) = edge_back(frame, t, u as usize, apex) else { continue };
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let [a, b, c] = [k, i, j].map(|k| corner(triangle.vertices[k]));
-            if t < u as usize
-                && let Some((ours, theirs)) = between(a, b, c, corner(apex))
-            {
-                bends[t][k] = ours;
-                bends[u as usize][their_edge] = theirs;
-            }
+    for [(t, k), (u, l)] in frame.shared_edges() {
+        let vertices = frame.triangles[t].vertices;
+        let [a, b, c] = [k, (k + 1) % 3, (k + 2) % 3].map(|k| corner(vertices[k]));
+        if let Some((ours, theirs)) = between(a, b, c, corner(frame.triangles[u].vertices[l])) {
+            (bends[t][k], bends[u][l]) = (ours, theirs);
         }
     }
     bends
-}
-
-/// Which edge of triangle `u`, opposite its vertex `apex`, has triangle `t` across it.
-fn edge_back(frame: &Frame, t: usize, u: usize, apex: u32) -> Option<usize> {
-    let theirs = frame.triangles.get(u)?;
-    (0..3).find(|&k| {
-        theirs.vertices[k] == apex
-            && matches!(theirs.across[k], Across::Triangle { triangle, .. } if triangle as usize == t)
-    })
 }

@@ -25,8 +25,10 @@ use super::{
 /// The cubics of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patches {
-    gradients: Vec<Gradient>,
-    control: Vec<ControlPoints>,
+    /// The gradient at each of [`Frame::vertices`]; zero at those of no triangle that is drawn.
+    pub gradients: Vec<Gradient>,
+    /// The Bézier ordinates of each of [`Frame::triangles`].
+    pub control_points: Vec<ControlPoints>,
 }
 
 impl Patches {
@@ -45,7 +47,7 @@ impl Patches {
         gradients.resize(frame.vertices.len(), [DVec2::ZERO; 3]);
         let centroids: Vec<DVec2> =
             (0..frame.triangles.len()).map(|t| centroid(frame.corners(t).map(|v| v.screen))).collect();
-        let control = frame
+        let control_points = frame
             .triangles
             .par_iter()
             .enumerate()
@@ -63,19 +65,7 @@ impl Patches {
                 )
             })
             .collect();
-        Patches { gradients, control }
-    }
-
-    /// The Bézier ordinates of triangle `triangle` of the frame; see [`ControlPoints`].
-    #[must_use]
-    pub fn control_points(&self, triangle: usize) -> &ControlPoints {
-        &self.control[triangle]
-    }
-
-    /// The gradient at each of [`Frame::vertices`]; zero at those of no triangle that is drawn.
-    #[must_use]
-    pub fn gradients(&self) -> &[Gradient] {
-        &self.gradients
+        Patches { gradients, control_points }
     }
 }
 

@@ -119,8 +119,6 @@ pub struct FrameVertex {
 pub struct FrameTriangle {
     /// Indices into [`Frame::vertices`].
     pub vertices: [u32; 3],
-    /// Which triangle of the mesh this is.
-    pub source: u32,
     /// Unit normal of the face, in eye space, toward the eye.
     pub normal: DVec3,
     /// What lies across each edge.
@@ -248,37 +246,28 @@ impl Frame {
     fn find_triangles(&mut self, surface: &Surface, open: bool) {
         let mesh = &surface.mesh;
         let back = mesh.vertices.len() as u32;
-        // The corners of each triangle of the mesh as drawn: those of its back in reverse.
-        let drawn: Vec<Option<[u32; 3]>> = mesh
+        let mut count = 0;
+        // For each triangle of the mesh its place among the drawn ones and its corners: those of its back in reverse.
+        let drawn: Vec<Option<(u32, [u32; 3])>> = mesh
             .triangles
             .iter()
             .map(|t| {
                 let [a, b, c] = t.map(|v| self.vertices[v as usize].screen);
                 let area = Frame::area2(a, b, c);
+                let is_back = open && area < 0.0;
                 // NaN is no area.
-                if area > 0.0 {
-                    Some(*t)
-                } else if area < 0.0 && open {
-                    Some([t[0] + back, t[2] + back, t[1] + back])
-                } else {
-                    None
-                }
+                (area > 0.0 || is_back).then(|| {
+                    count += 1;
+                    (count - 1, if is_back { [t[0] + back, t[2] + back, t[1] + back] } else { *t })
+                })
             })
             .collect();
-        let mut index = vec![u32::MAX; drawn.len()];
-        let mut next = 0;
-        for (t, corners) in drawn.iter().enumerate() {
-            if corners.is_some() {
-                index[t] = next;
-                next += 1;
-            }
-        }
-        for (t, corners) in drawn.iter().enumerate() {
-            let Some(corners) = *corners else { continue };
-            let flipped = corners[0] >= back;
+        for (t, drawn_as) in drawn.iter().enumerate() {
+            let Some((_, corners)) = *drawn_as else { continue };
+            let is_back = corners[0] >= back;
             let edges = surface.edges.of_triangle[t];
             // The back is the triangle in reverse: its edges 1 and 2 change places.
-            let edges = if flipped { [edges[0], edges[2], edges[1]] } else { edges };
+            let edges = if is_back { [edges[0], edges[2], edges[1]] } else { edges };
             let across = edges.map(|e| {
                 let edge = &surface.edges.edges[e as usize];
                 match edge.kind {
@@ -286,25 +275,30 @@ impl Frame {
                     EdgeKind::Border | EdgeKind::Crease => Across::Nothing,
                     EdgeKind::Smooth => {
                         let (other, k) = edge.sides[usize::from(edge.sides[0].0 == t as u32)];
+                        let apex = mesh.triangles[other as usize][usize::from(k)] + if is_back { back } else { 0 };
                         match drawn[other as usize] {
-                            Some(theirs) if (theirs[0] >= back) == flipped => {
-                                let apex =
-                                    mesh.triangles[other as usize][usize::from(k)] + if flipped { back } else { 0 };
-                                Across::Triangle { triangle: index[other as usize], apex }
-                            }
+                            Some((triangle, theirs)) if theirs.contains(&apex) => Across::Triangle { triangle, apex },
                             _ => Across::Nothing,
                         }
                     }
                 }
             });
             let [a, b, c] = corners.map(|v| self.vertices[v as usize].eye);
-            self.triangles.push(FrameTriangle {
-                vertices: corners,
-                source: t as u32,
-                normal: (b - a).cross(c - a).normalize_or_zero(),
-                across,
-            });
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            self.triangles.push(FrameTriangle { vertices: corners, normal, across });
         }
+    }
+
+    /// Every edge that two triangles share smoothly, once: the triangles, the one that comes first first, and which corner
+    /// of each is opposite the edge.
+    pub(crate) fn shared_edges(&self) -> impl Iterator<Item = [(usize, usize); 2]> + '_ {
+        let sides = (0..self.triangles.len()).flat_map(|t| [(t, 0), (t, 1), (t, 2)]);
+        sides.filter_map(|(t, k)| {
+            let Across::Triangle { triangle, apex } = self.triangles[t].across[k] else { return None };
+            let other = triangle as usize;
+            let opposite = self.triangles[other].vertices.iter().position(|v| *v == apex)?;
+            (t < other).then_some([(t, k), (other, opposite)])
+        })
     }
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::shading::{
     draw::Reference,
-    frame::{Across, Frame},
+    frame::Frame,
     shaders::{Shade, Shader},
 };
 
@@ -55,21 +55,14 @@ impl Creases {
     /// The same with steps that change no weight by more than `step`, 0…1, of the smaller weight at the edge, for
     /// narrow strips.
     fn of_field_at(frame: &Frame, step: f64, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
-        let edges = shared_edges(frame)
-            .into_par_iter()
-            .map(|edge| {
-                let (jump, step) = edge.measure(frame, step, &light);
-                EdgeCrease { triangles: edge.triangles, ends: edge.ends, length: edge.length(frame), jump, step }
-            })
-            .collect();
-        Creases::summed(edges)
+        let shared: Vec<_> = frame.shared_edges().collect();
+        Creases::summed(shared.into_par_iter().map(|sides| measured(frame, sides, step, &light)).collect())
     }
 
     /// The creases that `shade` leaves in `frame`.
     #[must_use]
     pub fn of(frame: &Frame, shade: &Shade) -> Creases {
-        let reference = Reference::new(frame, shade);
-        Creases::of_field_at(frame, step_within(shade), |triangle, weights| reference.light(triangle, weights))
+        Creases::of_encoded(frame, shade, |light| light)
     }
 
     /// The creases that Gouraud's shader leaves in `frame`, for comparison.
@@ -82,7 +75,9 @@ impl Creases {
     #[must_use]
     pub fn of_encoded(frame: &Frame, shade: &Shade, decode: impl Fn(DVec3) -> DVec3 + Sync) -> Creases {
         let reference = Reference::new(frame, shade);
-        Creases::of_field_at(frame, step_within(shade), |triangle, weights| decode(reference.light(triangle, weights)))
+        // A step that fits into the strips many times. Below b = 1e-6 rounding would take over.
+        let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
+        Creases::of_field_at(frame, step, |triangle, weights| decode(reference.light(triangle, weights)))
     }
 
     /// This rms in units of the `other`'s; `None` where that is only rounding, [`NOISE`].
@@ -114,30 +109,6 @@ impl Creases {
     }
 }
 
-/// An edge, the two triangles at it, and the corner of each opposite it.
-struct SharedEdge {
-    triangles: [u32; 2],
-    opposite: [usize; 2],
-    ends: [u32; 2],
-}
-
-fn shared_edge(frame: &Frame, t: usize, k: usize) -> Option<SharedEdge> {
-    let own = &frame.triangles[t];
-    let Across::Triangle { triangle, apex } = own.across[k] else { return None };
-    let opposite = frame.triangles[triangle as usize].vertices.iter().position(|v| *v == apex)?;
-    Some(SharedEdge {
-        triangles: [t as u32, triangle],
-        opposite: [k, opposite],
-        ends: [own.vertices[(k + 1) % 3], own.vertices[(k + 2) % 3]],
-    })
-}
-
-/// Every shared edge, once.
-fn shared_edges(frame: &Frame) -> Vec<SharedEdge> {
-    let of_triangles = (0..frame.triangles.len()).flat_map(|t| [0, 1, 2].map(|k| shared_edge(frame, t, k)));
-    of_triangles.flatten().filter(|edge| edge.triangles[0] < edge.triangles[1]).collect()
-}
-
 /// At how many points along an edge the slopes are compared.
 const POINTS: usize = 6;
 
@@ -148,61 +119,61 @@ const STEP: f64 = 1e-5;
 /// The largest jump that rounding makes of a field without creases, linear light per pixel.
 pub const NOISE: f64 = 1e-9;
 
-/// A step that fits into the strips of `shade` many times. Below b = 1e-6 rounding would take over.
-fn step_within(shade: &Shade) -> f64 {
-    if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP }
+/// The crease at the edge between two triangles, each with the corner of it that is opposite the edge.
+fn measured(
+    frame: &Frame,
+    sides: [(usize, usize); 2],
+    step: f64,
+    light: &impl Fn(usize, [f64; 3]) -> DVec3,
+) -> EdgeCrease {
+    let (mut jump2, mut step2) = (0.0, 0.0);
+    for point in 0..POINTS {
+        let s = (point as f64 + 0.5) / POINTS as f64;
+        // The two triangles go along the edge in opposite senses.
+        let [own, theirs] =
+            [(sides[0], s), (sides[1], 1.0 - s)].map(|(side, s)| one_sided(frame, side, s, step, light));
+        step2 += (own.0 - theirs.0).length_squared();
+        // Each is the slope into its own triangle: against each other, their sum is the jump.
+        jump2 += (own.1 + theirs.1).length_squared();
+    }
+    let samples = (3 * POINTS) as f64;
+    let [(t, k), (other, _)] = sides;
+    let ends = [1, 2].map(|i| frame.triangles[t].vertices[(k + i) % 3]);
+    let [a, b] = ends.map(|v| frame.vertices[v as usize].screen);
+    EdgeCrease {
+        triangles: [t as u32, other as u32],
+        ends,
+        length: a.distance(b),
+        jump: (jump2 / samples).sqrt(),
+        step: (step2 / samples).sqrt(),
+    }
 }
 
-impl SharedEdge {
-    fn length(&self, frame: &Frame) -> f64 {
-        let [a, b] = self.ends.map(|v| frame.vertices[v as usize].screen);
-        a.distance(b)
-    }
-
-    /// Root mean squares, along the edge and over the channels, of the jump of the slope and of the light.
-    fn measure(&self, frame: &Frame, step: f64, light: &impl Fn(usize, [f64; 3]) -> DVec3) -> (f64, f64) {
-        let (mut jump2, mut step2) = (0.0, 0.0);
-        for point in 0..POINTS {
-            let s = (point as f64 + 0.5) / POINTS as f64;
-            let [own, theirs] = [0, 1].map(|side| self.one_sided(frame, side, s, step, light));
-            step2 += (own.0 - theirs.0).length_squared();
-            // Each is the slope into its own triangle: against each other, their sum is the jump.
-            jump2 += (own.1 + theirs.1).length_squared();
-        }
-        let samples = (3 * POINTS) as f64;
-        ((jump2 / samples).sqrt(), (step2 / samples).sqrt())
-    }
-
-    /// Light and slope, normal to the edge into the triangle on `side`, where the edge is parted s : 1 − s.
-    fn one_sided(
-        &self,
-        frame: &Frame,
-        side: usize,
-        s: f64,
-        step: f64,
-        light: &impl Fn(usize, [f64; 3]) -> DVec3,
-    ) -> (DVec3, DVec3) {
-        let (t, k) = (self.triangles[side] as usize, self.opposite[side]);
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        // The two triangles go along the edge in opposite senses.
-        let s = if side == 0 { s } else { 1.0 - s };
-        let corners = frame.corners(t).map(|v| v.screen);
-        let (along, up) = (corners[j] - corners[i], corners[k] - corners[i]);
-        let foot = up.dot(along) / along.length_squared();
-        let height = along.perp_dot(up).abs() / along.length();
-        // Per pixel along the normal: w_k grows by 1/height, at the cost of the others according to where its foot is.
-        let rates = (-(1.0 - foot) / height, -foot / height);
-        let fastest = rates.0.abs().max(rates.1.abs()).max(1.0 / height);
-        let h = step * s.min(1.0 - s) / fastest;
-        let at = |steps: f64| {
-            let mut w = [0.0; 3];
-            w[k] = steps * h / height;
-            w[i] = (1.0 - s) + steps * h * rates.0;
-            w[j] = s + steps * h * rates.1;
-            light(t, w)
-        };
-        slope(h, at)
-    }
+/// Light and slope, normal to the edge opposite corner `k` into triangle `t`, where the edge is parted s : 1 − s.
+fn one_sided(
+    frame: &Frame,
+    (t, k): (usize, usize),
+    s: f64,
+    step: f64,
+    light: &impl Fn(usize, [f64; 3]) -> DVec3,
+) -> (DVec3, DVec3) {
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    let corners = frame.corners(t).map(|v| v.screen);
+    let (along, up) = (corners[j] - corners[i], corners[k] - corners[i]);
+    let foot = up.dot(along) / along.length_squared();
+    let height = along.perp_dot(up).abs() / along.length();
+    // Per pixel along the normal: w_k grows by 1/height, at the cost of the others according to where its foot is.
+    let rates = (-(1.0 - foot) / height, -foot / height);
+    let fastest = rates.0.abs().max(rates.1.abs()).max(1.0 / height);
+    let h = step * s.min(1.0 - s) / fastest;
+    let at = |steps: f64| {
+        let mut w = [0.0; 3];
+        w[k] = steps * h / height;
+        w[i] = (1.0 - s) + steps * h * rates.0;
+        w[j] = s + steps * h * rates.1;
+        light(t, w)
+    };
+    slope(h, at)
 }
 
 /// Light and slope at the beginning of a line, from three points on it `h` apart; the error goes as h².
@@ -211,27 +182,20 @@ fn slope(h: f64, at: impl Fn(f64) -> DVec3) -> (DVec3, DVec3) {
     (here, (4.0 * at(1.0) - at(2.0) - 3.0 * here) / (2.0 * h))
 }
 
-/// How far the light around a vertex is from having one slope there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VertexCrease {
-    /// Index into [`Frame::vertices`].
-    pub vertex: u32,
-    /// Slopes along the edges and the medians that begin at the vertex, against those of the gradient that fits them
-    /// best: root mean square over them and over red, green and blue, in linear light per pixel.
-    pub spread: f64,
-}
-
-/// The spread of slopes at every vertex of a drawn triangle, in the order of [`Frame::vertices`]. `light` as for
-/// [`Creases::of_field`].
+/// How far the light around each vertex is from having one slope there, for every vertex of a drawn triangle: the slopes
+/// along the edges and the medians that begin at it, against those of the gradient that fits them best, root mean square
+/// over them and over red, green and blue, in linear light per pixel. `light` as for [`Creases::of_field`].
 #[must_use]
-pub fn at_vertices(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3) -> Vec<VertexCrease> {
+pub fn at_vertices(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3) -> Vec<f64> {
     let mut slopes: Vec<Vec<(DVec2, DVec3)>> = vec![Vec::new(); frame.vertices.len()];
     for (t, triangle) in frame.triangles.iter().enumerate() {
+        let [a, b, c] = frame.corners(t).map(|v| v.screen);
         for k in 0..3 {
             let (own, next, last) = (corner(k), corner((k + 1) % 3), corner((k + 2) % 3));
             for target in [next, last, (next + last) / 2.0] {
                 let step = STEP * (target - own);
-                let offset = on_screen(frame, t, step);
+                // On the screen, against the first corner: the weights' changes sum to 0.
+                let offset = step.y * (b - a) + step.z * (c - a);
                 let length = offset.length();
                 if length > 0.0 {
                     let (_, slope) = slope(length, |steps| light(t, (own + steps * step).to_array()));
@@ -240,8 +204,7 @@ pub fn at_vertices(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3) -> V
             }
         }
     }
-    let seen = slopes.iter().enumerate().filter(|(_, slopes)| !slopes.is_empty());
-    seen.map(|(v, slopes)| VertexCrease { vertex: v as u32, spread: spread(slopes) }).collect()
+    slopes.iter().filter(|slopes| !slopes.is_empty()).map(|slopes| spread(slopes)).collect()
 }
 
 fn spread(slopes: &[(DVec2, DVec3)]) -> f64 {
@@ -263,11 +226,4 @@ fn spread(slopes: &[(DVec2, DVec3)]) -> f64 {
 /// Weights with corner `k` at 1.
 fn corner(k: usize) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|i| f64::from(u8::from(i == k))))
-}
-
-/// The length of a step on the screen that changes the weights by `change`.
-fn on_screen(frame: &Frame, triangle: usize, change: DVec3) -> DVec2 {
-    let [a, b, c] = frame.corners(triangle).map(|v| v.screen);
-    // Against the first corner: the change sums to 0.
-    change.y * (b - a) + change.z * (c - a)
 }

@@ -7,5 +7,5 @@
 mod creases;
 mod picture;
 
-pub use creases::{Creases, EdgeCrease, NOISE, VertexCrease, at_vertices};
+pub use creases::{Creases, EdgeCrease, NOISE, at_vertices};
 pub use picture::picture;

@@ -23,16 +23,16 @@ const MAP: [[f64; 3]; 5] =
 /// drawn.
 #[must_use]
 pub fn picture(frame: &Frame, creases: &Creases, full: f64) -> LinearImage {
-    let seen = Seen { width: frame.width.into(), height: frame.height.into(), triangles: coverage::visible(frame) };
-    let mut image = LinearImage::from_fn(frame.width, frame.height, |x, y| {
-        linear(if seen.triangle(i64::from(x), i64::from(y)).is_some() { SURFACE } else { GROUND })
-    });
+    let visible = coverage::visible(frame);
+    let ground = |triangle: u32| linear(if triangle == coverage::NONE { GROUND } else { SURFACE });
+    let mut image =
+        LinearImage::from_fn(frame.width, frame.height, |x, y| ground(visible[(y * frame.width + x) as usize]));
     // The strongest last: where edges meet, it is on top.
     let mut order: Vec<&EdgeCrease> = creases.edges.iter().collect();
     order.sort_by(|a, b| a.jump.total_cmp(&b.jump));
     for edge in order {
         let share = if full > 0.0 { edge.jump / full } else { 0.0 };
-        draw(&mut image, frame, &seen, edge, linear(color(share)));
+        draw(&mut image, frame, &visible, edge, linear(color(share)));
     }
     image
 }
@@ -49,7 +49,7 @@ fn color(share: f64) -> [f64; 3] {
 }
 
 /// The line of one edge, antialiased by how much of a pixel's width it covers.
-fn draw(image: &mut LinearImage, frame: &Frame, seen: &Seen, edge: &EdgeCrease, color: [f32; 3]) {
+fn draw(image: &mut LinearImage, frame: &Frame, visible: &[u32], edge: &EdgeCrease, color: [f32; 3]) {
     let [a, b] = edge.ends.map(|v| frame.vertices[v as usize].screen);
     let reach = DVec2::splat(HALF_WIDTH + 1.0);
     let (low, high) = (a.min(b) - reach, a.max(b) + reach);
@@ -61,7 +61,7 @@ fn draw(image: &mut LinearImage, frame: &Frame, seen: &Seen, edge: &EdgeCrease, 
             let along = ((center - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
             let nearest = a + along * (b - a);
             let cover = (HALF_WIDTH + 0.5 - center.distance(nearest)).clamp(0.0, 1.0) as f32;
-            if cover > 0.0 && seen.near(nearest, edge.triangles) {
+            if cover > 0.0 && is_near(frame, visible, nearest, edge.triangles) {
                 let under = image.pixel(x, y);
                 image.set_pixel(x, y, [0, 1, 2].map(|c| under[c] + cover * (color[c] - under[c])));
             }
@@ -69,24 +69,10 @@ fn draw(image: &mut LinearImage, frame: &Frame, seen: &Seen, edge: &EdgeCrease, 
     }
 }
 
-/// Which triangle is in front at every pixel.
-struct Seen {
-    width: i64,
-    height: i64,
-    triangles: Vec<u32>,
-}
-
-impl Seen {
-    fn triangle(&self, x: i64, y: i64) -> Option<u32> {
-        let inside = (0..self.width).contains(&x) && (0..self.height).contains(&y);
-        let found = inside.then(|| self.triangles[(y * self.width + x) as usize])?;
-        (found != coverage::NONE).then_some(found)
-    }
-
-    /// Whether one of `triangles` is in front close to `place`.
-    fn near(&self, place: DVec2, triangles: [u32; 2]) -> bool {
-        let (x, y) = (place.x.floor() as i64, place.y.floor() as i64);
-        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
-        around.filter_map(|(x, y)| self.triangle(x, y)).any(|t| triangles.contains(&t))
-    }
+/// Whether one of `triangles` is in front within a pixel of `place`.
+fn is_near(frame: &Frame, visible: &[u32], place: DVec2, triangles: [u32; 2]) -> bool {
+    let around = |at: f64, size: u32| (at.floor() as i64 - 1).max(0)..(at.floor() as i64 + 2).min(size.into());
+    around(place.y, frame.height)
+        .flat_map(|y| around(place.x, frame.width).map(move |x| y * i64::from(frame.width) + x))
+        .any(|pixel| triangles.contains(&visible[pixel as usize]))
 }

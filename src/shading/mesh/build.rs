@@ -4,10 +4,7 @@ use std::collections::VecDeque;
 
 use glam::{DVec2, DVec3};
 
-use super::{
-    normals::{self, Faced},
-    triangles::Mesh,
-};
+use super::{normals, triangles::Mesh};
 
 /// Largest coordinate of a mesh, either side of zero: what leaves room for products of several.
 pub const LARGEST_COORDINATE: f64 = 1e30;
@@ -50,7 +47,6 @@ pub struct Polygons {
     sites: Vec<u32>,
     /// As long as `sites`, or empty as long as no normal has been given.
     normals: Vec<Option<DVec3>>,
-    has_normals: bool,
     ends: Vec<usize>,
 }
 
@@ -67,28 +63,24 @@ impl Polygons {
     /// Adds one, by its corners' sites and unit normals. A polygon with fewer than three corners shows nothing.
     pub fn push(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>)>) {
         for (site, normal) in corners {
-            if normal.is_some() && !self.has_normals {
-                self.normals = vec![None; self.sites.len()];
-                self.has_normals = true;
-            }
-            self.sites.push(site);
-            if self.has_normals {
+            if normal.is_some() || !self.normals.is_empty() {
+                self.normals.resize(self.sites.len(), None);
                 self.normals.push(normal);
             }
+            self.sites.push(site);
         }
         self.ends.push(self.sites.len());
     }
 
-    fn iter(&self) -> impl ExactSizeIterator<Item = (&[u32], Option<&[Option<DVec3>]>)> {
-        (0..self.ends.len()).map(|i| {
-            let range = if i == 0 { 0 } else { self.ends[i - 1] }..self.ends[i];
-            (&self.sites[range.clone()], self.has_normals.then(|| &self.normals[range]))
-        })
+    /// Of each the sites, and the normals where any polygon has some.
+    fn iter(&self) -> impl Iterator<Item = (&[u32], Option<&[Option<DVec3>]>)> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, end)| (&self.sites[start..*end], self.normals.get(start..*end)))
     }
 }
 
 /// Most positions and most triangles: the corners of the triangles are counted in 32 bits.
-pub(super) const MOST: usize = (u32::MAX / 3) as usize;
+const MOST: usize = (u32::MAX / 3) as usize;
 
 impl Mesh {
     /// The mesh of `triangles` over `positions` (the sites). Each vertex's normal is the normalized sum of the unit
@@ -98,9 +90,7 @@ impl Mesh {
     /// # Errors
     /// [`MeshError`].
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]], crease_deg: f64) -> Result<Mesh, MeshError> {
-        check(positions, triangles.iter().map(|t| &t[..]))?;
-        let normals = triangles.iter().map(|t| normals::newell(&t.map(|i| positions[i as usize]))).collect();
-        averaged(&Faced { positions, triangles, normals, faces: None }, crease_deg)
+        Mesh::from_polygons(positions, &Polygons::new(triangles.iter().map(|t| &t[..])), crease_deg)
     }
 
     /// The mesh of `polygons` over `positions`, cut into triangles ([`triangulated`]). A polygon counts as one face in
@@ -110,7 +100,7 @@ impl Mesh {
     /// # Errors
     /// [`MeshError`].
     pub fn from_polygons(positions: &[DVec3], polygons: &Polygons, crease_deg: f64) -> Result<Mesh, MeshError> {
-        check(positions, polygons.iter().map(|(sites, _)| sites))?;
+        check(positions, polygons)?;
         let (mut triangles, mut normals, mut faces, mut given) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (face, (sites, theirs)) in polygons.iter().enumerate() {
             let corners: Vec<DVec3> = sites.iter().map(|i| positions[*i as usize]).collect();
@@ -119,44 +109,40 @@ impl Mesh {
                 triangles.push(triangle.map(|k| sites[k as usize]));
                 normals.push(normal);
                 faces.push(face as u32);
-                if let Some(theirs) = theirs {
-                    given.push(triangle.map(|k| theirs[k as usize]));
-                }
+                given.extend(theirs.map(|theirs| triangle.map(|k| theirs[k as usize])));
             }
         }
+        match triangles.len() {
+            0 => return Err(MeshError::NoTriangles),
+            count if count > MOST => return Err(MeshError::TooMany { positions: positions.len(), faces: count }),
+            count if normals.iter().all(|normal| *normal == DVec3::ZERO) => return Err(MeshError::NoArea(count)),
+            _ => {}
+        }
         // Where all normals are given, the search for creases is not worth its time.
-        let all_given = polygons.has_normals && given.iter().flatten().all(Option::is_some);
+        let all_given = !given.is_empty() && given.iter().flatten().all(Option::is_some);
         let crease_deg = if all_given { 180.0 } else { crease_deg };
-        let mesh = averaged(&Faced { positions, triangles: &triangles, normals, faces: Some(&faces) }, crease_deg)?;
-        Ok(if polygons.has_normals { normals::replaced(&mesh, &given) } else { mesh })
+        let mesh = normals::averaged(positions, &triangles, &normals, &faces, crease_deg);
+        Ok(if given.is_empty() { mesh } else { normals::replaced(&mesh, &given) })
     }
 }
 
 /// Whether the faces can be a mesh.
-fn check<'a>(positions: &[DVec3], faces: impl ExactSizeIterator<Item = &'a [u32]>) -> Result<(), MeshError> {
-    if positions.len() > MOST || faces.len() > MOST {
-        return Err(MeshError::TooMany { positions: positions.len(), faces: faces.len() });
+fn check(positions: &[DVec3], polygons: &Polygons) -> Result<(), MeshError> {
+    let faces = polygons.ends.len();
+    if positions.len() > MOST || faces > MOST {
+        return Err(MeshError::TooMany { positions: positions.len(), faces });
     }
     // NaN is not within either.
     let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= LARGEST_COORDINATE);
     if let Some(at) = positions.iter().position(|p| !within(p)) {
         return Err(MeshError::NotFinite(at));
     }
-    for (face, corners) in faces.enumerate() {
+    for (face, (corners, _)) in polygons.iter().enumerate() {
         if let Some(&index) = corners.iter().find(|i| **i as usize >= positions.len()) {
             return Err(MeshError::OutOfRange { face, index, positions: positions.len() });
         }
     }
     Ok(())
-}
-
-fn averaged(faced: &Faced, crease_deg: f64) -> Result<Mesh, MeshError> {
-    match faced.triangles.len() {
-        0 => Err(MeshError::NoTriangles),
-        count if count > MOST => Err(MeshError::TooMany { positions: faced.positions.len(), faces: count }),
-        count if faced.normals.iter().all(|normal| *normal == DVec3::ZERO) => Err(MeshError::NoArea(count)),
-        _ => Ok(normals::averaged(faced, crease_deg)),
-    }
 }
 
 /// The triangles of a polygon, as indices into its corners, in its own winding: always two fewer than it

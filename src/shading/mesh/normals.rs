@@ -28,21 +28,16 @@ pub fn newell(corners: &[DVec3]) -> DVec3 {
     if sum.length() > 1e-14 { sum.normalize() } else { DVec3::ZERO }
 }
 
-/// Triangles, with the normals of the faces that they are or are parts of.
-pub(super) struct Faced<'a> {
-    pub positions: &'a [DVec3],
-    pub triangles: &'a [[u32; 3]],
-    /// For each triangle the unit normal of its face; zero without an area.
-    pub normals: Vec<DVec3>,
-    /// For each triangle which face it is a part of; the triangles of a face follow each other. None where every
-    /// triangle is a face.
-    pub faces: Option<&'a [u32]>,
-}
-
-/// The mesh with averaged normals, split where faces meet at more than `crease_deg` degrees. A face of several
-/// triangles counts once at each of its corners, as Shoaff has it, however it is cut.
-pub(super) fn averaged(faced: &Faced, crease_deg: f64) -> Mesh {
-    let Faced { positions, triangles, normals, faces } = faced;
+/// The mesh of `triangles` with averaged normals, split where faces meet at more than `crease_deg` degrees. For each
+/// triangle `faces` has the face that it is a part of, and `normals` that face's unit normal, zero without an area; the
+/// triangles of a face follow each other. A face counts once at each of its corners, as Shoaff has it, however it is cut.
+pub(super) fn averaged(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+    normals: &[DVec3],
+    faces: &[u32],
+    crease_deg: f64,
+) -> Mesh {
     // Corner k of triangle t is 3t + k. Corners of one group share one normal.
     let groups: Vec<u32> = if crease_deg >= 180.0 {
         triangles.iter().flatten().copied().collect()
@@ -50,10 +45,10 @@ pub(super) fn averaged(faced: &Faced, crease_deg: f64) -> Mesh {
         fans(triangles, normals, crease_deg)
     };
     let mut sums = vec![DVec3::ZERO; groups.len().max(positions.len())];
-    let mut last = vec![u32::MAX; if faces.is_some() { sums.len() } else { 0 }];
+    let mut last = vec![u32::MAX; sums.len()];
     for (corner, group) in groups.iter().enumerate() {
-        let group = *group as usize;
-        if faces.is_none_or(|faces| std::mem::replace(&mut last[group], faces[corner / 3]) != faces[corner / 3]) {
+        let (group, face) = (*group as usize, faces[corner / 3]);
+        if std::mem::replace(&mut last[group], face) != face {
             sums[group] += normals[corner / 3];
         }
     }
@@ -139,34 +134,19 @@ const COMPARED: usize = 64;
 pub(super) fn replaced(mesh: &Mesh, given: &[[Option<DVec3>; 3]]) -> Mesh {
     let least_cosine = SAME_DEG.to_radians().cos();
     let mut vertices: Vec<Vertex> = Vec::with_capacity(mesh.vertices.len());
-    // The vertices of each site, as lists from the newest to the oldest.
     let sites = mesh.vertices.iter().map(|v| v.site as usize + 1).max().unwrap_or(0);
-    let mut newest = vec![u32::MAX; sites];
-    let mut older: Vec<u32> = Vec::with_capacity(mesh.vertices.len());
-    let triangles = mesh
-        .triangles
-        .iter()
-        .zip(given)
-        .map(|(corners, given)| {
-            let corner = |k: usize| {
-                let own = mesh.vertices[corners[k] as usize];
-                let normal = given[k].unwrap_or(own.normal);
-                let mut at = newest[own.site as usize];
-                for _ in 0..COMPARED {
-                    if at == u32::MAX || vertices[at as usize].normal.dot(normal) >= least_cosine {
-                        break;
-                    }
-                    at = older[at as usize];
-                }
-                if at == u32::MAX || vertices[at as usize].normal.dot(normal) < least_cosine {
-                    at = vertices.len() as u32;
-                    vertices.push(Vertex { normal, ..own });
-                    older.push(std::mem::replace(&mut newest[own.site as usize], at));
-                }
-                at
-            };
-            [0, 1, 2].map(corner)
+    let mut of_site: Vec<Vec<u32>> = vec![Vec::new(); sites];
+    let corner = |(corner, given): (u32, Option<DVec3>)| {
+        let own = mesh.vertices[corner as usize];
+        let (normal, known) = (given.unwrap_or(own.normal), &mut of_site[own.site as usize]);
+        let same = |v: &&u32| vertices[**v as usize].normal.dot(normal) >= least_cosine;
+        known.iter().rev().take(COMPARED).find(same).copied().unwrap_or_else(|| {
+            vertices.push(Vertex { normal, ..own });
+            known.push(vertices.len() as u32 - 1);
+            vertices.len() as u32 - 1
         })
-        .collect();
-    Mesh { vertices, triangles }
+    };
+    let corners = mesh.triangles.iter().flatten().copied().zip(given.iter().flatten().copied());
+    let corners: Vec<u32> = corners.map(corner).collect();
+    Mesh { vertices, triangles: corners.as_chunks().0.to_vec() }
 }

@@ -20,7 +20,7 @@ type Cubic<T> = [T; 10];
 impl<T: Constant, const C: usize> Patch<T, C> {
     /// For the triangles of `frame`.
     pub fn new(frame: &Frame, channels: Channels, patches: &Patches) -> Self {
-        Patch(frame.each_triangle(|t| thirds(channels, patches.control_points(t))))
+        Patch(frame.each_triangle(|t| thirds(channels, &patches.control_points[t])))
     }
 }
 

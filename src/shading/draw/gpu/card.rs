@@ -1,22 +1,54 @@
 //! Frames drawn into textures.
 
+use std::collections::HashMap;
+
 use wgpu::util::DeviceExt as _;
 
 use super::{
     pack,
-    pipeline::{DEPTH_FORMAT, GpuError, Pipelines, check, guarded},
+    pipeline::{DEPTH_FORMAT, Overrides, WGSL, layout, overrides, pipeline},
 };
 use crate::{
     light::Transfer,
     shading::{Frame, Shade},
 };
 
+/// Storage buffers that a stage reads.
+const STORAGE_BUFFERS: u32 = 4;
+
+/// Why a card does not draw.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GpuError {
+    /// The device has too few storage buffers for the shaders.
+    #[error("the graphics device gives a shader {0} storage buffers; expected at least {STORAGE_BUFFERS}")]
+    NoStorage(u32),
+    /// More than the card accepts.
+    #[error("{what} of {size} is too large for the graphics device; expected at most {most}")]
+    TooLarge {
+        /// What is too large: `a side`, in pixels, `a buffer`, in bytes, or `a number of lamps`.
+        what: &'static str,
+        /// How large it is.
+        size: u64,
+        /// How large it may be.
+        most: u64,
+    },
+    /// The driver refused or failed.
+    #[error("the graphics driver failed: {0}")]
+    Driver(String),
+}
+
 /// Draws frames with a device that it may share, into textures of one format.
+///
+/// The device should have all [limits](wgpu::Adapter::limits) of its adapter: defaults may leave out storage buffers, as
+/// eframe's do on OpenGL.
 #[derive(Debug)]
 pub struct Gpu {
     device: wgpu::Device,
-    pipelines: Pipelines,
-    depth: Option<wgpu::TextureView>,
+    format: wgpu::TextureFormat,
+    module: wgpu::ShaderModule,
+    layout: wgpu::BindGroupLayout,
+    /// Made when they are first needed.
+    pipelines: HashMap<Overrides, wgpu::RenderPipeline>,
 }
 
 /// A frame on the card, ready to be drawn by the [`Gpu`] that made it.
@@ -35,10 +67,23 @@ impl Gpu {
     /// that keeps them as they are, such as Rgba8Unorm, not one ending in Srgb.
     ///
     /// # Errors
-    /// When the device gives shaders no storage buffers (see [`limits`](super::limits)), or the driver refuses them.
+    /// When the device gives shaders no storage buffers, or the driver refuses them.
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Gpu, GpuError> {
-        check(device)?;
-        Ok(Gpu { device: device.clone(), pipelines: Pipelines::new(device, format)?, depth: None })
+        let storage = device.limits().max_storage_buffers_per_shader_stage;
+        if storage < STORAGE_BUFFERS {
+            return Err(GpuError::NoStorage(storage));
+        }
+        guarded(device, || {
+            let source = wgpu::ShaderSource::Wgsl(WGSL.into());
+            let module = wgpu::ShaderModuleDescriptor { label: Some("shading"), source };
+            Gpu {
+                device: device.clone(),
+                format,
+                module: device.create_shader_module(module),
+                layout: layout(device),
+                pipelines: HashMap::new(),
+            }
+        })
     }
 
     /// Takes `frame` to the card, to be shaded by `shade` and encoded by `transfer`.
@@ -47,54 +92,64 @@ impl Gpu {
     /// When frame or mesh are larger than the device takes, or the driver refuses.
     pub fn upload(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<GpuFrame, GpuError> {
         let limits = self.device.limits();
-        let (side, most) = (frame.width.max(frame.height), limits.max_texture_dimension_2d);
-        if side > most {
-            return Err(GpuError::TooLarge { what: "a side", size: side.into(), most: most.into() });
+        let contents = pack::buffers(frame, shade, transfer);
+        let longest = contents.iter().map(Vec::len).max().unwrap_or(0) as u64;
+        let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+        for (what, size, most) in [
+            ("a side", frame.width.max(frame.height).into(), limits.max_texture_dimension_2d.into()),
+            ("a number of lamps", frame.lighting.lamps.len() as u64, pack::MOST_LAMPS as u64),
+            ("a buffer", longest, most),
+        ] {
+            if size > most {
+                return Err(GpuError::TooLarge { what, size, most });
+            }
         }
-        let lamps = frame.lighting.lamps.len();
-        if lamps > pack::MOST_LAMPS {
-            return Err(GpuError::TooLarge {
-                what: "a number of lamps",
-                size: lamps as u64,
-                most: pack::MOST_LAMPS as u64,
+        let Gpu { device, format, module, layout, pipelines } = self;
+        let overrides = overrides(frame, shade, transfer, pack::rows(shade.shader));
+        let pipeline = match pipelines.get(&overrides) {
+            Some(made) => made.clone(),
+            None => {
+                let made = guarded(device, || pipeline(device, module, layout, *format, &overrides))?;
+                pipelines.insert(overrides, made.clone());
+                made
+            }
+        };
+        let bindings = guarded(device, || {
+            let usages =
+                [wgpu::BufferUsages::UNIFORM].into_iter().chain(std::iter::repeat(wgpu::BufferUsages::STORAGE));
+            let buffers = contents.iter().zip(usages).map(|(contents, usage)| {
+                device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some("shading"), contents, usage })
             });
-        }
-        let pipeline = self.pipelines.get(&self.device, frame, shade, transfer)?;
-        let storage = wgpu::BufferUsages::STORAGE;
-        let buffers = [
-            self.buffer("globals", &[pack::globals(frame, shade, transfer)], wgpu::BufferUsages::UNIFORM)?,
-            self.buffer("vertices", &pack::vertices(frame), storage)?,
-            self.buffer("triangles", &pack::triangles(frame), storage)?,
-            self.buffer("constants", &pack::constants(frame, shade), storage)?,
-            self.buffer("table", &pack::table(transfer), storage)?,
-        ];
-        let mut binding = 0;
-        let entries = buffers.each_ref().map(|buffer| {
-            binding += 1;
-            wgpu::BindGroupEntry { binding: binding - 1, resource: buffer.as_entire_binding() }
-        });
-        let bindings = guarded(&self.device, || {
-            self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("shading"),
-                layout: &self.pipelines.bindings,
-                entries: &entries,
-            })
+            let buffers: Vec<wgpu::Buffer> = buffers.collect();
+            let entry =
+                |(binding, buffer)| wgpu::BindGroupEntry { binding, resource: wgpu::Buffer::as_entire_binding(buffer) };
+            let entries: Vec<_> = (0..).zip(&buffers).map(entry).collect();
+            device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("shading"), layout, entries: &entries })
         })?;
-        let background = pack::background(frame, transfer);
+        let [r, g, b] = pack::background(frame, transfer);
         Ok(GpuFrame {
             pipeline,
             bindings,
             corners: 3 * frame.triangles.len() as u32,
             width: frame.width,
             height: frame.height,
-            background: wgpu::Color { r: background.x, g: background.y, b: background.z, a: 1.0 },
+            background: wgpu::Color { r, g, b, a: 1.0 },
         })
     }
 
     /// Draws `frame` into `view`, its top left at the texture's.
-    pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView, frame: &GpuFrame) {
+    pub fn render(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView, frame: &GpuFrame) {
         let load = wgpu::LoadOp::Clear(frame.background);
-        let depth = self.depth_for(view.texture().size());
+        let depth = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("depth"),
+            size: view.texture().size(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: DEPTH_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shading"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -104,7 +159,7 @@ impl Gpu {
                 ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth,
+                view: &depth.create_view(&wgpu::TextureViewDescriptor::default()),
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
                 stencil_ops: None,
             }),
@@ -117,44 +172,16 @@ impl Gpu {
             pass.draw(0..frame.corners, 0..1);
         }
     }
+}
 
-    /// A buffer that holds `items`, and room for one if there is none: a binding of nothing is not allowed.
-    fn buffer<T: bytemuck::Pod>(
-        &self,
-        label: &str,
-        items: &[T],
-        usage: wgpu::BufferUsages,
-    ) -> Result<wgpu::Buffer, GpuError> {
-        let nothing = [T::zeroed()];
-        let contents = bytemuck::cast_slice(if items.is_empty() { &nothing } else { items });
-        let limits = self.device.limits();
-        let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-        if contents.len() as u64 > most {
-            return Err(GpuError::TooLarge { what: "a buffer", size: contents.len() as u64, most });
-        }
-        let descriptor = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
-        guarded(&self.device, || self.device.create_buffer_init(&descriptor))
-    }
-
-    /// A depth buffer as large as the target.
-    fn depth_for(&mut self, size: wgpu::Extent3d) -> wgpu::TextureView {
-        match &self.depth {
-            Some(depth) if depth.texture().size() == size => depth.clone(),
-            _ => {
-                let texture = self.device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some("depth"),
-                    size,
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format: DEPTH_FORMAT,
-                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-                    view_formats: &[],
-                });
-                let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-                self.depth = Some(view.clone());
-                view
-            }
-        }
+/// The result of `make`; an error, not a panic, if the device refuses it.
+fn guarded<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, GpuError> {
+    let filters = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation];
+    let scopes = filters.map(|filter| device.push_error_scope(filter));
+    let made = make();
+    let faults = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop()));
+    match faults.last() {
+        Some(fault) => Err(GpuError::Driver(fault.to_string())),
+        None => Ok(made),
     }
 }

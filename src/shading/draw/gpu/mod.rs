@@ -16,5 +16,5 @@ mod card;
 mod pack;
 mod pipeline;
 
-pub use card::{Gpu, GpuFrame};
-pub use pipeline::{GpuError, WGSL, limits};
+pub use card::{Gpu, GpuError, GpuFrame};
+pub use pipeline::WGSL;

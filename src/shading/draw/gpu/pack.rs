@@ -13,7 +13,7 @@ use crate::{
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Globals {
+struct Globals {
     size: [f32; 2],
     boundary: f32,
     distance: f32,
@@ -33,7 +33,7 @@ pub const MOST_LAMPS: usize = 64;
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Vertex {
+struct Vertex {
     place: [f32; 4],
     light: [f32; 4],
     ambient: [f32; 4],
@@ -43,19 +43,19 @@ pub struct Vertex {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Triangle {
+struct Triangle {
     corners: [u32; 3],
     padding: u32,
     slopes: [f32; 4],
 }
 
 /// A vector and a number.
-pub fn four(v: DVec3, w: f64) -> [f32; 4] {
+fn four(v: DVec3, w: f64) -> [f32; 4] {
     let [x, y, z] = v.as_vec3().to_array();
     [x, y, z, w as f32]
 }
 
-pub fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
+fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
     let material = &frame.lighting.material;
     let facets = match material.specular_model {
         Specular::CookTorrance(facets) => facets,
@@ -83,35 +83,37 @@ pub fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
 }
 
 /// The background, encoded and rounded as an 8-bit image has it.
-pub fn background(frame: &Frame, transfer: &Transfer) -> DVec3 {
+pub fn background(frame: &Frame, transfer: &Transfer) -> [f64; 3] {
     let code = |light: f64| reference_code(transfer, Bits::Eight, light as f32);
-    DVec3::from_array(
-        frame.background.to_array().map(|light| f64::from(code(light)) / f64::from(Bits::Eight.max_code())),
-    )
+    frame.background.to_array().map(|light| f64::from(code(light)) / f64::from(Bits::Eight.max_code()))
 }
 
-pub fn vertices(frame: &Frame) -> Vec<Vertex> {
-    frame.vertices.iter().map(vertex).collect()
+/// The contents of the buffers, in the order of their bindings.
+pub fn buffers(frame: &Frame, shade: &Shade, transfer: &Transfer) -> [Vec<u8>; 5] {
+    let vertex = |v: &FrameVertex| Vertex {
+        place: four(v.screen.extend(v.depth), 0.0),
+        light: four(v.light, 0.0),
+        ambient: four(v.ambient, 0.0),
+        normal: four(v.normal, 0.0),
+        eye: four(v.eye, 0.0),
+    };
+    let triangle = |t: usize| Triangle {
+        corners: frame.triangles[t].vertices,
+        padding: 0,
+        slopes: slopes(frame.corners(t).map(|v| v.screen)),
+    };
+    [
+        bytes(&[globals(frame, shade, transfer)]),
+        bytes(&frame.vertices.iter().map(vertex).collect::<Vec<_>>()),
+        bytes(&frame.each_triangle(triangle)),
+        bytes(&constants(frame, shade)),
+        bytes(&table(transfer)),
+    ]
 }
 
-fn vertex(vertex: &FrameVertex) -> Vertex {
-    Vertex {
-        place: four(vertex.screen.extend(vertex.depth), 0.0),
-        light: four(vertex.light, 0.0),
-        ambient: four(vertex.ambient, 0.0),
-        normal: four(vertex.normal, 0.0),
-        eye: four(vertex.eye, 0.0),
-    }
-}
-
-pub fn triangles(frame: &Frame) -> Vec<Triangle> {
-    (0..frame.triangles.len())
-        .map(|t| Triangle {
-            corners: frame.triangles[t].vertices,
-            padding: 0,
-            slopes: slopes(frame.corners(t).map(|v| v.screen)),
-        })
-        .collect()
+/// Room for one item if there is none: a binding of nothing is not allowed.
+fn bytes<T: bytemuck::Pod>(items: &[T]) -> Vec<u8> {
+    if items.is_empty() { vec![0; size_of::<T>()] } else { bytemuck::cast_slice(items).to_vec() }
 }
 
 /// How the weights of corners B and C change per pixel right and down.
@@ -133,7 +135,7 @@ fn pack_lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
 
 /// The points of the transfer table, if it is one. Gain, offset and gamma get enough points that the straight lines
 /// between them are less than a tenth of a code off.
-pub fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
+fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
     let points: Vec<[f64; 2]> = match transfer {
         Transfer::Table(table) => table.linear().iter().zip(table.encoded()).map(|(l, e)| [*l, *e]).collect(),
         Transfer::Gog(_) => {
@@ -176,7 +178,7 @@ pub const fn rows(shader: Shader) -> u32 {
 }
 
 /// What the shader needs to know about each triangle in addition to its vertices: [`rows`] each.
-pub fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
+fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
     let triangles = 0..frame.triangles.len();
     match shade.shader {
         Shader::Gouraud | Shader::Phong | Shader::Fixed => Vec::new(),
@@ -189,7 +191,7 @@ pub fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
         Shader::Cut => bends(frame).iter().flat_map(cut).collect(),
         Shader::Patch => {
             let patches = Patches::new(frame, shade.gradients);
-            triangles.flat_map(|t| ordinates(patches.control_points(t))).collect()
+            triangles.flat_map(|t| ordinates(&patches.control_points[t])).collect()
         }
     }
 }

@@ -1,8 +1,5 @@
-//! What a graphics card must have, the WGSL, and what a card makes of it.
+//! The WGSL and what a card makes of it.
 
-use std::collections::HashMap;
-
-use super::pack;
 use crate::{
     light::{Depth, Transfer},
     shading::{
@@ -11,58 +8,6 @@ use crate::{
         shaders::{Correction, Shade, Shader},
     },
 };
-
-/// Storage buffers that a stage reads.
-const STORAGE_BUFFERS: u32 = 4;
-
-/// Why a card does not draw.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum GpuError {
-    /// The device has too few storage buffers for the shaders.
-    #[error("the graphics device gives a shader {0} storage buffers; expected at least {STORAGE_BUFFERS}")]
-    NoStorage(u32),
-    /// More than the card accepts.
-    #[error("{what} of {size} is too large for the graphics device; expected at most {most}")]
-    TooLarge {
-        /// What is too large: `a side`, in pixels, `a buffer`, in bytes, or `a number of lamps`.
-        what: &'static str,
-        /// How large it is.
-        size: u64,
-        /// How large it may be.
-        most: u64,
-    },
-    /// The driver refused or failed.
-    #[error("the graphics driver failed: {0}")]
-    Driver(String),
-}
-
-/// What to ask of a device on which [`Gpu`](super::Gpu) is to draw: all that `adapter` has. Defaults may leave out
-/// storage buffers, as eframe's do on OpenGL.
-#[must_use]
-pub fn limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
-    adapter.limits()
-}
-
-/// Whether `device` has what the shaders read.
-pub(super) fn check(device: &wgpu::Device) -> Result<(), GpuError> {
-    let buffers = device.limits().max_storage_buffers_per_shader_stage;
-    if buffers < STORAGE_BUFFERS { Err(GpuError::NoStorage(buffers)) } else { Ok(()) }
-}
-
-/// The result of `make`; an error, not a panic, if the device refuses it.
-pub(super) fn guarded<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, GpuError> {
-    let filters = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation];
-    let mut scopes = filters.map(|filter| Some(device.push_error_scope(filter)));
-    let made = make();
-    let mut fault = None;
-    for scope in scopes.iter_mut().rev().filter_map(Option::take) {
-        fault = pollster::block_on(scope.pop()).or(fault);
-    }
-    match fault {
-        Some(fault) => Err(GpuError::Driver(fault.to_string())),
-        None => Ok(made),
-    }
-}
 
 /// The whole of the WGSL.
 pub const WGSL: &str = concat!(
@@ -82,9 +27,10 @@ pub const WGSL: &str = concat!(
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The WGSL's overrides: what it is made for.
-type Overrides = [(&'static str, u32); 7];
+pub type Overrides = [(&'static str, u32); 7];
 
-fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Overrides {
+/// What the WGSL is made for, where `rows` of constants are handed over for each triangle.
+pub fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer, rows: u32) -> Overrides {
     let depth = match shade.depth {
         Depth::Finite(n) => u32::from(n.clamp(1, Depth::MAX_FINITE)),
         Depth::Infinite => 0,
@@ -109,7 +55,7 @@ fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Overrides {
         ("REWEIGHT", position(Correction::ALL, shade.reweight)),
         ("TRANSFER", transfer),
         ("SPECULAR", specular),
-        ("ROWS", pack::rows(shade.shader)),
+        ("ROWS", rows),
     ]
 }
 
@@ -118,98 +64,63 @@ fn position<T: PartialEq>(all: &[T], value: T) -> u32 {
     all.iter().position(|other| *other == value).unwrap_or(0) as u32
 }
 
-/// Pipelines, made when they are first wanted.
-#[derive(Debug)]
-pub struct Pipelines {
-    module: wgpu::ShaderModule,
-    layout: wgpu::PipelineLayout,
-    /// Of the buffers.
-    pub bindings: wgpu::BindGroupLayout,
-    format: wgpu::TextureFormat,
-    made: HashMap<Overrides, wgpu::RenderPipeline>,
-}
-
-impl Pipelines {
-    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Pipelines, GpuError> {
-        guarded(device, || {
-            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("shading"),
-                source: wgpu::ShaderSource::Wgsl(WGSL.into()),
-            });
-            let bindings = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("shading"),
-                entries: &[0, 1, 2, 3, 4].map(entry),
-            });
-            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("shading"),
-                bind_group_layouts: &[Some(&bindings)],
-                ..Default::default()
-            });
-            Pipelines { module, layout, bindings, format, made: HashMap::new() }
-        })
-    }
-
-    /// The pipeline for `shade` and `transfer`.
-    pub fn get(
-        &mut self,
-        device: &wgpu::Device,
-        frame: &Frame,
-        shade: &Shade,
-        transfer: &Transfer,
-    ) -> Result<wgpu::RenderPipeline, GpuError> {
-        let overrides = overrides(frame, shade, transfer);
-        if let Some(made) = self.made.get(&overrides) {
-            return Ok(made.clone());
+/// The layout of the buffers: binding 0 is the globals, the others are lists.
+pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let entries = [0, 1, 2, 3, 4].map(|binding| {
+        let ty = match binding {
+            0 => wgpu::BufferBindingType::Uniform,
+            _ => wgpu::BufferBindingType::Storage { read_only: true },
+        };
+        wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
         }
-        let made = guarded(device, || self.pipeline(device, &overrides))?;
-        self.made.insert(overrides, made.clone());
-        Ok(made)
-    }
-
-    fn pipeline(&self, device: &wgpu::Device, overrides: &Overrides) -> wgpu::RenderPipeline {
-        let constants = overrides.map(|(name, value)| (name, f64::from(value)));
-        let options =
-            wgpu::PipelineCompilationOptions { constants: &constants, zero_initialize_workgroup_memory: false };
-        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("shading"),
-            layout: Some(&self.layout),
-            vertex: wgpu::VertexState {
-                module: &self.module,
-                entry_point: Some("place_corner"),
-                compilation_options: options.clone(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH_FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Less),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &self.module,
-                entry_point: Some("shade_pixel"),
-                compilation_options: options.clone(),
-                targets: &[Some(self.format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
-    }
+    });
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("shading"), entries: &entries })
 }
 
-/// Binding 0 is the globals, the others are lists.
-fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
-    let ty = match binding {
-        0 => wgpu::BufferBindingType::Uniform,
-        _ => wgpu::BufferBindingType::Storage { read_only: true },
-    };
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-        count: None,
-    }
+/// The pipeline of `module`, the [`WGSL`], for these overrides.
+pub fn pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::BindGroupLayout,
+    format: wgpu::TextureFormat,
+    overrides: &Overrides,
+) -> wgpu::RenderPipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("shading"),
+        bind_group_layouts: &[Some(layout)],
+        ..Default::default()
+    });
+    let constants = overrides.map(|(name, value)| (name, f64::from(value)));
+    let options = wgpu::PipelineCompilationOptions { constants: &constants, zero_initialize_workgroup_memory: false };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("shading"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("place_corner"),
+            compilation_options: options.clone(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Less),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some("shade_pixel"),
+            compilation_options: options.clone(),
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
 }
