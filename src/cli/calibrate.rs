@@ -9,7 +9,7 @@ use super::{UsageError, say, today, warn, wrote};
 use crate::{
     display::{
         Measurement,
-        photometer::{Calibration, Family, FittedChannel},
+        photometer::{Calibration, Family, FittedChannel, Sum, largest},
     },
     report::figures,
     store::{self, profile, readings},
@@ -135,14 +135,12 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
         say(&format!("{name:<6} {codes:>9.2}  {cd_m2:>9.3}  {largest:>13.2}  {score:>21.2}"))?;
     }
     say("")?;
-    if let Some(additivity) = &calibration.additivity {
-        let (percent, light) = (additivity.largest_percent(), additivity.largest_cd_m2());
+    let sums = &calibration.additivity;
+    if !sums.is_empty() {
         say(&format!(
-            "additivity: gray differs from red + green + blue − 2 black by at most {:+.2} % (level {:.3}) and {:+.3} cd/m² (level {:.3})",
-            percent.deviation_percent(),
-            percent.level,
-            light.deviation_cd_m2(),
-            light.level
+            "additivity: gray differs from red + green + blue − 2 black by at most {:+.2} % and {:+.3} cd/m²",
+            largest(sums, Sum::deviation_percent),
+            largest(sums, Sum::deviation_cd_m2),
         ))?;
     }
     calibration.notes.iter().try_for_each(|note| say(&format!("note: {note}")))?;
@@ -182,8 +180,9 @@ fn report(calibration: &Calibration, family: Family) -> Value {
             },
         })
     });
-    let additivity = calibration.additivity.as_ref().map(|additivity| {
-        let sums = additivity.sums.iter().map(|sum| {
+    let sums = &calibration.additivity;
+    let additivity = (!sums.is_empty()).then(|| {
+        let levels = sums.iter().map(|sum| {
             json!({
                 "level": sum.level,
                 "gray_cd_m2": sum.gray_cd_m2,
@@ -192,9 +191,9 @@ fn report(calibration: &Calibration, family: Family) -> Value {
             })
         });
         json!({
-            "largest_percent": additivity.largest_percent().deviation_percent(),
-            "largest_cd_m2": additivity.largest_cd_m2().deviation_cd_m2(),
-            "levels": sums.collect::<Value>(),
+            "largest_percent": largest(sums, Sum::deviation_percent),
+            "largest_cd_m2": largest(sums, Sum::deviation_cd_m2),
+            "levels": levels.collect::<Value>(),
         })
     });
     json!({

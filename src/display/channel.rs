@@ -48,11 +48,15 @@ impl Channel {
         self.names()[2]
     }
 
-    /// Whether a profile can be made from measurements of these channels: red, green and blue, or gray, each once.
-    #[must_use]
-    pub fn make_a_profile(channels: &[Self]) -> bool {
+    /// Whether a profile can be made from measurements of these channels.
+    ///
+    /// # Errors
+    /// Neither red, green and blue nor gray, or one of them twice.
+    pub fn make_a_profile(channels: &[Self]) -> Result<(), SettingsError> {
         let [red, green, blue, gray] = Self::ALL.map(|one| channels.iter().filter(|channel| **channel == one).count());
-        (gray == 1 || red + green + blue == 3) && [red, green, blue, gray].iter().all(|count| *count < 2)
+        let enough = (gray == 1 || red + green + blue == 3) && [red, green, blue, gray].iter().all(|count| *count < 2);
+        let message = "the channels give no profile; expected red, green and blue, or gray, each once";
+        if enough { Ok(()) } else { Err(SettingsError(message.to_owned())) }
     }
 
     /// The pixel that has `code` in this channel and 0 in the others.
@@ -83,6 +87,11 @@ impl fmt::Display for Channel {
         f.write_str(self.name())
     }
 }
+
+/// Settings of a measurement that cannot be run: what is wrong; what is expected.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct SettingsError(pub String);
 
 /// A text that names no channel.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

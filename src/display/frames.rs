@@ -28,26 +28,24 @@ const LONGEST_S: f64 = 10.0;
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Refresh(f64);
 
-/// A number that is not a refresh.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("a refresh of {0} s is impossible; expected more than 0 and at most 10 seconds")]
-pub struct RefreshError(pub f64);
-
 impl Refresh {
-    /// From the interval in seconds, above 0 and at most 10.
-    ///
-    /// # Errors
-    /// Any other number.
-    pub fn new(seconds: f64) -> Result<Self, RefreshError> {
-        if seconds > 0.0 && seconds <= LONGEST_S { Ok(Self(seconds)) } else { Err(RefreshError(seconds)) }
+    /// From the interval in seconds; `None` unless it is above 0 and at most 10.
+    #[must_use]
+    pub fn new(seconds: f64) -> Option<Self> {
+        (seconds > 0.0 && seconds <= LONGEST_S).then_some(Self(seconds))
     }
 
-    /// From the rate in Hz, at least 0.1.
-    ///
-    /// # Errors
-    /// Any other number.
-    pub fn from_hz(hz: f64) -> Result<Self, RefreshError> {
+    /// From the rate in Hz; `None` unless it is at least 0.1.
+    #[must_use]
+    pub fn from_hz(hz: f64) -> Option<Self> {
         Self::new(1.0 / hz)
+    }
+
+    /// The refresh that frames shown for these times follow by themselves, as [`Refresh::estimate`] finds it; `None` where
+    /// they scatter.
+    #[must_use]
+    pub fn measured(intervals_us: &[u32]) -> Option<Self> {
+        Self::estimate(intervals_us).filter(|refresh| refresh.is_followed_by(intervals_us))
     }
 
     /// The refresh of the screen from the intervals of its frames: their total time over the number of refreshes in it.
@@ -78,7 +76,7 @@ impl Refresh {
             refresh = time / refreshes;
         }
         let steady = ones as f64 >= ESTIMATE_STEADY * intervals_us.len() as f64;
-        Self::new(refresh).ok().filter(|_| steady && refresh <= ESTIMATE_SLOWEST_S)
+        Self::new(refresh).filter(|_| steady && refresh <= ESTIMATE_SLOWEST_S)
     }
 
     /// Whether frames shown for these times follow this refresh: nearly all of them were shown for a whole number of

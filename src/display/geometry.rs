@@ -7,12 +7,13 @@
 /// hand to measure a screen.
 pub const CARD_WIDTH_CM: f64 = 8.56;
 
-/// Pixels a screen could have along a side.
+/// Possible numbers of pixels along a side of a screen.
 const SIDE_PX: std::ops::RangeInclusive<f64> = 16.0..=65_536.0;
-/// Widths a screen could have: a viewfinder's to a hall's.
+/// Possible widths of a screen: a viewfinder's to a hall's.
 const WIDTH_CM: std::ops::RangeInclusive<f64> = 1.0..=10_000.0;
-/// Distances one could look from.
+/// Possible viewing distances.
 const DISTANCE_CM: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
+
 /// A quantity outside what could be true.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{quantity} {value} is outside {lowest}…{highest} {unit}; expected {expected}")]
@@ -37,16 +38,6 @@ fn check(
     }
     let (lowest, highest) = (*range.start(), *range.end());
     Err(GeometryError { quantity, value, unit, lowest, highest, expected })
-}
-
-/// Degrees that `size_cm` fills, seen from `distance_cm`.
-fn angle_deg(size_cm: f64, distance_cm: f64) -> f64 {
-    2.0 * (size_cm / (2.0 * distance_cm)).atan().to_degrees()
-}
-
-/// Centimeters that fill `angle_deg`, seen from `distance_cm`.
-fn size_cm(angle_deg: f64, distance_cm: f64) -> f64 {
-    2.0 * distance_cm * (angle_deg.to_radians() / 2.0).tan()
 }
 
 /// The distance, cm, from which `size_cm` fills `deg` degrees.
@@ -102,7 +93,7 @@ impl Screen {
         f64::from(self.height_px) / self.px_per_cm()
     }
 
-    /// Physical pixels per centimetre, the same in both directions.
+    /// Physical pixels per centimeter, the same in both directions.
     #[must_use]
     pub fn px_per_cm(&self) -> f64 {
         f64::from(self.width_px) / self.width_cm
@@ -142,7 +133,7 @@ impl Viewing {
     /// < 180).
     #[must_use]
     pub fn cm_from_deg(&self, deg: f64) -> f64 {
-        size_cm(deg, self.distance_cm)
+        2.0 * self.distance_cm * (deg.to_radians() / 2.0).tan()
     }
 
     /// Physical pixels, centered on the line of sight, that fill `deg` degrees (0 ≤ `deg` < 180).
@@ -155,7 +146,7 @@ impl Viewing {
     /// Degrees that `px` physical pixels fill, centered on the line of sight.
     #[must_use]
     pub fn deg_from_px(&self, px: f64) -> f64 {
-        angle_deg(px / self.screen.px_per_cm(), self.distance_cm)
+        2.0 * (px / self.screen.px_per_cm() / (2.0 * self.distance_cm)).atan().to_degrees()
     }
 
     /// Physical pixels per degree where the line of sight meets the screen: the limit of small

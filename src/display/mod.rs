@@ -8,6 +8,6 @@ pub mod photometer;
 pub mod profile;
 pub mod steps;
 
-pub use channel::{Channel, UnknownChannel};
+pub use channel::{Channel, SettingsError, UnknownChannel};
 pub use geometry::{GeometryError, Screen, Viewing};
 pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

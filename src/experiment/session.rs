@@ -379,7 +379,7 @@ impl Session {
 
     fn refresh(&self) -> Option<Refresh> {
         match self.options.frames {
-            FrameCount::Against(seconds) => Refresh::new(seconds).ok(),
+            FrameCount::Against(seconds) => Refresh::new(seconds),
             FrameCount::Off | FrameCount::Frames => None,
         }
     }

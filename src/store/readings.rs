@@ -13,7 +13,7 @@ use super::{
 };
 use crate::display::{
     Channel,
-    photometer::{Reading, ReadingFault, Readings},
+    photometer::{About, Reading, Readings},
 };
 
 /// Faults of one kind that are reported one by one; of more, the first is, with their number.
@@ -39,13 +39,12 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileFaults> {
     let readings = rows.iter().map(|row| row.reading).collect();
     Readings::new(readings).map_err(|faults| {
         let found = faults.iter().map(|found| {
-            let row = found.index.and_then(|index| rows.get(index));
-            let (kind, position) = match found.fault {
-                ReadingFault::Luminance(_) => (Kind::Luminance, row.map(|row| row.luminance_at)),
-                ReadingFault::Level(_) | ReadingFault::LevelIsCode(_) => (Kind::Level, row.map(|row| row.level_at)),
-                _ => (Kind::Whole, None),
+            let (kind, position) = match found.about {
+                About::Luminance(index) => (Kind::Luminance, Some(rows[index].luminance_at)),
+                About::Level(index) => (Kind::Level, Some(rows[index].level_at)),
+                About::Levels(..) | About::All => (Kind::Whole, None),
             };
-            Found { kind, position, message: found.to_string() }
+            Found { kind, position, message: found.message.clone() }
         });
         let mut found: Vec<Found> = found.collect();
         if rows.iter().all(|row| (0.0..=1.0).contains(&row.reading.luminance_cd_m2)) {

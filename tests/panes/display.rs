@@ -1,13 +1,18 @@
-//! A display profile from its file to the screen: what is shown is what the command writes, each code is the nearest, and
-//! what is known of the screen stands with the data.
+//! A display profile from its file to the screen, and the tools that measure the screen, driven without a display.
 
-use std::path::Path;
+use std::{fs, path::Path, sync::mpsc};
 
 use eframe::egui::Key;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
-    app::{App, Launch, Request},
-    display::{DisplayProfile, LuminanceRange, Measurement},
+    app::{
+        App, Launch, Request,
+        timing::{Patch, Scene, TimingPlan, TimingRequest},
+    },
+    display::{
+        DisplayProfile, LuminanceRange, Measurement,
+        steps::{csv, steps},
+    },
     experiment::{Identity, Protocol, Schedule},
     light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::recipe::Recipe,
@@ -51,8 +56,9 @@ fn protocol() -> Protocol {
     definition::parse("shown", text).unwrap()
 }
 
-fn request(results: &Path, display: DisplayProfile) -> Request {
-    Request { display, ..window::request(results, protocol()) }
+/// A session on that screen.
+fn launch(results: &Path) -> Launch {
+    Launch { request: Some(Request { display: differing(), ..window::request(results, protocol()) }) }
 }
 
 fn sidecar(results: &Path) -> Sidecar {
@@ -65,45 +71,39 @@ fn shown_by(folder: &Path, arguments: &[&str]) {
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
+/// What reaches the screen is what `machband stimulus` writes with the same profile, byte for byte, at every scale.
 #[test]
 fn with_a_profile_the_screen_shows_what_the_command_writes() {
     if !has_graphics() {
         return;
     }
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("screen.toml");
-    profile::write(&file, &differing()).unwrap();
-    let display = profile::open(&file).unwrap();
-    let launch = Launch { request: Some(request(folder.path(), display.clone())) };
-    let mut harness = builder(SIZE, STEP_S).wgpu().build_eframe(|cc| App::new(cc, launch));
-    walk_to_first_trial(&mut harness);
-    harness.run_steps(20);
-    let shot = harness.render().unwrap();
-    press(&mut harness, Key::Num1);
-
-    let sidecar = sidecar(folder.path());
-    let side = sidecar.sittings[0].viewing.as_ref().unwrap()["stimulus_px"].as_u64().unwrap() as u32;
-    let schedule = Schedule::new(&protocol(), &Identity::new("P001", "1").unwrap(), 5).unwrap();
-    let stimulus = schedule.conditions[schedule.trials[0].condition].stimulus.clone();
-    let recipe = Recipe {
-        stimulus,
-        size: side,
-        transfers: Transfer::Srgb.into(),
-        bits: Bits::Eight,
-        dither: Dither::None,
-        seed: 1,
-        display_sha256: None,
-    };
-    let command = recipe.command();
-    let mut arguments: Vec<&str> = command.split(' ').skip(1).collect();
-    arguments.extend(["--display", "screen.toml"]);
-    shown_by(folder.path(), &arguments);
-    let written = image::read(&folder.path().join("stimulus.png")).unwrap();
-    assert_eq!(written.recipe.display_sha256, Some(profile::hash(&display)));
-    let size = [shot.width(), shot.height()];
-    assert_eq!(wrong_pixels(size, |x, y| shot.get_pixel(x, y).0, &written.image), 0);
-    let codes: std::collections::BTreeSet<_> = (0..side).map(|x| written.image.pixel(x, side / 2)).collect();
-    assert!(codes.len() > 20, "a ramp, and not one color: {}", codes.len());
+    for scale in [1.0, 1.25, 1.5, 2.0] {
+        let folder = tempfile::tempdir().unwrap();
+        profile::write(&folder.path().join("screen.toml"), &differing()).unwrap();
+        let builder = builder([900.0, 700.0], STEP_S).with_pixels_per_point(scale).wgpu();
+        let launch = launch(folder.path());
+        let mut harness = builder.build_eframe(|cc| App::new(cc, launch));
+        walk_to_first_trial(&mut harness);
+        harness.run_steps(20);
+        let shot = harness.render().unwrap();
+        press(&mut harness, Key::Num1);
+        let viewing = sidecar(folder.path()).sittings[0].viewing.clone().unwrap();
+        let size = viewing["stimulus_px"].as_u64().unwrap() as u32;
+        let schedule = Schedule::new(&protocol(), &Identity::new("P001", "1").unwrap(), 5).unwrap();
+        let stimulus = schedule.conditions[schedule.trials[0].condition].stimulus.clone();
+        let (transfers, bits, dither) = (Transfer::Srgb.into(), Bits::Eight, Dither::None);
+        let recipe = Recipe { stimulus, size, transfers, bits, dither, seed: 1, display_sha256: None };
+        let command = recipe.command();
+        let mut arguments: Vec<&str> = command.split(' ').skip(1).collect();
+        arguments.extend(["--display", "screen.toml"]);
+        shown_by(folder.path(), &arguments);
+        let written = image::read(&folder.path().join("stimulus.png")).unwrap();
+        assert_eq!(written.recipe.display_sha256, Some(profile::hash(&differing())));
+        let wrong = wrong_pixels([shot.width(), shot.height()], |x, y| shot.get_pixel(x, y).0, &written.image);
+        assert_eq!(wrong, 0, "of {size} × {size} pixels at scale {scale}");
+        let codes: std::collections::BTreeSet<_> = (0..size).map(|x| written.image.pixel(x, size / 2)).collect();
+        assert!(codes.len() > 20, "a ramp, and not one color: {}", codes.len());
+    }
 }
 
 /// Of the strongest channel, for every kind of transfer function and every dither-free kind of picture.
@@ -111,8 +111,8 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
 fn what_is_emitted_is_within_half_a_code_of_what_was_asked() {
     let folder = tempfile::tempdir().unwrap();
     let all = differing();
+    profile::write(&folder.path().join("screen.toml"), &all).unwrap();
     for (channel, color) in ["red", "green", "blue"].into_iter().enumerate() {
-        profile::write(&folder.path().join("screen.toml"), &all).unwrap();
         let transfer = &all.transfers.channels()[channel];
         for (bits, max) in [("8", 255.0), ("16", 65_535.0)] {
             for kind in ["mach-band", "cornsweet", "chevreul"] {
@@ -142,7 +142,7 @@ fn what_is_emitted_is_within_half_a_code_of_what_was_asked() {
 #[test]
 fn the_preflight_tells_an_old_profile_and_another_screen_and_keeps_what_was_confirmed() {
     let folder = tempfile::tempdir().unwrap();
-    let launch = Launch { request: Some(request(folder.path(), differing())) };
+    let launch = launch(folder.path());
     let mut harness = builder(SIZE, STEP_S).build_eframe(|cc| App::new(cc, launch));
     wait_for(&mut harness, "These findings are saved");
     harness.get_by_label_contains("days ago; after 30 days");
@@ -182,12 +182,12 @@ fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
     ] {
         type_into(&mut harness, field, text);
     }
-    // 1000 pixels on 30 cm, seen from 57.3 cm: a degree is a centimetre, or 33.3 pixels.
+    // 1000 pixels on 30 cm, seen from 57.3 cm: a degree is a centimeter, or 33.3 pixels.
     harness.get_by_label_contains("A degree is 33.3 pixels, or 1.00 cm");
     harness.get_by_label_contains("The screen is 30.0 × 24.0 cm");
     // 40° need 2 · 57.3 · tan 20° = 41.7 cm, and the lesser side has 24.
-    harness.get_by_label_contains("only 58 % of that fits");
-    harness.get_by_label_contains("It fits from 32 cm or less");
+    harness.get_by_label_contains("only 58 % of its side fits");
+    harness.get_by_label_contains("It fits at a distance of 32 cm or less");
     take_picture(&mut harness, "display_size");
     press(&mut harness, Key::Escape);
     harness.run_steps(2);
@@ -262,7 +262,7 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
 }
 
 #[test]
-fn measured_light_is_told_with_three_digits() {
+fn measured_light_has_three_digits() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.toml");
     let luminance = Some(LuminanceRange { black_cd_m2: 0.250_592_758_493_736_2, white_cd_m2: 134.217_6 });
@@ -273,6 +273,161 @@ fn measured_light_is_told_with_three_digits() {
     click(&mut harness, "Steps of equal brightness");
     harness.get_by_label("Measured: 0.251 to 134 cd/m².");
     assert!(harness.query_by_label_contains("0.25059").is_none());
+}
+
+#[test]
+fn the_check_and_the_steps_can_be_seen() {
+    let mut window = home(SIZE, 1.0 / 30.0);
+    click(&mut window, "Measure…");
+    click(&mut window, "Check the gamma");
+    take_picture(&mut window, "display_check");
+    for label in
+        ["gray, 1 of 4 rows", "red, 1 of 2 rows", "blue, 3 of 4 rows", "green, wrong by −0.2", "blue, wrong by +0.2"]
+    {
+        assert!(window.query_by_label(label).is_some(), "{label}");
+    }
+    click(&mut window, "Pairs of rows (interlaced pictures, row inversion)");
+    press(&mut window, Key::Escape);
+    window.run_steps(3);
+
+    click(&mut window, "Steps of equal brightness");
+    window.get_by_label_contains("A wedge of 13 uniform bars");
+    window.get_by_label_contains("Black was not measured");
+    take_picture(&mut window, "display_steps");
+    type_into(&mut window, "Number of steps n", "4");
+    window.get_by_label_contains("A wedge of 5 uniform bars");
+    type_into(&mut window, "Lowest intensity I₀, black over white", "2");
+    window.get_by_label_contains("is not between 0 and 1");
+    type_into(&mut window, "Lowest intensity I₀, black over white", "0.01");
+    click(&mut window, "Copy as CSV");
+    window.get_by_label_contains("Copied.");
+    type_into(&mut window, "Number of steps n", "200");
+    window.get_by_label_contains("8 bits are too few here");
+    press(&mut window, Key::Escape);
+    window.run_steps(3);
+    window.get_by_label("Steps of equal brightness");
+}
+
+/// Shoaff's steps: the same ratio from each to the next, from black to white, with the screen's black taken off before
+/// codes are made.
+#[test]
+fn steps_have_one_ratio_and_the_codes_of_the_profile() {
+    let range = LuminanceRange { black_cd_m2: 0.5, white_cd_m2: 250.0 };
+    let profile = DisplayProfile {
+        transfers: Transfer::gamma(2.2).unwrap().into(),
+        luminance: Some(range),
+        ..DisplayProfile::default()
+    };
+    let i0 = range.lowest_intensity();
+    let made = steps(&profile, i0, 8).unwrap();
+    assert_eq!((made.len(), made[0].codes, made[8].codes), (9, [0; 3], [255; 3]));
+    for pair in made.windows(2) {
+        assert!((pair[1].intensity / pair[0].intensity - (1.0 / i0).powf(1.0 / 8.0)).abs() < 1e-9);
+    }
+    for step in &made {
+        // An independent way to the code: cd/m² above black, over the range, to the power of 1/γ.
+        let cd_m2 = step.cd_m2.unwrap();
+        let expected = (((cd_m2 - 0.5) / 249.5).max(0.0).powf(1.0 / 2.2) * 255.0).round();
+        assert_eq!(f64::from(step.codes[1]), expected, "{step:?}");
+        assert_eq!(step.nearest, step.level, "{step:?}");
+        assert!((step.emitted / step.intensity).ln().abs() < 0.15, "{step:?}");
+    }
+    assert!(steps(&profile, i0, 200).unwrap().iter().any(|step| step.nearest != step.level));
+    assert!(steps(&profile, 1.0, 8).is_err() && steps(&profile, i0, 0).is_err());
+    assert_eq!(csv(&made).lines().nth(9), Some("8,1.00000000,250.000000,255,255,255,1.00000000,8"));
+}
+
+/// Display, then Timing, from Home.
+fn timing() -> Window {
+    let mut window = home([1000.0, 900.0], 1.0 / 60.0);
+    click(&mut window, "Measure…");
+    click(&mut window, "Timing");
+    window
+}
+
+fn says(window: &Window, text: &str) -> bool {
+    window.query_all_by_label_contains(text).next().is_some()
+}
+
+#[test]
+fn timing_measures_reports_and_exports() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("frames.csv");
+    let mut window = timing();
+    assert!(!says(&window, "photosensitive"), "the trial does not flicker");
+    click(&mut window, "Measure");
+    window.run_steps(640);
+    for text in ["600", "60.000 Hz, 16.667 ms, measured", "dropped frames", "missed refreshes"] {
+        assert!(says(&window, text), "{text}");
+    }
+    assert!(says(&window, "16.667 ms"));
+    assert!(says(&window, "Every refresh at 60.00 Hz showed a new frame: none of 600 was dropped."));
+    take_picture(&mut window, "display_timing");
+    type_into(&mut window, "Export to", out.to_str().unwrap());
+    click(&mut window, "Export");
+    let csv = fs::read_to_string(&out).unwrap();
+    assert_eq!(csv.lines().next(), Some("frame,interval_us,dropped"));
+    let intervals: Vec<u32> =
+        csv.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect();
+    assert_eq!(intervals.len(), 600);
+    assert!(intervals.iter().all(|us| (16_666..=16_667).contains(us)));
+    assert!(csv.lines().skip(1).all(|line| line.ends_with(",0")));
+    assert!(fs::read_to_string(out.with_extension("svg")).unwrap().starts_with("<svg"));
+    // Keys lead back.
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    assert!(window.query_by_label("Timing").is_some());
+}
+
+#[test]
+fn frames_that_follow_no_refresh_are_not_judged() {
+    let mut window = timing();
+    click(&mut window, "Measure");
+    let mut now = 100.0;
+    for frame in 0_u32..640 {
+        // From 5 to 21 ms, in no order.
+        now += 0.005 + f64::from(frame.wrapping_mul(2_654_435_761) >> 16) / 65_536.0 * 0.016;
+        window.input_mut().time = Some(now);
+        window.step();
+    }
+    window.input_mut().time = None;
+    window.run_steps(3);
+    assert!(says(&window, "The frames follow no steady refresh, so no frame can be judged as dropped"));
+    assert!(says(&window, "unknown") && !says(&window, "measured"));
+}
+
+#[test]
+fn two_warnings_come_before_a_flicker_and_it_can_be_stopped() {
+    let mut window = timing();
+    click(&mut window, "A patch that flickers");
+    assert!(says(&window, "photosensitive epilepsy"));
+    click(&mut window, "Measure");
+    assert!(says(&window, "It begins in 3 s. Esc stops.") && says(&window, "photosensitive epilepsy"));
+    window.run_steps(60);
+    assert!(says(&window, "It begins in 2 s"));
+    window.run_steps(150);
+    assert!(!says(&window, "photosensitive"), "it flickers");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(says(&window, "Measure") && !says(&window, "median"));
+}
+
+#[test]
+fn the_command_gets_its_report_and_the_window_closes() {
+    for scene in [Scene::Patch, Scene::Trial] {
+        let (report, measured) = mpsc::channel();
+        let plan = TimingPlan { scene, frames: 50, patch: Patch::default() };
+        let request = TimingRequest { plan, fullscreen: false, report };
+        let mut window: Window = builder([1000.0, 900.0], 1.0 / 60.0).build_eframe(|cc| App::timing(cc, request));
+        window.run_steps(40);
+        assert!(measured.try_recv().is_err(), "not before its end");
+        window.run_steps(250);
+        let report = measured.try_recv().expect("measured");
+        assert_eq!(report.intervals_us().len(), 50, "{scene:?}");
+        assert_eq!(report.csv().lines().count(), 51);
+        let rows = report.rows();
+        assert!(rows.contains(&("median", "16.667 ms".to_owned())), "{rows:?}");
+    }
 }
 
 #[test]

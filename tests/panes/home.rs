@@ -7,7 +7,6 @@ use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{App, Launch, Request},
     experiment::{Identity, Protocol, RowContext, Schedule, TrialRecord},
-    light::{Bits, Quantizer, Transfer},
     store::{definition, frames, sidecar::Sidecar},
 };
 
@@ -239,31 +238,6 @@ fn home_says_what_is_wrong_beside_the_field() {
     type_into(&mut harness, "Viewing distance, cm", "50");
     type_into(&mut harness, "Display profile", "/nowhere.toml");
     harness.get_by_label_contains("cannot be opened");
-}
-
-/// What reaches the screen is what `machband stimulus` writes, byte for byte, whatever the scale.
-#[test]
-fn the_stimulus_is_drawn_byte_for_byte() {
-    if !window::has_graphics() {
-        return;
-    }
-    for scale in [1.0, 1.25, 1.5, 2.0] {
-        let folder = tempfile::tempdir().unwrap();
-        let protocol = protocol(0.2, 10.0);
-        let launch = Launch { request: Some(request(folder.path(), protocol.clone())) };
-        let builder = window::builder([900.0, 700.0], STEP_S).with_pixels_per_point(scale).wgpu();
-        let mut harness = builder.build_eframe(|cc| App::new(cc, launch));
-        walk_to_first_trial(&mut harness);
-        harness.run_steps(20);
-        let shot = harness.render().unwrap();
-        press(&mut harness, Key::Num1);
-        let schedule = Schedule::new(&protocol, &Identity::new("P001", "1").unwrap(), 5).unwrap();
-        let stimulus = &schedule.conditions[schedule.trials[0].condition].stimulus;
-        let side = sidecar(folder.path()).sittings[0].viewing.as_ref().unwrap()["stimulus_px"].as_u64().unwrap();
-        let codes = stimulus.codes(side as u32, &Quantizer::new(&Transfer::Srgb, Bits::Eight));
-        let wrong = window::wrong_pixels([shot.width(), shot.height()], |x, y| shot.get_pixel(x, y).0, &codes);
-        assert_eq!(wrong, 0, "of {side} × {side} pixels at scale {scale}");
-    }
 }
 
 #[test]

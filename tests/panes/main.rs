@@ -9,10 +9,8 @@ mod eye;
 mod window;
 
 mod analysis_pane;
+mod calibration;
 mod display;
 mod home;
-mod matching_pane;
-mod photometer_pane;
 mod predicted_pane;
 mod shading;
-mod timing_pane;

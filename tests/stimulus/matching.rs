@@ -3,10 +3,7 @@
 use machband::{
     display::{
         Channel,
-        matching::{
-            CHECKED, ChannelGamma, CheckField, GammaError, Match, MatchSettings, Matching, Pattern, Rows,
-            SettingsError, estimate, transfers,
-        },
+        matching::{CHECKED, ChannelGamma, GammaError, Match, MatchSettings, Matching, Rows, estimate, transfers},
     },
     light::{Bits, Quantizer, Transfer, Transfers},
 };
@@ -135,23 +132,28 @@ fn settings_that_cannot_be_run_say_why() {
     let with = |change: &dyn Fn(&mut MatchSettings)| {
         let mut settings = MatchSettings::default();
         change(&mut settings);
-        Matching::new(&settings, 1, Vec::new()).map(|_| ())
+        Matching::new(&settings, 1, Vec::new()).map_or_else(|error| error.to_string(), |_| String::new())
     };
-    assert_eq!(with(&|_| ()), Ok(()));
-    assert_eq!(with(&|settings| settings.channels.clear()), Err(SettingsError::Channels));
-    assert_eq!(with(&|settings| settings.channels.push(Channel::Red)), Err(SettingsError::Channels));
-    assert_eq!(with(&|settings| settings.matches = 1), Err(SettingsError::Matches(1)));
-    let half = MatchSettings { pattern: Pattern::Half, ..MatchSettings::default() };
+    let half = MatchSettings { period: 2, ..MatchSettings::default() };
     let done = run(&half, &power([2.2; 3]), 0.0, 1);
-    assert_eq!(Matching::new(&MatchSettings::default(), 1, done).unwrap_err(), SettingsError::Other(1));
+    let other = Matching::new(&MatchSettings::default(), 1, done).unwrap_err().to_string();
+    for (message, expected) in [
+        (with(&|settings| settings.channels.clear()), "the channels give no profile"),
+        (with(&|settings| settings.channels.push(Channel::Red)), "the channels give no profile"),
+        (with(&|settings| settings.matches = 1), "1 matches of each channel; expected 2 to 50"),
+        (other, "match 1 belongs to other settings"),
+    ] {
+        assert!(message.starts_with(expected), "{message}");
+    }
+    assert_eq!(with(&|_| ()), "");
 }
 
 /// Columns do not differ, the rows' mean is the share that the match counts on, and the patch begins and ends with a
 /// period.
 #[test]
 fn the_picture_is_rows_and_a_patch() {
-    for (row_px, pattern) in [(1, Pattern::Quarter), (2, Pattern::Half)] {
-        let settings = MatchSettings { row_px, pattern, channels: vec![Channel::Gray], ..MatchSettings::default() };
+    for (row_px, period) in [(1, 4), (2, 2)] {
+        let settings = MatchSettings { row_px, period, channels: vec![Channel::Gray], ..MatchSettings::default() };
         let shown = Matching::new(&settings, 2, Vec::new()).unwrap().shown().unwrap();
         let image = shown.picture(120, 50);
         let column = |x: u32| -> Vec<u16> { (0..120).map(|y| image.pixel(x, y)[0]).collect() };
@@ -177,20 +179,21 @@ fn the_check_vanishes_only_where_the_profile_is_right() {
     for channel in Channel::ALL {
         for (lit, period) in CHECKED {
             let rows = Rows { lit, period, row_px: 1 };
-            let field = |error| CheckField::new(&transfers, channel, rows, error);
+            let patch_of = |error| rows.check_patch(&transfers, channel, error);
             let expected = quantizer.codes([rows.share() as f32; 3]).map(|code| code as u8);
             for (i, expected) in expected.into_iter().enumerate() {
                 let carried = channel.index().is_none_or(|index| index == i);
-                let patch = field(0.0).patch[i];
+                let patch = patch_of(0.0)[i];
                 assert_eq!(patch, if carried { expected } else { 0 });
                 if carried && lit * 4 <= period * 2 {
-                    assert!(field(0.2).patch[i] >= patch + 2 && field(-0.2).patch[i] <= patch - 2, "{channel} {lit}");
+                    assert!(patch_of(0.2)[i] >= patch + 2 && patch_of(-0.2)[i] <= patch - 2, "{channel} {lit}");
                 }
             }
         }
     }
     let rows = Rows { lit: 1, period: 2, row_px: 2 };
-    let image = CheckField::new(&transfers, Channel::Gray, rows, 0.0).picture(64, 32);
+    let patch = rows.check_patch(&transfers, Channel::Gray, 0.0);
+    let image = rows.picture(Channel::Gray, patch, [64, 64], 32);
     assert_eq!((image.pixel(0, 1), image.pixel(0, 2)), ([255; 3], [0; 3]));
     assert_eq!(image.pixel(32, 32), quantizer.codes([0.5; 3]));
 }

@@ -44,7 +44,7 @@ fn row(intervals_us: &[u32]) -> FrameRow {
         trial: 2,
         attempt: 1,
         shown: Shown::Stimulus,
-        refresh: Refresh::from_hz(59.94).ok(),
+        refresh: Refresh::from_hz(59.94),
         intervals_us: intervals_us.to_vec(),
     }
 }

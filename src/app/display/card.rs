@@ -69,7 +69,7 @@ impl CardHelper {
 
     fn content(&mut self, ui: &mut egui::Ui, screen_width_px: u32, accepted: bool) -> CardOutcome {
         ui.heading("Measure the screen with a card");
-        ui.label("Hold a bank card (8.56 cm wide) against the screen and make the outline just as wide. The arrow keys left and right change it; Enter accepts.");
+        ui.label("Hold a bank card (8.56 cm wide) against the screen and make the outline equally wide with the left and right arrow keys. Enter accepts.");
         self.slider(ui, screen_width_px);
         self.draw(ui);
         match width_cm_from_card(f64::from(self.card_px), screen_width_px) {
@@ -97,7 +97,7 @@ impl CardHelper {
     fn draw(&self, ui: &mut egui::Ui) {
         let size = self.outline(ui.ctx());
         if size.x > ui.available_width() {
-            ui.label(quiet("The outline is wider than this window: make the window larger to see all of it."));
+            ui.label(quiet("The outline is wider than this window. Make the window larger to see all of it."));
         }
         ScrollArea::horizontal().id_salt("outline").show(ui, |ui| {
             let (rect, _) = ui.allocate_exact_size(size, Sense::hover());

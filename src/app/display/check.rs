@@ -1,13 +1,13 @@
-//! The check: rows beside the uniform code that should have their light. A visible border means the profile is wrong.
+//! The check: a uniform square in a field of rows that should have the same light. A visible border means that the profile
+//! is wrong.
 
 use eframe::egui::{self, TextureHandle};
 
-use super::signs::signed;
 use crate::{
-    app::ui::{Step, hint, paragraph, pixels, quiet, tool_page},
+    app::ui::{Step, hint, paragraph, pixels, quiet, signed, tool_page},
     display::{
         Channel, DisplayProfile,
-        matching::{CHECKED, CheckField, Rows},
+        matching::{CHECKED, Rows},
     },
 };
 
@@ -21,15 +21,8 @@ const ERROR: f64 = 0.2;
 pub struct CheckPage {
     profile: DisplayProfile,
     pairs: bool,
-    /// Made of rows of this thickness.
-    made: Option<(u32, Vec<Strip>)>,
-}
-
-/// The fields of a channel.
-struct Strip {
-    channel: Channel,
-    /// Each with what it shows.
-    fields: Vec<(String, TextureHandle)>,
+    /// Thickness of the rows, and the fields of each channel with what they show.
+    made: Option<(u32, [(Channel, Vec<(String, TextureHandle)>); 4])>,
 }
 
 impl CheckPage {
@@ -44,25 +37,25 @@ impl CheckPage {
         let (back, ()) = tool_page(ui, "Check the gamma", |ui| {
             paragraph(
                 ui,
-                "Sit so far back, or half close your eyes, that the rows blend. Where the profile is right, the squares in the first three fields vanish.",
+                "Sit far enough away that the rows blend, or half close your eyes. If the profile is right, the squares in the first three fields vanish.",
             );
             paragraph(
                 ui,
                 format!(
-                    "The last two fields are examples of a wrong profile: a gamma {ERROR} too low, and {ERROR} too high."
+                    "The last two fields show a wrong profile for comparison: a gamma {ERROR} too low and one {ERROR} too high."
                 ),
             );
             hint(ui, format!("{}.", self.profile.sentence()));
             ui.checkbox(&mut self.pairs, "Pairs of rows (interlaced pictures, row inversion)");
             ui.add_space(8.0);
-            for strip in self.made.iter().flat_map(|(_, strips)| strips) {
-                ui.strong(strip.channel.capitalized());
-                // As many side by side as there is room for.
+            for (channel, fields) in self.made.iter().flat_map(|(_, made)| made) {
+                ui.strong(channel.capitalized());
+                // As many in a line as there is room for.
                 let side = FIELD_PX as f32 / ui.ctx().pixels_per_point();
                 let gap = ui.spacing().item_spacing.x;
-                let beside = ((ui.available_width() + gap) / (side + gap)).floor().max(1.0) as usize;
-                for fields in strip.fields.chunks(beside) {
-                    ui.horizontal(|ui| fields.iter().for_each(|field| show_field(ui, strip.channel, field)));
+                let in_line = ((ui.available_width() + gap) / (side + gap)).floor().max(1.0) as usize;
+                for line in fields.chunks(in_line) {
+                    ui.horizontal(|ui| line.iter().for_each(|field| show_field(ui, *channel, field)));
                 }
                 ui.add_space(8.0);
             }
@@ -75,20 +68,20 @@ impl CheckPage {
         if self.made.as_ref().is_some_and(|(made, _)| *made == row_px) {
             return;
         }
-        let strip = |channel: Channel| {
+        let fields = |channel: Channel| {
             let field = |text: String, (lit, period): (u32, u32), error: f64| {
                 let rows = Rows { lit, period, row_px };
-                let image = CheckField::new(&self.profile.transfers, channel, rows, error).picture(FIELD_PX, PATCH_PX);
+                let patch = rows.check_patch(&self.profile.transfers, channel, error);
+                let image = rows.picture(channel, patch, [FIELD_PX; 2], PATCH_PX);
                 let texture = pixels::texture_of(ctx, &format!("check {channel} {text}"), &image);
                 (text, texture)
             };
             let right = CHECKED.map(|rows| field(format!("{} of {} rows", rows.0, rows.1), rows, 0.0));
             let wrong = [-ERROR, ERROR]
                 .map(|error| field(format!("wrong by {}", signed(&format!("{error:+}"))), CHECKED[0], error));
-            Strip { channel, fields: right.into_iter().chain(wrong).collect() }
+            (channel, right.into_iter().chain(wrong).collect())
         };
-        let strips = [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(strip);
-        self.made = Some((row_px, strips.into()));
+        self.made = Some((row_px, [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(fields)));
     }
 }
 

@@ -1,4 +1,4 @@
-//! Geometry: how large the screen is, from where it is seen, and what a degree is then.
+//! Geometry: how large the screen is, how far away it is, and how large a degree is then.
 
 use eframe::egui::{self, Color32, Stroke, TextEdit, Vec2};
 
@@ -31,7 +31,7 @@ impl GeometryPage {
     /// Draws the page; width and distance are Home's fields.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step {
         let (back, ()) = tool_page(ui, "Size and distance", |ui| {
-            ui.label("Visual angles are correct only if the screen's width and the distance of the eye are.");
+            ui.label("Visual angles are correct only if the screen's width and the viewing distance are correct.");
             ui.add_space(8.0);
             self.fields(ui, monitor, fields);
             ui.add_space(12.0);
@@ -64,14 +64,14 @@ impl GeometryPage {
             if let Some(cm) = reported_cm
                 && ui
                     .button(format!("The screen reports {cm:.1}"))
-                    .on_hover_text("Some screens report a wrong width: compare the ruler.")
+                    .on_hover_text("Some screens report a wrong width; compare the ruler below.")
                     .clicked()
             {
                 fields.screen_width_cm = format!("{cm:.1}");
             }
         });
         if fields.width_is_assumed(monitor) {
-            note(ui, "This width is assumed from 96 pixels an inch: measure it, or compare the ruler below.");
+            note(ui, "This width is assumed from 96 pixels per inch. Measure it, or compare the ruler below.");
         }
         Field::new("Distance from eye to screen, cm").width(90.0).text(ui, &mut fields.distance_cm);
         Field::new("Planned size of the stimulus, degrees").width(90.0).text(ui, &mut self.window_deg);
@@ -97,17 +97,17 @@ impl GeometryPage {
         };
         let wanted = viewing.px_from_deg(planned);
         let least = f64::from(screen.width_px().min(screen.height_px()));
-        let share = 100.0 * (least / wanted).min(1.0);
         if wanted <= least {
             ui.label(format!(
-                "A stimulus of {planned}° is {wanted:.0} pixels a side: it fits, and fills {:.0} % of the screen's height.",
+                "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels. It fits and takes {:.0} % of the screen's shorter side.",
                 100.0 * wanted / least
             ));
         } else {
             fault(
                 ui,
                 format!(
-                    "A stimulus of {planned}° would be {wanted:.0} pixels a side: only {share:.0} % of that fits. It fits from {:.0} cm or less.",
+                    "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels; only {:.0} % of its side fits. It fits at a distance of {:.0} cm or less.",
+                    100.0 * least / wanted,
                     distance_cm(planned, screen.width_cm().min(screen.height_cm())).floor()
                 ),
             );
@@ -126,7 +126,7 @@ fn viewing(monitor: &Monitor, fields: &ScreenFields) -> Result<Viewing, Geometry
 fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
     let points_per_cm = (viewing.screen().px_per_cm() / f64::from(ui.ctx().pixels_per_point())) as f32;
     ui.add_space(12.0);
-    ui.label(quiet("Hold a ruler against the screen. The lower line is one degree, five, and ten."));
+    ui.label(quiet("Hold a ruler against the screen to compare. The lower line marks one, five and ten degrees."));
     let degrees = [1.0, 5.0, 10.0].map(|deg| viewing.cm_from_deg(deg) as f32 * points_per_cm);
     let width = (RULER_CM as f32 * points_per_cm).max(degrees[2]);
     let (rect, response) =

@@ -1,23 +1,24 @@
-//! The display: what is known of the screen, and the tools that find it out. One tool a file or folder.
+//! The display lab: the profile in use, and the tools that measure the screen.
 //!
-//! | room | what |
+//! | file | what |
 //! |---|---|
 //! | [`tools`] | the profile in use and the list of tools |
 //! | [`geometry`], [`card`] | size and distance; a card as a ruler |
-//! | [`photometer`], [`matching`] | the light of each code, with a photometer or by eye |
-//! | [`calibrate`] | what these two have in common |
-//! | [`signs`] | the minus sign of print |
+//! | [`calibrate`] | the stages that both ways to measure light go through |
+//! | [`photometer`], [`patch_run`] | measuring with a photometer: settings and findings; the patches |
+//! | [`by_eye`], [`match_run`] | matching by eye: settings and findings; the matches |
 //! | [`check`] | fields that show whether a profile is right |
 //! | [`steps`] | steps of equal brightness |
-//! | [`timing`] | whether frames follow the screen's refresh |
+//! | [`timing`] | whether every refresh shows a new frame |
 
+mod by_eye;
 mod calibrate;
 mod card;
 mod check;
 mod geometry;
-mod matching;
+mod match_run;
+mod patch_run;
 mod photometer;
-mod signs;
 mod steps;
 pub mod timing;
 mod tools;

@@ -40,7 +40,7 @@ impl StepsPage {
     /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui) -> PageStep {
         let (back, ()) = tool_page(ui, "Steps of equal brightness", |ui| {
-            ui.label("Equal steps of light look wide in the dark and narrow in the bright; equal ratios look equal.");
+            ui.label("Equal steps of light look large where it is dark and small where it is bright; equal ratios look equal.");
             hint(ui, format!("{}.", self.profile.sentence()));
             ui.add_space(8.0);
             Field::new("Number of steps n").width(60.0).text(ui, &mut self.number);
@@ -49,7 +49,7 @@ impl StepsPage {
                 ui,
                 match self.profile.luminance {
                     Some(range) => format!("Measured: {}.", range.sentence()),
-                    None => "Black was not measured on this screen: the number is assumed.".to_owned(),
+                    None => "Black was not measured on this screen; the number is an assumption.".to_owned(),
                 },
             );
             ui.add_space(8.0);
@@ -104,7 +104,7 @@ impl StepsPage {
             note(
                 ui,
                 format!(
-                    "8 bits are too few here: {same} steps have the code of the step before, and {lost} make light closer to another level."
+                    "8 bits are too few here: {same} steps have the same code as the step before, and {lost} produce light that is closer to another level."
                 ),
             );
         }

@@ -3,10 +3,10 @@
 use eframe::egui::{self, Color32, RichText};
 
 use super::{
+    by_eye::ByEye,
     calibrate::{Calibrate, SavedProfile},
     check::CheckPage,
     geometry::GeometryPage,
-    matching::ByEye,
     photometer::Photometer,
     steps::StepsPage,
     timing::TimingTool,
@@ -40,7 +40,7 @@ pub struct Display {
     dialog: Dialog,
     /// What a tool wrote; shown for as long as it is in use.
     saved: Option<SavedProfile>,
-    /// Both remain when they are left, so that a paused run can be resumed.
+    /// Both outlive their pages, so that a paused run can be resumed.
     photometer: Calibrate<Photometer>,
     by_eye: Calibrate<ByEye>,
 }
@@ -115,7 +115,7 @@ impl Display {
         let found = self.profile();
         let (back, chosen) = tool_page(ui, "Display", |ui| {
             ui.label(
-                "The eye sees light, not codes. A profile describes how much light this screen makes of each code.",
+                "The eye sees light, not codes. A profile says how much light this screen produces for each code.",
             );
             ui.add_space(8.0);
             self.profile_field(ui, &found);
@@ -169,12 +169,12 @@ type Entry = (&'static str, &'static str, fn(&mut Display, DisplayProfile) -> To
 const TOOLS: &[Entry] = &[
     (
         "Size and distance",
-        "How wide the screen is, measured with a bank card or typed; how large a degree is, and whether the stimulus fits.",
+        "Enter the screen's width or measure it with a bank card; see how large a degree is and whether the stimulus fits.",
         |display, _| Tool::Geometry(Box::new(GeometryPage::new(display.window_deg))),
     ),
     (
         "Photometer",
-        "Measures the light of every level: patches to point a photometer at, or readings from a file.",
+        "Measure the light of every level: point a photometer at patches, or load readings from a file.",
         |display, profile| {
             display.photometer.update(profile);
             Tool::Photometer
@@ -182,7 +182,7 @@ const TOOLS: &[Entry] = &[
     ),
     (
         "Gamma by eye",
-        "Without a photometer: match squares to fields of rows for each channel, in about five minutes.",
+        "Without a photometer: match a square to a field of rows in each channel. This takes about five minutes.",
         |display, profile| {
             display.by_eye.update(profile);
             Tool::ByEye
@@ -190,17 +190,17 @@ const TOOLS: &[Entry] = &[
     ),
     (
         "Check the gamma",
-        "Shows rows beside the codes that should have their light: a visible border means the profile is wrong.",
+        "See squares that vanish in a field of rows if the profile is right: a visible border means that it is wrong.",
         |_, profile| Tool::Check(Box::new(CheckPage::new(profile))),
     ),
     (
         "Steps of equal brightness",
-        "Levels that look equally far apart, from the screen's black to its white: a table and a wedge.",
+        "Levels that look equally far apart, from the screen's black to its white, as a table and a wedge.",
         |_, profile| Tool::Steps(Box::new(StepsPage::new(profile))),
     ),
     (
         "Timing",
-        "Whether frames follow the screen's refresh one by one: intervals, dropped frames, a patch for a photodiode.",
+        "Find out whether every refresh shows a new frame: intervals, dropped frames, a patch for a photodiode.",
         |_, _| Tool::Timing(Box::default()),
     ),
 ];

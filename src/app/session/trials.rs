@@ -73,7 +73,7 @@ struct ScreenRefresh {
 impl ScreenRefresh {
     fn new(monitor: &Monitor, prepared: &Prepared) -> Self {
         let refresh = match prepared.frames {
-            FrameCount::Against(seconds) => Refresh::new(seconds).ok(),
+            FrameCount::Against(seconds) => Refresh::new(seconds),
             FrameCount::Off | FrameCount::Frames => None,
         };
         let source = prepared.refresh_source;
@@ -83,7 +83,7 @@ impl ScreenRefresh {
     /// For the monitor that shows the window now; gives whether the refresh has changed.
     fn update(&mut self, monitor: &Monitor) -> bool {
         let before = self.refresh;
-        let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz).ok());
+        let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz));
         (self.refresh, self.source) = match reported {
             _ if (&self.first.0, self.first.1) == (&monitor.name, monitor.refresh_hz) => self.found,
             Some(_) => (reported, "reported"),

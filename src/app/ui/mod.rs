@@ -34,4 +34,4 @@ pub use plot::still_plot;
 pub use screen::{Monitor, ScreenFields, today, window_px};
 pub use step::Step;
 pub use table::table;
-pub use text::{describe, fault, good, hint, note, outcome, paragraph, quiet, section, tick};
+pub use text::{describe, fault, good, hint, note, outcome, paragraph, quiet, section, signed, tick};

@@ -66,6 +66,11 @@ pub fn tick(ui: &mut Ui, good: bool) {
     }
 }
 
+/// A number in a text, with a typographic minus sign.
+pub fn signed(number: &str) -> String {
+    number.replace('-', "−")
+}
+
 /// Tells someone who does not see a picture or a plot what it shows.
 pub fn describe(response: &Response, text: &str) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, text));

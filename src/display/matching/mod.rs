@@ -14,15 +14,13 @@
 //! **Which rows.** Where a match is good to a relative ε, it gives γ to within γ·ε/|ln p| for a light share p: one row of
 //! four is twice as precise as half of the rows.
 //!
-//! [`Matching`] presents the matches, [`estimate()`] derives γ from them, [`CheckField`] shows whether a profile is
-//! right. No clock, no file and no source of chance in here: a seed is given.
+//! [`Matching`] presents the matches, [`estimate()`] derives γ from them, [`Rows::check_patch`] shows whether a profile is
+//! right. There is no clock, no file and no source of chance in here: a seed is given.
 
-mod check;
 mod estimate;
 mod procedure;
 mod rows;
 
-pub use check::{CHECKED, CheckField};
 pub use estimate::{ChannelGamma, GammaError, estimate, transfers};
-pub use procedure::{GAP_S, Match, MatchSettings, Matching, Pattern, SettingsError};
-pub use rows::Rows;
+pub use procedure::{GAP_S, Match, MatchSettings, Matching};
+pub use rows::{CHECKED, Rows};

@@ -7,7 +7,7 @@ use rand_chacha::{
 
 use super::rows::Rows;
 use crate::{
-    display::channel::Channel,
+    display::channel::{Channel, SettingsError},
     light::{CodeImage, random::shuffle},
 };
 
@@ -19,22 +19,13 @@ pub const GAP_S: f64 = 0.4;
 /// The patch starts from a code that would match for a γ within this range.
 const START_GAMMA: (f64, f64) = (1.2, 4.0);
 
-/// Which rows are lit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pattern {
-    /// One row of four.
-    Quarter,
-    /// Half of the rows: they blend from half as far away, and each match is half as precise.
-    Half,
-}
-
 /// What is to be matched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MatchSettings {
     /// Each once.
     pub channels: Vec<Channel>,
-    /// Which rows.
-    pub pattern: Pattern,
+    /// One row of so many is lit: of 4, or of 2, which blend from half as far away, each match being half as precise.
+    pub period: u32,
     /// Thickness of a row, 1 or 2 pixels; 2 for interlaced pictures and panels that invert from row to row.
     pub row_px: u32,
     /// Matches of each channel: their spread is the uncertainty.
@@ -45,32 +36,15 @@ impl Default for MatchSettings {
     /// Ten matches of red, green and blue.
     fn default() -> Self {
         let channels = vec![Channel::Red, Channel::Green, Channel::Blue];
-        Self { channels, pattern: Pattern::Quarter, row_px: 1, matches: 10 }
+        Self { channels, period: 4, row_px: 1, matches: 10 }
     }
-}
-
-/// Why settings cannot be run.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SettingsError {
-    /// Neither all three channels nor gray, or one of them twice.
-    #[error("the channels give no profile; expected red, green and blue, or gray, each once")]
-    Channels,
-    /// A single match has no spread.
-    #[error("{0} matches of each channel; expected 2 to 50")]
-    Matches(usize),
-    /// Matches of an earlier run that this run would not have asked for.
-    #[error(
-        "match {0} belongs to other settings; expected the settings that the file was started with, or another file"
-    )]
-    Other(usize),
 }
 
 impl MatchSettings {
     /// The field of rows.
     #[must_use]
     pub fn rows(&self) -> Rows {
-        let period = if self.pattern == Pattern::Quarter { 4 } else { 2 };
-        Rows { lit: 1, period, row_px: self.row_px }
+        Rows { lit: 1, period: self.period, row_px: self.row_px }
     }
 
     /// Matches in all.
@@ -83,13 +57,6 @@ impl MatchSettings {
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.total() as f64 * MATCH_S
-    }
-
-    fn check(&self) -> Result<(), SettingsError> {
-        if !Channel::make_a_profile(&self.channels) {
-            return Err(SettingsError::Channels);
-        }
-        if (2..=50).contains(&self.matches) { Ok(()) } else { Err(SettingsError::Matches(self.matches)) }
     }
 }
 
@@ -130,13 +97,19 @@ impl Matching {
     /// # Errors
     /// Settings that cannot be run, or that `done` does not fit.
     pub fn new(settings: &MatchSettings, seed: u64, done: Vec<Match>) -> Result<Self, SettingsError> {
-        settings.check()?;
+        Channel::make_a_profile(&settings.channels)?;
+        if !(2..=50).contains(&settings.matches) {
+            return Err(SettingsError(format!("{} matches of each channel; expected 2 to 50", settings.matches)));
+        }
         let starts = starts(settings, &mut ChaCha8Rng::seed_from_u64(seed));
         let is_other = |at: usize, one: &Match| {
             starts.get(at).is_none_or(|start| (start.channel, start.rows) != (one.channel, one.rows))
         };
         if let Some(at) = done.iter().enumerate().position(|(at, one)| is_other(at, one)) {
-            return Err(SettingsError::Other(at + 1));
+            return Err(SettingsError(format!(
+                "match {} belongs to other settings; expected the settings that the file was started with, or another file",
+                at + 1
+            )));
         }
         let shown = starts.get(done.len()).copied();
         Ok(Self { starts, done, shown })

@@ -1,9 +1,12 @@
-//! Rows and a patch as a picture.
+//! Rows and a patch as a picture, and the patch that shows whether a profile is right.
 
 use crate::{
     display::channel::Channel,
-    light::{CodeImage, Samples},
+    light::{CodeImage, Samples, Transfers},
 };
+
+/// Lit rows, and rows of a period, in the fields of a check: a quarter, a half and three quarters of full light.
+pub const CHECKED: [(u32, u32); 3] = [(1, 4), (1, 2), (3, 4)];
 
 /// A field of rows: `lit` of every `period` rows have the largest code, the others are dark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -47,5 +50,19 @@ impl Rows {
             codes.extend((0..width).flat_map(|x| if across && (left..left + side).contains(&x) { patch } else { row }));
         }
         CodeImage { width, height, samples: Samples::Eight(codes) }
+    }
+
+    /// The 8-bit codes of a patch that vanishes in these rows on a display of `transfers` whose γ is off by `error`: 0 for
+    /// the profile as it is, ± 0.2 for an example of a wrong one.
+    #[must_use]
+    pub fn check_patch(&self, transfers: &Transfers, channel: Channel, error: f64) -> [u8; 3] {
+        let share = self.share();
+        let codes = transfers.encoded_from_linear([share; 3]).map(|encoded| {
+            // The exponent that makes this light of this encoded value, whatever the function is.
+            let gamma = (share.ln() / encoded.ln() + error).max(0.1);
+            let encoded = if error == 0.0 { encoded } else { share.powf(gamma.recip()) };
+            (encoded * 255.0).round() as u8
+        });
+        std::array::from_fn(|i| if channel.index().is_none_or(|index| index == i) { codes[i] } else { 0 })
     }
 }

@@ -1,12 +1,9 @@
 //! A display as measured with a photometer: the fitted models, the one to use, and what to know about it.
 
 use super::{
-    choose::{CrossValidation, simplest_of_the_best, validate},
-    consistency::{ADDITIVE_PERCENT, Additivity, drift_percent},
-    fit::{Fit, fit},
-    models::{Curve, Family},
+    checks::{Sum, additivity, drift_percent},
+    fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit},
     readings::Readings,
-    sample::{ASSUMED_NOISE, Sample},
     table::tables,
 };
 use crate::{
@@ -21,6 +18,8 @@ use crate::{
 const UNCERTAIN_GAMMA: f64 = 0.01;
 /// Noise, relative to the light, above which readings are unsteady.
 const UNSTEADY: f64 = 0.03;
+/// Percent of white beyond which a display's channels are not independent.
+const ADDITIVE_PERCENT: f64 = 5.0;
 /// Change of white that asks for a longer warm-up, percent.
 const DRIFT_PERCENT: f64 = 2.0;
 /// Differences of black between channels that noise does not make, as a share.
@@ -28,6 +27,27 @@ const BLACK_DIFFERS: f64 = 0.1;
 /// A table's error at a level that was left out, squared and relative to the noise: that of a reading, and that of the
 /// mean of its two neighbors.
 const TABLE_SQUARE: f64 = 1.5;
+/// How many times the least error a simpler model may have, whatever its standard error: with few
+/// levels that is poorly known.
+const MOST_TIMES: f64 = 1.5;
+/// Mean squared errors below this, in units of the assumed noise, are none.
+const EXACT: f64 = 1e-8;
+
+/// How well a model predicts levels that it was not fitted to. Each level but 0 and 1 is left out in turn: no model knows
+/// a black and a white that were not read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Validation {
+    /// Root mean square error, 8-bit codes.
+    pub rms_codes: f64,
+    /// Root mean square error, cd/m².
+    pub rms_cd_m2: f64,
+    /// Largest error, 8-bit codes.
+    pub largest_codes: f64,
+    /// Mean squared error in units of the readings' noise: 1 or little more where the model is right.
+    pub score: f64,
+    /// The squared error at each level of each channel, in a fixed order and in units of the assumed noise.
+    squares: Vec<f64>,
+}
 
 /// A model fitted to readings.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +59,7 @@ pub struct FittedModel {
     /// The channels that were read, in the order of [`Readings::channels`].
     pub channels: Vec<FittedChannel>,
     /// How well it predicts levels that are left out.
-    pub validation: CrossValidation,
+    pub validation: Validation,
     /// Noise of the readings where this model is right, relative to the light.
     noise: f64,
 }
@@ -72,8 +92,8 @@ pub struct Calibration {
     pub models: Vec<FittedModel>,
     /// The model to use: the one that cross-validation prefers.
     pub chosen: Family,
-    /// Gray against the sum of the channels, where all were read.
-    pub additivity: Option<Additivity>,
+    /// Gray against the sum of the channels, level by level, where all were read.
+    pub additivity: Vec<Sum>,
     /// Change of white during the measurement in percent, where it was read again.
     pub drift_percent: Option<f64>,
     /// What the reader should know; the profile can be used.
@@ -84,21 +104,19 @@ impl Calibration {
     /// Fits all models to readings, and chooses one.
     #[must_use]
     pub fn new(readings: &Readings) -> Self {
-        let mut sample = Sample::new(readings);
-        let first = fit(Family::Gog, false, &sample, None);
-        sample.weigh(&first.curves);
+        let sample = Sample::new(readings);
         let mut models: Vec<FittedModel> = Family::ALL.map(|family| model(family, &sample)).into();
         let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
         let (chosen, noise) = (models[chosen].family, models[chosen].noise);
-        for model in &mut models {
-            model.validation = model.validation.clone().against(noise / ASSUMED_NOISE);
+        for Validation { score, squares, .. } in models.iter_mut().map(|model| &mut model.validation) {
+            *score = mean(squares) / (noise / ASSUMED_NOISE).powi(2).max(f64::MIN_POSITIVE);
         }
         let mut calibration = Self {
             readings: readings.clone(),
             noise,
             models,
             chosen,
-            additivity: Additivity::new(readings),
+            additivity: additivity(readings),
             drift_percent: drift_percent(readings),
             notes: Vec::new(),
         };
@@ -153,16 +171,15 @@ impl Calibration {
 /// The model of a family, with one shape for all channels or one for each, whichever predicts better.
 fn model(family: Family, sample: &Sample) -> FittedModel {
     let variants: &[bool] = if family == Family::Srgb || sample.channels.len() == 1 { &[true] } else { &[true, false] };
-    let fits: Vec<(Fit, CrossValidation)> = (variants.iter())
-        .map(|shared| {
-            let full = fitted(family, *shared, sample, None);
-            let validation = validate(sample, |rest| fitted(family, *shared, rest, Some(&full)).curves);
-            (full, validation)
-        })
-        .collect();
+    let validated = |shared: &bool| {
+        let full = fitted(family, *shared, sample, None);
+        let validation = validate(sample, |rest| fitted(family, *shared, rest, Some(&full)).curves);
+        (full, validation)
+    };
+    let fits: Vec<(Fit, Validation)> = variants.iter().map(validated).collect();
     let best = simplest_of_the_best(&fits.iter().map(|(_, validation)| validation).collect::<Vec<_>>());
     let (fit, validation) = &fits[best];
-    let square = if family == Family::Table { validation.square() / TABLE_SQUARE } else { fit.variance };
+    let square = if family == Family::Table { mean(&validation.squares) / TABLE_SQUARE } else { fit.variance };
     let channels = sample.channels.iter().zip(&fit.curves).zip(&fit.gamma_se);
     FittedModel {
         family,
@@ -180,6 +197,46 @@ fn fitted(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) ->
         fit.gamma_se.fill(None);
     }
     fit
+}
+
+/// Leaves out level by level; `fitted_to` fits the model to the rest.
+fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Validation {
+    let (mut codes, mut cd_m2, mut squares) = (Vec::new(), Vec::new(), Vec::new());
+    for level in sample.inner_levels() {
+        for (channel, curve) in sample.channels.iter().zip(fitted_to(&sample.without(level))) {
+            let Some((y, sd)) = sample.mean(*channel, level) else { continue };
+            let error = y - curve.cd_m2(level);
+            codes.push((255.0 * (curve.encoded(y) - level)).powi(2));
+            cd_m2.push(error.powi(2));
+            squares.push((error / sd).powi(2));
+        }
+    }
+    Validation {
+        rms_codes: mean(&codes).sqrt(),
+        rms_cd_m2: mean(&cd_m2).sqrt(),
+        largest_codes: codes.iter().copied().fold(0.0, f64::max).sqrt(),
+        score: mean(&squares),
+        squares,
+    }
+}
+
+/// Index of the model to use, the first being the simplest: the simplest whose error is within one standard error of the
+/// least one (Hastie, Tibshirani & Friedman 2009, The Elements of Statistical Learning, §7.10), the standard error being
+/// that of the difference at the same levels, and at most [`MOST_TIMES`] the least.
+fn simplest_of_the_best(models: &[&Validation]) -> usize {
+    let Some(least) = models.iter().min_by(|a, b| mean(&a.squares).total_cmp(&mean(&b.squares))) else { return 0 };
+    let bound = MOST_TIMES.powi(2) * mean(&least.squares).max(EXACT);
+    let is_as_good = |model: &&Validation| {
+        let differences: Vec<f64> = model.squares.iter().zip(&least.squares).map(|(a, b)| a - b).collect();
+        let (n, excess, square) = (differences.len() as f64, mean(&differences), mean(&model.squares));
+        let variance = differences.iter().map(|d| (d - excess).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        square <= EXACT || excess <= (variance / n).sqrt() && square <= bound
+    };
+    models.iter().position(is_as_good).unwrap_or(0)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 fn fitted_channel(sample: &Sample, channel: Channel, curve: &Curve, gamma_se: Option<f64>) -> FittedChannel {
@@ -206,11 +263,10 @@ fn notes(calibration: &Calibration) -> Vec<String> {
     if !unread.is_empty() {
         notes.push(format!("{} not read: assumed to have gray's curve", unread.join(", ")));
     }
-    if let Some(white) = calibration.additivity.as_ref().filter(|sums| !sums.holds()).and_then(|sums| sums.sums.last())
-    {
+    let white = calibration.additivity.last().map(Sum::deviation_percent);
+    if let Some(percent) = white.filter(|percent| percent.abs() > ADDITIVE_PERCENT) {
         notes.push(format!(
-            "channels not additive: white differs from red + green + blue by {:+.1} %; colors other than grays will be off (limit {ADDITIVE_PERCENT} %)",
-            white.deviation_percent()
+            "channels not additive: white differs from red + green + blue by {percent:+.1} %; colors other than grays will be off (limit {ADDITIVE_PERCENT} %)"
         ));
     }
     let blacks = (read.iter()).filter_map(|channel| calibration.readings.means(*channel).first().copied());

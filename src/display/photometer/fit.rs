@@ -1,14 +1,18 @@
-//! Weighted least squares: the parameters of a model from readings.
+//! The models, how a display's light rises with the encoded value, and their parameters by weighted least squares.
 //!
 //! For a given shape, black and ranges follow in closed form; the shape's own parameters, at most two, by the method of
 //! Levenberg and Marquardt.
 
-use super::{
-    models::{Curve, Family},
-    sample::Sample,
-};
-use crate::light::Transfer;
+use nalgebra::{Matrix2, Vector2};
 
+use super::readings::{Readings, is_same_level};
+use crate::{display::channel::Channel, light::Transfer};
+
+/// Noise that is assumed for the weights, relative to the light: a photometer's noise is about proportional to what it
+/// reads.
+pub(super) const ASSUMED_NOISE: f64 = 0.01;
+/// Noise below this, relative to the largest reading, is none.
+const LEAST_NOISE: f64 = 1e-8;
 /// Exponents and offsets that are tried.
 const RANGES: [(f64, f64); 2] = [(0.3, 6.0), (-0.6, 0.4)];
 /// Exponents and offsets to start from.
@@ -18,6 +22,184 @@ const MOST_STEPS: usize = 80;
 const CONVERGED: f64 = 1e-13;
 /// Damping that can no longer help.
 const STUCK: f64 = 1e12;
+
+/// The families of curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Family {
+    /// The curve of sRGB.
+    Srgb,
+    /// A power, V^γ.
+    Gamma,
+    /// Gain, offset and gamma, (gain·V + offset)^γ with gain + offset = 1.
+    Gog,
+    /// A monotone table through the readings.
+    Table,
+}
+
+impl Family {
+    /// All of them, the simplest first.
+    pub const ALL: [Self; 4] = [Self::Srgb, Self::Gamma, Self::Gog, Self::Table];
+
+    /// The name on the command line and in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Srgb => "srgb",
+            Self::Gamma => "gamma",
+            Self::Gog => "gog",
+            Self::Table => "table",
+        }
+    }
+
+    /// Free parameters of the shape.
+    fn free(self) -> usize {
+        match self {
+            Self::Srgb => 0,
+            Self::Gamma => 1,
+            Self::Gog | Self::Table => 2,
+        }
+    }
+
+    /// The shape with these parameters; a table has that of gain, offset and gamma.
+    fn transfer(self, [gamma, offset]: [f64; 2]) -> Transfer {
+        let made = match self.free() {
+            0 => Ok(Transfer::Srgb),
+            1 => Transfer::gamma(gamma),
+            _ => Transfer::gog(gamma, 1.0 - offset, offset),
+        };
+        // Within [`RANGES`] every shape is a display's.
+        made.unwrap_or(Transfer::Srgb)
+    }
+}
+
+impl std::fmt::Display for Family {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// The light of one channel, L = black + range·transfer(V).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// At V = 0, cd/m².
+    pub black_cd_m2: f64,
+    /// Added by V = 1, cd/m².
+    pub range_cd_m2: f64,
+    /// Between them.
+    pub transfer: Transfer,
+}
+
+impl Curve {
+    /// Luminance of the encoded value `v`, 0…1, cd/m².
+    #[must_use]
+    pub fn cd_m2(&self, v: f64) -> f64 {
+        self.black_cd_m2 + self.range_cd_m2 * self.transfer.linear_from_encoded(v)
+    }
+
+    /// The encoded value that gives a luminance; 0 for black and less. Above white, where noise puts readings, the curve
+    /// continues as a straight line.
+    #[must_use]
+    pub fn encoded(&self, cd_m2: f64) -> f64 {
+        let light = (cd_m2 - self.black_cd_m2) / self.range_cd_m2;
+        let last = 1.0 / 255.0;
+        let slope = (1.0 - self.transfer.linear_from_encoded(1.0 - last)) / last;
+        if light > 1.0 { 1.0 + (light - 1.0) / slope } else { self.transfer.encoded_from_linear(light) }
+    }
+
+    /// The exponent, where there is one.
+    #[must_use]
+    pub fn gamma(&self) -> Option<f64> {
+        match &self.transfer {
+            Transfer::Gamma(gamma) => Some(*gamma),
+            Transfer::Gog(gog) => Some(gog.gamma),
+            _ => None,
+        }
+    }
+
+    /// Gain and offset, where there are any.
+    #[must_use]
+    pub fn gain_and_offset(&self) -> Option<(f64, f64)> {
+        match &self.transfer {
+            Transfer::Gog(gog) => Some((gog.gain, gog.offset)),
+            _ => None,
+        }
+    }
+}
+
+/// One reading as it is fitted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    pub channel: Channel,
+    /// Encoded value, 0…1.
+    pub v: f64,
+    /// Luminance, cd/m².
+    pub y: f64,
+    /// Assumed standard deviation of `y`, cd/m².
+    pub sd: f64,
+}
+
+/// What is fitted together.
+#[derive(Clone, Debug)]
+pub(super) struct Sample {
+    pub channels: Vec<Channel>,
+    pub points: Vec<Point>,
+}
+
+impl Sample {
+    /// The weights come from a first fit: a reading that noise made too dark must not weigh more for it.
+    pub fn new(readings: &Readings) -> Self {
+        // Noise in the dark: that of the photometer's last digit.
+        let floor = (readings.resolution_cd_m2() / 12f64.sqrt()).max(LEAST_NOISE * readings.largest_cd_m2());
+        let sd = |cd_m2: f64| (ASSUMED_NOISE * cd_m2).hypot(floor);
+        let points = readings.all().iter().map(|one| {
+            let y = one.luminance_cd_m2;
+            Point { channel: one.channel, v: one.level, y, sd: sd(y) }
+        });
+        let mut sample = Self { channels: readings.channels().to_vec(), points: points.collect() };
+        let first = fit(Family::Gog, false, &sample, None);
+        let sds: Vec<f64> = sample.pairs(&first.curves).map(|(point, curve)| sd(curve.cd_m2(point.v))).collect();
+        sample.points.iter_mut().zip(sds).for_each(|(point, sd)| point.sd = sd);
+        sample
+    }
+
+    /// Each point, and its channel's curve.
+    fn pairs<'a>(&'a self, curves: &'a [Curve]) -> impl Iterator<Item = (&'a Point, &'a Curve)> {
+        self.points.iter().map(|point| (point, &curves[self.index(point)]))
+    }
+
+    fn index(&self, point: &Point) -> usize {
+        self.channels.iter().position(|channel| *channel == point.channel).unwrap_or(0)
+    }
+
+    /// The points of a channel; black is the same patch in all of them.
+    fn of(&self, channel: Channel) -> Self {
+        let own = self.points.iter().filter(|point| point.channel == channel || point.v == 0.0);
+        Self { channels: vec![channel], points: own.map(|point| Point { channel, ..*point }).collect() }
+    }
+
+    /// All points but those at a level.
+    pub fn without(&self, level: f64) -> Self {
+        let rest = self.points.iter().filter(|point| !is_same_level(point.v, level));
+        Self { channels: self.channels.clone(), points: rest.copied().collect() }
+    }
+
+    /// The levels strictly between 0 and 1, rising.
+    pub fn inner_levels(&self) -> Vec<f64> {
+        let mut levels: Vec<f64> = self.points.iter().map(|point| point.v).filter(|v| *v > 0.0 && *v < 1.0).collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup_by(|a, b| is_same_level(*a, *b));
+        levels
+    }
+
+    /// Mean and standard deviation of the mean of a channel's points at a level; `None` where there are none. Black is
+    /// the same patch in every channel.
+    pub fn mean(&self, channel: Channel, level: f64) -> Option<(f64, f64)> {
+        let is_wanted = |point: &&Point| is_same_level(point.v, level) && (level == 0.0 || point.channel == channel);
+        let points: Vec<&Point> = self.points.iter().filter(is_wanted).collect();
+        let n = points.len() as f64;
+        Some((points.iter().map(|point| point.y).sum::<f64>() / n, points.first()?.sd / n.sqrt()))
+    }
+}
 
 /// A model fitted to a sample.
 #[derive(Clone, Debug)]
@@ -33,18 +215,19 @@ pub(super) struct Fit {
 }
 
 /// Fits a curve: one shape and one black for all channels where `shared`, else for each channel by itself. Starts from
-/// another fit of the same model, where one is given. A table has the shapes of gain, offset and gamma.
+/// another fit of the same model, where one is given.
 pub(super) fn fit(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) -> Fit {
-    if shared || sample.channels.len() == 1 {
-        let starts = start.map_or(&STARTS[..], |fit| &fit.shapes);
+    let best = |sample: &Sample, starts: &[[f64; 2]]| {
         let fits = starts.iter().map(|start| descend(family, sample, *start));
-        let best = fits.min_by(|a, b| a.variance.total_cmp(&b.variance));
-        return best.unwrap_or_else(|| descend(family, sample, STARTS[0]));
-    }
+        fits.reduce(|a, b| if b.variance < a.variance { b } else { a })
+    };
     let mut all = Fit { curves: Vec::new(), gamma_se: Vec::new(), variance: 0.0, shapes: Vec::new() };
+    if shared || sample.channels.len() == 1 {
+        return best(sample, start.map_or(&STARTS[..], |fit| &fit.shapes)).unwrap_or(all);
+    }
     for (index, channel) in sample.channels.iter().enumerate() {
-        let start = start.map(|start| Fit { shapes: vec![start.shapes[index]], ..start.clone() });
-        let own = fit(family, true, &sample.of(*channel), start.as_ref());
+        let starts = start.map_or(&STARTS[..], |fit| &fit.shapes[index..=index]);
+        let Some(own) = best(&sample.of(*channel), starts) else { continue };
         all.curves.extend(own.curves);
         all.gamma_se.extend(own.gamma_se);
         all.shapes.extend(own.shapes);
@@ -53,42 +236,17 @@ pub(super) fn fit(family: Family, shared: bool, sample: &Sample, start: Option<&
     all
 }
 
-/// Free parameters of a shape.
-fn free(family: Family) -> usize {
-    match family {
-        Family::Srgb => 0,
-        Family::Gamma => 1,
-        Family::Gog | Family::Table => 2,
-    }
-}
-
-fn transfer(family: Family, [gamma, offset]: [f64; 2]) -> Transfer {
-    let made = match free(family) {
-        0 => Ok(Transfer::Srgb),
-        1 => Transfer::gamma(gamma),
-        _ => Transfer::gog(gamma, 1.0 - offset, offset),
-    };
-    // Within [`RANGES`] every shape is a display's.
-    made.unwrap_or(Transfer::Srgb)
-}
-
 /// The shape with the black and the ranges that fit best.
-fn curves(family: Family, sample: &Sample, shape: [f64; 2]) -> Vec<Curve> {
-    let transfer = transfer(family, shape);
+fn curves(transfer: &Transfer, sample: &Sample) -> Vec<Curve> {
     // For each channel the weighted sums of 1, y, t, t², and t·y, t being the light of the shape.
     let mut sums = vec![[0.0; 5]; sample.channels.len()];
     for point in &sample.points {
         let (t, weight) = (transfer.linear_from_encoded(point.v), point.sd.powi(-2));
-        let channel = sample.channels.iter().position(|channel| *channel == point.channel).unwrap_or(0);
-        for (sum, value) in sums[channel].iter_mut().zip([1.0, point.y, t, t * t, t * point.y]) {
-            *sum += weight * value;
-        }
+        let values = [1.0, point.y, t, t * t, t * point.y];
+        sums[sample.index(point)].iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
     }
-    let (mut over, mut under) = (0.0, 0.0);
-    for [n, y, t, tt, ty] in &sums {
-        over += y - t * ty / tt;
-        under += n - t * t / tt;
-    }
+    let over: f64 = sums.iter().map(|[_, y, t, tt, ty]| y - t * ty / tt).sum();
+    let under: f64 = sums.iter().map(|[n, _, t, tt, _]| n - t * t / tt).sum();
     let black_cd_m2 = (over / under).max(0.0);
     let range = |[_, _, t, tt, ty]: &[f64; 5]| ((ty - black_cd_m2 * t) / tt).max(f64::MIN_POSITIVE);
     let curve = |sums| Curve { black_cd_m2, range_cd_m2: range(sums), transfer: transfer.clone() };
@@ -96,39 +254,40 @@ fn curves(family: Family, sample: &Sample, shape: [f64; 2]) -> Vec<Curve> {
 }
 
 fn descend(family: Family, sample: &Sample, start: [f64; 2]) -> Fit {
-    let residuals = |shape: [f64; 2]| sample.residuals(&curves(family, sample, shape));
-    let square = |residuals: &[f64]| residuals.iter().map(|r| r * r).sum::<f64>();
-    let free = free(family);
-    let mut shape = start;
+    // How far each point is from its channel's curve, in standard deviations.
+    let residuals = |shape: Vector2<f64>| -> Vec<f64> {
+        let curves = curves(&family.transfer(shape.into()), sample);
+        sample.pairs(&curves).map(|(point, curve)| (point.y - curve.cd_m2(point.v)) / point.sd).collect()
+    };
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let free = family.free();
+    let mut shape = Vector2::from(start);
     let mut left = residuals(shape);
     let mut damping = 1e-4;
-    let mut normal = [[1.0, 0.0], [0.0, 1.0]];
+    let mut normal = Matrix2::identity();
     for _ in 0..MOST_STEPS {
         // How the residuals fall with each parameter.
+        let h = 1e-6;
         let slopes: Vec<Vec<f64>> = (0..free)
             .map(|parameter| {
-                let h = 1e-6;
-                let moved = |by: f64| {
-                    let mut shape = shape;
-                    shape[parameter] += by;
-                    residuals(shape)
-                };
+                let moved = |by: f64| residuals(shape + Vector2::ith(parameter, by));
                 moved(-h).iter().zip(moved(h)).map(|(down, up)| (down - up) / (2.0 * h)).collect()
             })
             .collect();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut gradient = [0.0; 2];
+        let mut gradient = Vector2::zeros();
         for i in 0..free {
             gradient[i] = dot(&slopes[i], &left);
-            (0..free).for_each(|j| normal[i][j] = dot(&slopes[i], &slopes[j]));
+            (0..free).for_each(|j| normal[(i, j)] = dot(&slopes[i], &slopes[j]));
         }
-        let before = square(&left);
+        let before = dot(&left, &left);
         let mut gained = None;
         while gained.is_none() && damping < STUCK {
-            let next = step(shape, normal, gradient, damping);
+            let damped = normal + Matrix2::from_diagonal(&(normal.diagonal() * damping));
+            let by = damped.try_inverse().unwrap_or_else(Matrix2::zeros) * gradient;
+            let next = Vector2::from_fn(|i, _| (shape[i] + by[i]).clamp(RANGES[i].0, RANGES[i].1));
             let after = residuals(next);
-            if square(&after) < before {
-                gained = Some(before - square(&after));
+            if dot(&after, &after) < before {
+                gained = Some(before - dot(&after, &after));
                 (shape, left) = (next, after);
                 damping = (damping * 0.1).max(1e-15);
             } else {
@@ -140,17 +299,9 @@ fn descend(family: Family, sample: &Sample, start: [f64; 2]) -> Fit {
         }
     }
     let parameters = free + sample.channels.len() + 1;
-    let variance = square(&left) / (left.len() as f64 - parameters as f64).max(1.0);
-    let [[a, b], [c, d]] = normal;
-    let gamma_se = (free > 0).then(|| (variance * d / (a * d - b * c)).sqrt()).filter(|se| se.is_finite());
-    let curves = curves(family, sample, shape);
-    Fit { gamma_se: vec![gamma_se; curves.len()], curves, variance, shapes: vec![shape] }
-}
-
-/// A damped step from `shape`, within the ranges of the parameters.
-fn step(shape: [f64; 2], [[a, b], [c, d]]: [[f64; 2]; 2], gradient: [f64; 2], damping: f64) -> [f64; 2] {
-    let (a, d) = (a * (1.0 + damping), d * (1.0 + damping));
-    let determinant = a * d - b * c;
-    let by = [(d * gradient[0] - b * gradient[1]) / determinant, (a * gradient[1] - c * gradient[0]) / determinant];
-    std::array::from_fn(|i| (shape[i] + by[i]).clamp(RANGES[i].0, RANGES[i].1))
+    let variance = dot(&left, &left) / (left.len() as f64 - parameters as f64).max(1.0);
+    let gamma_se = normal.try_inverse().filter(|_| free > 0).map(|inverse| (variance * inverse[(0, 0)]).sqrt());
+    let curves = curves(&family.transfer(shape.into()), sample);
+    let gamma_se = vec![gamma_se.filter(|se| se.is_finite()); curves.len()];
+    Fit { gamma_se, curves, variance, shapes: vec![shape.into()] }
 }

@@ -1,7 +1,7 @@
 //! From readings of a photometer to how a display turns codes into light.
 //!
-//! [`Readings`] are checked, and [`Calibration`] fits them: sRGB, a power, gain–offset–gamma and a monotone table, of which
-//! the one that best predicts levels left out is used.
+//! [`Readings`] are checked, and [`Calibration`] fits them: sRGB, a power, gain–offset–gamma and a monotone table. The one
+//! that best predicts levels left out is used.
 //!
 //! A photometer's noise is about proportional to what it reads. With one reading a level of red, green, blue and gray and
 //! 1 % of noise, γ of a power is known to 0.005, 0.004, 0.003 and 0.002 (standard error at 6, 9, 17 and 33 levels) where
@@ -9,19 +9,13 @@
 
 mod calibration;
 mod checks;
-mod choose;
-mod consistency;
 mod fit;
-mod models;
 mod patches;
 mod readings;
-mod sample;
 mod table;
 
-pub use calibration::{Calibration, FittedChannel, FittedModel};
-pub use checks::{Fault, LEAST_LEVELS, ReadingFault};
-pub use choose::CrossValidation;
-pub use consistency::{ADDITIVE_PERCENT, Additivity, Sum, drift_percent};
-pub use models::{Curve, Family};
-pub use patches::{Patch, PatchSettings, SettingsError, patches};
+pub use calibration::{Calibration, FittedChannel, FittedModel, Validation};
+pub use checks::{About, Fault, LEAST_LEVELS, Sum, additivity, drift_percent, largest};
+pub use fit::{Curve, Family};
+pub use patches::{Patch, PatchSettings, patches};
 pub use readings::{LevelMean, Reading, Readings, is_same_level};

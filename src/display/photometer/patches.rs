@@ -3,12 +3,13 @@
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::checks::LEAST_LEVELS;
-use crate::{display::channel::Channel, light::random::shuffle};
+use crate::{
+    display::channel::{Channel, SettingsError},
+    light::random::shuffle,
+};
 
 /// Patches between two readings of white, which show drift.
 const BETWEEN_WHITES: usize = 16;
-/// The largest code of a channel.
-const LARGEST_CODE: u8 = 255;
 
 /// What to measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,20 +30,6 @@ impl Default for PatchSettings {
     }
 }
 
-/// Why settings give no profile.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SettingsError {
-    /// Without all three channels and without gray, or with one channel twice.
-    #[error("the channels give no profile; expected red, green and blue, or gray, each once")]
-    Channels,
-    /// Too few or too many levels.
-    #[error("{0} levels; expected {LEAST_LEVELS} to 256")]
-    Levels(usize),
-    /// No repeats, or too many.
-    #[error("{0} readings of each patch; expected 1 to 20")]
-    Repeats(usize),
-}
-
 /// One patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
@@ -61,21 +48,27 @@ pub struct Patch {
 /// first, last and after every 16 patches: its change is the drift.
 ///
 /// # Errors
-/// [`SettingsError`] where the settings give no profile.
+/// Settings that give no profile.
 pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, SettingsError> {
-    let white_channel = check(settings)?;
+    let PatchSettings { channels, levels, repeats, seed } = settings;
+    Channel::make_a_profile(channels)?;
+    if !(LEAST_LEVELS..=256).contains(levels) {
+        return Err(SettingsError(format!("{levels} levels; expected {LEAST_LEVELS} to 256")));
+    }
+    if !(1..=20).contains(repeats) {
+        return Err(SettingsError(format!("{repeats} readings of each patch; expected 1 to 20")));
+    }
     let patch = |channel: Channel, step: usize| {
-        let code = (f64::from(LARGEST_CODE) * step as f64 / (settings.levels - 1) as f64).round();
-        Patch { channel, code: code as u8, level: code / f64::from(LARGEST_CODE) }
+        let code = (255.0 * step as f64 / (levels - 1) as f64).round();
+        Patch { channel, code: code as u8, level: code / 255.0 }
     };
-    let white = patch(white_channel, settings.levels - 1);
-    let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
+    let white_channel = if channels.contains(&Channel::Gray) { Channel::Gray } else { Channel::Green };
+    let white = patch(white_channel, levels - 1);
+    let mut rng = ChaCha8Rng::seed_from_u64(*seed);
     let mut patches = vec![white];
-    for _ in 0..settings.repeats {
-        let mut round: Vec<Patch> = (settings.channels.iter())
-            .flat_map(|channel| (1..settings.levels).map(|step| patch(*channel, step)))
-            .filter(|patch| *patch != white)
-            .collect();
+    for _ in 0..*repeats {
+        let all = channels.iter().flat_map(|channel| (1..*levels).map(|step| patch(*channel, step)));
+        let mut round: Vec<Patch> = all.filter(|patch| *patch != white).collect();
         round.push(patch(white_channel, 0));
         shuffle(&mut round, &mut rng);
         for between in round.chunks(BETWEEN_WHITES) {
@@ -84,18 +77,4 @@ pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, SettingsError> {
         }
     }
     Ok(patches)
-}
-
-/// The channel that white is shown in.
-fn check(settings: &PatchSettings) -> Result<Channel, SettingsError> {
-    if !Channel::make_a_profile(&settings.channels) {
-        return Err(SettingsError::Channels);
-    }
-    if !(LEAST_LEVELS..=256).contains(&settings.levels) {
-        return Err(SettingsError::Levels(settings.levels));
-    }
-    if !(1..=20).contains(&settings.repeats) {
-        return Err(SettingsError::Repeats(settings.repeats));
-    }
-    Ok(if settings.channels.contains(&Channel::Gray) { Channel::Gray } else { Channel::Green })
 }

@@ -20,8 +20,6 @@ pub struct LevelMean {
     pub level: f64,
     /// Mean of the readings, cd/m².
     pub luminance_cd_m2: f64,
-    /// Number of readings.
-    pub readings: usize,
 }
 
 /// Levels closer than this are the same patch, typed twice.
@@ -81,13 +79,9 @@ impl Readings {
     /// where there is none down to 10⁻⁵.
     #[must_use]
     pub fn resolution_cd_m2(&self) -> f64 {
-        let multiple = |step: f64| {
-            self.all.iter().all(|one| {
-                let steps = one.luminance_cd_m2 / step;
-                (steps - steps.round()).abs() <= 1e-9 * steps.abs().max(1.0)
-            })
-        };
-        (-2..=5).map(|digits| 10f64.powi(-digits)).find(|step| multiple(*step)).unwrap_or(0.0)
+        let is_multiple = |steps: f64| (steps - steps.round()).abs() <= 1e-9 * steps.abs().max(1.0);
+        let fits = |step: &f64| self.all.iter().all(|one| is_multiple(one.luminance_cd_m2 / step));
+        (-2..=5).map(|digits| 10f64.powi(-digits)).find(fits).unwrap_or(0.0)
     }
 }
 
@@ -98,7 +92,7 @@ fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<LevelMean> {
     let same = sorted.chunk_by(|a, b| is_same_level(a.level, b.level));
     same.map(|level| {
         let sum: f64 = level.iter().map(|one| one.luminance_cd_m2).sum();
-        LevelMean { level: level[0].level, luminance_cd_m2: sum / level.len() as f64, readings: level.len() }
+        LevelMean { level: level[0].level, luminance_cd_m2: sum / level.len() as f64 }
     })
     .collect()
 }

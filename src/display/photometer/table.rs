@@ -2,7 +2,10 @@
 //!
 //! Between levels the move changes in a straight line, so that the table bends as the curve does and not in corners.
 
-use super::{models::Curve, readings::is_same_level, sample::Sample};
+use super::{
+    fit::{Curve, Sample},
+    readings::is_same_level,
+};
 use crate::light::{Transfer, TransferTable};
 
 /// Points of a table: one for each 8-bit code.
@@ -23,49 +26,37 @@ struct Knot {
 /// The tables of the sample's channels from the curves of a fit. They go through the black and the white that was read;
 /// between them all channels have the same table where `shared`.
 pub(super) fn tables(sample: &Sample, curves: &[Curve], shared: bool) -> Vec<Curve> {
-    let ends: Vec<Curve> = (sample.channels.iter().zip(curves))
-        .map(|(channel, curve)| {
-            let read = |v: f64| sample.mean(|point| point.v == v && (v == 0.0 || point.channel == *channel));
-            let black_cd_m2 = read(0.0).map_or(curve.black_cd_m2, |(black, _)| black);
-            let white_cd_m2 = read(1.0).map_or_else(|| curve.cd_m2(1.0), |(white, _)| white);
-            Curve { black_cd_m2, range_cd_m2: white_cd_m2 - black_cd_m2, transfer: curve.transfer.clone() }
-        })
-        .collect();
-    let each: Vec<Vec<Knot>> = (sample.channels.iter().zip(&ends))
-        .map(|(channel, curve)| {
-            let levels = sample.inner_levels().into_iter();
-            levels
-                .filter_map(|v| {
-                    let (y, sd) = sample.mean(|point| point.channel == *channel && is_same_level(point.v, v))?;
-                    let spread = 0.5 * (curve.encoded(y + sd) - curve.encoded(y - sd));
-                    let is_clear = y - curve.black_cd_m2 > CLEAR * sd && spread > 0.0;
-                    is_clear.then(|| Knot { v, moved: curve.encoded(y).min(1.0), weight: spread.powi(-2) })
-                })
-                .collect()
-        })
-        .collect();
-    let all = joined(each.concat());
-    ends.into_iter()
-        .zip(each)
-        .map(|(curve, own)| {
-            let transfer = table(&curve.transfer, if shared { &all } else { &own });
-            Curve { transfer, ..curve }
-        })
-        .collect()
+    let levels = sample.inner_levels();
+    let mut ends = Vec::new();
+    let mut knots: Vec<Vec<Knot>> = Vec::new();
+    for (channel, curve) in sample.channels.iter().zip(curves) {
+        let black_cd_m2 = sample.mean(*channel, 0.0).map_or(curve.black_cd_m2, |(black, _)| black);
+        let white_cd_m2 = sample.mean(*channel, 1.0).map_or_else(|| curve.cd_m2(1.0), |(white, _)| white);
+        let curve = Curve { black_cd_m2, range_cd_m2: white_cd_m2 - black_cd_m2, transfer: curve.transfer.clone() };
+        let knot = |v: &f64| {
+            let (y, sd) = sample.mean(*channel, *v)?;
+            let spread = 0.5 * (curve.encoded(y + sd) - curve.encoded(y - sd));
+            let is_clear = y - black_cd_m2 > CLEAR * sd && spread > 0.0;
+            is_clear.then(|| Knot { v: *v, moved: curve.encoded(y).min(1.0), weight: spread.powi(-2) })
+        };
+        knots.push(levels.iter().filter_map(knot).collect());
+        ends.push(curve);
+    }
+    let all = joined(knots.concat());
+    let own = knots.iter().map(|own| if shared { &all } else { own });
+    ends.into_iter().zip(own).map(|(curve, own)| Curve { transfer: table(&curve.transfer, own), ..curve }).collect()
 }
 
 /// The weighted mean of the knots at each level, rising.
 fn joined(mut knots: Vec<Knot>) -> Vec<Knot> {
     knots.sort_by(|a, b| a.v.total_cmp(&b.v));
     let levels = knots.chunk_by(|a, b| is_same_level(a.v, b.v));
-    levels
-        .map(|level| level.iter().copied().reduce(|a, b| Knot { v: a.v, ..pooled(a, b) }).unwrap_or(level[0]))
-        .collect()
+    levels.filter_map(|level| level.iter().copied().reduce(pooled)).collect()
 }
 
 fn pooled(a: Knot, b: Knot) -> Knot {
     let weight = a.weight + b.weight;
-    Knot { v: b.v, moved: (a.moved * a.weight + b.moved * b.weight) / weight, weight }
+    Knot { v: a.v, moved: (a.moved * a.weight + b.moved * b.weight) / weight, weight }
 }
 
 fn table(base: &Transfer, knots: &[Knot]) -> Transfer {

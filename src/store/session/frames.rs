@@ -169,7 +169,7 @@ fn row(cells: &[&str]) -> Result<FrameRow, CellFault> {
         "" => None,
         text => Some(
             (text.parse::<f64>().ok())
-                .and_then(|us| Refresh::new(us * 1e-6).ok())
+                .and_then(|us| Refresh::new(us * 1e-6))
                 .ok_or_else(|| wrong(5, "microseconds from one refresh to the next, above 0, or nothing"))?,
         ),
     };

@@ -23,8 +23,8 @@ impl TimingReport {
     /// where they scatter there is none, and no frame is judged.
     #[must_use]
     pub fn new(intervals_us: &[u32], monitor: &Monitor) -> Self {
-        let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz).ok());
-        let measured = Refresh::estimate(intervals_us).filter(|refresh| refresh.is_followed_by(intervals_us));
+        let reported = monitor.refresh_hz.and_then(Refresh::from_hz);
+        let measured = Refresh::measured(intervals_us);
         let (refresh, source) = match (reported, measured) {
             (Some(_), _) => (reported, "reported"),
             (None, Some(_)) => (measured, "measured"),
@@ -91,10 +91,10 @@ impl TimingReport {
         let (hz, dropped) = (refresh.hz(), self.times.dropped().unwrap_or_default());
         let percent = 100.0 * dropped as f64 / count as f64;
         if dropped == 0 {
-            format!("The frames follow the refresh of {hz:.2} Hz one by one: none of {count} was dropped.")
+            format!("Every refresh at {hz:.2} Hz showed a new frame: none of {count} was dropped.")
         } else {
             format!(
-                "The frames follow the refresh of {hz:.2} Hz, but {dropped} of {count} ({percent:.1} %) were dropped: close other programs."
+                "The frames follow the refresh rate of {hz:.2} Hz, but {dropped} of {count} ({percent:.1} %) were dropped. Close other programs."
             )
         }
     }
@@ -104,10 +104,10 @@ impl TimingReport {
         let ms = |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3;
         let judged = match self.refresh {
             Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
-            None => "so none can be judged as dropped".to_owned(),
+            None => "so no frame can be judged as dropped".to_owned(),
         };
         format!(
-            "The frames follow no steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} ms. Close other programs, and measure in full screen.",
+            "The frames follow no steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} ms. Close other programs and measure in full screen.",
             ms(0.01),
             ms(0.99)
         )

@@ -1,16 +1,15 @@
-//! A measurement that runs.
+//! A measurement that runs, what is drawn meanwhile, and the window of `machband timing`, which measures and closes.
 
-use std::time::Duration;
+use std::{sync::mpsc::Sender, time::Duration};
 
-use eframe::egui::{self, Color32};
+use eframe::egui::{CentralPanel, Color32, CursorIcon, Frame, Key, Pos2, Rect, TextureHandle, Ui, Vec2};
 
-use super::{
-    report::TimingReport,
-    scene::{Drawing, Patch, Scene},
-};
+use super::report::TimingReport;
 use crate::{
-    app::ui::{Monitor, page, paragraph},
+    app::ui::{Monitor, page, paragraph, pixels, theme::PAGE},
     display::frames::FrameTimes,
+    light::{Bits, Quantizer, Transfer},
+    stimulus::{MachBand, Stimulus},
 };
 
 /// Frames before the measurement: caches fill, and a window comes to rest.
@@ -19,6 +18,47 @@ const SETTLING: u32 = 30;
 const WARNING_S: f64 = 3.0;
 /// What everyone must know before something flickers.
 pub const FLICKER_WARNING: &str = "A patch will flicker between black and white with every frame. Flicker can cause seizures in people with photosensitive epilepsy: do not look at it, and keep anyone at risk from looking at it.";
+/// Side of the trial's stimulus, physical pixels.
+const STIMULUS_PX: u32 = 512;
+/// Frames of field, and then of stimulus, of a trial.
+const FIELD_FRAMES: u32 = 30;
+const STIMULUS_FRAMES: u32 = 60;
+/// From the patch to the edge of the window, physical pixels.
+const MARGIN_PX: f32 = 16.0;
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Scene {
+    /// A patch that alternates between black and white: a target for a photodiode.
+    Patch,
+    /// The screen of a trial as in a session: the uniform field, and a different stimulus in each trial.
+    Trial,
+}
+
+/// Where the patch is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Place {
+    /// In the upper left corner, where a photodiode can be held.
+    Corner,
+    /// In the center.
+    Center,
+}
+
+/// The patch that flickers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Patch {
+    /// Its side, physical pixels.
+    pub size_px: u32,
+    /// Where it is.
+    pub place: Place,
+}
+
+impl Default for Patch {
+    /// Small, so that as little of the eye as possible sees it.
+    fn default() -> Self {
+        Self { size_px: 96, place: Place::Corner }
+    }
+}
 
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,32 +74,37 @@ pub struct TimingPlan {
 /// A measurement.
 pub struct TimingRun {
     plan: TimingPlan,
-    drawing: Drawing,
     /// When the warning began; what does not flicker needs none.
     warned: Option<f64>,
     frame: u32,
     times: FrameTimes,
+    quantizer: Quantizer,
+    /// The trial, from 0, and its picture.
+    picture: Option<(u32, TextureHandle)>,
 }
 
 impl TimingRun {
     /// Ready to begin; a flicker begins after a warning.
     pub fn new(plan: TimingPlan) -> Self {
-        let drawing = Drawing::new(plan.scene, plan.patch);
-        Self { plan, drawing, warned: None, frame: 0, times: FrameTimes::default() }
+        let quantizer = Quantizer::new(Transfer::Srgb, Bits::Eight);
+        Self { plan, warned: None, frame: 0, times: FrameTimes::default(), quantizer, picture: None }
     }
 
     /// Draws a frame and asks for the next; the report when all are measured.
-    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Option<TimingReport> {
+    pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> Option<TimingReport> {
         let now = ui.input(|input| input.time);
         ui.ctx().request_repaint();
-        if self.plan.scene == Scene::Patch {
-            let left_s = WARNING_S - (now - *self.warned.get_or_insert(now));
-            if left_s > 0.0 {
-                warn(ui, left_s);
-                return None;
+        match self.plan.scene {
+            Scene::Patch => {
+                let left_s = WARNING_S - (now - *self.warned.get_or_insert(now));
+                if left_s > 0.0 {
+                    warn(ui, left_s);
+                    return None;
+                }
+                draw_patch(ui, self.plan.patch, self.frame);
             }
+            Scene::Trial => self.draw_trial(ui),
         }
-        self.drawing.show(ui, self.frame);
         self.frame += 1;
         if self.frame > SETTLING {
             self.times.frame(Duration::try_from_secs_f64(now).unwrap_or_default(), None);
@@ -70,14 +115,104 @@ impl TimingRun {
 
     /// The color behind everything.
     pub fn ground(&self) -> Color32 {
-        self.drawing.ground(self.frame)
+        match self.plan.scene {
+            // Nothing of the warning's page remains behind the patch.
+            Scene::Patch if self.frame > 0 => Color32::BLACK,
+            Scene::Patch => PAGE,
+            Scene::Trial => pixels::field(&self.quantizer, stimulus(0).field_light(0.5)),
+        }
+    }
+
+    /// The screen of a trial.
+    fn draw_trial(&mut self, ui: &mut Ui) {
+        let trial = self.frame / (FIELD_FRAMES + STIMULUS_FRAMES);
+        if self.picture.as_ref().is_none_or(|(made, _)| *made != trial) {
+            // As in a session: made while the field is shown.
+            let texture = pixels::texture(ui.ctx(), "timing", &stimulus(trial), STIMULUS_PX, &self.quantizer);
+            self.picture = Some((trial, texture));
+        }
+        let shown = self.frame % (FIELD_FRAMES + STIMULUS_FRAMES) >= FIELD_FRAMES;
+        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+            if let Some((_, texture)) = self.picture.as_ref().filter(|_| shown) {
+                pixels::draw_centered(ui, texture, ui.ctx().content_rect());
+            }
+        });
     }
 }
 
-fn warn(ui: &mut egui::Ui, left_s: f64) {
+/// A different stimulus for each trial.
+fn stimulus(trial: u32) -> Stimulus {
+    let mut stimulus = Stimulus::MachBand(MachBand::default());
+    // A direction that every Mach band has.
+    let _ = stimulus.set("orientation_deg", &f64::from(45 * (trial % 8)).into());
+    stimulus
+}
+
+fn draw_patch(ui: &mut Ui, patch: Patch, frame: u32) {
+    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+        let scale = ui.ctx().pixels_per_point();
+        let side = Vec2::splat(patch.size_px as f32 / scale);
+        let area = ui.ctx().content_rect();
+        let whole = |points: f32| (points * scale).round() / scale;
+        let corner = match patch.place {
+            Place::Corner => area.min + Vec2::splat(MARGIN_PX / scale),
+            Place::Center => area.center() - side / 2.0,
+        };
+        let rect = Rect::from_min_size(Pos2::new(whole(corner.x), whole(corner.y)), side);
+        let color = if frame.is_multiple_of(2) { Color32::WHITE } else { Color32::BLACK };
+        ui.painter().rect_filled(rect, 0.0, color);
+    });
+}
+
+fn warn(ui: &mut Ui, left_s: f64) {
     page(ui, |ui| {
         ui.heading("Flicker");
         paragraph(ui, FLICKER_WARNING);
         ui.label(format!("It begins in {:.0} s. Esc stops.", left_s.ceil()));
     });
+}
+
+/// What `machband timing` asks of the window.
+pub struct TimingRequest {
+    /// What is measured.
+    pub plan: TimingPlan,
+    /// On the whole screen.
+    pub fullscreen: bool,
+    /// Where the report goes; nothing is sent where the window is closed before its end.
+    pub report: Sender<TimingReport>,
+}
+
+/// The window's page.
+pub struct TimingPage {
+    run: TimingRun,
+    report: Sender<TimingReport>,
+    /// The window is about to close.
+    done: bool,
+}
+
+impl TimingPage {
+    /// For a request.
+    pub fn new(request: TimingRequest) -> Self {
+        Self { run: TimingRun::new(request.plan), report: request.report, done: false }
+    }
+
+    /// Draws a frame; `true` when the page is done.
+    pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> bool {
+        ui.ctx().set_cursor_icon(CursorIcon::None);
+        if self.done {
+            return false;
+        }
+        let report = self.run.show(ui, monitor);
+        self.done = report.is_some() || ui.input(|input| input.key_pressed(Key::Escape));
+        if let Some(report) = report {
+            // Nobody may be waiting for it any more.
+            let _ = self.report.send(report);
+        }
+        self.done
+    }
+
+    /// The color behind everything.
+    pub fn ground(&self) -> Color32 {
+        self.run.ground()
+    }
 }

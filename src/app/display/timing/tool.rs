@@ -1,14 +1,13 @@
 //! How evenly this screen shows frames: settings, a table and a plot.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use eframe::egui::{self, Color32, Key, RichText, ViewportCommand};
 use egui_plot::{HLine, Points};
 
 use super::{
     report::TimingReport,
-    run::{FLICKER_WARNING, TimingPlan, TimingRun},
-    scene::{Patch, Place, Scene},
+    run::{FLICKER_WARNING, Patch, Place, Scene, TimingPlan, TimingRun},
 };
 use crate::{
     app::ui::{
@@ -54,7 +53,7 @@ impl TimingTool {
             return Step::Stay;
         }
         let (back, ()) = tool_page(ui, "Timing", |ui| {
-            ui.label("Frames should follow the screen's refresh one by one. This measures whether they do.");
+            ui.label("Every refresh of the screen should show a new frame. This measures whether it does.");
             ui.add_space(8.0);
             self.settings(ui);
             if primary(ui, "Measure", true, "Full screen. Esc stops.") {
@@ -108,14 +107,14 @@ impl TimingTool {
         Field::new("Export to").show(ui, |ui, label| {
             ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(260.0)).labelled_by(label);
             if ui.button("Export").clicked() {
-                self.exported = Some(export(report, &PathBuf::from(self.out.trim())));
+                self.exported = Some(export(report, Path::new(self.out.trim())));
             }
         });
         outcome(ui, self.exported.as_ref());
     }
 }
 
-/// The intervals, and beside them their plot.
+/// The intervals as CSV, and their plot as SVG.
 fn export(report: &TimingReport, path: &Path) -> Result<String, String> {
     let plot = path.with_extension("svg");
     let svg = figures::intervals(report.intervals_us(), report.refresh).svg;

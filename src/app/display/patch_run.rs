@@ -12,10 +12,7 @@ use crate::{
         display::calibrate::Run,
         ui::{Step, describe, number, theme::NOTE},
     },
-    display::{
-        Channel,
-        photometer::{Patch, Reading, ReadingFault, Readings, is_same_level},
-    },
+    display::photometer::{About, Patch, Reading, Readings, is_same_level},
     store::{StoreError, readings},
 };
 
@@ -239,14 +236,14 @@ impl Run for PatchRun {
 
     /// The patches that faults of the readings name.
     fn questionable(&self) -> Vec<usize> {
-        let Err(faults) = Readings::new(self.readings()) else { return Vec::new() };
-        let named = |fault: &ReadingFault| match *fault {
-            ReadingFault::Misread { channel, levels, .. } => levels.map(|level| (channel, level)).to_vec(),
-            _ => Vec::new(),
-        };
-        let named: Vec<(Channel, f64)> = faults.iter().flat_map(|found| named(&found.fault)).collect();
+        let faults = Readings::new(self.readings()).err().unwrap_or_default();
         let is_named = |patch: &Patch| {
-            named.iter().any(|(channel, level)| patch.channel == *channel && is_same_level(patch.level, *level))
+            faults.iter().any(|fault| match fault.about {
+                About::Levels(channel, levels) => {
+                    patch.channel == channel && levels.iter().any(|level| is_same_level(patch.level, *level))
+                }
+                _ => false,
+            })
         };
         (0..self.patches.len()).filter(|at| is_named(&self.patches[*at])).collect()
     }

@@ -1,29 +1,87 @@
-//! What the readings say: models, errors, plots.
+//! Calibration with a photometer: what is measured, and the models that were fitted.
 
 use std::path::Path;
 
 use eframe::egui;
 use egui_plot::{Corner, Legend, Line, Plot, Points};
 
+use super::{
+    calibrate::{Findings, Method, series},
+    patch_run::{PatchRun, PatchView},
+};
 use crate::{
-    app::{
-        display::{
-            calibrate::{Findings, series},
-            signs::signed,
-        },
-        ui::{Field, hint, note, still_plot, table},
-    },
+    app::ui::{Field, hint, note, number, signed, still_plot, table},
     display::{
-        DisplayProfile, Measurement,
-        photometer::{Calibration, Family, FittedChannel},
+        Channel, DisplayProfile, Measurement, Viewing,
+        photometer::{Calibration, Family, FittedChannel, Patch, PatchSettings, Sum, largest, patches},
     },
     store::readings,
 };
 
+/// Seconds that reading and typing take, for the estimate.
+const READING_S: f64 = 5.0;
 /// Steps of a curve in the plot.
 const STEPS: usize = 100;
 /// Room for the numbers beside a plot, points: the same for all, so that their encoded values line up.
 const AXIS_ROOM: f32 = 80.0;
+
+/// The settings.
+pub struct Photometer {
+    levels: usize,
+    repeats: usize,
+    settle_s: String,
+    percent: u32,
+    gray_around: bool,
+}
+
+impl Default for Photometer {
+    fn default() -> Self {
+        let PatchSettings { levels, repeats, .. } = PatchSettings::default();
+        Self { levels, repeats, settle_s: "1".to_owned(), percent: 40, gray_around: false }
+    }
+}
+
+impl Photometer {
+    fn settle_s(&self) -> Result<f64, String> {
+        let seconds = number(&self.settle_s).filter(|seconds| (0.0..=60.0).contains(seconds));
+        seconds.ok_or_else(|| format!("{:?} is not a settling time; expected seconds, 0 to 60.", self.settle_s))
+    }
+
+    fn patches(&self, channels: &[Channel]) -> Result<Vec<Patch>, String> {
+        let (levels, repeats) = (self.levels, self.repeats);
+        let settings = PatchSettings { channels: channels.to_vec(), levels, repeats, ..PatchSettings::default() };
+        patches(&settings).map_err(|error| format!("{error}."))
+    }
+}
+
+impl Method for Photometer {
+    type Findings = PhotometerFindings;
+    type Run = PatchRun;
+
+    const BEGIN: &'static str = "Show patches";
+    const FORMAT: &'static str = "CSV with the columns channel,level,luminance_cd_m2: channel r, g, b or gray; level the code divided by the largest code, 0 to 1.";
+    const INTRODUCTION: &'static str = "Patches are shown one by one; type what the photometer reads. Let the screen warm up for half an hour, and darken the room.";
+    const ITEMS: &'static str = "readings";
+    const TITLE: &'static str = "Photometer";
+
+    fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
+        Field::new("Levels of each channel").slider(ui, &mut self.levels, 5..=33, 1.0);
+        Field::new("Readings of each patch").slider(ui, &mut self.repeats, 1..=5, 1.0);
+        Field::new("Settling time, seconds").width(70.0).text(ui, &mut self.settle_s);
+        Field::new("Height of the patch, % of the screen").slider(ui, &mut self.percent, 10..=80, 1.0);
+        ui.checkbox(&mut self.gray_around, "Gray around the patch instead of black");
+    }
+
+    fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
+        let patches = self.patches(channels)?.len();
+        Ok((patches, patches as f64 * (self.settle_s()? + READING_S)))
+    }
+
+    fn begin(&self, channels: &[Channel], file: &Path) -> Result<PatchRun, String> {
+        let view = PatchView { settle_s: self.settle_s()?, percent: self.percent, gray_around: self.gray_around };
+        PatchRun::begin(self.patches(channels)?, file, view).map_err(|error| error.to_string())
+    }
+}
 
 /// Fitted readings.
 pub struct PhotometerFindings {
@@ -53,17 +111,17 @@ impl Findings for PhotometerFindings {
             light.white_cd_m2,
             100.0 * calibration.noise
         ));
-        if let Some(additivity) = &calibration.additivity {
-            let (percent, cd_m2) = (additivity.largest_percent(), additivity.largest_cd_m2());
+        if !calibration.additivity.is_empty() {
+            let most = |deviation| largest(&calibration.additivity, deviation);
             ui.label(format!(
                 "Gray differs from the sum of its channels by at most {} % and {} cd/m².",
-                signed(&format!("{:+.1}", percent.deviation_percent())),
-                signed(&format!("{:+.2}", cd_m2.deviation_cd_m2()))
+                signed(&format!("{:+.1}", most(Sum::deviation_percent))),
+                signed(&format!("{:+.2}", most(Sum::deviation_cd_m2)))
             ));
         }
         calibration.notes.iter().for_each(|text| note(ui, text));
         let chosen = calibration.chosen;
-        ui.strong(format!("Chosen: {chosen}. It is the simplest of the models that best predict left-out levels."));
+        ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
         let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.map(Some)).collect();
         Field::new("Model").width(180.0).choice(ui, &mut self.family, &all, |family| match family {
             None => format!("automatic ({chosen})"),

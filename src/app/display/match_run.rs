@@ -1,4 +1,4 @@
-//! The pictures one by one, and the keys.
+//! The matches on the screen one by one, and the keys.
 
 use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
 
@@ -22,7 +22,7 @@ const FIELD_PER_PATCH: u32 = 3;
 pub struct MatchRun {
     matching: Matching,
     file: MatchFile,
-    /// The window's time when the picture may be seen; `None` until the first frame after a pause.
+    /// The window's time at which the picture appears; `None` until the first frame after a pause.
     due_s: Option<f64>,
     /// The window's time at the first picture.
     start_s: Option<f64>,
@@ -96,14 +96,16 @@ impl MatchRun {
     fn line(&self, ui: &mut egui::Ui) {
         let (done, all) = self.progress();
         let text = format!(
-            "Make the square vanish: arrows left and right, then Enter · {} of {all}, about {:.0} min left · Esc pauses",
+            "Make the square vanish with the left and right arrow keys, then press Enter · {} of {all}, about {:.0} min left · Esc pauses",
             done + 1,
             (self.matching.left_s() / 60.0).ceil()
         );
         let area = ui.ctx().content_rect();
         let line = egui::Rect::from_min_max(egui::pos2(area.min.x + 12.0, area.max.y - TEXT_ROOM), area.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(line), |ui| match &self.unsaved {
-            Some(error) => fault(ui, format!("Not saved yet; the next match tries again: {error}")),
+            Some(error) => {
+                fault(ui, format!("The last match is not saved yet; it will be written with the next one: {error}"))
+            }
             None => _ = ui.add(egui::Label::new(quiet(text)).truncate()),
         });
     }

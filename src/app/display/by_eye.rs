@@ -1,0 +1,163 @@
+//! Gamma by eye: what is matched, and γ with its interval.
+
+use std::{
+    path::Path,
+    time::{SystemTime, UNIX_EPOCH},
+};
+
+use eframe::egui;
+use egui_plot::{Corner, Legend, Line, Points};
+
+use super::{
+    calibrate::{Findings, Method, series},
+    match_run::MatchRun,
+};
+use crate::{
+    app::ui::{Field, describe, note, paragraph, still_plot, table},
+    display::{
+        Channel, DisplayProfile, Viewing,
+        matching::{ChannelGamma, GammaError, MatchSettings, Matching, estimate, transfers},
+    },
+    experiment::session_seed,
+    store::matches::{self, MatchFile},
+};
+
+/// Periods per degree from which rows of full contrast blend: near the limit of visual acuity, 50 to 60.
+const BLEND_PER_DEG: f64 = 40.0;
+
+/// The settings.
+#[derive(Default)]
+pub struct ByEye(MatchSettings);
+
+impl ByEye {
+    fn settings(&self, channels: &[Channel]) -> MatchSettings {
+        MatchSettings { channels: channels.to_vec(), ..self.0.clone() }
+    }
+}
+
+impl Method for ByEye {
+    type Findings = MatchFindings;
+    type Run = MatchRun;
+
+    const BEGIN: &'static str = "Begin";
+    const FORMAT: &'static str = "CSV as this page writes it.";
+    const INTRODUCTION: &'static str = "This needs no photometer. A field in which one row of four is lit has a quarter of the full light, whatever the screen's gamma. Adjust the square in the field until it vanishes; several such matches give the gamma.";
+    const ITEMS: &'static str = "matches";
+    const TITLE: &'static str = "Gamma by eye";
+
+    fn fields(&mut self, ui: &mut egui::Ui, viewing: Option<&Viewing>) {
+        let settings = &mut self.0;
+        let periods = [(4, "one of four"), (2, "half: they blend from nearer, but are less precise")];
+        Field::new("Lit rows").radio(ui, &mut settings.period, &periods);
+        Field::new("Matches of each channel").slider(ui, &mut settings.matches, 2..=20, 1.0);
+        let mut pairs = settings.row_px == 2;
+        ui.checkbox(&mut pairs, "Pairs of rows (interlaced pictures, row inversion)");
+        settings.row_px = if pairs { 2 } else { 1 };
+        paragraph(ui, distance_sentence(viewing, settings.rows().period_px()));
+        paragraph(
+            ui,
+            "The left and right arrow keys make the square darker and lighter, Page Up and Page Down in large steps. Go past the match on both sides and return to the middle. Enter accepts the match; Backspace takes back the last one.",
+        );
+        paragraph(
+            ui,
+            "Dim the room, and let no lamp shine on the screen. The fields have fine rows, can be colored and may seem to shimmer. Do not do this if you are sensitive to patterns.",
+        );
+    }
+
+    fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
+        let settings = self.settings(channels);
+        Matching::new(&settings, 0, Vec::new()).map_err(|error| format!("{error}."))?;
+        Ok((settings.total(), settings.duration_s()))
+    }
+
+    fn begin(&self, channels: &[Channel], path: &Path) -> Result<MatchRun, String> {
+        let (file, done) = if path.exists() {
+            MatchFile::resume(path).map_err(|error| error.to_string())?
+        } else {
+            let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
+            (MatchFile::create(path, session_seed(now)).map_err(|error| error.to_string())?, Vec::new())
+        };
+        let matching = Matching::new(&self.settings(channels), file.seed(), done)
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(MatchRun::new(matching, file))
+    }
+}
+
+/// From where rows of this period blend.
+fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
+    let otherwise = "If you sit nearer, half close your eyes or take off your glasses until you see no rows.";
+    let Some(viewing) = viewing else {
+        return format!("Sit far enough away that the rows, which repeat every {period_px} pixels, blend. {otherwise}");
+    };
+    let per_deg = viewing.px_per_degree() / f64::from(period_px.max(1));
+    let needed_cm = viewing.distance_cm() * BLEND_PER_DEG / per_deg;
+    let counted = format!(
+        "The rows repeat every {period_px} pixels; at {:.0} cm that is {per_deg:.0} times per degree",
+        viewing.distance_cm()
+    );
+    if per_deg >= BLEND_PER_DEG {
+        return format!("{counted}, and they blend.");
+    }
+    format!("{counted}, and you may see them. They blend at {needed_cm:.0} cm or more. {otherwise}")
+}
+
+/// γ of each channel.
+pub struct MatchFindings {
+    channels: Vec<(Channel, Result<ChannelGamma, GammaError>)>,
+    matches: usize,
+}
+
+impl MatchFindings {
+    fn found(&self) -> impl Iterator<Item = &ChannelGamma> {
+        self.channels.iter().filter_map(|(_, found)| found.as_ref().ok())
+    }
+}
+
+impl Findings for MatchFindings {
+    fn read(path: &Path) -> Result<Self, String> {
+        let matches = matches::open(path).map_err(|faults| faults.to_string())?;
+        Ok(Self { channels: estimate(&matches), matches: matches.len() })
+    }
+
+    fn summary(&mut self, ui: &mut egui::Ui) {
+        for (channel, found) in &self.channels {
+            let name = channel.capitalized();
+            match found {
+                Ok(ChannelGamma { gamma, interval: [low, high], matches, .. }) => paragraph(
+                    ui,
+                    format!("{name}: gamma {gamma:.2}, 95 % interval {low:.2} to {high:.2}, from {matches} matches."),
+                ),
+                Err(error) => note(ui, format!("{name}: no gamma: {error}.")),
+            }
+        }
+        self.found().filter_map(ChannelGamma::warning).for_each(|warning| note(ui, warning));
+    }
+
+    fn details(&self, ui: &mut egui::Ui) {
+        let plot = still_plot("matching").height(260.0).x_axis_label("code").y_axis_label("light, of full light");
+        let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
+            for found in self.found() {
+                let ((color, marker), name) = (series(found.channel), found.channel.name());
+                let curve = (0..=255).map(f64::from).map(|code| [code, (code / 255.0).powf(found.gamma)]);
+                plot.line(Line::new(name, curve.collect::<Vec<_>>()).color(color).width(1.5));
+                plot.points(Points::new(name, vec![[found.code, found.share]]).shape(marker).radius(4.5).color(color));
+                let ends = [-1.0, 1.0].map(|side| [found.code + side * found.code_sd, found.share]);
+                plot.line(Line::new(name, ends.to_vec()).color(color).width(3.0));
+            }
+        });
+        describe(&shown.response, "Plot of the matches and of gamma");
+        let rows = self.found().map(|found| {
+            let [code, sd] = [found.code, found.code_sd].map(|value| format!("{value:.1}"));
+            [found.channel.to_string(), format!("{:.2}", found.share), code, sd, found.matches.to_string()]
+        });
+        table(ui, "matches", ["channel", "light of the field", "matched code", "SD", "matches"], rows);
+    }
+
+    fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
+        transfers(&self.channels).map(|transfers| DisplayProfile { transfers, ..known.clone() })
+    }
+
+    fn instrument(&self) -> String {
+        format!("matching by eye, {} matches", self.matches)
+    }
+}

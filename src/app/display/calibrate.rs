@@ -1,0 +1,391 @@
+//! What measuring with a photometer and matching by eye have in common: the settings, a run on the full screen that can be
+//! left and resumed, the findings, a check of them, and the profile to save.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{self, Color32, TextEdit, Ui, ViewportCommand};
+use egui_plot::MarkerShape;
+
+use super::check::CheckPage;
+use crate::{
+    app::ui::{
+        Ask, Dialog, Field, Step, fault, hint, paragraph, primary, quiet, section, theme::SERIES, today, tool_page,
+    },
+    display::{Channel, DisplayProfile, Measurement, Viewing},
+    store::profile,
+};
+
+/// A way to measure the light of a screen.
+pub trait Method {
+    /// Takes the measurements.
+    type Run: Run;
+    /// What they say.
+    type Findings: Findings;
+
+    /// Name of the page.
+    const TITLE: &'static str;
+    /// What is done, in a sentence or two.
+    const INTRODUCTION: &'static str;
+    /// What is measured, in the plural: readings, matches.
+    const ITEMS: &'static str;
+    /// What a file of them looks like.
+    const FORMAT: &'static str;
+    /// The button that begins.
+    const BEGIN: &'static str;
+
+    /// The settings of this method.
+    fn fields(&mut self, ui: &mut Ui, viewing: Option<&Viewing>);
+
+    /// Number of items and seconds that they take.
+    ///
+    /// # Errors
+    /// Settings that cannot be run.
+    fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String>;
+
+    /// Begins a run, or resumes the one that is in the file.
+    ///
+    /// # Errors
+    /// Settings that cannot be run; a file of other settings, or one that cannot be written.
+    fn begin(&self, channels: &[Channel], file: &Path) -> Result<Self::Run, String>;
+}
+
+/// Measurements that are being taken. Each is in the file before the next is asked for.
+pub trait Run {
+    /// Draws a frame: back to pause, next when all is measured.
+    fn show(&mut self, ui: &mut Ui) -> Step<()>;
+
+    /// Items measured, and all.
+    fn progress(&self) -> (usize, usize);
+
+    /// Items that are to be measured again before a profile can be made of them.
+    fn questionable(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// Measures some items again.
+    fn repeat(&mut self, _: &[usize]) {}
+}
+
+/// What measurements say.
+pub trait Findings: Sized {
+    /// Reads a file of measurements.
+    ///
+    /// # Errors
+    /// Why no profile can be made of it, a line a fault.
+    fn read(path: &Path) -> Result<Self, String>;
+
+    /// In a few lines, with any choice that is left.
+    fn summary(&mut self, ui: &mut Ui);
+
+    /// Plots and tables.
+    fn details(&self, ui: &mut Ui);
+
+    /// What is known of the screen, with what was found; `None` where that is too little.
+    fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile>;
+
+    /// What the screen was measured with.
+    fn instrument(&self) -> String;
+}
+
+/// A profile that was written.
+pub struct SavedProfile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// In the place of another.
+    pub replaced: bool,
+}
+
+/// The page of a method: settings, then a run, then the findings, then a check of them.
+pub struct Calibrate<M: Method> {
+    /// What is known of the screen besides what this measures.
+    known: DisplayProfile,
+    method: M,
+    /// Of the screen.
+    name: String,
+    /// Where the measurements go; follows the name until another is typed.
+    path: String,
+    /// Red, green and blue; gray.
+    channels: [bool; 2],
+    /// A file of measurements to use.
+    file: String,
+    dialog: Dialog,
+    fault: Option<String>,
+    /// The file of a run that was left, how many items were measured, and how many there are.
+    paused: Option<(PathBuf, usize, usize)>,
+    /// The measurements that are being taken, or that led to findings and are to be repeated in part.
+    run: Option<M::Run>,
+    /// A file of measurements, and what it says.
+    found: Option<(PathBuf, Result<(M::Findings, ProfileForm), String>)>,
+    check: Option<CheckPage>,
+}
+
+impl<M: Method> Calibrate<M> {
+    /// For the screen that `known` describes so far.
+    pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
+        let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
+        let path = suggested(&name, M::ITEMS);
+        let (file, dialog, fault) = Default::default();
+        let (paused, run, found, check) = (None, None, None, None);
+        Self { known, method, name, path, channels, file, dialog, fault, paused, run, found, check }
+    }
+
+    /// Takes what is known of the screen by now.
+    pub fn update(&mut self, known: DisplayProfile) {
+        self.known = known;
+    }
+
+    /// Draws the stage. `viewing` says from where the screen is seen.
+    pub fn show(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> Step<SavedProfile> {
+        if let Some(check) = &mut self.check {
+            if check.show(ui) == Step::Back {
+                self.check = None;
+                ui.ctx().request_repaint();
+            }
+            Step::Stay
+        } else if self.found.is_some() {
+            self.show_findings(ui)
+        } else if self.run.is_some() {
+            self.show_run(ui);
+            Step::Stay
+        } else {
+            self.set_up(ui, viewing).widen()
+        }
+    }
+
+    fn set_up(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> Step {
+        let (mut begin, mut use_file) = (false, false);
+        let (back, ()) = tool_page(ui, M::TITLE, |ui| {
+            paragraph(ui, M::INTRODUCTION);
+            ui.add_space(8.0);
+            if Field::new("Name of the screen").width(260.0).text(ui, &mut self.name).changed() {
+                self.path = suggested(&self.name, M::ITEMS);
+            }
+            Field::new("Save the measurements in").width(380.0).text(ui, &mut self.path);
+            Field::new("Channels").show(ui, |ui, _| {
+                ui.checkbox(&mut self.channels[0], "red, green, blue");
+                ui.checkbox(&mut self.channels[1], "gray");
+            });
+            self.method.fields(ui, viewing);
+            let extent = match self.path.trim() {
+                "" => Err(format!("There is no file for the {}; expected a path.", M::ITEMS)),
+                _ => self.method.extent(&self.channels()),
+            };
+            match &extent {
+                Ok((items, seconds)) => {
+                    hint(ui, format!("{items} {}, about {:.0} min.", M::ITEMS, (seconds / 60.0).ceil()));
+                }
+                Err(message) => fault(ui, message),
+            }
+            let begun = self.begun();
+            begun.iter().for_each(|sentence| hint(ui, sentence));
+            let text = if begun.is_some() { "Resume" } else { M::BEGIN };
+            begin = primary(ui, text, extent.is_ok(), "fills the screen; Esc pauses");
+            self.fault.iter().for_each(|message| fault(ui, message));
+            use_file = self.file_field(ui);
+        });
+        if use_file {
+            self.find(self.file.trim().into());
+            ui.ctx().request_repaint();
+        } else if begin {
+            match self.method.begin(&self.channels(), Path::new(self.path.trim())) {
+                Ok(run) => self.start(ui, run),
+                Err(message) => self.fault = Some(message),
+            }
+        }
+        Step::back_if(back)
+    }
+
+    fn channels(&self) -> Vec<Channel> {
+        let [colors, gray] = self.channels;
+        let wanted = |channel: &Channel| if *channel == Channel::Gray { gray } else { colors };
+        Channel::ALL.into_iter().filter(wanted).collect()
+    }
+
+    /// That the file has measurements already; `None` where it is a new one.
+    fn begun(&self) -> Option<String> {
+        let path = Path::new(self.path.trim());
+        match &self.paused {
+            Some((left, done, all)) if left == path => {
+                Some(format!("Paused after {done} of {all}. They are saved; keep the settings to resume."))
+            }
+            _ => path.is_file().then(|| {
+                format!(
+                    "This file already has {}. Keep the settings to resume, or name another file to start over.",
+                    M::ITEMS
+                )
+            }),
+        }
+    }
+
+    fn file_field(&mut self, ui: &mut Ui) -> bool {
+        section(ui, format!("Or use {} from a file", M::ITEMS));
+        hint(ui, M::FORMAT);
+        Field::new(&format!("File of {}", M::ITEMS)).show(ui, |ui, label| {
+            ui.add(TextEdit::singleline(&mut self.file).desired_width(300.0)).labelled_by(label);
+            self.dialog.browse(ui, Ask::Data, "Choose a file…", &mut self.file);
+            ui.add_enabled(!self.file.trim().is_empty(), egui::Button::new("Use this file")).clicked()
+        })
+    }
+
+    fn start(&mut self, ui: &Ui, run: M::Run) {
+        full_screen(ui, true);
+        (self.run, self.found, self.fault) = (Some(run), None, None);
+    }
+
+    fn show_run(&mut self, ui: &mut Ui) {
+        let Some(mut run) = self.run.take() else { return };
+        match run.show(ui) {
+            Step::Stay => {
+                self.run = Some(run);
+                return;
+            }
+            Step::Back => {
+                let (done, all) = run.progress();
+                self.paused = Some((self.path.trim().into(), done, all));
+            }
+            Step::Next(()) => {
+                self.paused = None;
+                // A run that is over lets go of its file before that is read.
+                self.run = (!run.questionable().is_empty()).then_some(run);
+                self.find(self.path.trim().into());
+            }
+        }
+        full_screen(ui, false);
+    }
+
+    fn find(&mut self, source: PathBuf) {
+        let found = M::Findings::read(&source).map(|found: M::Findings| {
+            let form = ProfileForm::new(self.name.trim(), &self.known, found.instrument());
+            (found, form)
+        });
+        self.found = Some((source, found));
+    }
+
+    fn show_findings(&mut self, ui: &mut Ui) -> Step<SavedProfile> {
+        let Some((source, result)) = &mut self.found else { return Step::Stay };
+        let (mut saved, mut again) = (None, Vec::new());
+        let (back, ()) = tool_page(ui, "Result", |ui| {
+            paragraph(ui, quiet(source.display().to_string()));
+            match result {
+                Ok((found, form)) => {
+                    found.summary(ui);
+                    if let Some(profile) = found.profile(&self.known) {
+                        saved = form.show(ui, &profile);
+                        if ui.button("Check on the screen…").clicked() {
+                            self.check = Some(CheckPage::new(form.filled(&profile)));
+                        }
+                    }
+                    ui.add_space(8.0);
+                    found.details(ui);
+                }
+                Err(faults) => {
+                    ui.label("These measurements do not make a profile:");
+                    faults.lines().for_each(|line| fault(ui, line));
+                    let items = self.run.as_ref().map(Run::questionable).unwrap_or_default();
+                    if !items.is_empty() && ui.button(format!("Measure {} again", items.len())).clicked() {
+                        again = items;
+                    }
+                }
+            }
+        });
+        if let Some(mut run) = self.run.take_if(|_| !again.is_empty()) {
+            run.repeat(&again);
+            self.start(ui, run);
+        } else if back || saved.is_some() {
+            (self.run, self.found) = (None, None);
+            ui.ctx().request_repaint();
+        }
+        saved.map_or(Step::Stay, Step::Next)
+    }
+}
+
+/// Name, person, instrument and file of a profile to save.
+struct ProfileForm {
+    name: String,
+    by: String,
+    with: String,
+    path: String,
+    fault: Option<String>,
+}
+
+impl ProfileForm {
+    fn new(name: &str, known: &DisplayProfile, with: String) -> Self {
+        let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
+        let path = format!("calibration/{}.toml", file_name(name));
+        Self { name: name.to_owned(), by, with, path, fault: None }
+    }
+
+    /// Draws the fields and the button; gives the profile once it is written.
+    fn show(&mut self, ui: &mut Ui, found: &DisplayProfile) -> Option<SavedProfile> {
+        section(ui, "Profile");
+        for (label, value) in [
+            ("Name of the screen", &mut self.name),
+            ("Measured by", &mut self.by),
+            ("Measured with", &mut self.with),
+            ("Save as", &mut self.path),
+        ] {
+            Field::new(label).width(340.0).text(ui, value);
+        }
+        let usable = !self.path.trim().is_empty() && !self.name.trim().is_empty();
+        let exists = Path::new(self.path.trim()).exists();
+        let text = if exists { "Replace the profile" } else { "Save the profile" };
+        let mut saved = None;
+        if primary(ui, text, usable, "and use it") {
+            match self.write(&self.filled(found)) {
+                Ok(written) => saved = Some(written),
+                Err(message) => self.fault = Some(message),
+            }
+        }
+        self.fault.iter().for_each(|message| fault(ui, message));
+        saved
+    }
+
+    /// What was found, with what is typed about it.
+    fn filled(&self, found: &DisplayProfile) -> DisplayProfile {
+        let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
+        let measured = Measurement { on: Some(today()), by: some(&self.by), with: some(&self.with) };
+        DisplayProfile { name: self.name.trim().to_owned(), measured: Some(measured), ..found.clone() }
+    }
+
+    fn write(&self, profile: &DisplayProfile) -> Result<SavedProfile, String> {
+        let path = PathBuf::from(self.path.trim());
+        if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("toml")) {
+            return Err(format!("{}: is not the name of a profile; expected one that ends in .toml", path.display()));
+        }
+        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder).map_err(|error| {
+                format!("{}: cannot be made: {error}; expected a folder that you can write to", folder.display())
+            })?;
+        }
+        let replaced = path.exists();
+        profile::write(&path, profile).map_err(|error| error.to_string())?;
+        Ok(SavedProfile { path, replaced })
+    }
+}
+
+/// Color and marker of a channel in plots.
+pub fn series(channel: Channel) -> (Color32, MarkerShape) {
+    match channel {
+        Channel::Red => (SERIES[5], MarkerShape::Square),
+        Channel::Green => (SERIES[2], MarkerShape::Up),
+        Channel::Blue => (SERIES[1], MarkerShape::Diamond),
+        Channel::Gray => (Color32::from_gray(0xd0), MarkerShape::Circle),
+    }
+}
+
+/// Where measurements of a screen go unless told otherwise.
+fn suggested(name: &str, items: &str) -> String {
+    format!("calibration/{}_{items}.csv", file_name(name))
+}
+
+/// A name as part of a file's name.
+fn file_name(name: &str) -> String {
+    let letter = |c: char| if c.is_alphanumeric() || c == '-' { c } else { '_' };
+    let name: String = name.trim().chars().map(letter).collect();
+    if name.is_empty() { "screen".to_owned() } else { name }
+}
+
+fn full_screen(ui: &Ui, on: bool) {
+    ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(on));
+    ui.ctx().request_repaint();
+}

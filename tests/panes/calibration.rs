@@ -1,0 +1,339 @@
+//! Measuring the screen's light with a photometer and by eye, driven without a display: each from the settings to a profile.
+
+use std::path::Path;
+
+use eframe::egui::{self, Key};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use machband::{
+    display::{
+        Channel,
+        matching::{Match, MatchSettings},
+    },
+    light::{Transfer, Transfers},
+    store::{matches, profile, readings},
+};
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
+
+use super::{
+    eye::matched_code,
+    window::{Window, click, home, press, take_picture, type_into, value},
+};
+
+const GAMMAS: [f64; 3] = [1.9, 2.2, 2.5];
+
+/// A tool of the display lab; each frame takes `step_s`.
+fn tool(name: &str, step_s: f32) -> Window {
+    let mut window = home([1000.0, 1000.0], step_s);
+    click(&mut window, "Measure…");
+    click(&mut window, name);
+    window
+}
+
+fn press_and_step(window: &mut Window, key: Key) {
+    press(window, key);
+    window.step();
+}
+
+/// Channel and code of the patch on the screen.
+fn patch(window: &Window) -> Option<(String, f64)> {
+    let node = window.query_by_label_contains("Patch ")?;
+    let name = node.accesskit_node().label()?;
+    let mut words = name.split(' ').skip(1);
+    Some((words.next()?.to_owned(), words.next()?.parse().ok()?))
+}
+
+/// Label of the line to type a reading into.
+fn line(window: &Window) -> String {
+    let (channel, code) = patch(window).unwrap();
+    format!("{channel} {code} · cd/m²")
+}
+
+/// The pixel in the middle of the window.
+fn middle(window: &mut Window) -> [u8; 3] {
+    let image = window.render().unwrap();
+    let [red, green, blue, _] = image.get_pixel(image.width() / 2 + 50, image.height() / 2 + 50).0;
+    [red, green, blue]
+}
+
+fn cd_m2(channel: &str, code: f64) -> f64 {
+    let range = match channel {
+        "r" | "red" => 25.0,
+        "g" | "green" => 80.0,
+        "b" | "blue" => 10.0,
+        _ => 115.0,
+    };
+    0.3 + range * (code / 255.0f64).powf(2.2)
+}
+
+/// Types into the line, which has the keyboard, after the patch has settled.
+fn answer(window: &mut Window, text: &str) {
+    window.run_steps(12);
+    window.event(egui::Event::Text(text.to_owned()));
+    window.run_steps(2);
+    press_and_step(window, Key::Enter);
+}
+
+/// Shows patches of gray alone.
+fn show_patches(csv: &Path) -> Window {
+    let mut window = tool("Photometer", 0.1);
+    type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
+    type_into(&mut window, "Settling time, seconds", "0.5");
+    click(&mut window, "red, green, blue");
+    click(&mut window, "Show patches");
+    window
+}
+
+#[test]
+fn patches_are_read_and_become_a_profile() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, toml) = (folder.path().join("left.csv"), folder.path().join("left.toml"));
+    let mut window = show_patches(&csv);
+    // White comes first. Text that is no number is refused, and so is a reading before the patch has settled.
+    assert_eq!(patch(&window), Some(("gray".to_owned(), 255.0)));
+    assert_eq!(middle(&mut window), [255, 255, 255]);
+    answer(&mut window, "bright");
+    window.get_by_label_contains("is not a luminance; expected cd/m²");
+    take_picture(&mut window, "display_patch");
+    assert_eq!(readings::open_begun(&csv).unwrap(), []);
+    type_into(&mut window, "gray 255 · cd/m²", "115.3");
+    press_and_step(&mut window, Key::Enter);
+    let second = patch(&window).unwrap();
+    assert_eq!(middle(&mut window), [second.1 as u8; 3], "byte for byte");
+    assert_eq!(readings::open_begun(&csv).unwrap().len(), 1, "saved at once");
+    window.event(egui::Event::Text("1".to_owned()));
+    press_and_step(&mut window, Key::Enter);
+    window.get_by_label_contains("has not settled yet");
+    // More light than white: asked once more, then taken back by going to the patch before.
+    let label = line(&window);
+    type_into(&mut window, &label, "900");
+    window.run_steps(8);
+    press_and_step(&mut window, Key::Enter);
+    window.get_by_label_contains("does not fit gray 255");
+    type_into(&mut window, &label, &cd_m2("gray", second.1).to_string());
+    press_and_step(&mut window, Key::Enter);
+    click(&mut window, "Previous");
+    assert_eq!(patch(&window).unwrap(), second);
+    window.run_steps(8);
+    press_and_step(&mut window, Key::Enter);
+    // Left and returned to: the same settings resume it.
+    click(&mut window, "Pause");
+    take_picture(&mut window, "display_photometer");
+    window.get_by_label_contains("Paused after 2 of");
+    click(&mut window, "Back");
+    click(&mut window, "Photometer");
+    window.get_by_label_contains("Paused after 2 of");
+    click(&mut window, "Resume");
+    let mut n = 2;
+    while let Some((channel, code)) = patch(&window) {
+        answer(&mut window, &cd_m2(&channel, code).to_string());
+        n += 1;
+        assert!(n < 60, "the patches do not end");
+    }
+    assert_eq!(readings::open(&csv).unwrap().all().len(), n);
+    window.get_by_label_contains("Chosen: gamma");
+    window.get_by_label_contains("red, green, blue not read");
+    for (label, text) in [("Measured by", "AB"), ("Measured with", "LS-150"), ("Save as", toml.to_str().unwrap())] {
+        type_into(&mut window, label, text);
+    }
+    click(&mut window, "Save the profile");
+    window.get_by_label_contains("Saved as");
+    let made = profile::open(&toml).unwrap();
+    let Some(Transfer::Gamma(gamma)) = made.transfers.uniform() else { panic!("{:?}", made.transfers) };
+    assert!((gamma - 2.2).abs() < 1e-6, "{gamma}");
+    let measured = made.measured.unwrap();
+    assert_eq!((measured.by.as_deref(), measured.with.as_deref()), (Some("AB"), Some("LS-150")));
+}
+
+#[test]
+fn typing_over_an_earlier_reading_replaces_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("left.csv");
+    let read = || readings::open_begun(&csv).unwrap()[0].luminance_cd_m2;
+    let mut window = show_patches(&csv);
+    let typed = |window: &Window| value(window, &line(window));
+    answer(&mut window, "100");
+    let (_, second) = patch(&window).unwrap();
+    assert_eq!((read(), typed(&window).as_str()), (100.0, ""));
+    // An empty line is written from its beginning, one letter after the other.
+    for letter in ["1", "2"] {
+        window.event(egui::Event::Text(letter.to_owned()));
+        window.step();
+    }
+    assert_eq!(typed(&window), "12");
+    (0..2).for_each(|_| press_and_step(&mut window, Key::Backspace));
+    assert_eq!(typed(&window), "");
+    // By the key: the old value is there, and the next letters replace it.
+    press_and_step(&mut window, Key::Backspace);
+    window.step();
+    assert_eq!((patch(&window).unwrap().1, typed(&window).as_str()), (255.0, "100"));
+    answer(&mut window, "90");
+    assert_eq!((read(), patch(&window).unwrap().1), (90.0, second));
+    assert_eq!(typed(&window), "", "the next patch was not read yet");
+    // By the button, and with the letters right behind it.
+    window.get_by_label("Previous").click();
+    window.run_steps(2);
+    window.event(egui::Event::Text("8".to_owned()));
+    window.step();
+    assert_eq!(typed(&window), "8");
+    // A refused text is selected too.
+    answer(&mut window, "x");
+    window.get_by_label_contains("is not a luminance");
+    answer(&mut window, "95.5");
+    assert_eq!(read(), 95.5);
+    // Enter alone keeps the value.
+    window.key_press(Key::Backspace);
+    window.run_steps(12);
+    press_and_step(&mut window, Key::Enter);
+    assert_eq!((read(), patch(&window).unwrap().1), (95.5, second));
+}
+
+/// A file with too few levels is explained; a good one is fitted, and a profile that is replaced is named until another is
+/// in use.
+#[test]
+fn a_file_of_readings_becomes_a_profile_and_a_bad_one_is_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let write = |name: &str, levels: &[f64]| {
+        let row = |channel: &str, v: &f64| format!("{channel},{v},{}\n", cd_m2(channel, 255.0 * v));
+        let rows = ["r", "g", "b", "gray"].iter().flat_map(|channel| levels.iter().map(move |v| row(channel, v)));
+        std::fs::write(path(name), format!("channel,level,luminance_cd_m2\n{}", rows.collect::<String>())).unwrap();
+    };
+    write("bad.csv", &[0.0, 0.5, 1.0]);
+    write("good.csv", &[0.0, 0.25, 0.5, 0.75, 1.0]);
+    let mut window = tool("Photometer", 0.1);
+    type_into(&mut window, "File of readings", &path("bad.csv"));
+    click(&mut window, "Use this file");
+    window.get_by_label_contains("red: too few levels: 3");
+    take_picture(&mut window, "display_photometer_fault");
+    click(&mut window, "Back");
+    for said in ["Saved as", "Replaced"] {
+        type_into(&mut window, "File of readings", &path("good.csv"));
+        click(&mut window, "Use this file");
+        window.get_by_label_contains("Gray differs from the sum of its channels");
+        take_picture(&mut window, "display_photometer_result");
+        // The choice and the button that saves it come before the plots and the table.
+        let top = |text: &str| window.get_by_label_contains(text).rect().top();
+        let order = ["Chosen: gamma", "Name of the screen", "Luminance: readings", "Distance of each", "Largest error"];
+        assert!(order.map(top).is_sorted(), "{:?}", order.map(top));
+        type_into(&mut window, "Save as", &path("left.toml"));
+        click(&mut window, if said == "Replaced" { "Replace the profile" } else { "Save the profile" });
+        window.get_by_label_contains(said);
+        if said == "Saved as" {
+            click(&mut window, "Photometer");
+        }
+    }
+    type_into(&mut window, "Profile in use", "other.toml");
+    assert!(window.query_by_label_contains("Replaced").is_none());
+}
+
+/// The match on the screen, by its description; `None` at the end.
+fn next_match(window: &mut Window) -> Option<Match> {
+    for _ in 0..40 {
+        let label = window.query_by_label_contains("rows lit in ").and_then(|node| node.accesskit_node().label());
+        if let Some(label) = label {
+            let channel = Channel::ALL.into_iter().find(|channel| label.contains(&format!("in {channel};")))?;
+            let code = label.rsplit(' ').next()?.parse().ok()?;
+            return Some(Match { channel, rows: MatchSettings::default().rows(), code });
+        }
+        if window.query_by_label("Result").is_some() {
+            return None;
+        }
+        window.step();
+    }
+    panic!("no picture came");
+}
+
+/// Matches the square on the screen as an observer would.
+fn adjust(window: &mut Window, now: Match, rng: &mut ChaCha8Rng) {
+    let display = Transfers::new(GAMMAS.map(Transfer::Gamma));
+    let wanted = i32::from(matched_code(&display, &now, 0.004, rng));
+    for _ in 0..60 {
+        let key = match wanted - i32::from(next_match(window).unwrap().code) {
+            10.. => Key::PageUp,
+            1.. => Key::ArrowRight,
+            0 => break,
+            ..=-10 => Key::PageDown,
+            _ => Key::ArrowLeft,
+        };
+        press_and_step(window, key);
+    }
+    press_and_step(window, Key::Enter);
+}
+
+#[test]
+fn an_observer_at_the_keys_finds_the_gamma_of_the_screen() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, toml) = (folder.path().join("new/matches.csv"), folder.path().join("left.toml"));
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut window = tool("Gamma by eye", 1.0 / 30.0);
+    window.get_by_label_contains("30 matches, about 5 min");
+    take_picture(&mut window, "display_by_eye");
+    click(&mut window, "red, green, blue");
+    window.get_by_label_contains("expected red, green and blue, or gray");
+    click(&mut window, "red, green, blue");
+    type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
+    // The slider's least number of matches.
+    let slider = window.query_all_by_label("Matches of each channel").find(|node| node.value().is_some());
+    slider.unwrap().focus();
+    window.step();
+    (0..10).for_each(|_| press(&mut window, Key::ArrowLeft));
+    window.get_by_label_contains("6 matches, about 1 min");
+    click(&mut window, "Begin");
+    // Too early: no picture yet.
+    press(&mut window, Key::Enter);
+    for given in 0.. {
+        let Some(now) = next_match(&mut window) else { break };
+        if given == 0 {
+            take_picture(&mut window, "display_match");
+        }
+        adjust(&mut window, now, &mut rng);
+        if given == 2 {
+            // Taken back, the match comes again as it was accepted. A pause saves what was done.
+            press(&mut window, Key::Backspace);
+            assert_eq!(next_match(&mut window).unwrap().channel, now.channel);
+            press(&mut window, Key::Escape);
+            window.run_steps(2);
+            window.get_by_label_contains("Paused after 2 of 6");
+            click(&mut window, "Back");
+            click(&mut window, "Gamma by eye");
+            click(&mut window, "Resume");
+        }
+    }
+    // The gamma and, of only two matches, a note on how well it is known.
+    for label in ["Red: gamma", "Blue: gamma"] {
+        assert!(window.get_all_by_label_contains(label).count() >= 1);
+    }
+    take_picture(&mut window, "display_by_eye_result");
+    click(&mut window, "Check on the screen…");
+    window.get_by_label_contains("show a wrong profile for comparison");
+    press(&mut window, Key::Escape);
+    window.run_steps(3);
+    type_into(&mut window, "Measured by", "N. N.");
+    type_into(&mut window, "Save as", toml.to_str().unwrap());
+    click(&mut window, "Save the profile");
+    window.get_by_label_contains("Saved as");
+
+    let saved = profile::open(&toml).unwrap();
+    for (transfer, gamma) in saved.transfers.channels().iter().zip(GAMMAS) {
+        let Transfer::Gamma(found) = transfer else { panic!("{transfer}") };
+        assert!((found - gamma).abs() < 0.06, "{found} for {gamma}");
+    }
+    let measured = saved.measured.unwrap();
+    assert_eq!((measured.by.as_deref(), measured.with.as_deref()), (Some("N. N."), Some("matching by eye, 6 matches")));
+    assert!(measured.on.is_some());
+
+    let text = std::fs::read_to_string(&csv).unwrap();
+    assert_eq!(text.lines().count(), 1 + 6 + 2, "every match is in the file, the one taken back too: {text}");
+    assert_eq!(matches::open(&csv).unwrap().len(), 6);
+    let faults = matches::parse("m.csv", &text.replace(",red,", ",rot,")).unwrap_err().to_string();
+    assert!(faults.contains("expected r, g, b or gray"), "{faults}");
+    // A match from a staircase, an earlier method, does not count.
+    assert!(matches::parse("m.csv", &text.replace(",matched,", ",brighter,")).unwrap().is_empty());
+    // Half a row, which a power cut leaves, is dropped, and the next one follows the last whole one.
+    std::fs::write(&csv, &text[..text.len() - 5]).unwrap();
+    let (mut file, done) = matches::MatchFile::resume(&csv).unwrap();
+    assert_eq!(done.len(), 5);
+    file.accept(6, &done[0], 1.0).unwrap();
+    assert_eq!(matches::open(&csv).unwrap().len(), 6);
+    assert!(matches::MatchFile::resume(&csv).is_err(), "it is open");
+}
