@@ -106,7 +106,9 @@ impl Section {
         self.table(caption, &["What", "Value"], &[], rows);
     }
 
-    pub fn figures<'a>(&mut self, figures: impl IntoIterator<Item = &'a Figure>) {
-        self.blocks.extend(figures.into_iter().cloned().map(Block::Figure));
+    /// Those of these charts that have one of the names.
+    pub fn figures(&mut self, figures: &[Figure], names: &[&str]) {
+        let named = names.iter().filter_map(|name| figures.iter().find(|figure| figure.name == *name));
+        self.blocks.extend(named.cloned().map(Block::Figure));
     }
 }

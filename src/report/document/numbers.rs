@@ -1,4 +1,5 @@
-//! Numbers as a reader expects them: sensible digits, thousands apart, no leading zero before a probability.
+//! Numbers as a reader expects them: sensible digits, thousands apart, no leading zero before a probability. Where there
+//! is no number, there is a dash.
 
 use crate::analysis::bootstrap::Interval;
 
@@ -7,33 +8,19 @@ pub const NBSP: &str = "\u{a0}";
 
 /// A whole number with its thousands apart: `1,920`.
 pub fn whole(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    let digits: Vec<char> = number.to_string().chars().collect();
+    digits.rchunks(3).rev().map(String::from_iter).collect::<Vec<_>>().join(",")
 }
 
-/// A number with so many decimals, a true minus sign, and a dash for what is none.
-pub fn fixed(number: f64, decimals: usize) -> String {
+/// A number with so many decimals and a true minus sign.
+pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> String {
+    let number = number.into().unwrap_or(f64::NAN);
     if number.is_nan() {
         return "–".to_owned();
     }
-    if number.is_infinite() {
-        return if number > 0.0 { "∞" } else { "−∞" }.to_owned();
-    }
-    let text = format!("{:.decimals$}", number.abs());
+    let text = if number.is_infinite() { "∞".to_owned() } else { format!("{:.decimals$}", number.abs()) };
     // A number that rounds to 0 has no sign.
-    if number < 0.0 && text.bytes().any(|byte| (b'1'..=b'9').contains(&byte)) { format!("−{text}") } else { text }
-}
-
-/// [`fixed`], and a dash for none.
-pub fn maybe(number: Option<f64>, decimals: usize) -> String {
-    fixed(number.unwrap_or(f64::NAN), decimals)
+    if number < 0.0 && text.contains(|c| c == '∞' || ('1'..='9').contains(&c)) { format!("−{text}") } else { text }
 }
 
 /// A mean rating.
@@ -42,17 +29,13 @@ pub fn mean(number: f64) -> String {
 }
 
 /// A proportion or a coefficient that never exceeds 1: `.62`, `−.08`, `1.00`.
-pub fn unit(number: f64) -> String {
+pub fn unit(number: impl Into<Option<f64>>) -> String {
     fixed(number, 2).replacen("0.", ".", 1)
 }
 
-/// [`unit()`], and a dash for none.
-pub fn maybe_unit(number: Option<f64>) -> String {
-    unit(number.unwrap_or(f64::NAN))
-}
-
 /// A probability: three decimals below .1 and two above, and never rounded across .05.
-pub fn probability(p: f64) -> String {
+pub fn probability(p: impl Into<Option<f64>>) -> String {
+    let p = p.into().unwrap_or(f64::NAN);
     if p.is_nan() {
         return "–".to_owned();
     }
@@ -90,15 +73,15 @@ pub fn ratio(number: f64) -> String {
     }
 }
 
-/// An interval as `0.81 to 1.20`; a dash for none.
+/// An interval as `0.81 to 1.20`.
 pub fn range(interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
     interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", format(i.low), format(i.high)))
 }
 
-/// An interval behind its estimate, ` (95 % interval .81 to .92)`; nothing for none.
-pub fn with_level(level: f64, interval: Option<Interval>, format: impl Fn(f64) -> String) -> String {
+/// A bootstrap interval after its estimate, ` (95 % bootstrap interval .81 to .92)`; nothing for none.
+pub fn with_level(level: f64, interval: Option<Interval>) -> String {
     match interval {
-        Some(_) => format!(" ({} interval {})", percent(level), range(interval, format)),
+        Some(_) => format!(" ({} bootstrap interval {})", percent(level), range(interval, unit)),
         None => String::new(),
     }
 }
@@ -117,13 +100,10 @@ pub fn count(number: u64, one: &str) -> String {
 
 /// `a, b and c`.
 pub fn list<S: AsRef<str>>(items: &[S]) -> String {
-    match items {
-        [] => String::new(),
-        [one] => one.as_ref().to_owned(),
-        [rest @ .., last] => {
-            let rest: Vec<&str> = rest.iter().map(AsRef::as_ref).collect();
-            format!("{} and {}", rest.join(", "), last.as_ref())
-        }
+    let items: Vec<&str> = items.iter().map(AsRef::as_ref).collect();
+    match items.as_slice() {
+        [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        items => items.concat(),
     }
 }
 

@@ -1,11 +1,31 @@
-//! What the reader must bear in mind, in sentences.
+//! What the reader must bear in mind, in sentences: of the data, of the model, and of how participants answered.
 
-use super::{effects, limits::ALPHA, names, oddities::oddities, sittings};
+use super::{
+    findings::{self, ALPHA},
+    names::{self, participant},
+    sittings,
+};
 use crate::{
-    analysis::{Note, Results, results::FactorResults},
-    report::document::numbers::{count, list, p_is, probability, short_list},
+    analysis::{
+        Note, Results,
+        results::{FactorResults, SubjectResults},
+    },
+    report::document::numbers::{count, fixed, list, p_is, percent, probability, short_list, unit},
     store::ratings::Source,
 };
+
+/// Cohen's κ up to which agreement is "slight" at most, Landis & Koch (1977).
+pub(super) const LOW_KAPPA: f64 = 0.2;
+/// Proportion of one category from which a participant is said to have used hardly another.
+const NEARLY_ALL: f64 = 0.9;
+/// Fewer ratings say nothing about how somebody uses the scale.
+const FEW_RATINGS: u64 = 10;
+/// Median response time, seconds, in which nobody looks and decides.
+const HASTY_S: f64 = 0.3;
+/// A participant's median time is odd where it is so many times longer or shorter than the middle one.
+const ODD_TIMES: f64 = 3.0;
+/// Most names in one sentence.
+const MOST_NAMES: usize = 6;
 
 /// All of them, the gravest first.
 pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
@@ -20,23 +40,8 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     cautions
 }
 
-/// Absence of evidence is no evidence of absence.
-fn nothing_found(results: &Results) -> Option<String> {
-    let unclear: Vec<&str> = names::varied(results)
-        .filter(|factor| effects::evidence(results, factor).is_some_and(|evidence| evidence.p >= ALPHA))
-        .map(|factor| names::factor(&factor.name))
-        .collect();
-    (!unclear.is_empty()).then(|| {
-        format!(
-            "This study, with {}, found no clear difference by {}. That does not show that there is none.",
-            count(results.people() as u64, "participant"),
-            list(&unclear)
-        )
-    })
-}
-
 fn simulated(source: &Source, results: &Results) -> Option<String> {
-    let simulated = sittings::simulated(source);
+    let simulated = Vec::from_iter(sittings::simulated(source));
     if simulated.is_empty() {
         return None;
     }
@@ -48,7 +53,7 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
              those of people.",
             simulated.len(),
             count(results.people() as u64, "participant"),
-            short_list(&simulated, 6)
+            short_list(&simulated, MOST_NAMES)
         )
     })
 }
@@ -72,6 +77,20 @@ fn faults(source: &Source) -> Option<String> {
     (!source.faults.is_empty()).then(|| format!("Reading found {messages} in {files}: see the health of the data."))
 }
 
+/// Absence of evidence is no evidence of absence.
+fn nothing_found(results: &Results) -> Option<String> {
+    let unclear: Vec<&str> = names::varied(results)
+        .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.p >= ALPHA))
+        .map(|factor| names::factor(&factor.name))
+        .collect();
+    let (people, unclear_list) = (count(results.people() as u64, "participant"), list(&unclear));
+    (!unclear.is_empty()).then(|| {
+        format!(
+            "This study, with {people}, found no clear difference by {unclear_list}. That does not show that there is none."
+        )
+    })
+}
+
 /// What the reader must know of the model before its numbers.
 fn about_model(results: &Results) -> Vec<String> {
     let report = match &results.model {
@@ -89,18 +108,15 @@ fn about_model(results: &Results) -> Vec<String> {
         );
     }
     cautions.extend(notes.iter().filter(|note| is_serious(note)).map(|note| format!("About the model: {note}.")));
-    if results.is_inferential() {
-        for test in &report.proportional_odds {
-            if let Some(p) = test.p.filter(|p| *p < ALPHA) {
-                cautions.push(format!(
-                    "The effect of {} is not the same along the scale (proportional odds, {}). Its one number is an \
-                     average: trust its direction more than its size.",
-                    names::factor(&test.term),
-                    p_is(p)
-                ));
-            }
-        }
-    }
+    let tests = report.proportional_odds.iter().filter(|_| results.is_inferential());
+    cautions.extend(tests.filter_map(|test| {
+        let p = p_is(test.p.filter(|p| *p < ALPHA)?);
+        let term = names::factor(&test.term);
+        Some(format!(
+            "The effect of {term} is not the same along the scale (proportional odds, {p}). Its one number is an average: \
+             trust its direction more than its size."
+        ))
+    }));
     cautions
 }
 
@@ -134,4 +150,67 @@ fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<Stri
              correction can give is {least}, whatever the ratings."
         ),
     })
+}
+
+/// What participants did that a reader should look at: one category only, hasty answers, ratings not repeated.
+pub(super) fn oddities(results: &Results) -> Vec<String> {
+    let subjects = &results.subjects;
+    let mut sentences: Vec<String> = subjects.iter().filter_map(|subject| one_category(results, subject)).collect();
+    // Several people with the same oddity share a sentence.
+    if let Some((who, least, most)) = odd(subjects, |s| s.kappa, |kappa| kappa <= LOW_KAPPA) {
+        let (least, most) = (unit(least), unit(most));
+        let kappa = if least == most { format!("= {least}") } else { format!("from {least} to {most}") };
+        sentences.push(format!("{who} agreed little with their own first ratings: κ {kappa}."));
+    }
+    if let Some((who, _, most)) = odd(subjects, |s| Some(s.times?.median), |median| median < HASTY_S) {
+        let most = fixed(most, 2);
+        sentences.push(format!("Half of the answers of {who} came within {most} s: too fast to look and decide."));
+    }
+    sentences.extend(odd_times(subjects));
+    sentences
+}
+
+fn one_category(results: &Results, subject: &SubjectResults) -> Option<String> {
+    let (who, summary) = (participant(subject), &subject.group.summary);
+    let (category, &share) = summary.proportions.iter().enumerate().max_by(|l, r| l.1.total_cmp(r.1))?;
+    if share < NEARLY_ALL || summary.n < FEW_RATINGS {
+        return None;
+    }
+    let category = &results.measured.counts.categories[category];
+    let ratings = count(summary.n, "rating");
+    Some(if share >= 1.0 {
+        format!("{who} used one category only: all {ratings} are {category}.")
+    } else {
+        let share = percent((share * 100.0).floor() / 100.0);
+        format!("{who} hardly used more than one category: {share} of {ratings} are {category}.")
+    })
+}
+
+/// Those for whom a value is odd, by name, and the least and the greatest such value.
+fn odd(
+    subjects: &[SubjectResults],
+    value: impl Fn(&SubjectResults) -> Option<f64>,
+    is_odd: impl Fn(f64) -> bool,
+) -> Option<(String, f64, f64)> {
+    let (who, values): (Vec<&str>, Vec<f64>) =
+        subjects.iter().filter_map(|s| Some((participant(s), value(s).filter(|value| is_odd(*value))?))).unzip();
+    let least = values.iter().copied().min_by(f64::total_cmp)?;
+    Some((short_list(&who, MOST_NAMES), least, values.into_iter().max_by(f64::total_cmp)?))
+}
+
+fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {
+    let medians: Vec<(&str, f64)> = subjects.iter().filter_map(|s| Some((participant(s), s.times?.median))).collect();
+    let mut sorted: Vec<f64> = medians.iter().map(|(_, median)| *median).collect();
+    sorted.sort_by(f64::total_cmp);
+    // With two, neither is the odd one.
+    let Some(&middle) = sorted.get(sorted.len() / 2).filter(|_| sorted.len() > 2) else { return Vec::new() };
+    (medians.into_iter())
+        // Hasty answers have had their sentence.
+        .filter(|(_, median)| *median > ODD_TIMES * middle || (*median * ODD_TIMES < middle && *median >= HASTY_S))
+        .map(|(who, median)| {
+            let slow = if median > middle { "slowly" } else { "fast" };
+            let (own, usual) = (fixed(median, 2), fixed(middle, 2));
+            format!("{who} answered unusually {slow}: the median time is {own} s; {usual} s is usual here.")
+        })
+        .collect()
 }

@@ -1,22 +1,160 @@
-//! Description: every factor, every condition, every participant.
+//! What was done and what came of it: the design; the ratings of every factor, condition and participant; response times.
 
-use super::names;
+use super::{
+    names::{self, participant},
+    sittings,
+};
 use crate::{
     analysis::{
         Results,
+        counts::Quartiles,
         summary::{Group, Summary},
     },
+    experiment::{Order, Protocol},
     report::{
         document::{
             Section,
-            numbers::{fixed, mean, percent, range, unit, whole},
+            numbers::{count, fixed, mean, percent, range, short_list, unit, whole},
         },
         figures::Figure,
     },
+    store::ratings::Source,
 };
 
-/// The section.
-pub(super) fn section<'a>(results: &Results, figures: impl Iterator<Item = &'a Figure>) -> Section {
+/// The design: what was varied, how often, how it was shown, and how much of it was done.
+pub(super) fn design(source: &Source, results: &Results) -> Section {
+    let mut section = Section::new("design", "Design");
+    match &source.protocol {
+        Some(protocol) => section.facts("The design, by its definition", definition(source, protocol)),
+        None => section.text(
+            "The files bring no definition of an experiment: this section says what the ratings themselves show.",
+        ),
+    }
+    factors(&mut section, source, results);
+    done(&mut section, source, results);
+    section
+}
+
+fn definition(source: &Source, protocol: &Protocol) -> Vec<(&'static str, String)> {
+    let (design, recovery, viewing) = (&protocol.design, &protocol.recovery, &protocol.viewing);
+    let breaks = match design.break_every {
+        0 => "none".to_owned(),
+        n => format!("after every {n} trials"),
+    };
+    let field = format!("a uniform field of relative luminance {} for {} s", recovery.level, recovery.duration_s);
+    let planned = format!("{} cm from the screen, stimulus {}° wide", viewing.distance_cm, viewing.window_deg);
+    let mut rows = vec![
+        ("Experiment", protocol.name.clone()),
+        ("Stimulus", stimulus(protocol)),
+        ("Trials of each condition", whole(design.repetitions.into())),
+        ("Main trials of a session", whole(protocol.main_trials() as u64)),
+        ("Practice trials, not analyzed", whole(design.practice.into())),
+        ("Order", order(protocol)),
+        ("Break", breaks),
+        ("Between stimuli", field),
+        ("Planned viewing", planned),
+        ("Question", protocol.response.question.clone()),
+        ("Answers", names::categories_of(protocol).join("; ")),
+    ];
+    rows.extend(sittings::days(source).map(|(first, last)| {
+        ("Sessions", if first == last { format!("on {first}") } else { format!("from {first} to {last}") })
+    }));
+    rows
+}
+
+/// The stimulus and its parameters that do not vary.
+fn stimulus(protocol: &Protocol) -> String {
+    let stimulus = &protocol.stimulus;
+    let fixed: Vec<String> = (stimulus.parameters().iter())
+        .filter(|parameter| !protocol.factors.iter().any(|factor| factor.name == parameter.name))
+        .filter_map(|parameter| Some(format!("{} {}", parameter.name, stimulus.get(parameter.name)?)))
+        .collect();
+    if fixed.is_empty() { stimulus.kind().to_owned() } else { format!("{} ({})", stimulus.kind(), fixed.join(", ")) }
+}
+
+fn order(protocol: &Protocol) -> String {
+    let order = match &protocol.design.order {
+        Order::Random => "all trials in random order".to_owned(),
+        Order::Blocked(factor) => format!("blocks by {}, in random order", names::factor(factor)),
+        Order::Latin(factor) => {
+            format!("blocks by {}, with their order balanced over participants", names::factor(factor))
+        }
+    };
+    match protocol.design.max_run {
+        Some(run) => format!("{order}, at most {run} in a row with the same level"),
+        None => order,
+    }
+}
+
+fn factors(section: &mut Section, source: &Source, results: &Results) {
+    let planned = |name: &str| {
+        let factor = source.protocol.as_ref()?.factors.iter().find(|factor| factor.name == name)?;
+        Some(factor.levels.len() as f64)
+    };
+    let rows: Vec<Vec<String>> = (results.measured.counts.factors.iter())
+        .map(|factor| {
+            let levels: Vec<String> = factor.levels.iter().map(|level| names::level(&factor.name, level)).collect();
+            let (name, n) = (names::factor(&factor.name).to_owned(), levels.len().to_string());
+            vec![name, levels.join(", "), n, fixed(planned(&factor.name), 0)]
+        })
+        .collect();
+    if rows.is_empty() {
+        section.text("No factor was varied: all ratings are of one condition.");
+    } else {
+        section.table("Factors and their levels", &["Factor", "Levels rated"], &["Number", "Planned"], rows);
+    }
+}
+
+/// Planned against done.
+fn done(section: &mut Section, source: &Source, results: &Results) {
+    let counts = &results.measured.counts;
+    let planned: u64 = source.sessions.iter().filter_map(|session| session.planned).sum();
+    let rated: u64 = source.sessions.iter().filter(|s| s.planned.is_some()).map(|s| s.rated).sum();
+    if planned > 0 {
+        section.text(format!(
+            "Of {} in {}, {} are rated ({}\u{a0}%).",
+            count(planned, "planned main trial"),
+            count(source.sessions.len() as u64, "session"),
+            whole(rated),
+            fixed(100.0 * rated as f64 / planned as f64, 1)
+        ));
+    }
+    let possible: usize = counts.factors.iter().map(|factor| factor.levels.len()).product();
+    let found = counts.conditions.len();
+    if let Some((least, most)) = least_and_most(results.cells.iter()) {
+        let of = if found < possible {
+            format!(", of {} that these levels could form", whole(possible as u64))
+        } else {
+            String::new()
+        };
+        let each = if least == most {
+            format!("each has {}", count(least, "rating"))
+        } else {
+            format!("they have {} to {} ratings each", whole(least), whole(most))
+        };
+        section.text(format!("{} have ratings{of}; {each}.", count(found as u64, "condition")));
+    }
+    if let Some((least, most)) = least_and_most(results.subjects.iter().map(|subject| &subject.group))
+        && least < most
+    {
+        let few = results.subjects.iter().filter(|subject| subject.group.summary.n < most).map(participant);
+        let few = short_list(&few.collect::<Vec<_>>(), 12);
+        let (least, most) = (whole(least), whole(most));
+        section.text(format!("Participants gave {least} to {most} ratings. Fewer than the most came from {few}."));
+    }
+    if source.protocol.is_none() && !counts.subjects.is_empty() {
+        section.text(format!("Participants: {}.", short_list(&counts.subjects, 12)));
+    }
+}
+
+/// The smallest and the largest number of ratings.
+fn least_and_most<'a>(groups: impl Iterator<Item = &'a Group> + Clone) -> Option<(u64, u64)> {
+    let ns = groups.map(|group| group.summary.n);
+    Some((ns.clone().min()?, ns.max()?))
+}
+
+/// The description: every factor, every condition, every participant.
+pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("description", "Description");
     let intervals = if results.is_inferential() {
         format!(
@@ -31,46 +169,72 @@ pub(super) fn section<'a>(results: &Results, figures: impl Iterator<Item = &'a F
         "A mean of ratings treats the categories as equal steps, which nobody has shown. It describes; the model \
          does without it. {intervals}"
     ));
-    section.figures(figures);
+    section.figures(figures, &["figure4a", "figure4b", "proportions", "subjects", "orientation"]);
     for factor in &results.factors {
         let name = names::factor(&factor.name);
-        let level = |group: &Group| vec![names::level_of(factor, group)];
-        groups(&mut section, results, &format!("Ratings by {name}"), &[name], &factor.levels, level);
+        let rows = factor.levels.iter().map(|level| (vec![names::level_of(factor, level)], level));
+        ratings(&mut section, results, &format!("Ratings by {name}"), &[name], rows.collect());
     }
     let factors = &results.measured.counts.factors;
     if factors.len() > 1 {
         let heads: Vec<&str> = factors.iter().map(|factor| names::factor(&factor.name)).collect();
         let levels =
-            |group: &Group| factors.iter().zip(&group.names).map(|(f, level)| names::level(&f.name, level)).collect();
-        groups(&mut section, results, "Ratings of every condition", &heads, &results.cells, levels);
+            |cell: &Group| factors.iter().zip(&cell.names).map(|(f, level)| names::level(&f.name, level)).collect();
+        let rows = results.cells.iter().map(|cell| (levels(cell), cell));
+        ratings(&mut section, results, "Ratings of every condition", &heads, rows.collect());
     }
-    let subjects: Vec<Group> = results.subjects.iter().map(|subject| subject.group.clone()).collect();
-    groups(&mut section, results, "Ratings of every participant", &["Participant"], &subjects, |group| {
-        group.names.clone()
-    });
+    let rows = results.subjects.iter().map(|subject| (subject.group.names.clone(), &subject.group));
+    ratings(&mut section, results, "Ratings of every participant", &["Participant"], rows.collect());
     section
 }
 
-fn groups(
-    section: &mut Section,
-    results: &Results,
-    caption: &str,
-    heads: &[&str],
-    groups: &[Group],
-    names: impl Fn(&Group) -> Vec<String>,
-) {
+/// A table of groups of ratings, each with its names under these heads.
+fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[&str], rows: Vec<(Vec<String>, &Group)>) {
     let categories: Vec<String> = results.measured.counts.categories.iter().map(|c| format!("Rated {c}")).collect();
-    let intervals = groups.iter().any(|group| group.summary.interval.is_some());
+    let intervals = rows.iter().any(|(_, group)| group.summary.interval.is_some());
     let mut numbers = vec!["Ratings", "Mean", "Median"];
     numbers.extend(intervals.then_some("Interval of the mean"));
     numbers.extend(categories.iter().map(String::as_str));
-    let row = |group: &Group| {
+    let row = |(mut row, group): (Vec<String>, &Group)| {
         let Summary { n, mean: average, median, ref proportions, interval, .. } = group.summary;
-        let mut row = names(group);
         row.extend([whole(n), mean(average), fixed(median, 1)]);
         row.extend(intervals.then(|| range(interval, mean)));
         row.extend(proportions.iter().map(|p| unit(*p)));
         row
     };
-    section.table(caption, heads, &numbers, groups.iter().map(row).collect());
+    section.table(caption, heads, &numbers, rows.into_iter().map(row).collect());
+}
+
+/// Response times.
+pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
+    let mut section = Section::new("times", "Response times");
+    if results.times.iter().all(Option::is_none) {
+        section.text("The files have no response times, or they were not read.");
+        return section;
+    }
+    section.text(
+        "Times run from the onset of the stimulus to the rating, in seconds. They are counted in steps of 5\u{a0}%, so a \
+         quartile is right to 2.5\u{a0}%. They are described and not tested.",
+    );
+    section.figures(figures, &["times"]);
+    let counts = &results.measured.counts;
+    quartiles(&mut section, "Rating", "rating", counts.categories.iter().cloned().zip(results.times.iter().copied()));
+    for factor in names::varied(results) {
+        let name = names::factor(&factor.name);
+        let levels = factor.levels.iter().map(|level| names::level_of(factor, level));
+        quartiles(&mut section, name, name, levels.zip(factor.times.iter().copied()));
+    }
+    let subjects = results.subjects.iter().map(|subject| (participant(subject).to_owned(), subject.times));
+    quartiles(&mut section, "Participant", "participant", subjects);
+    section
+}
+
+fn quartiles(section: &mut Section, head: &str, by: &str, rows: impl Iterator<Item = (String, Option<Quartiles>)>) {
+    let row = |(name, times): (String, Option<Quartiles>)| {
+        let seconds = [times.map(|t| t.lower), times.map(|t| t.median), times.map(|t| t.upper)];
+        let n = whole(times.map_or(0, |times| times.n));
+        [name, n].into_iter().chain(seconds.map(|seconds| fixed(seconds, 2))).collect()
+    };
+    let numbers = ["Answers", "Lower quartile", "Median", "Upper quartile"];
+    section.table(format!("Response times by {by}"), &[head], &numbers, rows.map(row).collect());
 }

@@ -1,122 +1,239 @@
 //! What a factor does, in sentences: the course of its means, how rare that would be by chance, how large it is.
 
-use super::{
-    effects::{self, Contrast, Course, Evidence},
-    limits::ALPHA,
-    names,
-};
+use super::names;
 use crate::{
-    analysis::{Link, Part, Results, results::FactorResults},
+    analysis::{
+        Link, Model, ModelReport, Part, Results, TermTest,
+        bootstrap::Interval,
+        results::FactorResults,
+        terms::{Term, Variable},
+    },
     report::document::numbers::{fixed, list, mean, p_is, range, ratio, short_list},
 };
 
+/// Probability below which a difference is told apart from chance.
+pub(super) const ALPHA: f64 = 0.05;
+/// Kendall's τ of means and levels from which a course is called a tendency.
+const TENDENCY: f64 = 0.7;
+
+/// The test whose probability a sentence may rely on.
+pub(super) struct Evidence {
+    name: &'static str,
+    chi_squared: f64,
+    df: usize,
+    pub p: f64,
+}
+
+/// A difference on the scale of the link: of two levels, or of one unit of a number.
+struct Contrast {
+    /// The level with the higher ratings, or the number's name.
+    higher: String,
+    /// The other level; none for a number.
+    lower: Option<String>,
+    /// Positive for levels; infinite where it has no finite estimate.
+    estimate: f64,
+    /// Its 95 % interval.
+    interval: Option<Interval>,
+    /// Whether the levels were chosen for being the extremes.
+    chosen: bool,
+}
+
 /// What a factor does.
 pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
-    let course = effects::course(results, factor);
-    let Some(evidence) = effects::evidence(results, factor) else {
+    let Some(evidence) = evidence(results, factor) else {
         let none = if results.is_inferential() { " It could not be tested." } else { "" };
-        return format!("{}.{none}", means(factor, course, !results.is_inferential()));
+        return format!("{}.{none}", means(results, factor));
     };
     let found = evidence.p < ALPHA;
+    let name = names::factor(&factor.name);
     let mut text = if found {
-        format!("{}; {}.", means(factor, course, false), rarity(factor, &evidence))
-    } else {
+        // What a small probability means, said correctly.
+        let how = match evidence.p {
+            p if p < 0.001 => "hardly ever",
+            p if p < 0.01 => "rarely",
+            _ => "not often",
+        };
         format!(
-            "By {}, {}, and this study cannot tell the levels apart ({}, {}).",
-            names::factor(&factor.name),
-            span(factor),
+            "{}; if {name} made no difference, differences as large would {how} come up ({}: χ²({}) = {}, {}).",
+            means(results, factor),
             evidence.name,
+            evidence.df,
+            fixed(evidence.chi_squared, 1),
             p_is(evidence.p)
         )
+    } else {
+        let [(least, low), (most, high)] = least_and_most(factor);
+        let span = if least == most {
+            format!("mean ratings are {least} at all levels")
+        } else {
+            format!("mean ratings lie between {least} at {low} and {most} at {high}")
+        };
+        let p = p_is(evidence.p);
+        format!("By {name}, {span}, and this study cannot tell the levels apart ({}, {p}).", evidence.name)
     };
     // Of many levels that no test tells apart, the two most different ones would look different by themselves.
-    let contrast = effects::contrast(results, factor).filter(|contrast| found || !contrast.chosen);
+    let contrast = contrast(results, factor).filter(|contrast| found || !contrast.chosen);
     text.extend(contrast.map(|contrast| size(results, &contrast, found)));
     text.extend(second_opinion(results, factor, &evidence));
     text
 }
 
 /// The means in words, without the full stop; of one participant they are those of these ratings and no more.
-fn means(factor: &FactorResults, course: Course, only_these: bool) -> String {
+fn means(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(&factor.name);
-    let (the_mean, of_these) = if only_these {
-        ("In these ratings the mean", "the mean of these ratings")
-    } else {
+    let (the_mean, of_these) = if results.is_inferential() {
         ("The mean rating", "the mean rating")
+    } else {
+        ("In these ratings the mean", "the mean of these ratings")
     };
+    let last = factor.levels.len() - 1;
     let at = |index: usize| {
         let level = &factor.levels[index];
         format!("{} at {}", mean(level.summary.mean), names::level_of(factor, level))
     };
-    let ends = format!("from {} to {}", at(0), at(factor.levels.len() - 1));
-    let steps = if factor.levels.len() == 2 { "" } else { " at every step" };
-    match course {
-        Course::Rises => format!("{the_mean} rises with {name}{steps}, {ends}"),
-        Course::Falls => format!("{the_mean} falls with {name}{steps}, {ends}"),
-        Course::TendsUp => {
-            format!("{the_mean} tends to rise with {name}, {ends}, though not at every step{}", turn(factor))
+    let ends = format!("from {} to {}", at(0), at(last));
+    let [(least, low), (most, high)] = least_and_most(factor);
+    match course(results, factor) {
+        Some(tau) if tau.abs() >= 1.0 => {
+            let verb = if tau > 0.0 { "rises" } else { "falls" };
+            let steps = if last == 1 { "" } else { " at every step" };
+            format!("{the_mean} {verb} with {name}{steps}, {ends}")
         }
-        Course::TendsDown => {
-            format!("{the_mean} tends to fall with {name}, {ends}, though not at every step{}", turn(factor))
+        Some(tau) => {
+            let verb = if tau > 0.0 { "rise" } else { "fall" };
+            // The highest and the lowest mean, if they are not at the ends.
+            let (highest, lowest) = extremes(factor);
+            let inside = |index: usize| (1..last).contains(&index);
+            let mut turns: Vec<String> = Vec::new();
+            turns.extend(inside(highest).then(|| format!("highest {most} at {high}")));
+            turns.extend(inside(lowest).then(|| format!("lowest {least} at {low}")));
+            let turns = if turns.is_empty() { String::new() } else { format!(" ({})", turns.join(", ")) };
+            format!("{the_mean} tends to {verb} with {name}, {ends}, though not at every step{turns}")
         }
-        Course::None => {
-            let (low, high) = least_and_most(factor);
-            if low == high {
-                format!("{the_mean} is {low}: the same at all levels of {name}")
-            } else {
-                format!("By {name}, {of_these} is highest, {high}, and lowest, {low}")
-            }
+        None if (&least, &low) == (&most, &high) => {
+            format!("{the_mean} is {least}: the same at all levels of {name}")
         }
+        None => format!("By {name}, {of_these} is highest, {most} at {high}, and lowest, {least} at {low}"),
     }
 }
 
-/// Between which means a factor's levels lie.
-fn span(factor: &FactorResults) -> String {
-    let (low, high) = least_and_most(factor);
-    match (low.split_once(' '), high.split_once(' ')) {
-        (Some((least, _)), Some((most, _))) if least == most => format!("mean ratings are {least} at all levels"),
-        _ => format!("mean ratings lie between {low} and {high}"),
+/// Kendall's τ-a of a factor's means and their positions, where it is at least a tendency: 1 where each step is upward.
+fn course(results: &Results, factor: &FactorResults) -> Option<f64> {
+    let means: Vec<f64> = factor.levels.iter().map(|level| level.summary.mean).collect();
+    let mut sum = 0.0;
+    for (index, first) in means.iter().enumerate() {
+        for second in &means[index + 1..] {
+            sum += f64::from(i8::from(second > first) - i8::from(second < first));
+        }
     }
+    let tau = sum / (means.len() * (means.len() - 1) / 2) as f64;
+    (names::is_ordered(&results.measured.counts, &factor.name) && tau.abs() >= TENDENCY).then_some(tau)
 }
 
-/// Where a tendency has its highest and lowest mean, if that is not at its ends.
-fn turn(factor: &FactorResults) -> String {
-    let Some((most, least)) = effects::extremes(factor) else { return String::new() };
-    let (low, high) = least_and_most(factor);
-    let inside = 1..factor.levels.len() - 1;
-    let parts = [(most, format!("highest {high}")), (least, format!("lowest {low}"))];
-    let parts: Vec<String> =
-        parts.into_iter().filter(|(index, _)| inside.contains(index)).map(|(_, text)| text).collect();
-    if parts.is_empty() { String::new() } else { format!(" ({})", parts.join(", ")) }
+/// Indices of the levels with the highest and the lowest mean; of equal means the first level stands for both.
+fn extremes(factor: &FactorResults) -> (usize, usize) {
+    let by_mean = |l: &usize, r: &usize| factor.levels[*l].summary.mean.total_cmp(&factor.levels[*r].summary.mean);
+    let indices = || 0..factor.levels.len();
+    (indices().rev().max_by(by_mean).unwrap_or(0), indices().min_by(by_mean).unwrap_or(0))
 }
 
-/// `0.61 at 45°` for the level with the lowest mean, and with the highest; levels whose means are the same together.
-fn least_and_most(factor: &FactorResults) -> (String, String) {
-    let describe = |index: usize| {
+/// The lowest mean and the highest with their levels, `0.61` and `45°`; levels whose means are the same together.
+fn least_and_most(factor: &FactorResults) -> [(String, String); 2] {
+    let (most, least) = extremes(factor);
+    [least, most].map(|index| {
         let value = factor.levels[index].summary.mean;
         let same: Vec<String> = (factor.levels.iter().filter(|level| (level.summary.mean - value).abs() < 1e-9))
             .map(|level| names::level_of(factor, level))
             .collect();
-        format!("{} at {}", mean(value), short_list(&same, 4))
-    };
-    effects::extremes(factor).map_or_else(Default::default, |(most, least)| (describe(least), describe(most)))
+        (mean(value), short_list(&same, 4))
+    })
 }
 
-/// What a small probability means, said correctly.
-fn rarity(factor: &FactorResults, evidence: &Evidence) -> String {
-    let how = match evidence.p {
-        p if p < 0.001 => "hardly ever",
-        p if p < 0.01 => "rarely",
-        _ => "not often",
+/// Whether the model knows which ratings belong together: its probabilities hold for people, not for ratings alone.
+pub(super) fn is_clustered(results: &Results) -> bool {
+    results.model.as_ref().is_ok_and(|report| report.model.random.is_some())
+}
+
+/// The likelihood-ratio test of the factor's main effect, if the model knows which ratings belong together; otherwise
+/// Friedman's. None from one participant.
+pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
+    if !results.is_inferential() {
+        return None;
+    }
+    if is_clustered(results)
+        && let Some(test) = main_effect(results, &factor.name).and_then(|term| likelihood_ratio(results, term))
+        && let (Some(chi_squared), Some(p)) = (test.lr, test.p)
+    {
+        return Some(Evidence { name: "likelihood-ratio test", chi_squared, df: test.df, p });
+    }
+    factor.friedman.map(|f| Evidence { name: "Friedman’s test", chi_squared: f.chi_squared, df: f.df, p: f.p })
+}
+
+fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {
+    let name = term.to_string();
+    results.model.as_ref().ok()?.terms.iter().find(|test| test.part == Part::Location && test.term == name)
+}
+
+/// The term of a factor alone, as levels or as a number.
+fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
+    results.spec.terms.iter().find(|term| match term.variables.as_slice() {
+        [Variable::Factor(name)] => name == factor,
+        [Variable::Number(name)] => name == factor || (name == "inv_n" && factor == "depth"),
+        _ => false,
+    })
+}
+
+/// The size of a factor's effect: the ends of a course, else the extremes; none where an interaction makes it several.
+fn contrast(results: &Results, factor: &FactorResults) -> Option<Contrast> {
+    let report = results.model.as_ref().ok()?;
+    let term = main_effect(results, &factor.name)?;
+    if results.spec.terms.is_marginal(term) {
+        return None;
+    }
+    match &term.variables[0] {
+        Variable::Number(name) => slope(&report.model, term, name),
+        Variable::Factor(_) => {
+            let chosen = factor.levels.len() > 2 && course(results, factor).is_none();
+            let (first, second) = if chosen { extremes(factor) } else { (0, factor.levels.len() - 1) };
+            difference(report, factor, first, second).map(|contrast| Contrast { chosen, ..contrast })
+        }
+    }
+}
+
+fn slope(model: &Model, term: &Term, name: &str) -> Option<Contrast> {
+    let coefficient = model.coefficients.iter().find(|c| c.term == term.to_string())?;
+    let (estimate, interval) = (coefficient.estimate, Interval::wald(coefficient.estimate, coefficient.se));
+    Some(Contrast { higher: name.to_owned(), lower: None, estimate, interval, chosen: false })
+}
+
+/// The difference of two levels, from their coefficients and the covariance of these.
+fn difference(report: &ModelReport, factor: &FactorResults, first: usize, second: usize) -> Option<Contrast> {
+    let model = &report.model;
+    let own = model.coefficients.iter().filter(|c| c.term == factor.name).count();
+    // One level is the baseline; with a column left out, a level without a coefficient need not be it.
+    if own + 1 != factor.levels.len() || first == second {
+        return None;
+    }
+    let find = |index: usize| {
+        let name = format!("{}{}", factor.name, factor.levels[index].names[0]);
+        model.coefficients.iter().position(|c| c.term == factor.name && c.name == name)
     };
-    format!(
-        "if {} made no difference, differences as large would {how} come up ({}: χ²({}) = {}, {})",
-        names::factor(&factor.name),
-        evidence.name,
-        evidence.df,
-        fixed(evidence.chi_squared, 1),
-        p_is(evidence.p)
-    )
+    let (a, b) = (find(first), find(second));
+    let value = |index: Option<usize>| index.map_or(0.0, |index| model.coefficients[index].estimate);
+    let estimate = value(a) - value(b);
+    if estimate.is_nan() {
+        return None;
+    }
+    let covariance = |i: Option<usize>, j: Option<usize>| {
+        let place = |index: usize| model.thresholds.len() + index;
+        let both = i.zip(j).map(|(i, j)| model.covariance.get((place(i), place(j))).copied().unwrap_or(f64::NAN));
+        both.unwrap_or_default()
+    };
+    let se = (covariance(a, a) + covariance(b, b) - 2.0 * covariance(a, b)).sqrt();
+    let (first, second, estimate) = if estimate < 0.0 { (second, first, -estimate) } else { (first, second, estimate) };
+    let name = |index: usize| names::level_of(factor, &factor.levels[index]);
+    let (higher, lower) = (name(first), Some(name(second)));
+    Some(Contrast { higher, lower, estimate, interval: Interval::wald(estimate, Some(se)), chosen: false })
 }
 
 /// The size of an effect, as odds or on the latent scale.
@@ -157,8 +274,8 @@ fn size(results: &Results, contrast: &Contrast, found: bool) -> String {
 
 /// Where the test that takes each participant as one observation comes to another conclusion.
 fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Option<String> {
-    let friedman = factor.friedman.filter(|_| effects::is_clustered(results))?;
-    if evidence.name.starts_with("Friedman") || (friedman.p < ALPHA) == (evidence.p < ALPHA) {
+    let friedman = factor.friedman.filter(|_| is_clustered(results))?;
+    if (friedman.p < ALPHA) == (evidence.p < ALPHA) {
         return None;
     }
     let other = if friedman.p < ALPHA { "does tell them apart" } else { "cannot tell the levels apart" };
@@ -170,13 +287,8 @@ fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence
 
 /// Effects that depend on each other.
 pub(super) fn interactions(results: &Results) -> Vec<String> {
-    let Ok(report) = &results.model else { return Vec::new() };
-    if !results.is_inferential() || !effects::is_clustered(results) {
-        return Vec::new();
-    }
-    let sentence = |term: &crate::analysis::terms::Term| {
-        let name = term.to_string();
-        let p = report.terms.iter().find(|test| test.part == Part::Location && test.term == name)?.p?;
+    let sentence = |term: &Term| {
+        let p = likelihood_ratio(results, term)?.p?;
         let together = list(&term.variables.iter().map(|v| names::factor(v.name())).collect::<Vec<_>>());
         Some(if p < ALPHA {
             format!("The effects of {together} depend on each other (likelihood-ratio test, {}).", p_is(p))
@@ -184,5 +296,6 @@ pub(super) fn interactions(results: &Results) -> Vec<String> {
             format!("This study cannot tell whether the effects of {together} depend on each other ({}).", p_is(p))
         })
     };
-    results.spec.terms.iter().filter(|term| term.variables.len() > 1).filter_map(sentence).collect()
+    let shown = results.is_inferential() && is_clustered(results);
+    results.spec.terms.iter().filter(|term| shown && term.variables.len() > 1).filter_map(sentence).collect()
 }

@@ -1,11 +1,13 @@
 //! What is wrong with the data, or might be.
 
-use super::{oddities::oddities, sittings};
+use std::collections::BTreeMap;
+
+use super::{cautions::oddities, sittings};
 use crate::{
     analysis::Results,
     report::document::{
         Section,
-        numbers::{count, list, whole},
+        numbers::{count, fixed, list, whole},
     },
     store::ratings::{FileRead, SessionRead, Source},
 };
@@ -59,22 +61,20 @@ pub(super) fn finished_sentence(source: &Source) -> Option<String> {
     let all = source.sessions.len();
     let unknown = source.sessions.iter().filter(|session| session.planned.is_none()).count();
     let open = source.sessions.iter().filter(|session| session.is_unfinished()).count();
-    if unknown > 0 {
-        let others = if unknown < all {
-            format!("; of the other {}, {open} are unfinished", all - unknown)
-        } else {
-            String::new()
-        };
-        let unknown = count(unknown as u64, "session");
-        return Some(format!("It is not known how many trials were planned in {unknown}{others}."));
-    }
-    match (open, all) {
-        (_, 0) => None,
-        (0, 1) => Some("The session is finished.".to_owned()),
-        (0, _) => Some(format!("All {all} sessions are finished.")),
-        (1, 1) => Some("The session is unfinished.".to_owned()),
-        (1, _) => Some(format!("1 of {all} sessions is unfinished.")),
-        _ => Some(format!("{open} of {all} sessions are unfinished.")),
+    let are = |n: usize| if n == 1 { "is" } else { "are" };
+    match (unknown, open, all) {
+        (.., 0) => None,
+        (0, 0, 1) => Some("The session is finished.".to_owned()),
+        (0, 0, _) => Some(format!("All {all} sessions are finished.")),
+        (0, ..) => Some(format!("{open} of {} {} unfinished.", count(all as u64, "session"), are(open))),
+        _ => {
+            let others = match all - unknown {
+                0 => String::new(),
+                others => format!("; of the other {others}, {open} {} unfinished", are(open)),
+            };
+            let unknown = count(unknown as u64, "session");
+            Some(format!("It is not known how many trials were planned in {unknown}{others}."))
+        }
     }
 }
 
@@ -89,16 +89,9 @@ fn session(session: &SessionRead) -> Vec<String> {
         Some(_) if sittings::is_simulated(session) => "a program",
         Some(_) => "a person",
     };
-    let known = |n: Option<u64>| n.map_or_else(|| "–".to_owned(), whole);
-    vec![
-        session.subject.clone(),
-        session.session.clone(),
-        state,
-        by.to_owned(),
-        known(session.planned),
-        whole(session.rated),
-        known(session.dropped),
-    ]
+    let known = |n: Option<u64>| n.map_or_else(|| fixed(None, 0), whole);
+    let (planned, rated, dropped) = (known(session.planned), whole(session.rated), known(session.dropped));
+    vec![session.subject.clone(), session.session.clone(), state, by.to_owned(), planned, rated, dropped]
 }
 
 fn screens(section: &mut Section, source: &Source) {
@@ -113,24 +106,34 @@ fn screens(section: &mut Section, source: &Source) {
             count(measured().map(|(_, rated)| rated).sum(), "trial")
         ));
     }
-    let preflight = sittings::preflight(source);
-    if sittings::all(source).all(|(_, sitting)| sitting.preflight.is_empty()) {
-        section.text("No check before a session is recorded.");
-    } else if preflight.is_empty() {
-        section.text("No check before a session found a problem.");
-    } else {
-        section.text("Checks before sessions found problems:");
-        let sittings = |(sentence, n): (String, usize)| format!("{sentence} ({})", count(n as u64, "sitting"));
-        section.list(preflight.into_iter().map(sittings).collect());
+    // Each problem with the number of sittings that had it.
+    let mut problems: BTreeMap<&str, u64> = BTreeMap::new();
+    let checks = || sittings::all(source).flat_map(|(_, sitting)| &sitting.preflight);
+    for note in checks().filter(|note| !note.ok) {
+        *problems.entry(&note.sentence).or_default() += 1;
     }
-    let incidents = sittings::incidents(source);
+    section.text(if checks().next().is_none() {
+        "No check before a session is recorded."
+    } else if problems.is_empty() {
+        "No check before a session found a problem."
+    } else {
+        "Checks before sessions found problems:"
+    });
+    section.list(problems.iter().map(|(text, n)| format!("{text} ({})", count(*n, "sitting"))).collect());
+    let incidents: Vec<String> = sittings::all(source)
+        .flat_map(|(session, sitting)| {
+            let who = move |text| format!("{}, session {}: {text}", session.subject, session.session);
+            sitting.incidents.iter().map(who)
+        })
+        .collect();
     if !incidents.is_empty() {
         section.text("Repaired or moved while sessions ran:");
         section.list(incidents);
     }
     // What differs between sittings may stand for differences between people.
     let properties = sittings::properties(source);
-    let different: Vec<&str> = properties.iter().filter(|p| p.values.len() > 1).map(|p| p.name).collect();
+    let different: Vec<&str> =
+        properties.iter().filter(|(_, values)| values.len() > 1).map(|(name, _)| *name).collect();
     if different.is_empty() {
         section.text("As far as is recorded, all sittings were run alike.");
     } else {
@@ -138,12 +141,12 @@ fn screens(section: &mut Section, source: &Source) {
         section
             .warning(format!("Sittings differ in {different}: differences between participants may come from that."));
     }
-    let rows = (properties.iter())
-        .map(|property| {
-            let value = |(value, n): &(String, usize)| format!("{value} ({})", count(*n as u64, "sitting"));
-            let values: Vec<String> = property.values.iter().map(value).collect();
+    let rows = (properties.into_iter())
+        .map(|(name, values)| {
             let same = if values.len() > 1 { "differs" } else { "the same" };
-            vec![property.name.to_owned(), values.join("; "), same.to_owned()]
+            let value = |(value, n)| format!("{value} ({})", count(n as u64, "sitting"));
+            let values: Vec<String> = values.into_iter().map(value).collect();
+            vec![name.to_owned(), values.join("; "), same.to_owned()]
         })
         .collect();
     section.table("How the sittings were run", &["What", "Value", "Over sittings"], &[], rows);

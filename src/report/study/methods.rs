@@ -1,21 +1,38 @@
 //! Methods and results as a paper states them, with the numbers in place, and the literature they rely on.
 
-use super::{effects, names, references::Cited, sittings, vision::degrees};
+use std::collections::BTreeSet;
+
+use super::{findings::is_clustered, names, sittings, vision::degrees};
 use crate::{
     analysis::{Link, Results, rank_tests::PMethod},
     experiment::{Protocol, ResponseScale},
     report::{
         document::{
             Section,
-            numbers::{count, fixed, list, p_is, percent, range, unit, whole},
+            numbers::{count, fixed, list, p_is, percent, unit, whole, with_level},
         },
         prediction::StudyPrediction,
     },
     store::ratings::Source,
 };
 
-/// The section, and what it cites.
-pub(super) fn section(source: &Source, results: &Results, predicted: Option<&StudyPrediction>) -> (Section, Cited) {
+/// One publication a line, by name: how a text cites it, a tab, and its entry in the list.
+const PUBLICATIONS: &str = include_str!("references.txt");
+
+/// What a text cites.
+#[derive(Default)]
+struct Cited(BTreeSet<&'static str>);
+
+impl Cited {
+    /// Publications as a text cites them, separated by semicolons: gives the same text.
+    fn cite(&mut self, publications: &'static str) -> &'static str {
+        self.0.extend(publications.split("; "));
+        publications
+    }
+}
+
+/// The methods, and the list of what they cite.
+pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&StudyPrediction>) -> (Section, Section) {
     let mut section = Section::new("methods", "Methods, ready to paste");
     let mut cited = Cited::default();
     let paragraphs = [
@@ -32,30 +49,27 @@ pub(super) fn section(source: &Source, results: &Results, predicted: Option<&Stu
     if results.kappa.is_some() {
         cited.cite("Landis & Koch, 1977");
     }
-    (section, cited)
+    let mut references = Section::new("references", "References");
+    let publications = PUBLICATIONS.lines().filter_map(|line| line.split_once('\t'));
+    let entries: Vec<String> =
+        publications.filter(|(short, _)| cited.0.contains(short)).map(|(_, entry)| entry.to_owned()).collect();
+    debug_assert_eq!(entries.len(), cited.0.len(), "every publication has an entry: {:?}", cited.0);
+    references.list(entries);
+    (section, references)
 }
 
 fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
-    let counts = &results.measured.counts;
-    let varied: Vec<String> = (names::varied(results))
-        .map(|factor| {
-            let levels: Vec<String> = factor.levels.iter().map(|level| names::level_of(factor, level)).collect();
-            format!("{} ({})", names::factor(&factor.name), levels.join(", "))
-        })
-        .collect();
     let people = count(results.people() as u64, "participant");
     let who = match sittings::simulated(source).len() {
         0 => people,
         n if n >= results.people() => count(n as u64, "simulated observer"),
         n => format!("{people}, {n} of them simulated,"),
     };
-    let by = if varied.is_empty() { String::new() } else { format!(", which varied in {}", list(&varied)) };
+    let rated = names::rated(&who, results, "which varied in", |factor| {
+        factor.levels.iter().map(|level| names::level_of(factor, level)).collect::<Vec<_>>().join(", ")
+    });
     let shown = source.protocol.as_ref().map(|protocol| shown(cited, protocol)).unwrap_or_default();
-    format!(
-        "{who} gave {} of {}{by}.{shown}",
-        count(counts.total(), "rating"),
-        count(counts.conditions.len() as u64, "condition")
-    )
+    format!("{rated}{shown}")
 }
 
 fn shown(cited: &mut Cited, protocol: &Protocol) -> String {
@@ -156,18 +170,14 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
 }
 
 fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
-    let level = percent(results.options.bootstrap.level);
-    let with = |interval: Option<_>| match interval {
-        Some(_) => format!(", {level} interval {}", range(interval, unit)),
-        None => String::new(),
-    };
+    let level = results.options.bootstrap.level;
     let alpha = results.alpha.map(|alpha| {
         format!(
             "Agreement between participants was measured with Krippendorff’s ordinal α ({}); a participant’s repeated \
              ratings were not compared with each other: α = {}{}.",
             cited.cite("Hayes & Krippendorff, 2007; Krippendorff, 2019"),
             unit(alpha.alpha),
-            with(alpha.interval)
+            with_level(level, alpha.interval)
         )
     });
     let kappa = results.kappa.map(|(kappa, interval)| {
@@ -176,7 +186,7 @@ fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
             cited.cite("Cohen, 1968"),
             unit(kappa),
             if results.is_inferential() { " on average" } else { "" },
-            with(interval)
+            with_level(level, interval)
         )
     });
     let parts: Vec<String> = alpha.into_iter().chain(kappa).collect();
@@ -185,11 +195,7 @@ fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
 
 fn bootstrap(cited: &mut Cited, results: &Results) -> Option<String> {
     let bootstrap = &results.options.bootstrap;
-    let wald = if effects::is_clustered(results) {
-        " Intervals of the model’s coefficients are Wald intervals."
-    } else {
-        ""
-    };
+    let wald = if is_clustered(results) { " Intervals of the model’s coefficients are Wald intervals." } else { "" };
     results.is_inferential().then(|| {
         format!(
             "Intervals of means and of agreement are {} percentile intervals of {} bootstrap samples of participants ({}; \

@@ -1,19 +1,19 @@
 //! The model: what was fitted, what came out, and whether its assumptions hold.
 
-use super::{cautions::is_serious, effects::interval_95, limits::ALPHA};
+use super::{cautions::is_serious, findings::ALPHA};
 use crate::{
-    analysis::{Coefficient, Link, Model, Results, TermTest, Threshold, terms::Variable},
+    analysis::{Coefficient, Link, Model, Results, TermTest, Threshold, bootstrap::Interval, terms::Variable},
     report::{
         document::{
             Section,
-            numbers::{count, fixed, maybe, percent, probability, range, ratio, whole},
+            numbers::{count, fixed, percent, probability, range, ratio, whole},
         },
         figures::Figure,
     },
 };
 
 /// The section.
-pub(super) fn section<'a>(results: &Results, figures: impl Iterator<Item = &'a Figure>) -> Section {
+pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("model", "Model");
     let report = match &results.model {
         Ok(report) => report,
@@ -28,11 +28,11 @@ pub(super) fn section<'a>(results: &Results, figures: impl Iterator<Item = &'a F
     let (serious, others): (Vec<_>, Vec<_>) = model.notes.iter().partition(|note| is_serious(note));
     serious.iter().for_each(|note| section.warning(format!("{note}.")));
     section.list(others.iter().map(|note| format!("{note}.")).collect());
-    section.figures(figures);
+    section.figures(figures, &["effects"]);
     coefficients(&mut section, results, model);
     let numbers: &[&str] = if results.is_inferential() { &["Estimate", "SE"] } else { &["Estimate"] };
     let threshold = |threshold: &Threshold| {
-        let cells = [threshold.name.clone(), fixed(threshold.estimate, 3), maybe(threshold.se, 3)];
+        let cells = [threshold.name.clone(), fixed(threshold.estimate, 3), fixed(threshold.se, 3)];
         cells.into_iter().take(1 + numbers.len()).collect()
     };
     let caption = "Thresholds between the categories, on the latent scale";
@@ -165,17 +165,17 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     let inferential = results.is_inferential();
     let mut columns: Vec<Column> = vec![("Estimate", |c| fixed(c.estimate, 3))];
     if inferential {
-        columns.push(("SE", |c| maybe(c.se, 3)));
-        columns.push(("z", |c| maybe(c.z, 2)));
-        columns.push(("p", |c| probability(c.p.unwrap_or(f64::NAN))));
-        columns.push(("95\u{a0}% interval", |c| range(interval_95(c.estimate, c.se), |x| fixed(x, 2))));
+        columns.push(("SE", |c| fixed(c.se, 3)));
+        columns.push(("z", |c| fixed(c.z, 2)));
+        columns.push(("p", |c| probability(c.p)));
+        columns.push(("95\u{a0}% interval", |c| range(Interval::wald(c.estimate, c.se), |x| fixed(x, 2))));
     }
     let own = columns.len();
     if model.link == Link::Logit {
         columns.push(("Odds ratio", |c| ratio(c.estimate.exp())));
         if inferential {
             columns.push(("95\u{a0}% interval of the odds ratio", |c| {
-                range(interval_95(c.estimate, c.se), |x| ratio(x.exp()))
+                range(Interval::wald(c.estimate, c.se), |x| ratio(x.exp()))
             }));
         }
     }
@@ -220,9 +220,7 @@ fn tests(section: &mut Section, heading: &str, about: &str, caption: &str, tests
     if tests.is_empty() {
         return;
     }
-    let row = |test: &TermTest| {
-        vec![test.term.clone(), maybe(test.lr, 2), test.df.to_string(), probability(test.p.unwrap_or(f64::NAN))]
-    };
+    let row = |test: &TermTest| vec![test.term.clone(), fixed(test.lr, 2), test.df.to_string(), probability(test.p)];
     section.heading(heading);
     section.text(about);
     section.table(caption, &["Term"], &["χ²", "df", "p"], tests.iter().map(row).collect());

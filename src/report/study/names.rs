@@ -9,6 +9,7 @@ use crate::{
         summary::Group,
     },
     experiment::Protocol,
+    report::document::numbers::{count, list},
 };
 
 /// The end of a column's name that says that its numbers are degrees.
@@ -73,6 +74,16 @@ pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(Stri
 /// Whether the categories are texts, so that means count positions from 0.
 pub(super) fn categories_are_texts(counts: &Counts) -> bool {
     counts.categories.iter().any(|category| !number_of(category).is_some_and(f64::is_finite))
+}
+
+/// Who gave how many ratings of what: `8 participants gave 1,920 ratings of 45 conditions, which differ in …`, of each
+/// factor that varies its name and this of its levels.
+pub(super) fn rated(who: &str, results: &Results, differ: &str, levels: impl Fn(&FactorResults) -> String) -> String {
+    let counts = &results.measured.counts;
+    let varied: Vec<String> = varied(results).map(|one| format!("{} ({})", factor(&one.name), levels(one))).collect();
+    let by = if varied.is_empty() { String::new() } else { format!(", {differ} {}", list(&varied)) };
+    let (ratings, conditions) = (count(counts.total(), "rating"), count(counts.conditions.len() as u64, "condition"));
+    format!("{who} gave {ratings} of {conditions}{by}.")
 }
 
 /// The factors that vary.

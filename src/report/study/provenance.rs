@@ -83,14 +83,3 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
     }
     section
 }
-
-#[cfg(test)]
-mod tests {
-    use super::shell_command;
-
-    #[test]
-    fn arguments_are_quoted_for_a_shell() {
-        let arguments = ["analyze", "a b", "", "num:inv_n,width"].map(str::to_owned);
-        assert_eq!(shell_command(arguments), "machband analyze 'a b' '' 'num:inv_n,width'");
-    }
-}

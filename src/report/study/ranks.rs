@@ -1,6 +1,7 @@
-//! Tests on ranks, for which each participant is one observation.
+//! What needs no model: tests on ranks, for which each participant is one observation, and agreement, of participants
+//! with each other and of each with themselves.
 
-use super::names;
+use super::{cautions::LOW_KAPPA, names};
 use crate::{
     analysis::{
         Results,
@@ -9,14 +10,14 @@ use crate::{
     },
     report::document::{
         Section,
-        numbers::{fixed, maybe, maybe_unit, probability, short_list},
+        numbers::{count, fixed, probability, short_list, unit, whole, with_level},
     },
 };
 
 /// Participants below which the χ² distribution is a rough guide to Friedman's statistic.
 const FEW_PARTICIPANTS: usize = 6;
 
-/// The section.
+/// Rank tests.
 pub(super) fn section(results: &Results) -> Section {
     let mut section = Section::new("tests", "Rank tests");
     let tested: Vec<&FactorResults> = names::varied(results).collect();
@@ -43,15 +44,14 @@ pub(super) fn section(results: &Results) -> Section {
 fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]) {
     let row = |factor: &&FactorResults| {
         let test = factor.friedman;
-        let number = |n: Option<usize>| n.map_or_else(|| "–".to_owned(), |n| n.to_string());
         vec![
             names::factor(&factor.name).to_owned(),
-            number(test.map(|test| test.subjects)),
-            number(test.map(|test| test.levels)),
-            maybe(test.map(|test| test.chi_squared), 2),
-            number(test.map(|test| test.df)),
-            probability(test.map_or(f64::NAN, |test| test.p)),
-            maybe_unit(test.map(|test| test.w)),
+            fixed(test.map(|test| test.subjects as f64), 0),
+            fixed(test.map(|test| test.levels as f64), 0),
+            fixed(test.map(|test| test.chi_squared), 2),
+            fixed(test.map(|test| test.df as f64), 0),
+            probability(test.map(|test| test.p)),
+            unit(test.map(|test| test.w)),
         ]
     };
     section.heading("Friedman’s test");
@@ -92,4 +92,51 @@ fn pairs(section: &mut Section, factor: &FactorResults) {
     };
     let least = probability(pairs.least_p);
     section.note(format!("{method} The smallest p that these pairs could have after Holm’s correction is {least}."));
+}
+
+/// Agreement.
+pub(super) fn agreement(results: &Results) -> Section {
+    let mut section = Section::new("agreement", "Agreement");
+    let level = results.options.bootstrap.level;
+    section.heading("Between participants");
+    match results.alpha {
+        Some(alpha) => {
+            section.text(format!(
+                "Krippendorff’s ordinal α is {}{}, from {} of {} that two or more participants rated. 1 is perfect \
+                 agreement; 0 is what chance gives.",
+                unit(alpha.alpha),
+                with_level(level, alpha.interval),
+                count(alpha.ratings, "rating"),
+                count(alpha.units as u64, "condition"),
+            ));
+            section.note(
+                "Krippendorff’s limits of .800 and .667 are meant for coders who apply a rule. Participants may differ \
+                 because they see differently; then a low α is a finding and not a fault.",
+            );
+        }
+        None if results.is_inferential() => section.text(
+            "No condition was rated by two participants, or all ratings are the same: agreement cannot be computed.",
+        ),
+        None => section.text("One participant cannot agree or disagree with another."),
+    }
+    section.heading("Within participants");
+    let Some((kappa, interval)) = results.kappa else {
+        section
+            .text("As far as the files show, no participant rated a condition twice, so repetition cannot be judged.");
+        return section;
+    };
+    section.text(format!(
+        "Cohen’s κ with quadratic weights compares a participant’s first and second rating of a condition. {} {}{}. 1 is \
+         perfect repetition, 0 is what chance gives, and Landis and Koch call agreement up to {} slight.",
+        if results.is_inferential() { "Its mean over participants is" } else { "It is" },
+        unit(kappa),
+        with_level(level, interval),
+        unit(LOW_KAPPA),
+    ));
+    let rows = (results.subjects.iter())
+        .map(|subject| vec![names::participant(subject).to_owned(), whole(subject.retests), unit(subject.kappa)])
+        .collect();
+    let numbers = ["Conditions rated twice", "Weighted κ"];
+    section.table("First and second ratings of each participant", &["Participant"], &numbers, rows);
+    section
 }

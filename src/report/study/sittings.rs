@@ -2,54 +2,50 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde_json::Value as Json;
-
 use crate::{
     report::document::numbers::fixed,
     store::{
         ratings::{SessionRead, Source},
-        sidecar::{PreflightNote, Sitting},
+        sidecar::Sitting,
     },
 };
 
-/// Something that sittings may have in common.
-pub(super) struct Property {
-    /// What.
-    pub name: &'static str,
-    /// Its values, each with the number of sittings.
-    pub values: Vec<(String, usize)>,
-}
-
 /// Every sitting with its session.
 pub(super) fn all(source: &Source) -> impl Iterator<Item = (&SessionRead, &Sitting)> {
-    source.sessions.iter().flat_map(|session| {
-        session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings).map(move |sitting| (session, sitting))
-    })
+    source.sessions.iter().flat_map(|session| sittings(session).map(move |sitting| (session, sitting)))
+}
+
+fn sittings(session: &SessionRead) -> impl Iterator<Item = &Sitting> {
+    session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings)
 }
 
 /// Whether a program, and not a person, gave ratings of a session.
 pub(super) fn is_simulated(session: &SessionRead) -> bool {
-    session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings).any(|sitting| sitting.observer.is_some())
+    sittings(session).any(|sitting| sitting.observer.is_some())
 }
 
 /// Subjects whose ratings a program gave, in whole or in part.
-pub(super) fn simulated(source: &Source) -> Vec<String> {
-    let names: BTreeSet<&str> =
-        source.sessions.iter().filter(|session| is_simulated(session)).map(|s| s.subject.as_str()).collect();
-    names.into_iter().map(str::to_owned).collect()
+pub(super) fn simulated(source: &Source) -> BTreeSet<&str> {
+    source.sessions.iter().filter(|session| is_simulated(session)).map(|session| session.subject.as_str()).collect()
 }
 
-/// What is the same in all sittings, and what is not; only what any of them records.
-pub(super) fn properties(source: &Source) -> Vec<Property> {
+/// The first and the last day on which a sitting began, `2026-11-21`.
+pub(super) fn days(source: &Source) -> Option<(&str, &str)> {
+    let days: BTreeSet<&str> = all(source).filter_map(|(_, sitting)| sitting.started_at.get(..10)).collect();
+    Some((days.first()?, days.last()?))
+}
+
+/// What may differ between sittings, and its values, each with the number of sittings; only what any of them records.
+pub(super) fn properties(source: &Source) -> Vec<(&'static str, Vec<(String, usize)>)> {
     type Value = fn(&Sitting) -> Option<String>;
     let values_of: [(&'static str, Value); 7] = [
         ("program", program),
         ("observer", observer),
         ("display profile", display),
         ("monitor", monitor),
-        ("viewing distance", |s| Some(format!("{} cm", trimmed(number(s.viewing.as_ref()?, "distance_cm")?, 1)))),
+        ("viewing distance", |s| Some(format!("{} cm", trimmed(s.viewing.as_ref()?["distance_cm"].as_f64()?, 1)))),
         ("stimulus", stimulus),
-        ("median frame interval", |s| Some(format!("{} ms", fixed(1e3 * number(s.frames.as_ref()?, "median_s")?, 1)))),
+        ("median frame interval", |s| Some(format!("{} ms", fixed(1e3 * s.frames.as_ref()?["median_s"].as_f64()?, 1)))),
     ];
     (values_of.into_iter())
         .filter_map(|(name, value_of)| {
@@ -59,35 +55,9 @@ pub(super) fn properties(source: &Source) -> Vec<Property> {
             }
             let recorded = values.keys().any(Option::is_some);
             let value = |value: Option<String>| value.unwrap_or_else(|| "not recorded".to_owned());
-            recorded.then(|| Property { name, values: values.into_iter().map(|(v, n)| (value(v), n)).collect() })
+            recorded.then(|| (name, values.into_iter().map(|(v, n)| (value(v), n)).collect()))
         })
         .collect()
-}
-
-/// Problems found by checks before sessions, each sentence with the number of sittings.
-pub(super) fn preflight(source: &Source) -> Vec<(String, usize)> {
-    let mut sentences: BTreeMap<&str, usize> = BTreeMap::new();
-    for note in all(source).flat_map(|(_, sitting)| &sitting.preflight).filter(|note: &&PreflightNote| !note.ok) {
-        *sentences.entry(note.sentence.as_str()).or_default() += 1;
-    }
-    sentences.into_iter().map(|(sentence, n)| (sentence.to_owned(), n)).collect()
-}
-
-/// What was repaired or moved while sessions ran.
-pub(super) fn incidents(source: &Source) -> Vec<String> {
-    all(source)
-        .flat_map(|(session, sitting)| {
-            let who = |incident| format!("{}, session {}: {incident}", session.subject, session.session);
-            sitting.incidents.iter().map(who)
-        })
-        .collect()
-}
-
-/// The first and the last day on which a sitting began, `2026-11-21`.
-pub(super) fn days(source: &Source) -> Option<(String, String)> {
-    let day = |(_, sitting): (_, &Sitting)| sitting.started_at.get(..10).map(str::to_owned);
-    let days: BTreeSet<String> = all(source).filter_map(day).collect();
-    Some((days.first()?.clone(), days.last()?.clone()))
 }
 
 fn program(sitting: &Sitting) -> Option<String> {
@@ -97,48 +67,34 @@ fn program(sitting: &Sitting) -> Option<String> {
 }
 
 fn observer(sitting: &Sitting) -> Option<String> {
-    Some(match &sitting.observer {
-        None => "a person".to_owned(),
-        Some(observer) => match observer.get("observer").and_then(Json::as_str) {
-            Some(name) => format!("simulated: {name}"),
-            None => "simulated".to_owned(),
-        },
-    })
+    let name = sitting.observer.as_ref().map(|observer| observer["observer"].as_str().unwrap_or("by a program"));
+    Some(name.map_or_else(|| "a person".to_owned(), |name| format!("simulated: {name}")))
 }
 
 fn display(sitting: &Sitting) -> Option<String> {
     let display = sitting.display.as_ref()?;
-    let text = |key: &str| display.get(key).and_then(Json::as_str);
-    let measured = match display.get("measured").filter(|measured| !measured.is_null()) {
-        Some(measured) => format!("measured {}", measured.as_str().map_or_else(|| measured.to_string(), str::to_owned)),
-        None => "not measured".to_owned(),
+    let measured = match &display["measured"] {
+        measured if measured.is_null() => "not measured".to_owned(),
+        measured => format!("measured {}", measured.as_str().map_or_else(|| measured.to_string(), str::to_owned)),
     };
-    let parts = [text("name"), text("transfer"), Some(measured.as_str())];
+    let parts = [display["name"].as_str(), display["transfer"].as_str(), Some(&measured)];
     Some(parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
 }
 
 fn monitor(sitting: &Sitting) -> Option<String> {
     let monitor = sitting.monitor.as_ref()?;
-    let name = monitor.get("name").and_then(Json::as_str).unwrap_or("without a name");
-    let size = number(monitor, "width_px").zip(number(monitor, "height_px"));
+    let name = monitor["name"].as_str().unwrap_or("without a name");
+    let size = monitor["width_px"].as_f64().zip(monitor["height_px"].as_f64());
     let size = size.map(|(width, height)| format!(", {width} × {height} pixels")).unwrap_or_default();
-    let refresh = number(monitor, "refresh_hz").map(|hz| format!(", {} Hz", trimmed(hz, 2))).unwrap_or_default();
+    let refresh = monitor["refresh_hz"].as_f64().map(|hz| format!(", {} Hz", trimmed(hz, 2))).unwrap_or_default();
     Some(format!("{name}{size}{refresh}"))
 }
 
 fn stimulus(sitting: &Sitting) -> Option<String> {
     let viewing = sitting.viewing.as_ref()?;
-    let windowed = viewing.get("windowed").and_then(Json::as_bool) == Some(true);
-    Some(format!(
-        "{}° in {} pixels{}",
-        trimmed(number(viewing, "stimulus_deg")?, 2),
-        number(viewing, "stimulus_px")?,
-        if windowed { ", in a window" } else { "" }
-    ))
-}
-
-fn number(value: &Json, key: &str) -> Option<f64> {
-    value.get(key).and_then(Json::as_f64)
+    let (deg, px) = (trimmed(viewing["stimulus_deg"].as_f64()?, 2), viewing["stimulus_px"].as_f64()?);
+    let windowed = if viewing["windowed"] == true { ", in a window" } else { "" };
+    Some(format!("{deg}° in {px} pixels{windowed}"))
 }
 
 /// At most so many decimals.

@@ -1,19 +1,23 @@
 //! The summary in plain language. Every sentence is computed: nothing is said that cannot be said of these results.
 
-use super::{
-    cautions::cautions,
-    findings, health,
-    limits::{RELIABLE, TENTATIVE},
-    names,
-};
+use super::{cautions::cautions, findings, health, names};
 use crate::{
-    analysis::{Results, results::SubjectResults, summary::category_values},
+    analysis::{
+        Results,
+        results::{FactorResults, SubjectResults},
+        summary::category_values,
+    },
     report::document::{
         Section,
-        numbers::{count, list, mean, unit, with_level},
+        numbers::{count, mean, unit, with_level},
     },
     store::ratings::Source,
 };
+
+/// Krippendorff's α from which he calls data reliable.
+const RELIABLE: f64 = 0.8;
+/// And from which he allows tentative conclusions.
+const TENTATIVE: f64 = 0.667;
 
 /// What a study says, in sentences.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -55,16 +59,9 @@ pub fn summary(source: &Source, results: &Results) -> Summary {
 
 fn lead(source: &Source, results: &Results) -> Vec<String> {
     let counts = &results.measured.counts;
-    let varied: Vec<String> = names::varied(results)
-        .map(|factor| format!("{} ({} levels)", names::factor(&factor.name), factor.levels.len()))
-        .collect();
-    let by = if varied.is_empty() { String::new() } else { format!(", which differ in {}", list(&varied)) };
-    let mut lead = vec![format!(
-        "{} gave {} of {}{by}.",
-        count(results.people() as u64, "participant"),
-        count(counts.total(), "rating"),
-        count(counts.conditions.len() as u64, "condition"),
-    )];
+    let levels = |factor: &FactorResults| format!("{} levels", factor.levels.len());
+    let who = count(results.people() as u64, "participant");
+    let mut lead = vec![names::rated(&who, results, "which differ in", levels)];
     if let Some((low, high)) = names::ends(counts, source.protocol.as_ref()) {
         let positions = if names::categories_are_texts(counts) { "; a mean counts their positions from 0" } else { "" };
         lead.push(format!("Ratings go from {low} to {high}{positions}."));
@@ -89,7 +86,7 @@ fn between_participants(results: &Results) -> Option<String> {
     Some(format!("Participants’ own means go from {} to {}.", own(least), own(most)))
 }
 
-/// Krippendorff's α beside his own limits.
+/// Krippendorff's α and his own limits.
 fn agreement(results: &Results) -> Option<String> {
     let alpha = results.alpha?;
     let verdict = match alpha.alpha {
@@ -97,13 +94,13 @@ fn agreement(results: &Results) -> Option<String> {
         a if a >= TENTATIVE => "between .667 and .800, where Krippendorff allows tentative conclusions only",
         _ => "below the .667 that Krippendorff requires even for tentative conclusions",
     };
-    let interval = with_level(results.options.bootstrap.level, alpha.interval, unit);
+    let interval = with_level(results.options.bootstrap.level, alpha.interval);
     Some(format!("Agreement between participants is α = {}{interval}: {verdict}.", unit(alpha.alpha)))
 }
 
 fn repetition(results: &Results) -> Option<String> {
     let (kappa, interval) = results.kappa?;
-    let interval = with_level(results.options.bootstrap.level, interval, unit);
+    let interval = with_level(results.options.bootstrap.level, interval);
     let kappa = unit(kappa);
     Some(if results.is_inferential() {
         format!(

@@ -19,11 +19,11 @@ use crate::{
 const FURTHEST: usize = 3;
 
 /// The section; `figures` are the measured and the predicted ones.
-pub(super) fn section<'a>(
+pub(super) fn section(
     source: &Source,
     results: &Results,
     prediction: &Result<StudyPrediction, PredictionError>,
-    figures: impl Iterator<Item = &'a Figure>,
+    figures: &[Figure],
 ) -> Section {
     let mut section = Section::new("vision", "What the model of vision predicts");
     let prediction = match prediction {
@@ -42,13 +42,12 @@ pub(super) fn section<'a>(
         fixed(prediction.viewing.white_cd_m2, 0),
         criterion(comparison, counts)
     ));
-    section.figures(figures);
+    section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
     section.text(order(comparison, counts));
     section.text(ceiling(comparison));
-    section.blocks.extend(furthest(counts, prediction).map(crate::report::document::Block::Text));
+    furthest(counts, prediction).into_iter().for_each(|text| section.text(text));
     let is_circular = sittings::all(source)
-        .filter_map(|(_, sitting)| sitting.observer.as_ref()?.get("observer")?.as_str())
-        .any(|observer| observer == "vision");
+        .any(|(_, sitting)| sitting.observer.as_ref().is_some_and(|observer| observer["observer"] == "vision"));
     if is_circular {
         section.warning(
             "Ratings of this study were simulated with this very model: that it predicts them says nothing about eyes.",
