@@ -2,11 +2,13 @@
 
 use std::{path::PathBuf, time::Duration};
 
-use super::{UsageError, ratings::RatingOptions};
+use super::{
+    UsageError,
+    options::{ModelOptions, named},
+    ratings::RatingOptions,
+};
 use crate::{
-    analysis::{
-        Link, MOST_NODES, ModelError, Options, Random, analyze, bootstrap::Bootstrap, numbers_of, terms::Terms,
-    },
+    analysis::{ModelError, Options, Random, analyze, bootstrap::Bootstrap, numbers_of},
     report::{
         Provenance, Written,
         prediction::{PredictionError, StudyPrediction},
@@ -29,19 +31,12 @@ pub(super) struct Arguments {
     /// Folder for tables, figures and report.html; an earlier analysis there is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Terms of the model: factors by name, numbers with num:, interactions with : or *; unless given, every factor that
-    /// varies.
-    #[arg(long, value_name = "T,…")]
-    terms: Option<String>,
-    /// Link of the cumulative model.
-    #[arg(long, default_value = "logit", value_parser = ["logit", "probit"])]
-    link: String,
-    /// Whether each participant has an intercept of their own; unless given, where there are two participants or more.
-    #[arg(long, value_parser = ["none", "subject"])]
-    random: Option<String>,
-    /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
-    quadrature: u16,
+    #[command(flatten)]
+    model: ModelOptions,
+    /// Whether each participant has an intercept of their own [default: subject where there are two participants or
+    /// more].
+    #[arg(long, value_parser = named::<Random>(Random::NAMES))]
+    random: Option<Random>,
     /// Seed of the bootstrap.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -57,8 +52,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let terms = arguments.terms.as_deref().map(Terms::parse).transpose();
-    let terms = terms.map_err(|error| UsageError(error.to_string()))?;
+    let terms = arguments.model.terms()?;
     let names: Vec<String> =
         terms.iter().flatten().flat_map(|term| &term.variables).map(|variable| variable.name().to_owned()).collect();
     let progress = super::spinner("reading");
@@ -76,12 +70,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let options = Options {
         terms,
-        link: if arguments.link == "probit" { Link::Probit } else { Link::Logit },
-        random: arguments.random.as_deref().map(|random| match random {
-            "subject" => Random::Subject,
-            _ => Random::None,
-        }),
-        quadrature: arguments.quadrature.into(),
+        link: arguments.model.link,
+        random: arguments.random,
+        quadrature: arguments.model.quadrature.into(),
         scale: arguments.scale,
         bootstrap: Bootstrap {
             replicates: arguments.replicates as usize,

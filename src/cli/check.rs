@@ -1,33 +1,93 @@
-//! `machband check`
+//! `machband check` and `machband verify`
 
-use super::UsageError;
+use std::{collections::BTreeSet, path::PathBuf};
+
+use indicatif::ProgressBar;
+
+use super::{UsageError, progress_style, say, warn};
+use crate::store::{self, ratings, verify};
 
 /// Check definitions, result files, display profiles, observers and images; every fault is named.
 ///
 /// A display profile that is old, or dated in the future, is not a fault; a warning on stderr says so.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
-pub(super) struct Arguments {
+pub(super) struct CheckArguments {
     /// Files, or names of built-in definitions.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
     let mut faults = Vec::new();
     for file in &arguments.files {
         if file.is_empty() {
             return Err(UsageError("a file name is empty; expected a path".to_owned()).into());
         }
-        match crate::store::check::check(file) {
+        match store::check::check(file) {
             Ok(found) => {
                 if let Some(profile) = &found.profile {
-                    super::warn(file, profile);
+                    warn(file, profile);
                 }
-                super::say(&format!("{file}: {}", found.sentence))?;
+                say(&format!("{file}: {}", found.sentence))?;
             }
             Err(error) => faults.push(error.to_string()),
         }
     }
     if faults.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(faults.join("\n"))) }
+}
+
+/// Prove recorded sessions: rows, pictures, and that nothing was changed since.
+///
+/// Compares every row with the definition and the seed in the sidecar, renders every picture that was shown again and
+/// compares its hash, and compares every file with the hash that the session left at its end. Prints one line per session
+/// on stdout and every fault on stderr; with a fault, the exit status is 1.
+#[derive(clap::Args)]
+#[command(after_help = "Example: machband verify results/bangay2003")]
+pub(super) struct VerifyArguments {
+    /// Results folder, or that of one experiment.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
+
+pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
+    let files = ratings::data_files(&arguments.folder)?;
+    let bar = ProgressBar::new(files.len() as u64).with_style(progress_style("sessions"));
+    let mut renderer = verify::Renderer::default();
+    let (mut faults, mut sentences) = (Vec::new(), Vec::new());
+    for csv in &files {
+        let found = verify::session(csv, &mut renderer);
+        bar.inc(1);
+        sentences.push(format!("{}: {}", csv.display(), sentence(&found)));
+        faults.extend(found.faults.iter().map(ToString::to_string));
+    }
+    bar.finish_and_clear();
+    for sentence in &sentences {
+        say(sentence)?;
+    }
+    let folders: BTreeSet<_> = files.iter().filter_map(|csv| csv.parent()?.parent()).collect();
+    for folder in folders {
+        faults.extend(verify::leftovers(folder).iter().map(ToString::to_string));
+    }
+    if faults.is_empty() {
+        say(&format!("{} sessions: nothing is wrong", files.len()))
+    } else {
+        Err(anyhow::anyhow!(faults.join("\n")))
+    }
+}
+
+fn sentence(found: &verify::Verified) -> String {
+    let verify::Verified { rows, rated: (rated, planned), pictures, sealed, faults, notes } = found;
+    let mut parts = vec![
+        format!("{rows} rows, {rated} of {planned} trials rated, {pictures} pictures rendered again"),
+        if !faults.is_empty() {
+            format!("{} FAULTS", faults.len())
+        } else if *sealed {
+            "as it was recorded".to_owned()
+        } else {
+            "no fault".to_owned()
+        },
+    ];
+    parts.extend(notes.iter().cloned());
+    parts.join("; ")
 }

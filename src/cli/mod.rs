@@ -6,7 +6,6 @@
 mod analyze;
 mod calibrate;
 mod check;
-mod counts;
 mod export;
 mod options;
 mod plan;
@@ -16,11 +15,9 @@ mod ratings;
 mod run;
 mod shade;
 mod simulate;
-mod stimuli;
 mod stimulus;
 #[cfg(feature = "window")]
 mod timing;
-mod verify;
 
 use std::{
     io::{ErrorKind, Write as _},
@@ -48,19 +45,19 @@ enum Command {
     #[cfg(feature = "window")]
     Run(run::Arguments),
     Simulate(simulate::Arguments),
-    Check(check::Arguments),
+    Check(check::CheckArguments),
     Plan(plan::Arguments),
     Predict(predict::Arguments),
     Analyze(analyze::Arguments),
     Calibrate(calibrate::Arguments),
-    Counts(counts::Arguments),
+    Counts(ratings::CountsArguments),
     Export(export::Arguments),
     Shade(shade::Arguments),
-    Stimulus(stimulus::Arguments),
-    Stimuli(stimuli::Arguments),
+    Stimulus(stimulus::StimulusArguments),
+    Stimuli(stimulus::StimuliArguments),
     #[cfg(feature = "window")]
     Timing(timing::Arguments),
-    Verify(verify::Arguments),
+    Verify(check::VerifyArguments),
 }
 
 /// Arguments that make no sense, found after parsing: exit status 2.
@@ -81,19 +78,19 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "window")]
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
-        Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Check(arguments)) => check::check(&arguments),
         Some(Command::Plan(arguments)) => plan::run(&arguments),
         Some(Command::Predict(arguments)) => predict::run(&arguments),
         Some(Command::Analyze(arguments)) => analyze::run(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
-        Some(Command::Counts(arguments)) => counts::run(&arguments),
+        Some(Command::Counts(arguments)) => ratings::counts(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments),
-        Some(Command::Stimulus(arguments)) => stimulus::run(&arguments),
-        Some(Command::Stimuli(arguments)) => stimuli::run(&arguments),
+        Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments),
+        Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments),
         #[cfg(feature = "window")]
         Some(Command::Timing(arguments)) => timing::run(&arguments),
-        Some(Command::Verify(arguments)) => verify::run(&arguments),
+        Some(Command::Verify(arguments)) => check::verify(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -9,6 +9,7 @@ use clap::{
 
 use super::UsageError;
 use crate::{
+    analysis::{Link, MOST_NODES, terms::Terms},
     light::{Bits, Dither, Transfer, Transfers},
     stimulus::{KINDS, Parameter, ParameterValue, Stimulus, catalog, recipe::Recipe},
     store,
@@ -20,6 +21,29 @@ where
     T: FromStr<Err: std::error::Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
 {
     PossibleValuesParser::new(names).try_map(|name| name.parse())
+}
+
+/// The ordinal model that `analyze` fits and `plan` simulates.
+#[derive(clap::Args)]
+pub(super) struct ModelOptions {
+    /// Terms of the model: factors by name, numbers with num:, interactions with : or * [default: every factor that
+    /// varies].
+    #[arg(long, value_name = "T,…")]
+    terms: Option<String>,
+    /// Link of the cumulative model.
+    #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
+    pub(super) link: Link,
+    /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
+    pub(super) quadrature: u16,
+}
+
+impl ModelOptions {
+    /// The terms, if any were named.
+    pub(super) fn terms(&self) -> Result<Option<Terms>, UsageError> {
+        let terms = self.terms.as_deref().map(Terms::parse).transpose();
+        terms.map_err(|error| UsageError(error.to_string()))
+    }
 }
 
 /// What the display makes of codes.

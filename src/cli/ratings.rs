@@ -1,11 +1,14 @@
-//! Options that `analyze` and `counts` share: which files, and which of their columns.
+//! Options that `analyze` and `counts` share, which files and which of their columns; and `machband counts`.
 
 use std::path::PathBuf;
 
 use crate::{
     analysis::counts::Counts,
-    report::{Study, document::numbers::count},
-    store::ratings::{ReadOptions, Source},
+    report::{Study, document::numbers::count, tables},
+    store::{
+        ratings::{FileRead, ReadOptions, Source},
+        write_file,
+    },
 };
 
 /// Where ratings are.
@@ -14,22 +17,22 @@ pub(super) struct RatingOptions {
     /// Result files, folders of them, tables of counts, or any CSV.
     #[arg(required = true, value_name = "FILE|DIR")]
     paths: Vec<PathBuf>,
-    /// Column of the subject; subject_id unless named.
+    /// Column of the participant [default: subject_id].
     #[arg(long, value_name = "COL")]
     subject: Option<String>,
-    /// Column of the ordered response; unless named, rating, on the scale 0–3.
+    /// Column of the ordered response [default: rating, on the scale 0–3].
     #[arg(long, value_name = "COL")]
     response: Option<String>,
     /// The response's categories, the lowest first, if they are not numbers.
     #[arg(long, value_name = "C,…", value_delimiter = ',', requires = "response")]
     categories: Option<Vec<String>>,
-    /// Column that says how many trials a row stands for; count, where there is one.
+    /// Column that says how many trials a row stands for [default: count, if there is one].
     #[arg(long, value_name = "COL")]
     count: Option<String>,
-    /// Columns of the factors; unless named, those of the definition, or of the terms.
+    /// Columns of the factors [default: those of the definition, or of the terms].
     #[arg(long, value_name = "COL,…", value_delimiter = ',')]
     factors: Option<Vec<String>>,
-    /// Leave out sessions in which planned trials are not rated.
+    /// Leave out sessions in which not all planned trials are rated.
     #[arg(long)]
     complete_only: bool,
 }
@@ -53,7 +56,7 @@ impl RatingOptions {
 
 /// What was read and what was left out, in a line.
 pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
-    let sum = |of: fn(&crate::store::ratings::FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
+    let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
     let left_out: Vec<String> = [
         (sum(|file| file.practice), "practice rows"),
         (sum(|file| file.superseded), "ratings taken back"),
@@ -88,4 +91,30 @@ pub(super) fn faults(source: &Source) -> anyhow::Result<()> {
     }
     let lines: Vec<String> = source.faults.iter().map(ToString::to_string).collect();
     Err(anyhow::anyhow!(lines.join("\n")))
+}
+
+/// Reduce ratings to counts, the sufficient statistic: one row per subject, condition and rating.
+///
+/// `analyze` takes the table in place of the files, with the same --subject and --response if they were given; the
+/// description, the models and the tests are the same. The table has no repeated ratings and no response times.
+#[derive(clap::Args)]
+#[command(after_help = "Examples: machband counts results/bangay2003 --out counts.csv\n          \
+    machband counts ratings.csv --subject id --response score --factors width,depth --out counts.csv")]
+pub(super) struct CountsArguments {
+    #[command(flatten)]
+    ratings: RatingOptions,
+    /// The table.
+    #[arg(long, value_name = "FILE.csv")]
+    out: PathBuf,
+}
+
+pub(super) fn counts(arguments: &CountsArguments) -> anyhow::Result<()> {
+    let progress = super::spinner("reading");
+    let study = arguments.ratings.read(&[], false)?;
+    let counts = &study.measured.counts;
+    write_file(&arguments.out, &tables::counts(counts, &study.source.shape).csv())?;
+    progress.finish_and_clear();
+    super::say(&sentence(&study.source, counts))?;
+    super::say(&format!("{} rows in {}", counts.rows.len(), arguments.out.display()))?;
+    faults(&study.source)
 }

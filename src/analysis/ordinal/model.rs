@@ -5,17 +5,18 @@ use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 use super::{link::Link, terms::Terms};
-use crate::light::names::expected_one_of;
+use crate::light::names::{expected_one_of, named};
 
-/// Whether subjects differ by a random intercept.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Random {
-    /// All ratings are independent: a cumulative-link model.
-    #[default]
-    None,
-    /// One normal intercept a subject: a cumulative-link mixed model.
-    Subject,
+named! {
+    /// Whether subjects differ by a random intercept.
+    #[derive(Default)]
+    Random, RandomError {
+        /// All ratings are independent: a cumulative-link model.
+        #[default]
+        None = "none",
+        /// One normal intercept a subject: a cumulative-link mixed model.
+        Subject = "subject",
+    }
 }
 
 /// What to fit.

@@ -1,19 +1,16 @@
 //! `machband plan`
 
-mod effects;
 mod findings;
 
 use std::path::PathBuf;
 
 use indicatif::ProgressBar;
 
-use super::{UsageError, options::named, progress_style, say};
+use super::{UsageError, options::ModelOptions, progress_style, say};
 use crate::{
-    analysis::{
-        Link, MOST_NODES,
-        power::{ModelChoice, Plan, Power, Sampling},
-        terms::Terms,
-    },
+    analysis::power::{ModelChoice, Plan, Power, Sampling, Shift},
+    experiment::{OrderedLogit, Protocol},
+    light::names::expected_one_of,
     store::{definition, observer, write_file},
 };
 use findings::Findings;
@@ -57,16 +54,8 @@ pub(super) struct Arguments {
     /// Parameters of the observer; the documented default is experiments/observers/paper.toml.
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
-    /// Terms of the model: factors by name, numbers with num:, interactions with : or * [default: every factor that
-    /// varies].
-    #[arg(long, value_name = "T,…")]
-    terms: Option<String>,
-    /// Link of the cumulative model.
-    #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
-    link: Link,
-    /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
-    quadrature: u16,
+    #[command(flatten)]
+    model: ModelOptions,
     /// CSV file to write the table to.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
@@ -78,13 +67,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Some(path) => (observer::open(path)?, path.display().to_string()),
         None => (observer::parse("paper.toml", observer::PAPER)?, "paper".to_owned()),
     };
-    let (observer, shifts) = effects::apply(observer, &arguments.effects, &protocol)?;
-    let terms = arguments.terms.as_deref().map(Terms::parse).transpose();
-    let model = ModelChoice {
-        terms: terms.map_err(|error| UsageError(error.to_string()))?,
-        link: arguments.link,
-        quadrature: arguments.quadrature.into(),
-    };
+    let (observer, shifts) = apply(observer, &arguments.effects, &protocol)?;
+    let options = &arguments.model;
+    let model = ModelChoice { terms: options.terms()?, link: options.link, quadrature: options.quadrature.into() };
     let plan = Plan::new(&protocol, &observer, &shifts, &model).map_err(|error| UsageError(error.to_string()))?;
     let sampling = Sampling { studies: arguments.studies, alpha: arguments.alpha, seed: arguments.seed };
     let mut participants = arguments.participants.clone();
@@ -121,4 +106,69 @@ fn simulate(plan: &Plan, participants: &[u32], sampling: &Sampling) -> Vec<Power
 fn proportion(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|number| *number > 0.0 && *number < 1.0);
     number.ok_or_else(|| "expected a number between 0 and 1, such as 0.05".to_owned())
+}
+
+/// Most logits that a level can add: far beyond the whole scale.
+const MOST_LOGITS: f64 = 1000.0;
+
+/// An observer with the effects that were asked for, and those that it has no parameter for.
+fn apply(
+    observer: OrderedLogit,
+    effects: &[String],
+    protocol: &Protocol,
+) -> Result<(OrderedLogit, Vec<Shift>), UsageError> {
+    let mut observer = observer;
+    let mut shifts: Vec<Shift> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
+    for effect in effects {
+        let fault = |message: &str| UsageError(format!("--effect {effect}: {message}"));
+        let (name, value) = effect
+            .rsplit_once('=')
+            .ok_or_else(|| fault("no = in it; expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5"))?;
+        let (name, number) = (name.trim(), value.trim().parse::<f64>().ok().filter(|value| value.is_finite()));
+        let value = number.ok_or_else(|| fault("the value is not a finite number; expected one such as 0.5"))?;
+        if names.contains(&name) {
+            return Err(fault(&format!("{name} is given twice; expected each effect once")));
+        }
+        names.push(name);
+        match name.split_once(':') {
+            Some(_) if value.abs() > MOST_LOGITS => {
+                return Err(fault(&format!("expected {}…{MOST_LOGITS} logits", -MOST_LOGITS)));
+            }
+            Some((factor, level)) => {
+                shifts.push(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: value })
+            }
+            None => observer = with(&observer, name, value, protocol).map_err(|message| fault(&message))?,
+        }
+    }
+    Ok((observer, shifts))
+}
+
+/// The observer with another value of one parameter, checked as its file would be.
+fn with(observer: &OrderedLogit, name: &str, value: f64, protocol: &Protocol) -> Result<OrderedLogit, String> {
+    let mut table = toml::Table::try_from(observer).map_err(|error| error.to_string())?;
+    match table.get_mut(name) {
+        Some(parameter) if parameter.is_float() => *parameter = value.into(),
+        _ => return Err(unknown(name, &table, protocol)),
+    }
+    table.insert("schema".to_owned(), 1.into());
+    observer::parse("--effect", &table.to_string())
+        .map_err(|faults| faults.0.into_iter().map(|fault| fault.message).collect::<Vec<_>>().join("; "))
+}
+
+fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
+    if let Some(factor) = protocol.factors.iter().find(|factor| factor.name == name) {
+        let levels: Vec<String> = factor.levels.iter().map(ToString::to_string).collect();
+        return format!(
+            "{name} is a factor; expected {name}:LEVEL=LOGITS with one of the levels {}",
+            levels.join(", ")
+        );
+    }
+    let known: Vec<&str> = table.iter().filter(|(_, value)| value.is_float()).map(|(name, _)| name.as_str()).collect();
+    let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
+    format!(
+        "no such parameter of the observer; {}; or FACTOR:LEVEL with one of the factors {}",
+        expected_one_of(name, &known),
+        factors.join(", ")
+    )
 }
