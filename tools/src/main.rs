@@ -1,12 +1,9 @@
 //! Tables for the documentation, timings and long runs: `cargo run --release -p tools -- COMMAND`.
 
-mod bands;
-mod bare_window;
-mod creases;
 mod facts;
-mod long_session;
-mod sample_study;
-mod times;
+mod peers;
+mod sessions;
+mod shaders;
 
 use std::path::PathBuf;
 
@@ -70,17 +67,17 @@ enum Tool {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     match Tool::parse() {
-        Tool::Bands { default_scene } => bands::run(default_scene),
-        Tool::Creases => creases::run(),
+        Tool::Bands { default_scene } => shaders::bands(default_scene),
+        Tool::Creases => shaders::creases(),
         Tool::Facts => {
             facts::run();
             Ok(())
         }
-        Tool::Odog { size, px_per_deg, file } => times::odog(size, px_per_deg, file.as_deref()),
-        Tool::Picture { size, px_per_deg } => times::picture(size, px_per_deg),
-        Tool::LongSession { folder } => long_session::run(&folder.unwrap_or_else(std::env::temp_dir)),
-        Tool::SampleStudy { results } => sample_study::run(&results),
-        Tool::BareWindow { frames } => bare_window::run(frames),
+        Tool::Odog { size, px_per_deg, file } => peers::odog(size, px_per_deg, file.as_deref()),
+        Tool::Picture { size, px_per_deg } => peers::picture(size, px_per_deg),
+        Tool::LongSession { folder } => sessions::long(&folder.unwrap_or_else(std::env::temp_dir)),
+        Tool::SampleStudy { results } => sessions::sample(&results),
+        Tool::BareWindow { frames } => peers::bare_window(frames),
         Tool::BlueNoise { file } => {
             std::fs::write(&file, to_bytes(&void_and_cluster(machband::light::dither::MASK_SIZE, MASK_SEED)))?;
             println!("{}", file.display());

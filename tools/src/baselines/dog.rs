@@ -3,9 +3,7 @@
 
 use rustfft::num_complex::Complex;
 
-use super::bands::overshoots;
-use super::model::{Baseline, Mark, is_profile};
-use super::spectrum::{Spectrum, gaussian};
+use super::profile::{Baseline, Mark, Spectrum, gaussian, is_profile, overshoots};
 
 /// A balanced center and surround, both Gaussians of area 1.
 ///

@@ -7,17 +7,14 @@
 //! In all models, a band is an extremum of the response **where the light itself has none**: the crest of a grating is
 //! bright, but it is not a Mach band.
 
-mod bands;
 mod dog;
-mod model;
 mod odog;
-mod picture;
+mod profile;
 mod ratio;
-mod spectrum;
 
 pub use dog::LateralInhibition;
-pub use model::{Baseline, Mark};
 pub use odog::{Beyond, Odog, OdogFilters};
+pub use profile::{Baseline, Mark};
 pub use ratio::SecondDerivativeRatio;
 
 /// Every model in this module, with its published constants.

@@ -7,9 +7,7 @@ use std::f64::consts::PI;
 
 use rustfft::num_complex::Complex;
 
-use super::bands::{degrees, range, sorted};
-use super::model::{Baseline, Mark, is_profile};
-use super::spectrum::{Spectrum, gaussian};
+use super::profile::{Baseline, Mark, Spectrum, degrees, gaussian, is_profile, range, sorted};
 use machband::vision::vertex;
 
 /// Gaussian derivatives of first and second order at many scales σ, each multiplied by a power of σ:

@@ -1,6 +1,18 @@
 //! Published models of Mach bands: ODOG compared with another implementation, and known properties of each model.
+//!
+//! The blue-noise mask matches the generator, follows the void-and-cluster method, and has a blue-noise spectrum.
 
-use tools::baselines::{Baseline, Beyond, LateralInhibition, Mark, Odog, SecondDerivativeRatio, all};
+use std::f64::consts::TAU;
+
+use machband::light::dither::{MASK_SIZE, mask};
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{Rng, SeedableRng},
+};
+use tools::{
+    baselines::{Baseline, Beyond, LateralInhibition, Mark, Odog, SecondDerivativeRatio, all},
+    blue_noise::{MASK_SEED, void_and_cluster},
+};
 
 /// Samples per degree of the profiles in these tests.
 const PX_PER_DEG: f64 = 120.0;
@@ -222,4 +234,118 @@ fn the_ratio_of_a_blurred_edge_is_known() {
             assert!(power != 1.5 || marks.is_empty(), "{marks:?}");
         }
     }
+}
+
+#[test]
+fn the_mask_is_what_the_generator_makes() {
+    let made = void_and_cluster(MASK_SIZE, MASK_SEED);
+    assert!(mask() == made, "run `cargo run -p tools -- blue-noise`");
+    assert!(void_and_cluster(MASK_SIZE, MASK_SEED + 1) != made);
+}
+
+#[test]
+fn masks_hold_every_rank_once() {
+    for size in [1, 2, 3, 5, 8, 16, 31, MASK_SIZE] {
+        let mut ranks = void_and_cluster(size, 3);
+        ranks.sort_unstable();
+        assert!(ranks.iter().map(|&rank| u32::from(rank)).eq(0..size * size), "size {size}");
+    }
+}
+
+/// Ulichney's three phases as published, with a plain f64 filter based on `exp`. At every rank, the next pixel of the
+/// mask is the tightest cluster, the largest void, or, in phase III, the tightest cluster of dark pixels.
+#[test]
+fn the_mask_obeys_void_and_cluster() {
+    let n = MASK_SIZE as usize;
+    let filter: Vec<f64> = (0..n * n)
+        .map(|i| {
+            let [dx, dy] = [i % n, i / n].map(|d| d.min(n - d) as f64);
+            (-(dx * dx + dy * dy) / (2.0 * 1.5 * 1.5)).exp()
+        })
+        .collect();
+    let add = |energy: &mut [f64], place: usize, sign: f64| {
+        for (i, energy) in energy.iter_mut().enumerate() {
+            *energy += sign * filter[(i % n).abs_diff(place % n) + (i / n).abs_diff(place / n) * n];
+        }
+    };
+    let ranks = mask();
+    let mut places = vec![0; n * n];
+    for (place, &rank) in ranks.iter().enumerate() {
+        places[usize::from(rank)] = place;
+    }
+    // Apart from rounding, no pixel whose rank is in `among` may be more crowded than the pixel of rank `chosen`.
+    let most_crowded = |energy: &[f64], chosen: usize, among: std::ops::Range<usize>| {
+        let most = among.map(|rank| energy[places[rank]]).fold(f64::MIN, f64::max);
+        assert!(energy[places[chosen]] >= most - 1e-9, "rank {chosen}: {} and {most}", energy[places[chosen]]);
+    };
+    let ones = n * n / 10;
+    let mut lit = vec![0.0; n * n];
+    places[..ones].iter().for_each(|&place| add(&mut lit, place, 1.0));
+    let prototype = lit.clone();
+    for rank in (0..ones).rev() {
+        most_crowded(&lit, rank, 0..rank + 1);
+        add(&mut lit, places[rank], -1.0);
+    }
+    let mut lit = prototype;
+    for (rank, &place) in places.iter().enumerate().take(n * n / 2).skip(ones) {
+        let least: Vec<f64> = lit.iter().map(|energy| -energy).collect();
+        most_crowded(&least, rank, rank..n * n);
+        add(&mut lit, place, 1.0);
+    }
+    let mut dark = vec![0.0; n * n];
+    places[n * n / 2..].iter().for_each(|&place| add(&mut dark, place, 1.0));
+    for (rank, &place) in places.iter().enumerate().skip(n * n / 2) {
+        most_crowded(&dark, rank, rank..n * n);
+        add(&mut dark, place, -1.0);
+    }
+}
+
+/// Mean power of `values`, a square with `n` values per side, over the frequencies `inner` < |k| ≤ `outer` in cycles per
+/// side, relative to white noise of the same variance.
+fn relative_power(values: &[f64], n: usize, inner: f64, outer: f64) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
+    let reach = outer.ceil() as i32;
+    let (mut power, mut count) = (0.0, 0);
+    for ky in 0..=reach {
+        for kx in -reach..=reach {
+            let k = f64::from(kx).hypot(f64::from(ky));
+            if k <= inner || k > outer {
+                continue;
+            }
+            let (mut re, mut im) = (0.0, 0.0);
+            for (i, value) in values.iter().enumerate() {
+                let turns = f64::from(kx) * (i % n) as f64 + f64::from(ky) * (i / n) as f64;
+                let (sin, cos) = (TAU * turns / n as f64).sin_cos();
+                re += (value - mean) * cos;
+                im += (value - mean) * sin;
+            }
+            power += re * re + im * im;
+            count += 1;
+        }
+    }
+    power / f64::from(count) / (variance * values.len() as f64)
+}
+
+#[test]
+fn the_mask_is_blue() {
+    let n = MASK_SIZE as usize;
+    let ranks: Vec<f64> = mask().iter().map(|&rank| f64::from(rank)).collect();
+    let low = relative_power(&ranks, n, 0.0, 8.0);
+    let high = relative_power(&ranks, n, 24.0, 30.0);
+    println!("mask: power below 8 cycles a side {low:.4} of white noise's, at 24…30 {high:.2}");
+    assert!(low < 0.03 && high > 1.0, "{low} {high}");
+    // The patterns that the mask produces, below 0.35 of their principal frequency √p·64.
+    for (p, bound) in [(1.0 / 16.0, 0.1), (0.125, 0.1), (0.25, 0.1), (0.5, 0.1), (0.875, 0.1)] {
+        let pattern: Vec<f64> = ranks.iter().map(|&rank| f64::from(u8::from(rank < p * 4096.0))).collect();
+        let below = 0.35 * f64::min(p, 1.0 - p).sqrt() * 64.0;
+        let low = relative_power(&pattern, n, 0.0, below);
+        println!("pattern of {p}: power below {below:.1} cycles a side {low:.4} of white noise's");
+        assert!(low < bound, "p {p}: {low}");
+    }
+    // The measure gives 1 for white noise.
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let white: Vec<f64> = ranks.iter().map(|_| f64::from(rng.next_u32())).collect();
+    let white = relative_power(&white, n, 0.0, 8.0);
+    assert!((0.7..1.3).contains(&white), "{white}");
 }

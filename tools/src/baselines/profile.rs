@@ -1,7 +1,44 @@
-//! Finds the bands in a model's response.
+//! What the one-dimensional models share: their interface, the bands in a response, and filters in the frequency domain.
 
-use super::model::Mark;
-use machband::vision::vertex;
+use std::{f64::consts::PI, sync::Arc};
+
+use machband::vision::{
+    fft::{self, smooth},
+    vertex,
+};
+use rustfft::{Fft, num_complex::Complex};
+
+/// A band that a one-dimensional model predicts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// Position in degrees of visual angle from the middle of the profile, positive toward its end.
+    pub at_deg: f64,
+    /// Whether it looks brighter than its surround; otherwise, it looks darker.
+    pub bright: bool,
+    /// Strength in the model's own unit, above 0.
+    pub strength: f64,
+}
+
+/// A model that predicts bands.
+pub trait Baseline {
+    /// The model's name, for tables and figures.
+    fn name(&self) -> &'static str;
+
+    /// The bands of a profile of linear light, in the order of their position.
+    ///
+    /// `light` contains samples at pixel centers, `px_per_deg` of them per degree. Beyond its ends, the profile is
+    /// constant. There are no bands if the profile has fewer than three samples or a value that is not finite, or if
+    /// `px_per_deg` is not above 0 and at most 100 000.
+    fn marks(&self, light: &[f64], px_per_deg: f64) -> Vec<Mark>;
+}
+
+/// Maximum samples per degree: far beyond the resolution of any eye, but a continued profile still fits into memory.
+const MOST_PX_PER_DEG: f64 = 1e5;
+
+/// Whether a model can process this profile at all.
+pub fn is_profile(light: &[f64], px_per_deg: f64) -> bool {
+    light.len() >= 3 && px_per_deg > 0.0 && px_per_deg <= MOST_PX_PER_DEG && light.iter().all(|value| value.is_finite())
+}
 
 /// An extremum below this fraction of the response's range is a rounding error, not a band.
 const OF_RESPONSE: f64 = 1e-7;
@@ -110,4 +147,55 @@ fn summit(values: &[f64], at: usize) -> f64 {
 pub fn range(values: &[f64]) -> f64 {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     high - low
+}
+
+/// A one-dimensional profile, extended at both ends by its end values, ready to be filtered.
+pub struct Spectrum {
+    values: Vec<Complex<f64>>,
+    inverse: Arc<dyn Fft<f64>>,
+    /// The number of samples in the profile, and of extension samples before them.
+    len: usize,
+    before: usize,
+    px_per_deg: f64,
+}
+
+impl Spectrum {
+    /// The spectrum of `light`, with `px_per_deg` samples per degree, for filters that extend `reach_deg` degrees.
+    ///
+    /// The extended profile is treated as periodic: it jumps from its end to its beginning. The extension is so long that
+    /// this jump does not affect any filter inside the profile.
+    pub fn new(light: &[f64], px_per_deg: f64, reach_deg: f64) -> Self {
+        let before = (reach_deg * px_per_deg).ceil().max(1.0) as usize;
+        let size = smooth(light.len() + 2 * before);
+        let at = |i: usize| light[i.saturating_sub(before).min(light.len() - 1)];
+        // Half of the extra samples extend the end, and half the beginning.
+        let mut values: Vec<_> = (0..size).map(|i| Complex::new(at(i), 0.0)).collect();
+        fft::forward(size).process(&mut values);
+        Self { values, inverse: fft::inverse(size), len: light.len(), before, px_per_deg }
+    }
+
+    /// Applies two filters at once. `transfer(f)` is their transfer function at f cycles per degree, for both signs of f.
+    /// Both filters are real, so the first result can be the real part and the second the imaginary part.
+    pub fn filtered(&self, transfer: impl Fn(f64) -> [Complex<f64>; 2]) -> [Vec<f64>; 2] {
+        let size = self.values.len();
+        let step = self.px_per_deg / size as f64;
+        let mut values: Vec<_> = (0..size)
+            .map(|i| {
+                // The Nyquist frequency has no sign, so an odd filter has no response there.
+                let signed = if 2 * i > size { i as f64 - size as f64 } else { i as f64 };
+                let [a, b] = transfer(signed * step);
+                (a + b * Complex::i()) * self.values[i]
+            })
+            .collect();
+        self.inverse.process(&mut values);
+        let inside = &values[self.before..self.before + self.len];
+        let scale = 1.0 / size as f64;
+        [inside.iter().map(|v| v.re * scale).collect(), inside.iter().map(|v| v.im * scale).collect()]
+    }
+}
+
+/// The transfer function at `f` cycles per degree of a Gaussian with standard deviation `sigma_deg` degrees and area 1.
+pub fn gaussian(sigma_deg: f64, f: f64) -> f64 {
+    let turn = 2.0 * PI * sigma_deg * f;
+    (-0.5 * turn * turn).exp()
 }
