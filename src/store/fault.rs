@@ -1,6 +1,9 @@
 //! What can be wrong with a file, and where.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 /// One fault: where, what is wrong, and what is expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,6 +71,41 @@ impl std::fmt::Display for FileFaults {
             write!(f, "{fault}")?;
         }
         Ok(())
+    }
+}
+
+/// How many faults in one column of a table are kept.
+const KEPT: usize = 3;
+
+/// What is wrong with the rows of a table: of many faults in one column the first are kept, and the others counted.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RowFaults {
+    kept: Vec<FileFault>,
+    /// How many there are in each column, kept or not; none is the row as a whole.
+    counts: BTreeMap<Option<usize>, usize>,
+}
+
+impl RowFaults {
+    /// Adds a fault; its line and column are asked for only if it is kept.
+    pub fn add(&mut self, file: &str, cell: Option<usize>, message: String, place: impl FnOnce() -> (usize, usize)) {
+        let count = self.counts.entry(cell).or_default();
+        *count += 1;
+        if *count <= KEPT {
+            self.kept.push(FileFault::at(file, place(), message));
+        }
+    }
+
+    /// Every fault that was kept, and how many more there are; `columns` are the names in the header.
+    pub fn finish(self, file: &str, columns: &[impl AsRef<str>]) -> Vec<FileFault> {
+        let mut faults = self.kept;
+        faults.sort_by_key(|fault| fault.position);
+        for (cell, count) in self.counts.into_iter().filter(|(_, count)| *count > KEPT) {
+            let column = cell.and_then(|cell| columns.get(cell));
+            let column = column.map_or(String::new(), |name| format!(" in {}", name.as_ref()));
+            let message = format!("{} more rows have a fault{column}; expected none", count - KEPT);
+            faults.push(FileFault::whole(file, message));
+        }
+        faults
     }
 }
 

@@ -10,15 +10,17 @@ use rayon::prelude::*;
 
 use super::{
     files::{self, natural},
-    row::{self, CellFault, Cells, RowFault, RowFaults, is_rating},
+    row::{self, Cells, RowFault, is_rating},
     selection::{Input, RecordColumns, Selection},
     source::{FileRead, ReadOptions, SessionRead, Shape, Source},
-    trials::{Identity, Noted, Status, Trial, Trials},
+    trials::{Identity, Status, Trial, Trials},
 };
 use crate::{
     experiment::RatingRow,
     store::{
-        FileFault, FileFaults, dataset, file,
+        FileFault, FileFaults, dataset,
+        fault::RowFaults,
+        file,
         table::{self, Row},
     },
 };
@@ -67,7 +69,18 @@ pub fn read<T: Send>(
         .collect();
     let read: Vec<(T, FileRead, Vec<FileFault>)> = (selection.inputs.par_iter().enumerate())
         .map(|(file, input)| {
-            let mut reader = FileReader::new(&selection, &trials, &unfinished, file);
+            let mut reader = FileReader {
+                selection: &selection,
+                trials: &trials,
+                unfinished: &unfinished,
+                file,
+                input,
+                read: FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() },
+                faults: RowFaults::default(),
+                repeated: HashSet::new(),
+                recent: 0,
+                elsewhere: (0, 0),
+            };
             let mut found = new(&selection.shape);
             let read = each_row(input, |row, cells| reader.take(row, cells, |rating| add(&mut found, rating)));
             let (read, faults) = reader.finish(read.err());
@@ -101,11 +114,8 @@ fn trials(selection: &Selection) -> Trials {
                 let experiment = selection.experiment.as_deref();
                 let Ok(identity) = row::identity(&cells, input.columns.subject, own, experiment) else { return };
                 let dropped = own.dropped.map_or("", |column| cells.get(column));
-                let noted = Noted {
-                    rated: is_rating(cells.get(input.columns.response), selection.own_scale),
-                    dropped: (!dropped.is_empty()).then_some(dropped != "0"),
-                };
-                trials.note(&identity, row_id(&cells, own), noted, file);
+                let rated = is_rating(cells.get(input.columns.response), selection.own_scale);
+                trials.add(&identity, rated, (!dropped.is_empty()).then_some(dropped != "0"), file);
             });
             trials
         })
@@ -121,13 +131,9 @@ fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowF
     let (header, mut is_header) = (&input.header, true);
     table::each_row(header.content(&input.path), header.separator, |row| {
         if !std::mem::take(&mut is_header) {
-            take(row, Cells::new(row, header.names.len()));
+            take(row, Cells::new(row, &header.names));
         }
     })
-}
-
-fn row_id<'a>(cells: &Cells<'a>, own: &RecordColumns) -> &'a str {
-    own.row_id.map_or("", |column| cells.get(column))
 }
 
 /// The sessions of all result files, those without rows too.
@@ -141,10 +147,10 @@ fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
         dropped: None,
         sidecar: input.sidecar.clone(),
     };
-    let with_rows = trials.sessions.iter().filter_map(|session| {
-        let input = &selection.inputs[session.file()?];
+    let with_rows = trials.sessions.iter().map(|session| {
+        let input = &selection.inputs[session.file()];
         let (rated, dropped) = (session.rated(), session.dropped());
-        Some(SessionRead { rated, dropped, ..of(&session.subject, &session.session, input) })
+        SessionRead { rated, dropped, ..of(&session.subject, &session.session, input) }
     });
     let mut sessions: Vec<SessionRead> = with_rows.collect();
     for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
@@ -170,27 +176,15 @@ struct FileReader<'a> {
     input: &'a Input,
     read: FileRead,
     faults: RowFaults,
-    /// Trials that stand in the file twice and were met, by session.
-    met: HashSet<(usize, Trial)>,
+    /// Trials that are in the file twice and came once, by session.
+    repeated: HashSet<(usize, Trial)>,
     /// Session of the last row.
     recent: usize,
-    /// Rows that stand in another file already, and the last such file.
+    /// Rows that are in another file already, and the last such file.
     elsewhere: (u64, usize),
 }
 
-impl<'a> FileReader<'a> {
-    fn new(
-        selection: &'a Selection,
-        trials: &'a Trials,
-        unfinished: &'a HashSet<(&'a str, &'a str)>,
-        file: usize,
-    ) -> Self {
-        let input = &selection.inputs[file];
-        let read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
-        let (faults, met, recent, elsewhere) = (RowFaults::default(), HashSet::new(), 0, (0, 0));
-        Self { selection, trials, unfinished, file, input, read, faults, met, recent, elsewhere }
-    }
-
+impl FileReader<'_> {
     fn take(
         &mut self,
         row: &Row<'_>,
@@ -214,7 +208,7 @@ impl<'a> FileReader<'a> {
     fn fault(&mut self, row: &Row<'_>, fault: RowFault) {
         let fault = torn(row, &fault).unwrap_or(fault);
         let cell = fault.cell.or(row.text().err()).unwrap_or(0);
-        self.faults.add(&self.input.name, fault, || row.place(cell));
+        self.faults.add(&self.input.name, fault.cell, fault.message, || row.place(cell));
     }
 
     /// Hands on a row that counts; gives how many trials it stands for.
@@ -229,51 +223,44 @@ impl<'a> FileReader<'a> {
     ) -> Result<u64, Option<RowFault>> {
         let (input, own_scale) = (self.input, self.selection.own_scale);
         let columns = &input.columns;
-        let fault = |found: CellFault| row::fault(input, cells, found);
-        let wrong = |found: CellFault| Some(fault(found));
         if let Some(own) = &columns.record {
             let experiment = self.selection.experiment.as_deref();
-            let identity = row::identity(cells, columns.subject, own, experiment).map_err(wrong)?;
-            self.check(&identity, row_id(cells, own))?;
+            let identity = row::identity(cells, columns.subject, own, experiment)?;
+            self.check(&identity, cells, own)?;
         }
-        let subject = row::present(cells, columns.subject, "a participant").map_err(wrong)?;
-        let rating = row::rating(cells, columns, own_scale).map_err(wrong)?;
-        let count = row::count(cells, columns).map_err(wrong)?;
+        let subject = cells.present(columns.subject, "a participant")?;
+        let rating = row::rating(cells, columns, own_scale)?;
+        let count = row::count(cells, columns)?;
         // A place or a time that cannot be read is a fault, but the rating counts.
-        let (place, time) = (row::place(cells, columns), row::response_time(cells, columns));
-        let unread = [place.as_ref().err(), time.as_ref().err()];
-        unread.into_iter().flatten().for_each(|found| self.fault(row, fault(found.clone())));
-        let (place, response_time_s) = (place.unwrap_or_default(), time.unwrap_or_default());
-        let mut few = [""; 12];
-        let mut many = Vec::new();
-        let values = match few.get_mut(..columns.factors.len()) {
-            Some(few) => few,
-            None => {
-                many.resize(columns.factors.len(), "");
-                &mut many[..]
-            }
-        };
-        for (value, &column) in values.iter_mut().zip(&columns.factors) {
-            *value = cells.optional(column);
-        }
-        add(&RatingRow { subject, values, rating, count, place, response_time_s })
-            .map_err(|message| Some(RowFault { cell: Some(columns.response), message }))?;
+        let place = row::place(cells, columns).unwrap_or_else(|fault| self.unread(row, fault));
+        let response_time_s = row::response_time(cells, columns).unwrap_or_else(|fault| self.unread(row, fault));
+        let values: Vec<&str> = columns.factors.iter().map(|&column| cells.optional(column)).collect();
+        add(&RatingRow { subject, values: &values, rating, count, place, response_time_s })
+            .map_err(|message| RowFault { cell: Some(columns.response), message })?;
         Ok(count)
     }
 
+    fn unread<T>(&mut self, row: &Row<'_>, fault: RowFault) -> Option<T> {
+        self.fault(row, fault);
+        None
+    }
+
     /// Whether a row of a result file counts.
-    fn check(&mut self, row: &Identity<'_>, row_id: &str) -> Result<(), Option<RowFault>> {
-        let named = Identity::named(row_id).filter(|named| named != row);
-        let mut status = Status::Counts;
-        for identity in named.iter().chain([row]) {
-            let Some(session) = self.trials.find(identity.subject, identity.session, self.recent) else { continue };
-            self.recent = session;
-            let is_new = |trial| self.met.insert((session, trial));
-            status = self.trials.sessions[session].status(identity.trial, self.file, is_new);
-            if let Status::Repeated(file) = status {
-                self.elsewhere = (self.elsewhere.0 + u64::from(file != self.file), file);
-                return Err(Some(self.repeated(row_id, file)));
-            }
+    fn check(&mut self, row: &Identity<'_>, cells: &Cells<'_>, own: &RecordColumns) -> Result<(), Option<RowFault>> {
+        let Some(session) = self.trials.find(row.subject, row.session, self.recent) else { return Ok(()) };
+        self.recent = session;
+        let is_new = |trial| self.repeated.insert((self.recent, trial));
+        let status = self.trials.sessions[self.recent].status(row.trial, self.file, is_new);
+        if let Status::Repeated(file) = status {
+            self.elsewhere = (self.elsewhere.0 + u64::from(file != self.file), file);
+            let name = match own.row_id.map_or("", |column| cells.get(column)) {
+                "" => "the trial and attempt of this row".to_owned(),
+                row_id => format!("row_id {row_id:?}"),
+            };
+            let place =
+                if file == self.file { "above".to_owned() } else { format!("in {}", self.selection.inputs[file].name) };
+            let message = format!("{name} already appears {place}; expected every row once (this one is left out)");
+            return Err(RowFault { cell: None, message }.into());
         }
         let left_out = if !row.trial.is_main() {
             &mut self.read.practice
@@ -288,16 +275,6 @@ impl<'a> FileReader<'a> {
         Err(None)
     }
 
-    fn repeated(&self, row_id: &str, file: usize) -> RowFault {
-        let name = match row_id {
-            "" => "the trial and attempt of this row".to_owned(),
-            row_id => format!("row_id {row_id:?}"),
-        };
-        let at = if file == self.file { "above" } else { &self.selection.inputs[file].name };
-        let message = format!("{name} stands {at} already; expected every row once (this one is left out)");
-        RowFault { cell: None, message }
-    }
-
     fn finish(mut self, error: Option<std::io::Error>) -> (FileRead, Vec<FileFault>) {
         let (name, rows) = (&self.input.name, self.read.rows);
         self.read.sha256 = sha256(self.input);
@@ -309,7 +286,7 @@ impl<'a> FileReader<'a> {
         if rows > 0 && self.elsewhere.0 == rows {
             let other = &self.selection.inputs[self.elsewhere.1].name;
             let message =
-                format!("all its {rows} rows stand in {other} already; expected every session once (it is left out)");
+                format!("all its {rows} rows already appear in {other}; expected every session once (it is left out)");
             faults.push(FileFault::whole(name, message));
         } else {
             faults.extend(self.faults.finish(name, &self.input.header.names));

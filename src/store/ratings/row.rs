@@ -1,17 +1,12 @@
 //! One row of a file: its cells, which trial it records, and what is wrong with it.
 
-use std::borrow::Cow;
-
 use super::{
-    selection::{Columns, Input, RecordColumns},
-    trials::{Identity, Trial, number},
+    selection::{Columns, RecordColumns},
+    trials::{Identity, Trial},
 };
 use crate::{
     experiment::RATING_MAX,
-    store::{
-        FileFault,
-        table::{Row, shortened},
-    },
+    store::table::{Row, shortened},
 };
 
 /// Largest count of a row; the sum of many such still is a number of 64 bits.
@@ -21,25 +16,27 @@ const COUNT_MAX: f64 = 1e12;
 pub(super) struct Cells<'a> {
     text: &'a str,
     row: &'a Row<'a>,
+    names: &'a [String],
 }
 
 impl<'a> Cells<'a> {
-    /// The cells of a row.
+    /// The cells of a row, whose columns have these names.
     ///
     /// # Errors
     /// Not UTF-8, or another number of cells than the header has.
-    pub fn new(row: &'a Row<'a>, width: usize) -> Result<Self, RowFault> {
+    pub fn new(row: &'a Row<'a>, names: &'a [String]) -> Result<Self, RowFault> {
         let fault = |cell, message: String| RowFault { cell, message };
         let text = row.text().map_err(|_| fault(None, "the row is not UTF-8 text; expected UTF-8".to_owned()))?;
         if row.is_open() {
             let message = "a quote is never closed; expected a closing quote".to_owned();
             return Err(fault(Some(row.record.len() - 1), message));
         }
-        match row.record.len() {
-            found if found == width => Ok(Self { text, row }),
-            1 => Err(fault(None, format!("the row has 1 cell; expected {width}, as the header has"))),
-            found => Err(fault(None, format!("the row has {found} cells; expected {width}, as the header has"))),
+        let (found, width) = (row.record.len(), names.len());
+        if found != width {
+            let cells = if found == 1 { "cell" } else { "cells" };
+            return Err(fault(None, format!("the row has {found} {cells}; expected {width}, as the header has")));
         }
+        Ok(Self { text, row, names })
     }
 
     /// A cell, without white space around it.
@@ -54,19 +51,24 @@ impl<'a> Cells<'a> {
             text => text,
         }
     }
-}
 
-/// What is wrong with a cell: its index, and what is expected there.
-pub(super) type CellFault = (usize, Cow<'static, str>);
+    /// A cell that must not be empty.
+    ///
+    /// # Errors
+    /// It is.
+    pub fn present(&self, index: usize, expected: &str) -> Result<&'a str, RowFault> {
+        Some(self.get(index)).filter(|text| !text.is_empty()).ok_or_else(|| self.fault(index, expected))
+    }
 
-/// Words the fault of a cell.
-pub(super) fn fault(input: &Input, cells: &Cells<'_>, (cell, expected): CellFault) -> RowFault {
-    let name = input.header.names.get(cell).map_or("", String::as_str);
-    let message = match cells.get(cell) {
-        "" => format!("{name} is empty; expected {expected}"),
-        text => format!("{name} is {:?}; expected {expected}", shortened(text)),
-    };
-    RowFault { cell: Some(cell), message }
+    /// The fault of a cell that is not what is expected.
+    fn fault(&self, index: usize, expected: &str) -> RowFault {
+        let name = &self.names[index];
+        let message = match self.get(index) {
+            "" => format!("{name} is empty; expected {expected}"),
+            text => format!("{name} is {:?}; expected {expected}", shortened(text)),
+        };
+        RowFault { cell: Some(index), message }
+    }
 }
 
 /// Which trial a row of a result file records.
@@ -78,41 +80,36 @@ pub(super) fn identity<'a>(
     subject: usize,
     columns: &RecordColumns,
     experiment: Option<&str>,
-) -> Result<Identity<'a>, CellFault> {
+) -> Result<Identity<'a>, RowFault> {
     if let Some((column, expected)) = columns.experiment.zip(experiment)
         && cells.get(column) != expected
     {
-        return Err((column, format!("{expected}, as in the first row").into()));
+        return Err(cells.fault(column, &format!("{expected}, as in the first row")));
     }
-    let phase = cells.get(columns.phase).parse().map_err(|_| (columns.phase, "practice or main".into()))?;
-    let trial =
-        number(cells.get(columns.trial)).ok_or((columns.trial, "the number of a trial, from 1 to 1000000".into()))?;
-    let attempt = number(cells.get(columns.attempt))
-        .ok_or((columns.attempt, "the number of an attempt, from 1 to 1000000".into()))?;
+    let phase = cells.get(columns.phase).parse().map_err(|_| cells.fault(columns.phase, "practice or main"))?;
+    // Digits only, from 1 to a million: a session has at most 100,000 trials.
+    let number = |column: usize, expected: &str| {
+        let text = cells.get(column);
+        let digits = text.len() < 10 && text.bytes().all(|byte| byte.is_ascii_digit());
+        let number = text.parse().ok().filter(|number| digits && (1..=1_000_000).contains(number));
+        number.ok_or_else(|| cells.fault(column, expected))
+    };
+    let trial = number(columns.trial, "the number of a trial, from 1 to 1000000")?;
+    let attempt = number(columns.attempt, "the number of an attempt, from 1 to 1000000")?;
     Ok(Identity {
-        subject: present(cells, subject, "a participant")?,
-        session: present(cells, columns.session, "a session")?,
+        subject: cells.present(subject, "a participant")?,
+        session: cells.present(columns.session, "a session")?,
         trial: Trial::new(phase, trial, attempt),
     })
 }
 
-/// A cell that must not be empty.
-///
-/// # Errors
-/// It is.
-pub(super) fn present<'a>(cells: &Cells<'a>, column: usize, expected: &'static str) -> Result<&'a str, CellFault> {
-    Some(cells.get(column)).filter(|text| !text.is_empty()).ok_or((column, expected.into()))
-}
-
 /// Whether a text is a rating: of our own scale, or else anything but a missing value.
 pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
-    if !own_scale {
-        return !matches!(text, "" | "NA" | "NaN" | "nan");
-    }
-    match text.as_bytes() {
-        &[digit @ b'0'..=b'9'] => digit - b'0' <= RATING_MAX,
+    if own_scale {
         // A spreadsheet or pandas may have written 2 as 2.0.
-        _ => text.parse().is_ok_and(|number: f64| (0..=RATING_MAX).any(|rating| number == f64::from(rating))),
+        text.parse().is_ok_and(|number: f64| (0..=RATING_MAX).any(|rating| number == f64::from(rating)))
+    } else {
+        !matches!(text, "" | "NA" | "NaN" | "nan")
     }
 }
 
@@ -120,13 +117,11 @@ pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
 ///
 /// # Errors
 /// There is none, or not one of the scale.
-pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) -> Result<&'a str, CellFault> {
+pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) -> Result<&'a str, RowFault> {
     match cells.get(columns.response) {
         text if is_rating(text, own_scale) => Ok(text),
-        _ => {
-            let expected = if own_scale { format!("a rating from 0 to {RATING_MAX}") } else { "a rating".to_owned() };
-            Err((columns.response, expected.into()))
-        }
+        _ if own_scale => Err(cells.fault(columns.response, &format!("a rating from 0 to {RATING_MAX}"))),
+        _ => Err(cells.fault(columns.response, "a rating")),
     }
 }
 
@@ -134,7 +129,7 @@ pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) 
 ///
 /// # Errors
 /// No count.
-pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, CellFault> {
+pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, RowFault> {
     let Some(column) = columns.count else { return Ok(1) };
     let expected = match cells.get(column).parse::<f64>() {
         Ok(count) if (0.0..=COUNT_MAX).contains(&count) && count.fract() == 0.0 => return Ok(count as u64),
@@ -143,21 +138,19 @@ pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, CellFau
         Ok(_) => "a count without fraction",
         Err(_) => "a count, a whole number",
     };
-    Err((column, expected.into()))
+    Err(cells.fault(column, expected))
 }
 
 /// Session and repetition; none where the file has none.
 ///
 /// # Errors
 /// A repetition that is no number.
-pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(&'a str, u32)>, CellFault> {
+pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(&'a str, u32)>, RowFault> {
     let Some((session, column)) = columns.session.zip(columns.repetition) else { return Ok(None) };
-    match cells.get(column) {
-        "" => Ok(None),
-        text => match text.parse() {
-            Ok(repetition) => Ok(Some((cells.get(session), repetition))),
-            Err(_) => Err((column, "the number of a repetition, 1 or more".into())),
-        },
+    match (cells.get(column), cells.get(column).parse()) {
+        ("", _) => Ok(None),
+        (_, Ok(repetition)) => Ok(Some((cells.get(session), repetition))),
+        (_, Err(_)) => Err(cells.fault(column, "the number of a repetition, 1 or more")),
     }
 }
 
@@ -165,19 +158,14 @@ pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(
 ///
 /// # Errors
 /// One that is no time.
-pub(super) fn response_time(cells: &Cells<'_>, columns: &Columns) -> Result<Option<f64>, CellFault> {
+pub(super) fn response_time(cells: &Cells<'_>, columns: &Columns) -> Result<Option<f64>, RowFault> {
     let Some(column) = columns.time else { return Ok(None) };
-    match cells.optional(column) {
-        "" => Ok(None),
-        text => match text.parse() {
-            Ok(seconds) if f64::is_finite(seconds) && seconds >= 0.0 => Ok(Some(seconds)),
-            _ => Err((column, "seconds, 0 or more".into())),
-        },
+    match (cells.optional(column), cells.optional(column).parse()) {
+        ("", _) => Ok(None),
+        (_, Ok(seconds)) if f64::is_finite(seconds) && seconds >= 0.0 => Ok(Some(seconds)),
+        _ => Err(cells.fault(column, "seconds, 0 or more")),
     }
 }
-
-/// How many faults in one column are kept of one file.
-const KEPT: usize = 10;
 
 /// What is wrong with a row.
 #[derive(Clone, Debug)]
@@ -186,37 +174,4 @@ pub(super) struct RowFault {
     pub cell: Option<usize>,
     /// What is wrong; what is expected.
     pub message: String,
-}
-
-/// The faulty rows of a file.
-#[derive(Clone, Debug, Default)]
-pub(super) struct RowFaults {
-    kept: Vec<FileFault>,
-    /// How many there are in each column, kept or not.
-    cells: Vec<(Option<usize>, usize)>,
-}
-
-impl RowFaults {
-    /// Adds a fault; its place is asked for only if it is kept.
-    pub fn add(&mut self, file: &str, fault: RowFault, place: impl FnOnce() -> (usize, usize)) {
-        let index = self.cells.iter().position(|(cell, _)| *cell == fault.cell).unwrap_or_else(|| {
-            self.cells.push((fault.cell, 0));
-            self.cells.len() - 1
-        });
-        self.cells[index].1 += 1;
-        if self.cells[index].1 <= KEPT {
-            self.kept.push(FileFault::at(file, place(), fault.message));
-        }
-    }
-
-    /// Every fault that was kept, and how many more there are.
-    pub fn finish(self, file: &str, columns: &[String]) -> Vec<FileFault> {
-        let mut faults = self.kept;
-        faults.sort_by_key(|fault| fault.position);
-        for (cell, n) in self.cells.into_iter().filter(|(_, n)| *n > KEPT) {
-            let of = cell.and_then(|cell| columns.get(cell)).map_or(String::new(), |name| format!(" in {name}"));
-            faults.push(FileFault::whole(file, format!("{} more rows have a fault{of}; expected none", n - KEPT)));
-        }
-        faults
-    }
 }
