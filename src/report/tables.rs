@@ -5,10 +5,10 @@ use serde_json::{Value, json};
 use crate::analysis::{
     Results,
     bootstrap::Interval,
-    counts::{Counts, Quartiles},
+    counts::{CountRow, Counts, Quartiles},
     rank_tests::PMethod,
-    results::FactorResults,
-    summary::{Group, Summary},
+    results::{FactorResults, SubjectResults},
+    summary::Group,
 };
 use crate::store::{ratings::Shape, table::inert};
 
@@ -55,51 +55,46 @@ fn ends(interval: Option<Interval>) -> [String; 2] {
     [maybe(interval.map(|interval| interval.low)), maybe(interval.map(|interval| interval.high))]
 }
 
-/// `n, mean, median, p…, ci_low, ci_high, subjects`.
-fn summary_header(counts: &Counts) -> impl Iterator<Item = String> {
-    let names = |list: &[&str]| list.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-    let proportions: Vec<String> = counts.categories.iter().map(|category| format!("p{category}")).collect();
-    names(&["n", "mean", "median"]).into_iter().chain(proportions).chain(names(&["ci_low", "ci_high", "subjects"]))
+/// `n, mean, median, p…, ci_low, ci_high, subjects`, between other columns.
+fn summary_header(first: impl IntoIterator<Item = String>, counts: &Counts, last: &[&str]) -> Vec<String> {
+    let proportions = counts.categories.iter().map(|category| format!("p{category}"));
+    let owned = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    let parts = [first.into_iter().collect(), owned(&["n", "mean", "median"]), proportions.collect()];
+    [&parts.concat()[..], &owned(&["ci_low", "ci_high", "subjects"]), &owned(last)].concat()
 }
 
-fn summary_cells(summary: &Summary) -> Vec<String> {
-    let mut cells = vec![summary.n.to_string(), number(summary.mean), number(summary.median)];
+fn group_row(Group { names, summary }: &Group) -> Vec<String> {
+    let mut cells = names.clone();
+    cells.extend([summary.n.to_string(), number(summary.mean), number(summary.median)]);
     cells.extend(summary.proportions.iter().map(|&p| number(p)));
     cells.extend(ends(summary.interval));
     cells.push(summary.subjects.to_string());
     cells
 }
 
-fn group_row(group: &Group) -> Vec<String> {
-    group.names.iter().cloned().chain(summary_cells(&group.summary)).collect()
-}
-
 /// Every cell of the design, by its factors.
 pub fn cells(results: &Results) -> Table {
     let counts = &results.measured.counts;
     let factors = counts.factors.iter().map(|factor| factor.name.clone());
-    Table::new(factors.chain(summary_header(counts)), results.cells.iter().map(group_row).collect())
+    Table::new(summary_header(factors, counts, &[]), results.cells.iter().map(group_row).collect())
 }
 
 /// The levels of a factor.
 pub fn by_factor(results: &Results, factor: &FactorResults) -> Table {
-    let header = std::iter::once(factor.name.clone()).chain(summary_header(&results.measured.counts));
-    let rows = (factor.levels.iter().zip(&factor.times))
-        .map(|(group, times)| [group_row(group), vec![median(*times)]].concat())
-        .collect();
-    Table::new(header.chain(["response_time_median_s".to_owned()]), rows)
+    let header = summary_header([factor.name.clone()], &results.measured.counts, &["response_time_median_s"]);
+    let row = |(group, times): (&Group, &Option<Quartiles>)| [group_row(group), vec![median(*times)]].concat();
+    Table::new(header, factor.levels.iter().zip(&factor.times).map(row).collect())
 }
 
 /// Every participant.
 pub fn subjects(results: &Results) -> Table {
-    let header = std::iter::once("subject_id".to_owned()).chain(summary_header(&results.measured.counts));
-    let rows = (results.subjects.iter())
-        .map(|subject| {
-            let more = [subject.retests.to_string(), maybe(subject.kappa), median(subject.times)];
-            [group_row(&subject.group), more.to_vec()].concat()
-        })
-        .collect();
-    Table::new(header.chain(["retests", "kappa", "response_time_median_s"].map(str::to_owned)), rows)
+    let more = ["retests", "kappa", "response_time_median_s"];
+    let header = summary_header(["subject_id".to_owned()], &results.measured.counts, &more);
+    let row = |subject: &SubjectResults| {
+        let more = [subject.retests.to_string(), maybe(subject.kappa), median(subject.times)];
+        [group_row(&subject.group), more.to_vec()].concat()
+    };
+    Table::new(header, results.subjects.iter().map(row).collect())
 }
 
 fn median(times: Option<Quartiles>) -> String {
@@ -113,40 +108,41 @@ pub fn tests(results: &Results) -> Table {
         ["test", "term", "level", "other", "n", "statistic", "df", "p", "p_holm", "effect", "effect_is", "note"];
     let mut rows = Vec::new();
     if results.is_inferential() {
-        results.factors.iter().for_each(|factor| rank_rows(factor, &mut rows));
+        rows.extend(results.factors.iter().flat_map(rank_rows));
         if let Ok(report) = &results.model {
             let groups = [
                 ("likelihood-ratio", &report.terms),
                 ("proportional-odds", &report.proportional_odds),
                 ("scale", &results.scale),
             ];
-            let n = report.model.nobs.to_string();
-            for (name, test) in groups.into_iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test)))
-            {
-                let note =
-                    if test.lr.is_none() { "one of the two models has no maximum, or too many parameters" } else { "" };
-                let (lr, df, p) = (maybe(test.lr), test.df.to_string(), maybe(test.p));
-                rows.push(owned([name, &test.term, "", "", &n, &lr, &df, &p, "", "", "", note]));
+            for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
+                let none = "one of the two models has no maximum, or too many parameters";
+                let numbers = [test.lr, Some(test.df as f64), test.p, None, None];
+                let note = if test.lr.is_none() { none } else { "" };
+                rows.push(test_row([name, &test.term, "", ""], report.model.nobs, numbers, "", note));
             }
         }
     }
     Table::new(header, rows)
 }
 
-fn owned(cells: [&str; 12]) -> Vec<String> {
-    cells.map(str::to_owned).to_vec()
+/// A row of tests: test, term, level, other; n; statistic, df, p, p by Holm, effect; what the effect is; a note.
+fn test_row(names: [&str; 4], n: u64, numbers: [Option<f64>; 5], effect_is: &str, note: &str) -> Vec<String> {
+    let names = names.into_iter().map(str::to_owned).chain([n.to_string()]);
+    names.chain(numbers.map(maybe)).chain([effect_is, note].map(str::to_owned)).collect()
 }
 
-fn rank_rows(factor: &FactorResults, rows: &mut Vec<Vec<String>>) {
-    let (name, n) = (&factor.name, factor.incomplete.len());
-    let left_out =
-        if n == 0 { String::new() } else { format!("{n} participants without ratings at every level are left out") };
+fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
+    let (name, mut rows) = (&factor.name, Vec::new());
+    let left_out = match factor.incomplete.len() {
+        0 => String::new(),
+        n => format!("{n} participants without ratings at every level are left out"),
+    };
     if let Some(test) = &factor.friedman {
-        let (n, df) = (test.subjects.to_string(), test.df.to_string());
-        let [statistic, p, w] = [test.chi_squared, test.p, test.w].map(number);
-        rows.push(owned(["friedman", name, "", "", &n, &statistic, &df, &p, "", &w, "Kendall's W", &left_out]));
+        let numbers = [Some(test.chi_squared), Some(test.df as f64), Some(test.p), None, Some(test.w)];
+        rows.push(test_row(["friedman", name, "", ""], test.subjects as u64, numbers, "Kendall's W", &left_out));
     }
-    let Some(pairs) = &factor.pairs else { return };
+    let Some(pairs) = &factor.pairs else { return rows };
     let limit = if pairs.cannot_reach(0.05) {
         let n = pairs.pairs.len();
         format!("with so few participants and {n} pairs no p_holm below {:.3} is possible", pairs.least_p)
@@ -158,14 +154,13 @@ fn rank_rows(factor: &FactorResults, rows: &mut Vec<Vec<String>>) {
             PMethod::Exact => "exact",
             PMethod::Normal => "normal approximation",
         };
-        let notes = [method, &limit, &left_out];
-        let note = notes.iter().filter(|note| !note.is_empty()).copied().collect::<Vec<_>>().join("; ");
-        let n = pair.test.n.to_string();
-        let [v, p, holm, difference] = [pair.test.v, pair.test.p, pair.p_holm, pair.difference].map(number);
-        let (level, other) = (&pair.level, &pair.other);
-        let cells = ["wilcoxon", name, level, other, &n, &v, "", &p, &holm, &difference, "mean difference", &note];
-        rows.push(owned(cells));
+        let note =
+            [method, &limit, &left_out].into_iter().filter(|note| !note.is_empty()).collect::<Vec<_>>().join("; ");
+        let numbers = [Some(pair.test.v), None, Some(pair.test.p), Some(pair.p_holm), Some(pair.difference)];
+        let names = ["wilcoxon", name, &pair.level, &pair.other];
+        rows.push(test_row(names, pair.test.n as u64, numbers, "mean difference", &note));
     }
+    rows
 }
 
 /// Agreement between participants (Krippendorff's α) and of each with themselves (weighted κ).
@@ -191,19 +186,16 @@ pub fn agreement(results: &Results) -> Table {
 /// The sufficient statistic: participant, factors, rating and how often. `analyze` reads it again, as it read the files:
 /// the columns of participant and response keep their names.
 pub fn counts(counts: &Counts, shape: &Shape) -> Table {
-    let factors = counts.factors.iter().map(|factor| factor.name.clone());
+    let factors = counts.factors.iter().map(|factor| &factor.name);
     let header =
-        std::iter::once(shape.subject.clone()).chain(factors).chain([shape.response.clone(), "count".to_owned()]);
-    let rows = (counts.rows.iter())
-        .map(|row| {
-            let text = str::to_owned;
-            let levels = counts.level_names(row.condition).into_iter().map(text);
-            (std::iter::once(counts.subjects[row.subject as usize].clone()).chain(levels))
-                .chain([counts.categories[row.rating as usize].clone(), row.count.to_string()])
-                .collect()
-        })
-        .collect();
-    Table::new(header, rows)
+        [&shape.subject].into_iter().chain(factors).cloned().chain([shape.response.clone(), "count".to_owned()]);
+    let row = |row: &CountRow| {
+        let mut cells = vec![counts.subjects[row.subject as usize].clone()];
+        cells.extend(counts.level_names(row.condition).into_iter().map(str::to_owned));
+        cells.extend([counts.categories[row.rating as usize].clone(), row.count.to_string()]);
+        cells
+    };
+    Table::new(header, counts.rows.iter().map(row).collect())
 }
 
 /// What the model expects of each condition, of a participant in the middle.
@@ -240,18 +232,17 @@ pub fn model(results: &Results) -> Value {
             value["asked"] = asked;
             value["aic"] = json!(report.model.aic());
             value["sentences"] = json!(sentences);
-            if !results.is_inferential() {
+            if results.is_inferential() {
+                value["likelihood_ratio"] = json!(report.terms);
+                value["proportional_odds"] = json!(report.proportional_odds);
+                value["scale_tests"] = json!(results.scale);
+            } else {
                 // z and p would be about other people.
                 for list in ["coefficients", "scale"] {
                     for coefficient in value[list].as_array_mut().into_iter().flatten() {
                         (coefficient["z"], coefficient["p"]) = (Value::Null, Value::Null);
                     }
                 }
-            }
-            if results.is_inferential() {
-                value["likelihood_ratio"] = json!(report.terms);
-                value["proportional_odds"] = json!(report.proportional_odds);
-                value["scale_tests"] = json!(results.scale);
             }
             value
         }

@@ -1,0 +1,279 @@
+//! Predicted visibility compared with ratings: a criterion fitted to them, and how well the order agrees.
+
+use std::collections::HashMap;
+
+use crate::{
+    analysis::{
+        ModelSpec,
+        counts::{Counts, MeasuredBuilder},
+        fit,
+        rank_tests::ranks,
+        summary::category_values,
+        terms::Terms,
+    },
+    experiment::{Condition, Protocol, visibilities},
+    stimulus::ViewingConditions,
+    store::ratings::Source,
+    vision::{Criterion, Visibility, VisionError},
+};
+
+/// Lesser visibilities count as this one when they are compared with ratings: below half of what is just seen there is
+/// nothing to tell apart, and some who see nothing press another key than 0.
+pub const LEAST: f64 = 0.5;
+
+/// Most conditions that a report predicts: each takes about a millisecond.
+const MOST_LINES: usize = 5000;
+/// Most of them where each needs a picture: these take a few tenths of a second.
+const MOST_PICTURES: usize = 100;
+
+/// How a prediction compares with ratings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// Where one rating gives way to the next, by maximum likelihood.
+    pub criterion: Criterion,
+    /// Conditions that both have.
+    pub conditions: usize,
+    /// Ratings of them.
+    pub ratings: u64,
+    /// Spearman's correlation of visibility and mean rating over conditions.
+    pub rank_correlation: Option<f64>,
+    /// The same with each participant alone, the mean over participants.
+    pub with_subjects: Option<f64>,
+    /// What any model could reach of that: the mean over participants of the correlation with the mean of the others,
+    /// and with the mean of all (Nili et al. 2014, PLoS Comput. Biol. 10:e1003553). `None` for a single participant.
+    pub ceiling: Option<[f64; 2]>,
+}
+
+/// Why nothing is predicted of ratings.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PredictionError {
+    /// The stimuli are not known.
+    #[error("the files bring no definition of an experiment, so nobody knows what was shown")]
+    NoDefinition,
+    /// It would take too long for a report.
+    #[error(
+        "{conditions} conditions are more than the {most} that a report predicts; `machband predict {name} --fit` predicts all"
+    )]
+    TooMany {
+        /// Those of the definition.
+        conditions: usize,
+        /// Those that a report allows.
+        most: usize,
+        /// The definition.
+        name: String,
+    },
+    /// A stimulus that cannot be seen.
+    #[error("the model cannot see the stimuli: {0}")]
+    Invisible(#[from] VisionError),
+    /// The definition sets a parameter to a value that it cannot have.
+    #[error("the definition’s conditions cannot be made: {0}")]
+    Conditions(String),
+    /// Nothing in common.
+    #[error("the ratings have none of the conditions predicted; expected ratings of this experiment")]
+    NoCondition,
+    /// A factor without a column.
+    #[error("the ratings do not record {0}, which the definition varies; expected a column of it")]
+    Factor(String),
+    /// Another scale.
+    #[error("the scale has {0} {noun}; expected the four of the scale 0–3", noun = if *.0 == 1 { "category" } else { "categories" })]
+    Categories(usize),
+    /// No thresholds can be had.
+    #[error("{0}; expected ratings that rise with visibility and use all of the scale")]
+    NoFit(String),
+}
+
+/// What the model of vision says of a study's conditions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StudyPrediction {
+    /// How the conditions were looked at.
+    pub viewing: ViewingConditions,
+    /// How the prediction compares with the ratings.
+    pub comparison: Comparison,
+    /// The rating expected in each of the counts' conditions, in the numbers of the categories; `None` where a
+    /// condition is none of the definition's.
+    pub ratings: Vec<Option<f64>>,
+}
+
+impl StudyPrediction {
+    /// Predicts every condition of the definition beside the ratings, in the window of their sessions, and compares that
+    /// with the ratings.
+    ///
+    /// # Errors
+    /// Why that cannot be done.
+    pub fn of(source: &Source, counts: &Counts) -> Result<Self, PredictionError> {
+        let protocol = source.protocol.as_ref().ok_or(PredictionError::NoDefinition)?;
+        check_categories(counts)?;
+        let conditions = protocol.conditions().map_err(|error| PredictionError::Conditions(error.to_string()))?;
+        let most = if protocol.stimulus.is_line() { MOST_LINES } else { MOST_PICTURES };
+        if conditions.len() > most {
+            let name = protocol.name.clone();
+            return Err(PredictionError::TooMany { conditions: conditions.len(), most, name });
+        }
+        let viewing = ViewingConditions::new(window_deg(source, protocol));
+        let predicted = visibilities(&conditions, &viewing, None)?;
+        let predicted = by_condition(counts, protocol, &conditions, &predicted)?;
+        let comparison = compare(counts, &predicted)?;
+        let values = category_values(counts);
+        let expected = |visibility: f64| {
+            let shares = comparison.criterion.probabilities(visibility.max(LEAST));
+            shares.iter().zip(&values).map(|(share, value)| share * value).sum()
+        };
+        let ratings = predicted.iter().map(|visibility| visibility.map(expected)).collect();
+        Ok(Self { viewing, comparison, ratings })
+    }
+}
+
+/// Compares what is predicted of a definition's conditions with ratings of it.
+///
+/// # Errors
+/// Where they have nothing in common, no criterion can be fitted, or the ratings do not record a factor of the
+/// definition.
+pub fn compare_conditions(
+    counts: &Counts,
+    protocol: &Protocol,
+    conditions: &[Condition],
+    predicted: &[Visibility],
+) -> Result<Comparison, PredictionError> {
+    compare(counts, &by_condition(counts, protocol, conditions, predicted)?)
+}
+
+/// The width of the window in the sessions, degrees: the mean of what their sidecars record, else what the
+/// definition plans.
+#[must_use]
+pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
+    let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
+    let widths = sittings.filter_map(|sitting| sitting.viewing.as_ref()?["stimulus_deg"].as_f64());
+    mean(widths.filter(|deg| deg.is_finite() && *deg > 0.0)).unwrap_or(protocol.viewing.window_deg)
+}
+
+/// The greatest visibility in each of the counts' conditions, in the order of these; `None` where it is none of the
+/// definition's. Columns that are no parameters of the stimulus say nothing of what was shown.
+fn by_condition(
+    counts: &Counts,
+    protocol: &Protocol,
+    conditions: &[Condition],
+    predicted: &[Visibility],
+) -> Result<Vec<Option<f64>>, PredictionError> {
+    let is_missing = |name: &str, levels: usize| levels > 1 && counts.factor(name).is_none();
+    if let Some(factor) = protocol.factors.iter().find(|factor| is_missing(&factor.name, factor.levels.len())) {
+        return Err(PredictionError::Factor(factor.name.clone()));
+    }
+    let names = counts.factors.iter().map(|factor| factor.name.as_str()).enumerate();
+    let columns: Vec<(usize, &str)> = names.filter(|(_, name)| protocol.stimulus.get(name).is_some()).collect();
+    let shown = |condition: &Condition| -> Option<Vec<String>> {
+        columns.iter().map(|(_, name)| Some(canonical(&condition.stimulus.get(name)?.to_string()))).collect()
+    };
+    let known: HashMap<Vec<String>, f64> = (conditions.iter().zip(predicted))
+        .filter_map(|(condition, visibility)| Some((shown(condition)?, visibility.max())))
+        .collect();
+    let rated = |condition: u32| -> Vec<String> {
+        let levels = counts.level_names(condition);
+        columns.iter().map(|(column, _)| canonical(levels[*column])).collect()
+    };
+    Ok((0..counts.conditions.len() as u32).map(|condition| known.get(&rated(condition)).copied()).collect())
+}
+
+/// A value as one text, in however many ways its number may be written.
+fn canonical(text: &str) -> String {
+    text.parse().map_or_else(|_| text.to_owned(), |number: f64| format!("{:.12e}", number + 0.0))
+}
+
+/// Compares predictions for each of the counts' conditions with ratings.
+fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, PredictionError> {
+    check_categories(counts)?;
+    let places = (0..).zip(predicted);
+    let (places, model): (Vec<u32>, Vec<f64>) = places.filter_map(|(place, value)| Some((place, (*value)?))).unzip();
+    if places.is_empty() {
+        return Err(PredictionError::NoCondition);
+    }
+    let ratings = counts.rows.iter().filter(|row| places.binary_search(&row.condition).is_ok()).map(|row| row.count);
+    let means = means(counts, &places);
+    let everyone: Vec<&[f64]> = means.iter().map(Vec::as_slice).collect();
+    let pooled_means = pooled(&everyone);
+    let with = |other: &dyn Fn(usize) -> Vec<f64>| {
+        mean(everyone.iter().enumerate().filter_map(|(i, own)| rank_correlation(own, &other(i))))
+    };
+    // The mean over the others, and over all.
+    let others = |i: usize| pooled(&[&everyone[..i], &everyone[i + 1..]].concat());
+    let ceiling = with(&others).zip(with(&|_| pooled_means.clone())).filter(|_| everyone.len() > 1);
+    Ok(Comparison {
+        criterion: criterion(counts, predicted)?,
+        conditions: places.len(),
+        ratings: ratings.sum(),
+        rank_correlation: rank_correlation(&pooled_means, &model),
+        with_subjects: with(&|_| model.clone()),
+        ceiling: ceiling.map(<[f64; 2]>::from),
+    })
+}
+
+/// Checks that ratings are on a scale that a criterion has thresholds for.
+fn check_categories(counts: &Counts) -> Result<(), PredictionError> {
+    match counts.categories.len() {
+        4 => Ok(()),
+        other => Err(PredictionError::Categories(other)),
+    }
+}
+
+fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Criterion, PredictionError> {
+    let fail = |error: &dyn std::fmt::Display| PredictionError::NoFit(error.to_string());
+    let mut builder = MeasuredBuilder::new(&["visibility"]).with_categories(&counts.categories);
+    for row in &counts.rows {
+        let Some(visibility) = predicted[row.condition as usize] else { continue };
+        let log = visibility.max(LEAST).ln().to_string();
+        let (subject, rating) = (&counts.subjects[row.subject as usize], &counts.categories[row.rating as usize]);
+        builder.add_counts(subject, &[log], rating, row.count).map_err(|error| fail(&error))?;
+    }
+    let terms = Terms::parse("num:visibility").map_err(|error| fail(&error))?;
+    let model = fit(&builder.finish().counts, &ModelSpec::new(terms)).map_err(|error| fail(&error))?;
+    let slope = model.coefficients.first().map_or(f64::NAN, |coefficient| coefficient.estimate);
+    if !(slope.is_finite() && slope > 0.0) {
+        return Err(PredictionError::NoFit(format!("ratings change by {slope:.3} with the logarithm of visibility")));
+    }
+    let thresholds: Vec<f64> = model.thresholds.iter().map(|threshold| (threshold.estimate / slope).exp()).collect();
+    match <[f64; 3]>::try_from(thresholds) {
+        Ok(thresholds) if thresholds.iter().all(|t| t.is_finite() && *t > 0.0) => {
+            Ok(Criterion { thresholds, spread: 1.0 / slope })
+        }
+        _ => Err(PredictionError::NoFit("some rating was never given".to_owned())),
+    }
+}
+
+/// Mean rating of every participant in these conditions; NaN where there is none.
+fn means(counts: &Counts, places: &[u32]) -> Vec<Vec<f64>> {
+    let mut sums = vec![vec![(0.0, 0.0); places.len()]; counts.subjects.len()];
+    for row in &counts.rows {
+        if let Ok(place) = places.binary_search(&row.condition) {
+            let (sum, n) = &mut sums[row.subject as usize][place];
+            *sum += f64::from(row.rating) * row.count as f64;
+            *n += row.count as f64;
+        }
+    }
+    sums.into_iter().map(|cells| cells.into_iter().map(|(sum, n)| sum / n).collect()).collect()
+}
+
+/// Mean over the participants who rated a condition; NaN where nobody did.
+fn pooled(means: &[&[f64]]) -> Vec<f64> {
+    let of = |condition: usize| mean(means.iter().map(|own| own[condition]).filter(|value: &f64| value.is_finite()));
+    (0..means.first().map_or(0, |own| own.len())).map(|condition| of(condition).unwrap_or(f64::NAN)).collect()
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, n) = values.fold((0.0, 0_u32), |(sum, n), value| (sum + value, n + 1));
+    (n > 0).then(|| sum / f64::from(n))
+}
+
+/// Spearman's correlation, ties at their mean rank, of the pairs that both have; `None` where one does not vary.
+#[must_use]
+pub fn rank_correlation(a: &[f64], b: &[f64]) -> Option<f64> {
+    let pairs = a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite());
+    let (a, b): (Vec<f64>, Vec<f64>) = pairs.unzip();
+    let centered = |values: &[f64]| -> Option<Vec<f64>> {
+        let ranks = ranks(values).0;
+        let middle = mean(ranks.iter().copied())?;
+        Some(ranks.into_iter().map(|rank| rank - middle).collect())
+    };
+    let (a, b) = (centered(&a)?, centered(&b)?);
+    let sum = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let (aa, bb) = (sum(&a, &a), sum(&b, &b));
+    (aa > 0.0 && bb > 0.0).then(|| sum(&a, &b) / (aa * bb).sqrt())
+}
