@@ -66,10 +66,10 @@ def machband(arguments):
 def psychopy(arguments):
     size = arguments.size if arguments.fullscreen else arguments.window
     full = "1" if arguments.fullscreen else "0"
-    return told("PsychoPy", [arguments.python, "-c", PEER, repr(size), str(arguments.frames), full])
+    return measure("PsychoPy", [arguments.python, "-c", PEER, repr(size), str(arguments.frames), full])
 
 
-def told(name, command):
+def measure(name, command):
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT")), None)
     if line is None:
@@ -106,7 +106,7 @@ def main():
             if name == "PsychoPy":
                 run = psychopy(arguments)
             elif name == "bare window":
-                run = told(name, [*shlex.split(arguments.bare), str(arguments.frames)])
+                run = measure(name, [*shlex.split(arguments.bare), str(arguments.frames)])
             else:
                 run = machband(arguments)
             runs[name].append(run)

@@ -61,8 +61,8 @@ def timed(name, command):
     wall = time.perf_counter() - began
     if done.returncode != 0:
         sys.exit(f"{name} failed:\n{done.stdout}\n{done.stderr}")
-    told = TIMES.search(done.stdout)
-    return (float(told[1]), float(told[2])) if told else (None, wall)
+    times = TIMES.search(done.stdout)
+    return (float(times[1]), float(times[2])) if times else (None, wall)
 
 
 def response(path):

@@ -30,7 +30,7 @@ pub const ALL: &[Target] = &[
 /// A definition, and the schedule that follows from it.
 pub fn definition(content: &[u8]) {
     let Some(text) = text(content) else { return };
-    let Some(protocol) = told(definition::parse("fuzz.toml", text)) else { return };
+    let Some(protocol) = checked(definition::parse("fuzz.toml", text)) else { return };
     let written = serde_json::to_value(&protocol).unwrap();
     let again = definition::from_json("fuzz.json", &written).unwrap();
     assert_eq!(definition::hash(&again), definition::hash(&protocol));
@@ -49,7 +49,7 @@ pub fn definition(content: &[u8]) {
 pub fn results(content: &[u8]) {
     static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(|| columns(&definition::open("quick").unwrap()));
     let columns = COLUMNS.as_slice();
-    let Some(rows) = told(results::parse("fuzz.csv", content, columns)) else { return };
+    let Some(rows) = checked(results::parse("fuzz.csv", content, columns)) else { return };
     let header = columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>().join(",");
     let mut written = header + "\n";
     for row in &rows {
@@ -83,7 +83,7 @@ pub fn ratings(content: &[u8]) {
 /// A display profile.
 pub fn profile(content: &[u8]) {
     let Some(text) = text(content) else { return };
-    let Some(profile) = told(profile::parse("fuzz.toml", text)) else { return };
+    let Some(profile) = checked(profile::parse("fuzz.toml", text)) else { return };
     assert!(!profile.sentence().is_empty());
     for level in [0.0, 0.25, 1.0] {
         let light = profile.transfers.linear_from_encoded([level; 3]);
@@ -94,12 +94,12 @@ pub fn profile(content: &[u8]) {
 /// A photometer's readings.
 pub fn readings(content: &[u8]) {
     let Some(text) = text(content) else { return };
-    told(readings::parse("fuzz.csv", text));
+    checked(readings::parse("fuzz.csv", text));
 }
 
 /// A mesh.
 pub fn obj(content: &[u8]) {
-    let Some(mesh) = told(mesh::parse("fuzz.obj", content, 30.0)) else { return };
+    let Some(mesh) = checked(mesh::parse("fuzz.obj", content, 30.0)) else { return };
     let corners = mesh.vertices.len();
     assert!(!mesh.triangles.is_empty());
     assert!(mesh.triangles.iter().flatten().all(|corner| (*corner as usize) < corners));
@@ -107,8 +107,8 @@ pub fn obj(content: &[u8]) {
 
 /// An image, as `check` verifies it and as `predict` reads it.
 pub fn png(content: &[u8]) {
-    told(image::prove_content("fuzz.png", content));
-    if let Some(image) = told(image::parse_light("fuzz.png", content, &Transfer::Srgb.into())) {
+    checked(image::prove_content("fuzz.png", content));
+    if let Some(image) = checked(image::parse_light("fuzz.png", content, &Transfer::Srgb.into())) {
         assert_eq!(image.data.len(), 3 * image.width as usize * image.height as usize);
     }
 }
@@ -116,8 +116,8 @@ pub fn png(content: &[u8]) {
 /// Parameters of an observer, of both kinds.
 pub fn observer(content: &[u8]) {
     let Some(text) = text(content) else { return };
-    told(observer::parse("fuzz.toml", text));
-    told(observer::parse_vision("fuzz.toml", text));
+    checked(observer::parse("fuzz.toml", text));
+    checked(observer::parse_vision("fuzz.toml", text));
 }
 
 /// Invalid UTF-8 never reaches the readers of text.
@@ -126,7 +126,7 @@ fn text(content: &[u8]) -> Option<&str> {
 }
 
 /// Returns the result. If there is none, checks that the error has a message.
-fn told<T: Debug>(read: Result<T, FileFaults>) -> Option<T> {
+fn checked<T: Debug>(read: Result<T, FileFaults>) -> Option<T> {
     match read {
         Ok(read) => Some(read),
         Err(FileFaults(faults)) => {
