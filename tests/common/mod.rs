@@ -5,6 +5,7 @@
 
 use std::{
     fs,
+    io::Write as _,
     path::{Path, PathBuf},
     process::{Command, Output, Stdio},
 };
@@ -78,4 +79,25 @@ pub fn session_csv(results: &Path, experiment: &str, participant: &str) -> PathB
 pub fn rows(csv: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
     let read = results::parse(csv.to_str().unwrap(), &fs::read(csv).unwrap(), &columns(protocol));
     read.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Builds the library `tests/faults/NAME.c` with the compiler that links Rust programs too; `false` where that cannot be.
+pub fn c_library(name: &str, to: &Path) -> bool {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/faults").join(name).with_extension("c");
+    let mut compiler = Command::new("cc");
+    compiler.args(["-O1", "-Wall", "-Wextra", "-shared", "-fPIC", "-o"]).arg(to).arg(source).arg("-ldl");
+    let why = match compiler.output() {
+        Ok(output) if output.status.success() => return true,
+        Ok(output) => String::from_utf8_lossy(&output.stderr).into_owned(),
+        Err(error) => format!("cc: {error}"),
+    };
+    skip_faults(&why);
+    false
+}
+
+/// Says that no faults are injected, which `MACHBAND_REQUIRE_FAULTS=1` does not allow.
+pub fn skip_faults(why: &str) {
+    assert!(std::env::var_os("MACHBAND_REQUIRE_FAULTS").is_none_or(|value| value != "1"), "no faults injected: {why}");
+    // Not by eprintln, which the test harness keeps to itself.
+    let _ = writeln!(std::io::stderr(), "SKIPPED: no faults are injected, since {why}");
 }

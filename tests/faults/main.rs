@@ -6,7 +6,8 @@
 
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
-mod build;
+#[path = "../common/mod.rs"]
+mod common;
 mod disk;
 mod run;
 mod scenes;

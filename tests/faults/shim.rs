@@ -7,14 +7,14 @@ use std::{
     sync::OnceLock,
 };
 
-use crate::{build, run};
+use crate::{common, run};
 
 /// The library, or `None`, said aloud, where it cannot be made.
 pub fn library() -> Option<&'static Path> {
     static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
     let built = BUILT.get_or_init(|| {
         let to = Path::new(env!("CARGO_TARGET_TMPDIR")).join("faults.so");
-        build::library("shim", &to).then_some(to)
+        common::c_library("shim", &to).then_some(to)
     });
     built.as_deref()
 }

@@ -134,39 +134,3 @@ fn is_straight(ramp: &[u16]) -> Option<bool> {
     // A code of 8 bits is 257 of a ramp's.
     Some(ramp.iter().enumerate().map(off).fold(0.0, f64::max) < 257.0)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_bent_ramp_is_told_from_a_straight_one() {
-        let ramp = |gamma: f64| -> Vec<u16> {
-            (0..256).map(|i| ((f64::from(i) / 255.0).powf(gamma) * 65_535.0).round() as u16).collect()
-        };
-        assert_eq!(is_straight(&ramp(1.0)), Some(true));
-        // As a night light leaves blue.
-        let dimmed: Vec<u16> = ramp(1.0).iter().map(|value| (f64::from(*value) * 0.8) as u16).collect();
-        assert_eq!((is_straight(&ramp(0.95)), is_straight(&dimmed)), (Some(false), Some(false)));
-        assert_eq!((is_straight(&[]), is_straight(&[0]), is_straight(&[0; 256])), (None, None, None));
-    }
-
-    #[test]
-    fn a_modes_timing_is_its_refresh() {
-        // CEA-861, 1920 × 1080 at 59.94 Hz.
-        let mode = ModeInfo {
-            width: 1920,
-            height: 1080,
-            dot_clock: 148_351_648,
-            htotal: 2200,
-            vtotal: 1125,
-            ..ModeInfo::default()
-        };
-        assert!((refresh_hz(&mode).unwrap() - 59.94).abs() < 1e-3);
-        assert_eq!(refresh_hz(&ModeInfo::default()), None);
-        let shown = |width, height, rotation| randr::GetCrtcInfoReply { width, height, rotation, ..Default::default() };
-        assert!(!is_resampled(&mode, &shown(1920, 1080, randr::Rotation::ROTATE0)));
-        assert!(!is_resampled(&mode, &shown(1080, 1920, randr::Rotation::ROTATE90)));
-        assert!(is_resampled(&mode, &shown(2880, 1620, randr::Rotation::ROTATE0)));
-    }
-}

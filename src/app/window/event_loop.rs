@@ -208,18 +208,3 @@ fn listen_to_log() {
         }
     });
 }
-
-#[cfg(test)]
-mod tests {
-    use winit::keyboard::KeyCode;
-
-    use super::*;
-
-    #[test]
-    fn answers_are_known_by_their_place_on_both_halves_of_the_keyboard() {
-        let known = |code| key(PhysicalKey::Code(code));
-        assert_eq!((known(KeyCode::Digit3), known(KeyCode::Numpad3)), (Some(Key::Num3), Some(Key::Num3)));
-        assert_eq!((known(KeyCode::KeyQ), known(KeyCode::Numpad0)), (Some(Key::Q), Some(Key::Num0)));
-        assert_eq!((known(KeyCode::NumpadEnter), known(KeyCode::Escape)), (None, None));
-    }
-}
