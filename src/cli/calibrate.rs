@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use jiff::civil::Date;
 use serde_json::{Value, json};
 
-use super::{UsageError, say, today, warn, wrote};
+use super::{UsageError, columns, say, today, warn, wrote};
 use crate::{
     display::{
         Measurement,
@@ -27,7 +27,7 @@ use crate::{
     models that predict it best."
 )]
 pub(super) struct Arguments {
-    /// What the photometer read.
+    /// The readings of the photometer.
     #[arg(value_name = "READINGS.csv")]
     readings: PathBuf,
     /// Display profile to write.
@@ -36,7 +36,7 @@ pub(super) struct Arguments {
     /// Name of the display [default: the profile's file name].
     #[arg(long)]
     name: Option<String>,
-    /// Who measured.
+    /// The person who measured.
     #[arg(long, value_name = "WHO")]
     by: Option<String>,
     /// The photometer.
@@ -121,19 +121,24 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     let (scatter, light) = (100.0 * calibration.noise, calibration.luminance_of(family));
     say(&format!("{file}: {readings} readings of {}; they scatter by {scatter:.2} %", channels.join(", ")))?;
     say(&format!("black {:.4} cd/m², white {:.2} cd/m²\n", light.black_cd_m2, light.white_cd_m2))?;
-    say("model  channel  gamma              gain    offset   R²         largest error")?;
-    say("                                                              codes    cd/m²")?;
-    for model in &calibration.models {
-        model.channels.iter().try_for_each(|channel| say(&line(model.family, channel)))?;
-    }
-    say("\nmodel  error of levels left out in turn")?;
-    say("       rms codes  rms cd/m²  largest codes  in units of the noise")?;
-    for model in &calibration.models {
-        let (name, found) = (model.family.name(), &model.validation);
-        let (codes, cd_m2, largest, score) =
-            (found.rms_codes, found.rms_cd_m2, found.largest_codes, found.score.sqrt());
-        say(&format!("{name:<6} {codes:>9.2}  {cd_m2:>9.3}  {largest:>13.2}  {score:>21.2}"))?;
-    }
+    let largest_error = ["largest error, codes", "cd/m²"];
+    let header = [&["model", "channel", "gamma", "gain", "offset", "R²"], &largest_error[..]].concat();
+    let models = || calibration.models.iter();
+    let rows = models().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
+    columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| say(line))?;
+    say("\nerror of levels left out in turn")?;
+    let header = ["model", "rms codes", "rms cd/m²", "largest codes", "in units of the noise"];
+    let rows = models().map(|model| {
+        let found = &model.validation;
+        vec![
+            model.family.name().to_owned(),
+            format!("{:.2}", found.rms_codes),
+            format!("{:.3}", found.rms_cd_m2),
+            format!("{:.2}", found.largest_codes),
+            format!("{:.2}", found.score.sqrt()),
+        ]
+    });
+    columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| say(line))?;
     say("")?;
     let sums = &calibration.additivity;
     if !sums.is_empty() {
@@ -149,35 +154,30 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     say(&format!("chosen: {family}{}", if arguments.model == "auto" { "" } else { ", as requested" }))
 }
 
-fn line(family: Family, channel: &FittedChannel) -> String {
-    let gamma = match (channel.curve.gamma(), channel.gamma_se) {
-        (Some(gamma), Some(se)) => format!("{gamma:.4} ± {se:.4}"),
-        (Some(gamma), None) => format!("{gamma:.4}"),
-        _ => "—".to_owned(),
-    };
-    let (gain, offset) = match channel.curve.gain_and_offset() {
-        Some((gain, offset)) => (format!("{gain:.4}"), format!("{offset:+.4}")),
-        None => ("—".to_owned(), "—".to_owned()),
-    };
-    let (name, r_squared) = (channel.channel.name(), channel.r_squared);
-    let (codes, cd_m2) = (channel.largest_codes, channel.largest_cd_m2);
-    format!("{family:<6} {name:<8} {gamma:<18} {gain:<7} {offset:<8} {r_squared:.6}  {codes:>6.2}  {cd_m2:>7.3}")
+fn cells(family: Family, channel: &FittedChannel) -> Vec<String> {
+    let fixed = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| format!("{value:.4}"));
+    let se = channel.gamma_se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
+    let gain_and_offset = channel.curve.gain_and_offset();
+    vec![
+        family.name().to_owned(),
+        channel.channel.name().to_owned(),
+        fixed(channel.curve.gamma()) + &se,
+        fixed(gain_and_offset.map(|(gain, _)| gain)),
+        gain_and_offset.map_or_else(|| "—".to_owned(), |(_, offset)| format!("{offset:+.4}")),
+        format!("{:.6}", channel.r_squared),
+        format!("{:.2}", channel.largest_codes),
+        format!("{:.3}", channel.largest_cd_m2),
+    ]
 }
 
 /// The findings as JSON.
 fn report(calibration: &Calibration, family: Family) -> Value {
     let models = calibration.models.iter().map(|model| {
-        let found = &model.validation;
         json!({
             "model": model.family.name(),
             "common_shape": model.common_shape,
             "channels": model.channels.iter().map(channel_json).collect::<Value>(),
-            "cross_validation": {
-                "rms_codes": found.rms_codes,
-                "rms_cd_m2": found.rms_cd_m2,
-                "largest_codes": found.largest_codes,
-                "score": found.score,
-            },
+            "cross_validation": model.validation,
         })
     });
     let sums = &calibration.additivity;

@@ -21,7 +21,7 @@ mod timing;
 
 use std::{
     io::{ErrorKind, Write as _},
-    path::{Path, PathBuf},
+    path::Path,
     process::ExitCode,
 };
 
@@ -132,11 +132,6 @@ fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }
 
-/// Where results go unless told otherwise.
-fn default_results() -> PathBuf {
-    PathBuf::from("results")
-}
-
 /// How progress is drawn on a terminal; `what` is counted.
 fn progress_style(what: &str) -> indicatif::ProgressStyle {
     let template = format!("{{bar:40}} {{pos}}/{{len}} {what}, {{eta}} to go");
@@ -150,14 +145,24 @@ fn spinner(what: &'static str) -> indicatif::ProgressBar {
     spinner
 }
 
-/// A participant's identifier, for clap.
-#[cfg(feature = "window")]
-fn participant(text: &str) -> Result<String, String> {
-    crate::experiment::Identity::check_subject(text).map_err(|error| error.to_string())
-}
-
-/// A session's identifier, for clap.
-#[cfg(feature = "window")]
-fn session(text: &str) -> Result<String, String> {
-    crate::experiment::Identity::check_session(text).map_err(|error| error.to_string())
+/// A table in lines, its columns as wide as their cells and those of numbers to the right. Columns without any content are
+/// left out.
+fn columns(header: &[&str], rows: &[Vec<String>]) -> Vec<String> {
+    let is_number = |cell: &String| {
+        let first = cell.split([' ', '–']).next().unwrap_or_default();
+        cell.is_empty() || cell == "—" || first.parse::<f64>().is_ok()
+    };
+    let mut lines = vec![String::new(); rows.len() + 1];
+    for (index, name) in header.iter().enumerate() {
+        let cells = || rows.iter().map(|row| &row[index]);
+        if cells().all(String::is_empty) {
+            continue;
+        }
+        let width = cells().map(|cell| cell.chars().count()).fold(name.chars().count(), usize::max);
+        let is_right = cells().all(is_number);
+        for (line, cell) in lines.iter_mut().zip(std::iter::once(*name).chain(cells().map(String::as_str))) {
+            *line += &if is_right { format!("{cell:>width$}  ") } else { format!("{cell:<width$}  ") };
+        }
+    }
+    lines.iter().map(|line| line.trim_end().to_owned()).collect()
 }

@@ -13,9 +13,10 @@ use crate::{
     report::{
         Study,
         prediction::{self, Comparison, window_deg},
+        tables::Table,
     },
     stimulus::ViewingConditions,
-    store::{self, definition, observer, ratings::ReadOptions, table::inert},
+    store::{self, definition, observer, ratings::ReadOptions},
     vision::{Criterion, Visibility},
 };
 
@@ -61,13 +62,6 @@ pub(super) struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// A row of the table.
-struct Prediction {
-    /// In the order of the header.
-    values: Vec<String>,
-    visibility: Visibility,
-}
-
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let positive = |name: &str, value: Option<f64>| match value {
         Some(value) if !(value.is_finite() && value > 0.0) => {
@@ -92,18 +86,19 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let viewing = viewing(window.unwrap_or(10.0));
     if let Some(path) = &arguments.image {
         let visibility = image(arguments, path, &viewing)?;
-        let row = Prediction { values: vec![path.display().to_string()], visibility };
-        return write(arguments, &["image".to_owned()], &[row], &criterion, 0.0);
+        return write(arguments, &["image"], vec![vec![path.display().to_string()]], &[visibility], &criterion, 0.0);
     }
     let stimulus = arguments.stimulus.stimulus()?;
     let size = arguments.size.unwrap_or_else(|| ViewingConditions::px(&stimulus));
     let seen =
         viewing.predict(&stimulus, size).map_err(|error| anyhow::anyhow!("{}: {error}", stimulus.kind()))?.visibility();
-    let names: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
-    let header: Vec<String> = std::iter::once("stimulus").chain(names.iter().copied()).map(str::to_owned).collect();
-    let value = |name: &&str| stimulus.get(name).map_or_else(String::new, |value| value.to_string());
-    let values = std::iter::once(stimulus.kind().to_owned()).chain(names.iter().map(value)).collect();
-    write(arguments, &header, &[Prediction { values, visibility: seen }], &criterion, 0.0)
+    let mut header = vec!["stimulus"];
+    let mut row = vec![stimulus.kind().to_owned()];
+    for parameter in stimulus.parameters() {
+        header.push(parameter.name);
+        row.push(stimulus.get(parameter.name).map_or_else(String::new, |value| value.to_string()));
+    }
+    write(arguments, &header, vec![row], &[seen], &criterion, 0.0)
 }
 
 fn image(arguments: &Arguments, path: &Path, viewing: &ViewingConditions) -> anyhow::Result<Visibility> {
@@ -131,18 +126,14 @@ fn all(
     let conditions = protocol.conditions()?;
     let seen = visibilities(&conditions, viewing, arguments.size)
         .map_err(|error| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind()))?;
-    let header: Vec<String> = protocol.factors.iter().map(|factor| factor.name.clone()).collect();
-    let level = |condition: &Condition| -> Vec<String> {
+    let header: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
+    let row = |condition: &Condition| -> Vec<String> {
         let levels = protocol.factors.iter().zip(&condition.levels);
         levels.map(|(factor, level)| factor.levels[*level].to_string()).collect()
     };
-    let rows: Vec<Prediction> = conditions
-        .iter()
-        .zip(&seen)
-        .map(|(condition, visibility)| Prediction { values: level(condition), visibility: *visibility })
-        .collect();
+    let rows = conditions.iter().map(row).collect();
     let Some(study) = study else {
-        return write(arguments, &header, &rows, &criterion(arguments)?, 0.0);
+        return write(arguments, &header, rows, &seen, &criterion(arguments)?, 0.0);
     };
     let comparison = prediction::compare_conditions(&study.measured.counts, protocol, &conditions, &seen)
         .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.fit[0].display()))?;
@@ -150,7 +141,7 @@ fn all(
         observer::write_criterion(path, &comparison.criterion)?;
     }
     if arguments.out.is_some() {
-        write(arguments, &header, &rows, &comparison.criterion, prediction::LEAST)?;
+        write(arguments, &header, rows, &seen, &comparison.criterion, prediction::LEAST)?;
     }
     tell(&comparison)?;
     super::ratings::faults(&study.source)
@@ -183,28 +174,21 @@ fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
 /// Writes the table; a band less visible than `least` is rated as if it were that visible.
 fn write(
     arguments: &Arguments,
-    header: &[String],
-    rows: &[Prediction],
+    header: &[&str],
+    mut rows: Vec<Vec<String>>,
+    seen: &[Visibility],
     criterion: &Criterion,
     least: f64,
 ) -> anyhow::Result<()> {
-    let mut table = csv::Writer::from_writer(Vec::new());
-    let columns = ["visibility", "predicted_rating", "visibility_bright", "visibility_dark"];
-    table.write_record(header.iter().map(String::as_str).chain(columns))?;
-    for row in rows {
-        let visibility = row.visibility;
-        let numbers =
-            [visibility.max(), criterion.mean(visibility.max().max(least)), visibility.bright, visibility.dark];
-        table.write_record(
-            row.values
-                .iter()
-                .map(|value| inert(value).into_owned())
-                .chain(numbers.map(|number| format!("{number:.4}"))),
-        )?;
+    for (row, visibility) in rows.iter_mut().zip(seen) {
+        let strongest = visibility.max();
+        let numbers = [strongest, criterion.mean(strongest.max(least)), visibility.bright, visibility.dark];
+        row.extend(numbers.map(|number| format!("{number:.4}")));
     }
-    let bytes = table.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;
+    let columns = ["visibility", "predicted_rating", "visibility_bright", "visibility_dark"];
+    let table = Table { header: header.iter().chain(&columns).map(|name| (*name).to_owned()).collect(), rows }.csv();
     match &arguments.out {
-        Some(path) => Ok(store::write_file(path, &bytes)?),
-        None => say(String::from_utf8_lossy(&bytes).trim_end()),
+        Some(path) => Ok(store::write_file(path, &table)?),
+        None => say(String::from_utf8_lossy(&table).trim_end()),
     }
 }

@@ -19,19 +19,19 @@ use crate::{
 pub(super) struct Arguments {
     /// Built-in definition or path to a .toml file.
     experiment: String,
-    /// Participant; the next free P001, P002, … unless given.
-    #[arg(long, value_name = "ID", value_parser = super::participant)]
+    /// Participant [default: the next free one of P001, P002, …].
+    #[arg(long, value_name = "ID", value_parser = Identity::check_subject)]
     participant: Option<String>,
     /// Session of the participant.
-    #[arg(long, value_name = "ID", default_value = "1", value_parser = super::session)]
+    #[arg(long, value_name = "ID", default_value = "1", value_parser = Identity::check_session)]
     session: String,
-    /// Seed of the order of the trials; a fresh one unless given.
+    /// Seed of the order of the trials [default: a new one].
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Folder for the results.
-    #[arg(long, value_name = "DIR", default_value_os_t = super::default_results())]
+    #[arg(long, value_name = "DIR", default_value = "results")]
     results: PathBuf,
-    /// Display profile; sRGB unless given.
+    /// Display profile [default: sRGB].
     #[arg(long, value_name = "PROFILE.toml")]
     display: Option<PathBuf>,
     /// In gray instead of color, for someone with a color deficiency; the experiment's name then ends in -gray.

@@ -41,9 +41,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Folder for the results.
-    #[arg(long, value_name = "DIR", default_value_os_t = super::default_results())]
+    #[arg(long, value_name = "DIR", default_value = "results")]
     results: PathBuf,
-    /// Who rates.
+    /// The observer.
     #[arg(long, value_enum, default_value_t = Rule::Paper)]
     observer: Rule,
     /// Parameters of the paper or vision observer; experiments/observers has the documented defaults.

@@ -2,6 +2,7 @@
 
 use crate::{
     analysis::power::{Effect, Hypothesis, Plan, Power, Sampling, Test},
+    cli::columns,
     experiment::Protocol,
     report::tables::{Table, number},
 };
@@ -39,20 +40,22 @@ impl Findings<'_> {
         &self.plan.hypotheses()[power.hypothesis]
     }
 
-    /// One line for each number of participants and each test. Columns without any content are left out.
+    /// One line for each number of participants and each test.
     fn table(&self) -> Vec<String> {
-        let rows: Vec<_> = self.powers.iter().map(|power| self.cells(power)).collect();
-        let columns = (0..8).map(|column| {
-            let head = rows.first().map(|row| row[column].0.to_owned());
-            head.into_iter().chain(rows.iter().map(|row| row[column].1.clone())).collect::<Vec<String>>()
-        });
-        let used = columns.filter(|column| column[1..].iter().any(|cell| !cell.is_empty()));
-        let padded: Vec<Vec<String>> = used.map(|column| pad(&column)).collect();
-        let line = |row: usize| padded.iter().map(|column| column[row].as_str()).collect::<Vec<_>>().join("  ");
-        (0..=rows.len()).map(|row| line(row).trim_end().to_owned()).collect()
+        const HEADER: [&str; 8] = [
+            "participants",
+            "term",
+            "test",
+            "true effect, logits",
+            "power",
+            "false alarms",
+            "95 % interval",
+            "median estimate",
+        ];
+        columns(&HEADER, &self.powers.iter().map(|power| self.cells(power)).collect::<Vec<_>>())
     }
 
-    fn cells(&self, power: &Power) -> [(&'static str, String); 8] {
+    fn cells(&self, power: &Power) -> Vec<String> {
         let Hypothesis { term, effect, .. } = self.hypothesis(power);
         let interval = power.interval();
         let share = format!("{:.1} %", 100.0 * power.share());
@@ -61,15 +64,15 @@ impl Findings<'_> {
             let levels = format!("{} over {}", effect.above, effect.below);
             effect.logits.map_or(levels.clone(), |logits| format!("{logits:.2}: {levels}"))
         };
-        [
-            ("participants", power.participants.to_string()),
-            ("term", term.clone()),
-            ("test", self.test(power).to_owned()),
-            ("true effect, logits", effect.as_ref().map_or("none".to_owned(), truth)),
-            ("power", found),
-            ("false alarms", false_alarms),
-            ("95 % interval", format!("{:.1}–{:.1} %", 100.0 * interval.low, 100.0 * interval.high)),
-            ("median estimate", power.estimate.map_or_else(String::new, |estimate| format!("{estimate:.2}"))),
+        vec![
+            power.participants.to_string(),
+            term.clone(),
+            self.test(power).to_owned(),
+            effect.as_ref().map_or("none".to_owned(), truth),
+            found,
+            false_alarms,
+            format!("{:.1}–{:.1} %", 100.0 * interval.low, 100.0 * interval.high),
+            power.estimate.map_or_else(String::new, |estimate| format!("{estimate:.2}")),
         ]
     }
 
@@ -255,13 +258,4 @@ fn percent(share: f64) -> String {
 /// To this many decimals at most, without zeros at the end.
 fn rounded(value: f64, decimals: usize) -> String {
     format!("{value:.decimals$}").trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// Cells padded to the widest, numbers to the right.
-fn pad(column: &[String]) -> Vec<String> {
-    let width = column.iter().map(|cell| cell.chars().count()).max().unwrap_or(0);
-    let is_number = |cell: &String| cell.is_empty() || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-    let right = column[1..].iter().all(is_number) && !column[0].starts_with("true") && column[0] != "term";
-    let cell = |cell: &String| if right { format!("{cell:>width$}") } else { format!("{cell:<width$}") };
-    column.iter().map(cell).collect()
 }

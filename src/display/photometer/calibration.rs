@@ -1,5 +1,7 @@
 //! A display as measured with a photometer: the fitted models, the one to use, and what to know about it.
 
+use serde::Serialize;
+
 use super::{
     checks::{Sum, additivity, drift_percent},
     fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit},
@@ -35,7 +37,7 @@ const EXACT: f64 = 1e-8;
 
 /// How well a model predicts levels that it was not fitted to. Each level but 0 and 1 is left out in turn: no model knows
 /// a black and a white that were not read.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Validation {
     /// Root mean square error, 8-bit codes.
     pub rms_codes: f64,
@@ -46,6 +48,7 @@ pub struct Validation {
     /// Mean squared error in units of the readings' noise: 1 or little more where the model is right.
     pub score: f64,
     /// The squared error at each level of each channel, in a fixed order and in units of the assumed noise.
+    #[serde(skip)]
     squares: Vec<f64>,
 }
 
