@@ -109,7 +109,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE.png")]
     out: Option<PathBuf>,
     /// Measurements to write: the jump of the slope across the edges, in linear light per pixel, and how visible and how
-    /// dense the bands are; each beside Gouraud's.
+    /// dense the bands are; each next to Gouraud's.
     #[arg(long, value_name = "FILE.json")]
     metrics: Option<PathBuf>,
     /// Picture of those jumps to write, edge by edge.
@@ -123,9 +123,10 @@ pub(super) struct Arguments {
     white: Option<f64>,
 }
 
-/// How visible and how dense the bands of a shot are.
-#[derive(Clone, Copy, Default)]
-struct Bands {
+/// What is measured and predicted of a renderer.
+#[derive(Clone)]
+struct Measured {
+    creases: Creases,
     visibility: Visibility,
     density: f64,
 }
@@ -174,25 +175,21 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let codes = Quantizer::new(shot.transfers.clone(), arguments.bits).quantize(&image);
         store::image::write_shaded(out, &codes, &transfers, &description)?;
     }
-    if arguments.metrics.is_none() && arguments.creases.is_none() {
-        return Ok(());
-    }
-    let (creases, gouraud) = (shot.creases(), Creases::of_gouraud(&frame));
     if let Some(path) = &arguments.metrics {
         let seen = scene.frame(&surface, ViewingConditions::PICTURE_PX, ViewingConditions::PICTURE_PX);
-        let bands = arguments.bands(&renderer.shoot(&seen, &transfers), &viewing)?;
-        let bands_gouraud = match renderer.is_gouraud() {
-            true => bands,
-            false => arguments.bands(&Renderer::gouraud().shoot(&seen, &transfers), &viewing)?,
+        let measured = |renderer: &Renderer| {
+            let creases = renderer.shoot(&frame, &transfers).creases();
+            arguments.measured(creases, &renderer.shoot(&seen, &transfers), &viewing)
         };
-        let found = measurements(&surface, &frame, [&creases, &gouraud], &viewing, [bands, bands_gouraud]);
+        let own = measured(&renderer)?;
+        let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
         let mut metrics = description.clone();
-        append(&mut metrics, found);
+        append(&mut metrics, measurements(&surface, &frame, &own, &gouraud, &viewing));
         store::write_json(path, &metrics)?;
-        summarize(renderer.shade.shader, [&creases, &gouraud], &viewing, [bands, bands_gouraud])?;
+        summarize(renderer.shade.shader, &own, &gouraud, &viewing)?;
     }
     if let Some(path) = &arguments.creases {
-        let picture = crease::picture(&frame, &creases, gouraud.p95);
+        let picture = crease::picture(&frame, &shot.creases(), Creases::of_gouraud(&frame).p95);
         let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture);
         store::image::write_shaded(path, &codes, &Transfer::Srgb.into(), &description)?;
     }
@@ -211,22 +208,15 @@ fn over(value: f64, gouraud: f64) -> Option<f64> {
 }
 
 /// Prints the two measurements that matter most.
-fn summarize(
-    shader: Shader,
-    creases: [&Creases; 2],
-    viewing: &ViewingConditions,
-    bands: [Bands; 2],
-) -> anyhow::Result<()> {
-    let of_gouraud = |[value, gouraud]: [f64; 2]| match over(value, gouraud) {
+fn summarize(shader: Shader, own: &Measured, gouraud: &Measured, viewing: &ViewingConditions) -> anyhow::Result<()> {
+    let of_gouraud = |of: fn(&Measured) -> f64| match over(of(own), of(gouraud)) {
         Some(over) => format!("{over:.4} of Gouraud's"),
         None => "Gouraud has none".to_owned(),
     };
-    let (rms, edges) = (creases[0].rms, creases[0].edges.len());
-    let over = of_gouraud(creases.map(|creases| creases.rms));
+    let (rms, edges, over) = (own.creases.rms, own.creases.edges.len(), of_gouraud(|of| of.creases.rms));
     say(&format!("{shader}: crease rms {rms:.3e} per pixel over {edges} edges, {over}"))?;
-    let Visibility { bright, dark } = bands[0].visibility;
-    let (visibility, deg) = (bands[0].visibility.max(), viewing.window_deg);
-    let over = of_gouraud(bands.map(|bands| bands.visibility.max()));
+    let (Visibility { bright, dark }, deg) = (own.visibility, viewing.window_deg);
+    let (visibility, over) = (own.visibility.max(), of_gouraud(|of| of.visibility.max()));
     say(&format!(
         "{shader}: visibility of bands {visibility:.2} (bright {bright:.2}, dark {dark:.2}) in a window of {deg}°, {over}"
     ))
@@ -239,44 +229,42 @@ fn append(object: &mut Value, fields: Value) {
     }
 }
 
-/// How many edges and triangles there are, and what was measured and predicted, beside Gouraud's.
+/// The number of edges and triangles, and what was measured and predicted, next to Gouraud's.
 fn measurements(
     surface: &Surface,
     frame: &Frame,
-    creases: [&Creases; 2],
+    own: &Measured,
+    gouraud: &Measured,
     viewing: &ViewingConditions,
-    bands: [Bands; 2],
 ) -> Value {
     let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
-    let [creases, creases_gouraud] = creases;
-    let [visibility, visibility_gouraud] = bands.map(|bands| bands.visibility.max());
-    let [bands, bands_gouraud] = bands;
+    let over = |of: fn(&Measured) -> f64| over(of(own), of(gouraud));
     json!({
         "sites": sites.len(),
         "triangles": surface.mesh.triangles.len(),
         "triangles_seen": frame.triangles.len(),
-        "edges": creases.edges.len(),
-        "crease_rms": creases.rms,
-        "crease_median": creases.median,
-        "crease_p95": creases.p95,
-        "crease_max": creases.max,
-        "crease_rms_gouraud": creases_gouraud.rms,
-        "crease_rms_over_gouraud": over(creases.rms, creases_gouraud.rms),
-        "crease_median_over_gouraud": over(creases.median, creases_gouraud.median),
-        "crease_p95_over_gouraud": over(creases.p95, creases_gouraud.p95),
-        "step_rms": creases.step_rms,
+        "edges": own.creases.edges.len(),
+        "crease_rms": own.creases.rms,
+        "crease_median": own.creases.median,
+        "crease_p95": own.creases.p95,
+        "crease_max": own.creases.max,
+        "crease_rms_gouraud": gouraud.creases.rms,
+        "crease_rms_over_gouraud": over(|of| of.creases.rms),
+        "crease_median_over_gouraud": over(|of| of.creases.median),
+        "crease_p95_over_gouraud": over(|of| of.creases.p95),
+        "step_rms": own.creases.step_rms,
         "crease_unit": "linear light a pixel",
         "window_deg": viewing.window_deg,
         "white_cd_m2": viewing.white_cd_m2,
-        "visibility": visibility,
-        "visibility_bright": bands.visibility.bright,
-        "visibility_dark": bands.visibility.dark,
-        "visibility_gouraud": visibility_gouraud,
-        "visibility_over_gouraud": over(visibility, visibility_gouraud),
+        "visibility": own.visibility.max(),
+        "visibility_bright": own.visibility.bright,
+        "visibility_dark": own.visibility.dark,
+        "visibility_gouraud": gouraud.visibility.max(),
+        "visibility_over_gouraud": over(|of| of.visibility.max()),
         "visibility_unit": "contrast times sensitivity, 1 where a band is just seen",
-        "band_density": bands.density,
-        "band_density_gouraud": bands_gouraud.density,
-        "band_density_over_gouraud": over(bands.density, bands_gouraud.density),
+        "band_density": own.density,
+        "band_density_gouraud": gouraud.density,
+        "band_density_over_gouraud": over(|of| of.density),
         "band_density_unit": "visibility times length a square degree",
     })
 }
@@ -284,20 +272,17 @@ fn measurements(
 impl Arguments {
     /// Checks that there is something to write, and that it overwrites neither the mesh nor another output.
     fn check_files(&self) -> Result<(), UsageError> {
-        let files = [("--out", &self.out), ("--metrics", &self.metrics), ("--creases", &self.creases)];
-        let given: Vec<(&str, &Path)> =
-            files.iter().filter_map(|(option, path)| Some((*option, path.as_deref()?))).collect();
-        if given.is_empty() {
-            let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
-            return Err(UsageError(message.to_owned()));
-        }
-        for (i, (option, path)) in given.iter().enumerate() {
-            if let Some((other, _)) = given[..i].iter().find(|(_, other)| other == path) {
+        let mut files = vec![("--mesh", Path::new(&self.mesh))];
+        for (option, path) in [("--out", &self.out), ("--metrics", &self.metrics), ("--creases", &self.creases)] {
+            let Some(path) = path else { continue };
+            if let Some((other, _)) = files.iter().find(|(_, other)| other == path) {
                 return Err(UsageError(format!("{option} {} is {other}'s file; expected another", path.display())));
             }
-            if Path::new(&self.mesh) == *path {
-                return Err(UsageError(format!("{option} {} is the mesh; expected another file", path.display())));
-            }
+            files.push((option, path));
+        }
+        if files.len() == 1 {
+            let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
+            return Err(UsageError(message.to_owned()));
         }
         Ok(())
     }
@@ -339,10 +324,11 @@ impl Arguments {
         Ok(ViewingConditions { window_deg: self.window, white_cd_m2 })
     }
 
-    fn bands(&self, shot: &Shot<'_>, viewing: &ViewingConditions) -> anyhow::Result<Bands> {
+    /// A black picture has no bands.
+    fn measured(&self, creases: Creases, shot: &Shot<'_>, viewing: &ViewingConditions) -> anyhow::Result<Measured> {
         match viewing.predict_surface(&shot.frame, &shot.emitted()) {
-            Ok(view) => Ok(Bands { visibility: view.visibility, density: view.density }),
-            Err(VisionError::AllBlack) => Ok(Bands::default()),
+            Ok(view) => Ok(Measured { creases, visibility: view.visibility, density: view.density }),
+            Err(VisionError::AllBlack) => Ok(Measured { creases, visibility: Visibility::default(), density: 0.0 }),
             Err(error) => Err(anyhow::anyhow!("--window {}: {error}", self.window)),
         }
     }

@@ -1,55 +1,29 @@
 //! Predicted bands in the gallery and in the shading demo, driven without a display: what they show is what the library
 //! says, and the window does not wait for it.
 
-use std::time::{Duration, Instant};
-
 use eframe::egui::{Vec2, accesskit::Role};
-use egui_kittest::{
-    Harness,
-    kittest::{By, NodeT as _, Queryable as _},
-};
+use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 use machband::{
-    app::{App, Launch, explore::shading::Comparison},
+    app::explore::shading::Comparison,
     light::LinearImage,
     shading::{Reference, Surface},
     stimulus::{MachBand, Renderer, Stimulus, ViewingConditions, catalog},
     vision::{Criterion, Visibility},
 };
 
-type Window = Harness<'static, App>;
+use crate::window::{Window, choose, click, home, wait_for};
 
 fn open(page: &str, size: [f32; 2]) -> Window {
-    let builder = Harness::builder().with_size(size).with_pixels_per_point(1.0).with_step_dt(1.0 / 60.0);
-    let mut window = builder.build_eframe(|cc| App::new(cc, Launch::default()));
-    window.run_steps(3);
-    window.get_by_label(page).scroll_to_me();
-    window.run_steps(3);
-    window.get_by_label(page).click();
-    window.run_steps(4);
+    let mut window = home(size, 1.0 / 60.0);
+    click(&mut window, page);
     window.remove_cursor();
+    window.run_steps(2);
     window
-}
-
-/// Steps until `there`.
-fn wait(window: &mut Window, there: impl Fn(&Window) -> bool) {
-    let begun = Instant::now();
-    while !there(window) {
-        assert!(begun.elapsed() < Duration::from_secs(240), "it did not come");
-        std::thread::sleep(Duration::from_millis(20));
-        window.step();
-    }
 }
 
 fn text(window: &Window, beginning: &str) -> String {
     let node = window.get_by_label_contains(beginning);
     node.accesskit_node().label().or_else(|| node.value()).unwrap()
-}
-
-fn choose(window: &mut Window, list: &str, entry: &str) {
-    window.get_by_value(list).click();
-    window.run_steps(3);
-    window.query_all_by_label(entry).last().unwrap().click();
-    window.run_steps(3);
 }
 
 /// Sets a slider's number.
@@ -91,17 +65,12 @@ fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
 }
 
 #[test]
-fn an_image_of_the_gallery_is_predicted_beside_the_loop() {
+fn an_image_of_the_gallery_is_predicted() {
     let mut window = open("Gallery of stimuli…", [1100.0, 860.0]);
-    let [from, to] =
-        ["mach-band", "kanizsa"].map(|kind| catalog::all().iter().find(|entry| entry.kind == kind).unwrap());
-    choose(&mut window, "512", "256");
-    choose(&mut window, from.title, to.title);
-    // The page has been drawn, and the number is not yet there: or there already where the machine is quick.
-    let begun =
-        window.query_by_label("Predicting…").is_some() || window.query_by_label_contains("Predicted vis").is_some();
-    assert!(begun);
-    wait(&mut window, |window| window.query_by_label_contains("Predicted visibility").is_some());
+    let to = catalog::all().iter().find(|entry| entry.kind == "kanizsa").unwrap();
+    choose(&mut window, "Size, px", "256");
+    choose(&mut window, "Stimulus", to.title);
+    wait_for(&mut window, "Predicted visibility");
     assert_eq!(text(&window, "Predicted visibility"), sentence(&to.default_stimulus(), 256));
     window.get_by_label("Predicted bands").click();
     window.run_steps(3);
@@ -109,7 +78,7 @@ fn an_image_of_the_gallery_is_predicted_beside_the_loop() {
 }
 
 /// Light of a side as the screen sends it, seen as the pane says that it sees.
-fn seen(compared: &Comparison, side: &Renderer, size: [u32; 2]) -> f64 {
+fn expected_visibility(compared: &Comparison, side: &Renderer, size: [u32; 2]) -> f64 {
     let shorter = size[0].min(size[1]);
     let scale = f64::from(shorter.min(512)) / f64::from(shorter);
     let [width, height] = size.map(|side| (f64::from(side) * scale).round() as u32);
@@ -127,28 +96,32 @@ fn seen(compared: &Comparison, side: &Renderer, size: [u32; 2]) -> f64 {
     viewing.predict_surface(&frame, &image).unwrap().visibility.max()
 }
 
-/// The cells of the table under the head `predicted visibility`, left and right.
+/// The cells of the row `predicted visibility`, left and right.
 fn visibilities(window: &Window) -> Vec<String> {
     let head = window.get_by_label("predicted visibility").rect();
     let mut cells: Vec<_> = window
         .query_all(By::new().predicate(|node| node.role() == Role::Label))
         .map(|node| (node.rect(), node.accesskit_node().value().or_else(|| node.accesskit_node().label())))
-        .filter(|(rect, text)| text.is_some() && (rect.left() - head.left()).abs() < 1.0)
-        .filter(|(rect, _)| rect.top() > head.top() + 4.0 && rect.top() < head.bottom() + 40.0)
-        .map(|(rect, text)| (rect.top(), text.unwrap()))
+        .filter(|(rect, _)| rect.left() > head.right() && rect.y_range().contains(head.center().y))
+        .map(|(rect, text)| (rect.left(), text.unwrap()))
         .collect();
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));
     cells.into_iter().map(|(_, text)| text).collect()
 }
 
 fn predicted(window: &mut Window) -> [f64; 2] {
-    wait(window, |window| visibilities(window).iter().all(|text| text.parse::<f64>().is_ok()));
+    let begun = std::time::Instant::now();
+    while visibilities(window).iter().any(|text| text == "…") {
+        assert!(begun.elapsed().as_secs() < 240, "no prediction came");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        window.step();
+    }
     let numbers: Vec<f64> = visibilities(window).iter().map(|text| text.parse().unwrap()).collect();
     numbers.try_into().unwrap()
 }
 
 #[test]
-fn the_demo_predicts_what_the_library_predicts_and_patch_beats_gouraud() {
+fn the_demo_predicts_what_the_library_predicts() {
     let mut window = open("Shading demo…", [760.0, 600.0]);
     // Opened, and drawn several times: nothing has waited for the prediction.
     assert_eq!(visibilities(&window), ["…", "…"]);
@@ -160,7 +133,7 @@ fn the_demo_predicts_what_the_library_predicts_and_patch_beats_gouraud() {
     };
     let mut compared = Comparison::default();
     for (side, shown) in compared.sides.iter().zip([gouraud, patch]) {
-        let expected = seen(&compared, side, size(&window));
+        let expected = expected_visibility(&compared, side, size(&window));
         assert!((shown - expected).abs() <= 0.051, "{shown}, not {expected}");
     }
     // Gamma ignored on the left: another light, and another number.
@@ -169,7 +142,7 @@ fn the_demo_predicts_what_the_library_predicts_and_patch_beats_gouraud() {
     window.run_steps(2);
     assert_eq!(visibilities(&window), ["…", "…"], "the numbers of another picture");
     let [naive, _] = predicted(&mut window);
-    let expected = seen(&compared, &compared.sides[0], size(&window));
+    let expected = expected_visibility(&compared, &compared.sides[0], size(&window));
     assert!((naive - expected).abs() <= 0.051, "{naive}, not {expected}");
     assert!((naive - gouraud).abs() > 0.1);
 }

@@ -62,8 +62,6 @@ struct Shown {
 struct Curves {
     asked: Vec<[f64; 2]>,
     emitted: Vec<[f64; 2]>,
-    slope: Vec<[f64; 2]>,
-    curvature: Vec<[f64; 2]>,
 }
 
 impl Gallery {
@@ -218,63 +216,47 @@ impl Gallery {
         let Some(shown) = &self.shown else { return };
         let Recipe { stimulus, size, .. } = &shown.recipe;
         let room = ui.available_width();
-        let texture = self.prediction.texture(stimulus, *size).unwrap_or(&shown.texture);
+        let map = self.prediction.texture(ui.ctx(), stimulus, *size);
         ScrollArea::horizontal().id_salt("stimulus").show(ui, |ui| {
-            pixels::picture(ui, texture, catalog::all()[self.entry].title);
+            pixels::picture(ui, map.as_ref().unwrap_or(&shown.texture), catalog::all()[self.entry].title);
         });
         self.prediction.show(ui, stimulus, *size);
         ui.add_space(8.0);
         let width = (*size as f32 / ui.ctx().pixels_per_point()).max(420.0).min(room.max(300.0));
         let curves = &shown.curves;
-        let band = |mark: &_| Band::new(mark, self.prediction.place(mark, *size));
-        let bands: Vec<Band> = self.prediction.marks(stimulus, *size).iter().map(band).collect();
+        let marks = self.prediction.marks(stimulus, *size);
         let lines: [(&str, &Vec<[f64; 2]>); 2] =
             [("after quantization", &curves.emitted), ("requested", &curves.asked)];
         let response = plot(ui, "profile", "light", width, &lines, |plot| {
-            bands.iter().for_each(|band| band.draw(plot, &curves.asked));
+            marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.asked));
         });
         if stimulus.is_line() {
-            let places: Vec<_> = bands.iter().map(|band| (band.place, band.polarity)).collect();
-            ui::describe(&response, &format!("Plot: light, {}", prediction::in_words(&places)));
+            ui::describe(&response, &format!("Plot: light, {}", prediction::description(marks)));
         }
         if self.derivatives {
-            let slope = [("slope, light per window", &curves.slope)];
-            plot(ui, "slope", "first derivative", width, &slope, |_| {});
-            let curvature = [("curvature, light per window²", &curves.curvature)];
+            let slope = slopes(&curves.asked);
+            plot(ui, "slope", "first derivative", width, &[("slope, light per window", &slope)], |_| {});
+            let curvature = [("curvature, light per window²", &slopes(&slope))];
             plot(ui, "curvature", "second derivative", width, &curvature, |_| {});
         }
     }
 }
 
-/// A predicted band on the plot.
-struct Band {
-    /// Window sides from the middle.
-    place: f64,
-    polarity: Polarity,
-    strength: f64,
-}
-
-impl Band {
-    fn new(mark: &Mark, place: f64) -> Self {
-        Self { place, polarity: mark.polarity, strength: mark.strength }
-    }
-
-    /// An arrow from the curve: up for a bright band and down for a dark one, the longer the stronger.
-    fn draw(&self, plot: &mut PlotUi<'_>, curve: &[[f64; 2]]) {
-        let light = || curve.iter().map(|point| point[1]);
-        let (least, most) = (light().fold(f64::INFINITY, f64::min), light().fold(f64::NEG_INFINITY, f64::max));
-        let share = (self.strength.ln() / STRONGEST.ln()).clamp(0.0, 1.0);
-        let length = (most - least).max(0.02) * (MARKS[0] + (MARKS[1] - MARKS[0]) * share);
-        let nearest = curve.partition_point(|point| point[0] < self.place).min(curve.len().saturating_sub(1));
-        let Some([_, light]) = curve.get(nearest) else { return };
-        let (tip, shape) = match self.polarity {
-            Polarity::Bright => (light + length, MarkerShape::Up),
-            Polarity::Dark => (light - length, MarkerShape::Down),
-        };
-        let name = "predicted band";
-        plot.line(Line::new(name, vec![[self.place, *light], [self.place, tip]]).color(BAND).width(2.0));
-        plot.points(Points::new(name, vec![[self.place, tip]]).color(BAND).shape(shape).radius(5.0).filled(true));
-    }
+/// An arrow from the curve at a predicted band: up for a bright band and down for a dark one, the longer the stronger.
+fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]]) {
+    let light = || curve.iter().map(|point| point[1]);
+    let (least, most) = (light().fold(f64::INFINITY, f64::min), light().fold(f64::NEG_INFINITY, f64::max));
+    let share = (mark.strength.ln() / STRONGEST.ln()).clamp(0.0, 1.0);
+    let length = (most - least).max(0.02) * (MARKS[0] + (MARKS[1] - MARKS[0]) * share);
+    let nearest = curve.partition_point(|point| point[0] < mark.place).min(curve.len().saturating_sub(1));
+    let Some([_, light]) = curve.get(nearest) else { return };
+    let (tip, shape) = match mark.polarity {
+        Polarity::Bright => (light + length, MarkerShape::Up),
+        Polarity::Dark => (light - length, MarkerShape::Down),
+    };
+    let name = "predicted band";
+    plot.line(Line::new(name, vec![[mark.place, *light], [mark.place, tip]]).color(BAND).width(2.0));
+    plot.points(Points::new(name, vec![[mark.place, tip]]).color(BAND).shape(shape).radius(5.0).filled(true));
 }
 
 /// The useful range of a parameter and the slider's step; `None` for one that is not a number, or not only.
@@ -362,16 +344,12 @@ impl Curves {
         let asked: Vec<[f64; 2]> = (0..SAMPLES).map(at).collect();
         let emitted =
             store::curve::samples(recipe, quantizer).iter().map(|sample| [sample.x, sample.emitted]).collect();
-        let slope = differences(&asked);
-        let curvature = differences(&slope);
-        Self { asked, emitted, slope, curvature }
+        Self { asked, emitted }
     }
 }
 
-/// Central differences, half a sample further in at each end.
-fn differences(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    points
-        .windows(2)
-        .map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])])
-        .collect()
+/// The slope between every two neighboring points, halfway between them.
+pub fn slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
+    points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()
 }

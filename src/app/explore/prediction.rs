@@ -8,7 +8,7 @@ use crate::{
     display::{DisplayProfile, Screen, Viewing},
     light::{CodeImage, Samples, Transfer},
     stimulus::{Stimulus, StimulusPrediction, ViewingConditions},
-    vision::{Band, BandMap, Criterion, LinePrediction, Polarity, Visibility, VisionError, luminances, pooled},
+    vision::{Band, BandMap, Criterion, LinePrediction, Polarity, Visibility, luminances, pooled},
 };
 
 /// Degrees that the window takes where nothing is known of the screen's size: as `machband predict` has it.
@@ -45,143 +45,121 @@ impl Place {
         }
     }
 
-    fn predict(&self, stimulus: &Stimulus, size: u32) -> Result<StimulusPrediction, VisionError> {
-        ViewingConditions { window_deg: self.window_deg(size), white_cd_m2: self.white_cd_m2 }.predict(stimulus, size)
+    fn predict(&self, (stimulus, size): &Key) -> Result<Predicted, String> {
+        let window_deg = self.window_deg(*size);
+        let conditions = ViewingConditions { window_deg, white_cd_m2: self.white_cd_m2 };
+        Ok(match conditions.predict(stimulus, *size).map_err(|error| error.to_string())? {
+            StimulusPrediction::Line(line) => {
+                Predicted { visibility: line.visibility, marks: marks(&line, window_deg), map: None }
+            }
+            StimulusPrediction::Picture(picture) => {
+                let light = luminances(&stimulus.linear(*size));
+                let (map, most) = (&picture.map, strongest(&picture.map));
+                let drawing = Drawing { map, light: &light, size: [*size as usize; 2], most };
+                let map = drawing.codes(*size, *size);
+                Predicted { visibility: picture.visibility, marks: Vec::new(), map: Some(map) }
+            }
+        })
     }
 }
 
 /// A stimulus, and its side in pixels.
 type Key = (Stimulus, u32);
 
-/// What is predicted of a stimulus along a line.
-struct AlongLine {
-    key: Key,
-    seen: Result<(Visibility, Vec<Mark>), String>,
-}
-
-/// What is predicted of an image.
-struct OfPicture {
+/// What is predicted of a stimulus.
+struct Predicted {
     visibility: Visibility,
-    codes: CodeImage,
+    /// The bands of one that varies along a line.
+    marks: Vec<Mark>,
+    /// The bands of any other, over its picture.
+    map: Option<CodeImage>,
 }
 
 /// The prediction of the stimulus that is shown.
 pub struct Prediction {
     place: Place,
-    line: Option<AlongLine>,
-    picture: Latest<Key, OfPicture>,
+    line: Option<(Key, Result<Predicted, String>)>,
+    picture: Latest<Key, Predicted>,
     texture: Option<(Key, TextureHandle)>,
     /// Whether the map of an image's bands takes its place.
-    map: bool,
+    shows_map: bool,
 }
 
 impl Prediction {
     /// As seen from `place`.
     pub fn new(place: Place) -> Self {
-        Self { place, line: None, picture: Latest::default(), texture: None, map: false }
+        Self { place, line: None, picture: Latest::default(), texture: None, shows_map: false }
     }
 
     /// Follows the stimulus that is shown.
     pub fn refresh(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) {
-        let key = (stimulus.clone(), size);
-        if stimulus.is_line() {
-            if self.line.as_ref().is_none_or(|line| line.key != key) {
-                let seen = self.place.predict(stimulus, size).map(|view| match view {
-                    StimulusPrediction::Line(view) => (view.visibility, marks(&view)),
-                    StimulusPrediction::Picture(view) => (view.visibility, Vec::new()),
-                });
-                self.line = Some(AlongLine { key, seen: seen.map_err(|error| error.to_string()) });
-            }
-            return;
+        let (place, key) = (self.place, (stimulus.clone(), size));
+        if !stimulus.is_line() {
+            self.picture.want(ctx, key.clone(), || move || place.predict(&key));
+        } else if self.line.as_ref().is_none_or(|(of, _)| *of != key) {
+            let predicted = place.predict(&key);
+            self.line = Some((key, predicted));
         }
-        let place = self.place;
-        self.picture.want(ctx, key.clone(), || move || of_picture(&place, &key.0, key.1));
-        self.map_texture(ctx, stimulus, size);
     }
 
-    fn map_texture(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) {
-        let key = (stimulus.clone(), size);
-        let is_there = self.texture.as_ref().is_some_and(|(of, _)| *of == key);
-        if self.map
-            && !is_there
-            && let Some(Ok(seen)) = self.picture.get(&key)
-        {
-            self.texture = Some((key, pixels::texture_of(ctx, "predicted bands", &seen.codes)));
-        }
+    fn get(&self, key: &Key) -> Option<&Result<Predicted, String>> {
+        let line = self.line.as_ref().filter(|(of, _)| of == key).map(|(_, predicted)| predicted);
+        line.or_else(|| self.picture.get(key))
     }
 
     /// The map of the bands, where it is wanted and there.
-    pub fn texture(&self, stimulus: &Stimulus, size: u32) -> Option<&TextureHandle> {
-        let wanted = self.map && !stimulus.is_line();
-        self.texture.as_ref().filter(|((of, side), _)| wanted && of == stimulus && *side == size).map(|(_, map)| map)
+    pub fn texture(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) -> Option<TextureHandle> {
+        let key = (stimulus.clone(), size);
+        let map = self.get(&key)?.as_ref().ok()?.map.as_ref().filter(|_| self.shows_map)?;
+        if self.texture.as_ref().is_none_or(|(of, _)| *of != key) {
+            let texture = pixels::texture_of(ctx, "predicted bands", map);
+            self.texture = Some((key, texture));
+        }
+        self.texture.as_ref().map(|(_, texture)| texture.clone())
     }
 
     /// The bands along the line.
     pub fn marks(&self, stimulus: &Stimulus, size: u32) -> &[Mark] {
-        match &self.line {
-            Some(AlongLine { key: (of, side), seen: Ok((_, marks)) }) if of == stimulus && *side == size => marks,
+        match self.get(&(stimulus.clone(), size)) {
+            Some(Ok(predicted)) => &predicted.marks,
             _ => &[],
         }
     }
 
-    /// A place of a mark as a share of the window's side, from its middle.
-    pub fn place(&self, mark: &Mark, size: u32) -> f64 {
-        mark.at_deg / self.place.window_deg(size)
-    }
-
     /// The numbers, and the switch between an image and its map.
     pub fn show(&mut self, ui: &mut egui::Ui, stimulus: &Stimulus, size: u32) {
-        let key = (stimulus.clone(), size);
-        let seen = if stimulus.is_line() {
-            self.line.as_ref().filter(|line| line.key == key).map(|line| line.seen.as_ref().map(|(seen, _)| *seen))
-        } else {
-            self.picture.get(&key).map(|seen| seen.as_ref().map(|seen| seen.visibility))
-        };
-        match seen {
-            Some(Ok(visibility)) => {
-                ui::paragraph(ui, sentence(&visibility));
+        match self.get(&(stimulus.clone(), size)) {
+            Some(Ok(predicted)) => {
+                let Visibility { bright, dark } = predicted.visibility;
+                let visibility = predicted.visibility.max();
+                let rating = Criterion::default().mean(visibility);
+                ui::paragraph(
+                    ui,
+                    format!(
+                        "Predicted visibility {visibility:.1} (bright {bright:.1}, dark {dark:.1}), rating {rating:.1}"
+                    ),
+                );
                 ui::hint(ui, format!("A visibility of 1 is just visible. {}", self.place.sentence(size)));
             }
             Some(Err(fault)) => ui::fault(ui, format!("No prediction: {fault}.")),
             None => _ = ui.label("Predicting…"),
         }
         if !stimulus.is_line() {
-            ui.checkbox(&mut self.map, "Predicted bands");
+            ui.checkbox(&mut self.shows_map, "Predicted bands");
         }
     }
 }
 
-fn of_picture(place: &Place, stimulus: &Stimulus, size: u32) -> Result<OfPicture, String> {
-    let StimulusPrediction::Picture(view) = place.predict(stimulus, size).map_err(|error| error.to_string())? else {
-        return Err("it varies in one direction only".to_owned());
-    };
-    let light = luminances(&stimulus.linear(size));
-    let most = strongest(&view.map);
-    let drawing = Drawing { map: &view.map, light: &light, size: [size as usize; 2], most };
-    Ok(OfPicture { visibility: view.visibility, codes: drawing.codes(size, size) })
-}
-
-fn sentence(visibility: &Visibility) -> String {
-    let Visibility { bright, dark } = *visibility;
-    format!(
-        "Predicted visibility {} (bright {}, dark {}), rating {:.1}",
-        number(visibility.max()),
-        number(bright),
-        number(dark),
-        Criterion::default().mean(visibility.max())
-    )
-}
-
-/// Where the bands are, in words.
-pub fn in_words(places: &[(f64, Polarity)]) -> String {
-    if places.is_empty() {
+/// Where the bands are, for someone who does not see them.
+pub fn description(marks: &[Mark]) -> String {
+    if marks.is_empty() {
         return "no predicted band".to_owned();
     }
-    let one = |(place, polarity): &(f64, Polarity)| {
-        let word = if *polarity == Polarity::Bright { "bright" } else { "dark" };
-        format!("{word} at {place:+.2}")
+    let one = |mark: &Mark| {
+        let word = if mark.polarity == Polarity::Bright { "bright" } else { "dark" };
+        format!("{word} at {:+.2}", mark.place)
     };
-    format!("predicted bands: {}", places.iter().map(one).collect::<Vec<_>>().join(", "))
+    format!("predicted bands: {}", marks.iter().map(one).collect::<Vec<_>>().join(", "))
 }
 
 /// Peaks of two channels are one band if they are no farther apart than this many periods of the coarser channel.
@@ -192,13 +170,13 @@ const JUST_VISIBLE: f64 = 1.0;
 /// Weaker peaks are noise, and no band that a coarser channel could join.
 const LEAST: f64 = 0.25;
 /// A band stands where the finest channel has it whose peak reaches this share of the strongest peak.
-const CLEAR: f64 = 0.5;
+const DISTINCT: f64 = 0.5;
 
 /// One band along a line, over all channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Degrees from the middle.
-    pub at_deg: f64,
+    /// Window sides from the middle.
+    pub place: f64,
     /// Bright or dark.
     pub polarity: Polarity,
     /// In multiples of the strength that is just visible, pooled over channels.
@@ -207,7 +185,7 @@ pub struct Mark {
 
 /// The visible bands of a line, each once. Fine channels locate a band exactly and coarse channels a little beside it, so
 /// each peak joins the nearest band that finer channels have found.
-pub fn marks(view: &LinePrediction) -> Vec<Mark> {
+fn marks(view: &LinePrediction, window_deg: f64) -> Vec<Mark> {
     let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= LEAST).collect();
     finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
     let mut clusters: Vec<Vec<&Band>> = Vec::new();
@@ -223,16 +201,20 @@ pub fn marks(view: &LinePrediction) -> Vec<Mark> {
             None => clusters.push(vec![band]),
         }
     }
-    clusters.iter_mut().filter_map(|cluster| mark(cluster)).filter(|mark| mark.strength >= JUST_VISIBLE).collect()
+    clusters
+        .iter_mut()
+        .filter_map(|cluster| mark(cluster, window_deg))
+        .filter(|mark| mark.strength >= JUST_VISIBLE)
+        .collect()
 }
 
 /// The mark of the peaks that are one band.
-fn mark(bands: &mut [&Band]) -> Option<Mark> {
+fn mark(bands: &mut [&Band], window_deg: f64) -> Option<Mark> {
     bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let most = bands.first()?.strength;
-    let clear = bands.iter().filter(|band| band.strength >= CLEAR * most);
-    let finest = clear.max_by(|a, b| a.frequency.total_cmp(&b.frequency))?;
-    Some(Mark { at_deg: finest.at_deg[0], polarity: finest.polarity, strength: over_channels(bands) })
+    let distinct = bands.iter().filter(|band| band.strength >= DISTINCT * most);
+    let finest = distinct.max_by(|a, b| a.frequency.total_cmp(&b.frequency))?;
+    Some(Mark { place: finest.at_deg[0] / window_deg, polarity: finest.polarity, strength: over_channels(bands) })
 }
 
 /// The strength pooled over channels, each with its strongest peak. `bands` has the strongest first.
@@ -295,9 +277,4 @@ impl Drawing<'_> {
         let [width, height] = self.size.map(|side| side as isize);
         ((0..width).contains(&x) && (0..height).contains(&y)).then(|| (y * width + x) as usize)
     }
-}
-
-/// A strength as text.
-pub fn number(strength: f64) -> String {
-    format!("{strength:.1}")
 }

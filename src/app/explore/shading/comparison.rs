@@ -86,12 +86,6 @@ impl Comparison {
         self.set_light_deg([from_right + right, from_up + up]);
     }
 
-    /// Whether only the renderers differ from those of `other`.
-    #[must_use]
-    pub fn same_frame(&self, other: &Comparison) -> bool {
-        Comparison { sides: other.sides, ..self.clone() } == *other
-    }
-
     /// Every parameter, so that anyone can make the picture again.
     #[must_use]
     pub fn describe(&self) -> Value {
@@ -183,53 +177,21 @@ pub fn depth_title(depth: Depth) -> String {
 }
 
 /// To three decimals at most.
-pub fn rounded(value: f64) -> f64 {
+fn rounded(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }
 
-/// A figure of the paper: a mesh, and the shader that is compared with Gouraud's.
-type Figure = (&'static str, MeshChoice, Shade);
-
-/// What the page begins with.
-const FIRST: &str = "Gouraud and Patch";
-
-/// All names.
-pub fn preset_names() -> Vec<&'static str> {
-    std::iter::once(FIRST).chain(figures().into_iter().map(|(name, ..)| name)).collect()
-}
-
-/// The name of what is compared, if it has one.
-pub fn preset_of(compared: &Comparison) -> Option<&'static str> {
-    let first = (*compared == Comparison::default()).then_some(FIRST);
-    let shown = |(_, mesh, shade): &Figure| {
-        compared.mesh == *mesh && compared.sides == [Renderer::gouraud(), Renderer::new(*shade)]
-    };
-    first.or_else(|| figures().into_iter().find(shown).map(|(name, ..)| name))
-}
-
-/// Sets the comparison of this name. The views and lights of the paper's figures are not known: those here stay. Gives
-/// where the divider goes: a figure is shown whole, and Gouraud is uncovered by dragging the divider.
-pub fn apply_preset(name: &str, compared: &mut Comparison) -> f64 {
-    match figures().into_iter().find(|(figure, ..)| *figure == name) {
-        None => {
-            *compared = Comparison::default();
-            0.5
-        }
-        Some((_, mesh, shade)) => {
-            compared.mesh = mesh;
-            compared.sides = [Renderer::gouraud(), Renderer::new(shade)];
-            0.0
-        }
-    }
-}
-
-fn figures() -> Vec<Figure> {
+/// Comparisons by name, what the page begins with and the paper's figures: a mesh, and the shader that is compared with
+/// Gouraud's. The views and lights of the paper's figures are not known.
+pub fn presets() -> Vec<(&'static str, MeshChoice, Shade)> {
     let fixed = |n, boundary| Shade { depth: Depth::Finite(n), boundary, ..Shade::new(Shader::Fixed) };
     let vertex = |n, b| Shade { vertex: Correction::Printed, ..fixed(n, b) };
     let reweighted = |n, b| Shade { reweight: Correction::Printed, ..fixed(n, b) };
     let cube = MeshChoice::Named(Shape::Cube, 8);
     let [coarse, fine] = [313, 771].map(|vertices| MeshChoice::Named(Shape::Blob, vertices));
+    let first = Comparison::default();
     vec![
+        ("Gouraud and Patch", first.mesh, first.sides[1].shade),
         ("Figure 8 (a): flat", cube.clone(), Shade::new(Shader::Flat)),
         ("Figure 8 (b): Gouraud", cube.clone(), Shade::new(Shader::Gouraud)),
         ("Figure 8 (c): Phong", cube.clone(), Shade::new(Shader::Phong)),

@@ -6,8 +6,7 @@ use eframe::egui::{self, RichText, Slider};
 use glam::DVec3;
 
 use super::{
-    canvas::ViewSettings,
-    comparison::{Comparison, MeshChoice, apply_preset, depth_title, preset_names, preset_of, shader_title},
+    comparison::{Comparison, MeshChoice, depth_title, presets, shader_title},
     pictures::{Drawer, DrawnBy},
 };
 use crate::{
@@ -31,12 +30,16 @@ fn field<'a>(label: &'a str, name: &'a str) -> Field<'a> {
 }
 
 /// Comparisons by name.
-pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison, settings: &mut ViewSettings) {
-    let before = preset_of(compared).unwrap_or("custom");
-    let mut name = before;
-    Field::new("Preset").column(LABEL).choice(ui, &mut name, &preset_names(), |name| (*name).to_owned());
-    if name != before {
-        settings.divider = apply_preset(name, compared);
+pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison) {
+    let presets = presets();
+    let sides = |shade| [Renderer::gouraud(), Renderer::new(shade)];
+    let before = presets.iter().position(|(_, mesh, shade)| compared.mesh == *mesh && compared.sides == sides(*shade));
+    let mut chosen = before;
+    let all: Vec<Option<usize>> = (0..presets.len()).map(Some).collect();
+    let name = |chosen: &Option<usize>| chosen.map_or("custom", |i| presets[i].0).to_owned();
+    Field::new("Preset").column(LABEL).choice(ui, &mut chosen, &all, name);
+    if let Some(i) = chosen.filter(|_| chosen != before) {
+        (compared.mesh, compared.sides) = (presets[i].1.clone(), sides(presets[i].2));
     }
 }
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::{
     canvas::{Layer, ViewSettings},
-    comparison::{Comparison, MeshChoice, rounded},
+    comparison::Comparison,
     measures::{SHORTER_SIDE_DEG, predicted_size},
 };
 use crate::{
@@ -32,10 +32,9 @@ impl Export {
         &mut self,
         ui: &mut egui::Ui,
         compared: &Comparison,
-        settings: &ViewSettings,
         view: impl FnOnce() -> Option<(CodeImage, Value)>,
     ) {
-        let mut name = self.typed.clone().unwrap_or_else(|| suggested(compared, settings));
+        let mut name = self.typed.clone().unwrap_or_else(|| suggested(compared));
         let width = ui.available_width();
         if Field::new("Export to").width(width).text(ui, &mut name).changed() {
             *self = Self { typed: Some(name.clone()).filter(|name| !name.trim().is_empty()), ..Self::default() };
@@ -71,13 +70,14 @@ pub fn parameters(
     let mut all = compared.describe();
     all["size"] = json!(size);
     all["drawn_by"] = json!(drawn_by);
+    let column = settings.column(size[0]);
     all["view"] = match settings.layer {
-        Layer::Split => json!({"show": "split", "right_from_column": settings.column(size[0])}),
+        Layer::Split => json!({"show": "split", "right_from_column": column}),
         Layer::Difference => json!({"show": "difference of codes", "factor": settings.factor}),
-        Layer::Creases => json!({"show": "creases", "right_from_column": settings.column(size[0])}),
+        Layer::Creases => json!({"show": "creases", "right_from_column": column}),
         Layer::Bands => json!({
             "show": "predicted bands",
-            "right_from_column": settings.column(size[0]),
+            "right_from_column": column,
             "shorter_side_deg": SHORTER_SIDE_DEG,
             "predicted_from_px": predicted_size(size),
             "full_scale": full_scale,
@@ -87,27 +87,9 @@ pub fn parameters(
     all
 }
 
-/// A name that says what the view shows.
-fn suggested(compared: &Comparison, settings: &ViewSettings) -> String {
-    let mesh = match &compared.mesh {
-        MeshChoice::Named(shape, vertices) if shape.has_vertices() => format!("{shape}-{vertices}"),
-        other => other.title().trim_end_matches(".obj").to_owned(),
-    };
-    let [left, right] = compared.sides.map(|side| {
-        let shade = side.shade;
-        let name = shade.shader.name().to_owned();
-        if shade.has_strip() { format!("{name}-{}-{}", shade.depth, rounded(shade.boundary)) } else { name }
-    });
-    let shaders = match (settings.layer, settings.divider) {
-        (Layer::Difference, _) => format!("{left}-minus-{right}"),
-        (_, divider) if divider <= 0.0 => right,
-        (_, divider) if divider >= 1.0 => left,
-        _ => format!("{left}-{right}"),
-    };
-    let what = match settings.layer {
-        Layer::Split | Layer::Difference => "",
-        Layer::Creases => "-creases",
-        Layer::Bands => "-bands",
-    };
-    format!("{mesh}-{shaders}{what}.png")
+/// A name that says what is compared.
+fn suggested(compared: &Comparison) -> String {
+    let mesh = compared.mesh.title();
+    let [left, right] = compared.sides.map(|side| side.shade.shader);
+    format!("{}-{left}-{right}.png", mesh.trim_end_matches(".obj"))
 }

@@ -7,16 +7,19 @@ use eframe::egui::{self, Pos2, RichText, TextureHandle};
 use egui_plot::Line;
 use glam::{DVec2, DVec3};
 
-use super::{canvas::ViewSettings, comparison::Comparison, pictures::Pictures};
+use super::{comparison::Comparison, pictures::Pictures};
 use crate::{
     app::{
-        explore::prediction::{self, Drawing, number},
+        explore::{
+            gallery::slopes,
+            prediction::{self, Drawing},
+        },
         ui::{describe, hint, pixels, still_plot, theme::SIDES, work::Latest},
     },
     light::{Bits, CodeImage, Quantizer, Transfer},
     shading::{Creases, Surface, crease},
     stimulus::{Renderer, ViewingConditions},
-    vision::luminances,
+    vision::{Visibility, luminance, luminances},
 };
 
 /// Longest shorter side of the picture that bands are predicted from, pixels: more would change little, and take longer.
@@ -40,29 +43,17 @@ pub struct Measured {
 type Measure = fn(&Comparison, &Surface, [u32; 2]) -> Result<Measured, String>;
 
 /// A measurement of the pictures that are shown.
+#[derive(Default)]
 pub struct Measurement {
-    measure: Measure,
-    columns: usize,
     latest: Latest<u64, Measured>,
     textures: Option<(u64, [TextureHandle; 2])>,
 }
 
 impl Measurement {
-    /// How steep the creases are: rms, 95th percentile, and the rms in units of Gouraud's.
-    pub fn of_creases() -> Self {
-        Self { measure: creases, columns: 3, latest: Latest::default(), textures: None }
-    }
-
-    /// How visible the predicted bands are, and that in units of Gouraud's.
-    pub fn of_bands() -> Self {
-        Self { measure: bands, columns: 2, latest: Latest::default(), textures: None }
-    }
-
-    /// Sees that the pictures are measured.
-    pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures) {
-        let measure = self.measure;
+    /// Sees that the pictures are measured by `measure`.
+    pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures, measure: Measure) {
         self.latest.want(ctx, pictures.edition, || {
-            let (compared, surface) = (pictures.compared.clone(), Arc::clone(pictures.surface()));
+            let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
             let size = [pictures.frame.width, pictures.frame.height];
             move || measure(&compared, &surface, size)
         });
@@ -91,23 +82,22 @@ impl Measurement {
         }
     }
 
-    /// The cells of a side.
-    pub fn cells(&self, ui: &mut egui::Ui, which: usize, edition: u64) {
-        let (cells, details) = match self.latest.get(&edition) {
-            Some(Ok(measured)) => (measured.cells[which].clone(), measured.details[which].clone()),
-            Some(Err(error)) => (vec!["—".to_owned(); self.columns], error.clone()),
-            None => (vec!["…".to_owned(); self.columns], String::new()),
+    /// The number at `place` of a side, with more about it.
+    pub fn cell(&self, ui: &mut egui::Ui, which: usize, place: usize, edition: u64) {
+        let (cell, details) = match self.latest.get(&edition) {
+            Some(Ok(measured)) => (measured.cells[which][place].as_str(), measured.details[which].as_str()),
+            Some(Err(error)) => ("—", error.as_str()),
+            None => ("…", ""),
         };
-        for cell in cells {
-            let label = ui.label(RichText::new(cell).small().color(SIDES[which]));
-            if !details.is_empty() {
-                label.on_hover_text(&details);
-            }
+        let label = ui.label(RichText::new(cell).small().color(SIDES[which]));
+        if !details.is_empty() {
+            label.on_hover_text(details);
         }
     }
 }
 
-fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 2]) -> Result<Measured, String> {
+/// How steep the creases are: rms, 95th percentile, and the rms in units of Gouraud's.
+pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 2]) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, width, height);
     let gouraud = Creases::of_gouraud(&frame);
     let sides = compared.sides.map(|side| compared.shot(&side, &frame).creases());
@@ -136,19 +126,20 @@ pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| (f64::from(side) * f64::from(LONGEST_PX) / f64::from(shorter)).round() as u32)
 }
 
-fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
+/// How visible the predicted bands are, and that in units of Gouraud's.
+pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
     let [width, height] = predicted_size(size);
     let frame = compared.scene.frame(surface, width, height);
     let viewing = ViewingConditions::new(SHORTER_SIDE_DEG * f64::from(width) / f64::from(width.min(height)));
-    let see = |side: &Renderer| {
+    let predict = |side: &Renderer| {
         let image = compared.shot(side, &frame).emitted();
         let view = viewing.predict_surface(&frame, &image).map_err(|error| error.to_string())?;
         Ok::<_, String>((view, luminances(&image)))
     };
-    let sides = [see(&compared.sides[0])?, see(&compared.sides[1])?];
+    let sides = [predict(&compared.sides[0])?, predict(&compared.sides[1])?];
     let gouraud = match compared.sides.iter().position(Renderer::is_gouraud) {
         Some(which) => sides[which].0.visibility.max(),
-        None => see(&Renderer::gouraud())?.0.visibility.max(),
+        None => predict(&Renderer::gouraud())?.0.visibility.max(),
     };
     let full_scale = sides.iter().map(|(view, _)| prediction::strongest(&view.map)).fold(0.0, f64::max);
     let maps = sides.each_ref().map(|(view, light)| {
@@ -158,11 +149,11 @@ fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Mea
     let cells = sides.each_ref().map(|(view, _)| {
         let visibility = view.visibility.max();
         let over = (gouraud > 0.0).then(|| format!("{:.2}", visibility / gouraud));
-        vec![number(visibility), over.unwrap_or_else(|| "—".to_owned())]
+        vec![format!("{visibility:.1}"), over.unwrap_or_else(|| "—".to_owned())]
     });
     let details = sides.each_ref().map(|(view, _)| {
-        let [bright, dark] = [view.visibility.bright, view.visibility.dark].map(number);
-        format!("bright {bright}, dark {dark}; density {:.2} per degree", view.density)
+        let Visibility { bright, dark } = view.visibility;
+        format!("bright {bright:.1}, dark {dark:.1}; density {:.2} per degree", view.density)
     });
     Ok(Measured { cells, details, maps, full_scale })
 }
@@ -184,8 +175,7 @@ pub struct Scan {
 
 impl Scan {
     /// The curves along the scan line, or `before` where they are still right.
-    pub fn updated(before: Option<Scan>, pictures: &Pictures, settings: &ViewSettings) -> Scan {
-        let line = settings.line;
+    pub fn updated(before: Option<Scan>, pictures: &Pictures, line: [Pos2; 2]) -> Scan {
         if let Some(before) = before.filter(|before| before.edition == pictures.edition && before.line == line) {
             return before;
         }
@@ -196,7 +186,9 @@ impl Scan {
         let count = (length * DENSITY).clamp(0.0, MOST) as usize;
         let light = compared.sides.map(|side| {
             let lights = compared.shot(&side, frame).along(ends, count);
-            let at = |i: usize, light: DVec3| [(i as f64 + 0.5) / count as f64 * length, luminance(light)];
+            let at = |i: usize, light: DVec3| {
+                [(i as f64 + 0.5) / count as f64 * length, luminance(light.as_vec3().to_array())]
+            };
             let points: Vec<_> = lights.into_iter().enumerate().map(|(i, light)| Some(at(i, light?))).collect();
             let pieces = points.split(Option::is_none).filter(|piece| !piece.is_empty());
             pieces.map(|piece| piece.iter().flatten().copied().collect()).collect::<Curve>()
@@ -215,16 +207,6 @@ impl Scan {
             }
         });
     }
-}
-
-/// Relative luminance of linear sRGB.
-fn luminance(light: DVec3) -> f64 {
-    light.dot(DVec3::new(0.2126, 0.7152, 0.0722))
-}
-
-fn slopes(piece: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
-    piece.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()
 }
 
 fn plot(ui: &mut egui::Ui, what: &str, titles: &[String; 2], curves: &[Curve; 2]) {

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use eframe::{
-    egui::{
-        self, CentralPanel, Frame, Key, Label, Panel, Rect, RichText, ScrollArea, TextEdit, TextureHandle, UiBuilder,
-    },
+    egui::{self, CentralPanel, Frame, Key, Label, Panel, Rect, RichText, ScrollArea, TextureHandle, UiBuilder},
     egui_wgpu::RenderState,
 };
 
@@ -14,7 +12,7 @@ use super::{
     comparison::{Comparison, MeshChoice, title},
     controls,
     export::{self, Export},
-    measures::{Measurement, SHORTER_SIDE_DEG, Scan},
+    measures::{self, Measurement, SHORTER_SIDE_DEG, Scan},
     pictures::{Difference, Drawer, DrawnBy, Picture, Pictures, divided},
 };
 use crate::{
@@ -31,10 +29,11 @@ const PLOTS: f32 = 170.0;
 /// A window narrower than this has the view, of this height, above the controls.
 const NARROW: f32 = 640.0;
 const NARROW_VIEW: f32 = 560.0;
-/// In a view narrower than this, creases and predicted bands have a table each.
-const TWO_TABLES: f32 = 600.0;
+/// Height of the numbers below the picture.
+const NUMBERS: f32 = 156.0;
 
 /// Two renderers side by side.
+#[derive(Default)]
 pub struct ShadingPage {
     compared: Comparison,
     settings: ViewSettings,
@@ -57,25 +56,6 @@ struct FileField {
     path: String,
     dialog: Dialog,
     fault: Option<String>,
-}
-
-impl Default for ShadingPage {
-    fn default() -> Self {
-        Self {
-            compared: Comparison::default(),
-            settings: ViewSettings::default(),
-            surface: None,
-            drawer: None,
-            pictures: None,
-            creases: Measurement::of_creases(),
-            bands: Measurement::of_bands(),
-            scan: None,
-            difference: None,
-            file: FileField::default(),
-            export: Export::default(),
-            dragging: false,
-        }
-    }
 }
 
 impl ShadingPage {
@@ -122,7 +102,7 @@ impl ShadingPage {
             ui,
             "The same surface under the same light, shaded in two ways. The bright and dark lines along the edges of the triangles are Mach bands: the visual system adds them where the slope of the light jumps.",
         );
-        controls::preset(ui, &mut self.compared, &mut self.settings);
+        controls::preset(ui, &mut self.compared);
         for (which, side) in self.compared.sides.iter_mut().enumerate() {
             ui.separator();
             controls::side(ui, which, side);
@@ -146,9 +126,8 @@ impl ShadingPage {
     }
 
     fn file_field(&mut self, ui: &mut egui::Ui) {
-        let width = ui.available_width();
-        let field = TextEdit::singleline(&mut self.file.path).hint_text("path of an .obj, or drop one here");
-        let field = Field::new("OBJ file").add(ui, field.desired_width(width));
+        let field = Field::new("OBJ file").hint("path of an .obj, or drop one here").width(ui.available_width());
+        let field = field.text(ui, &mut self.file.path);
         let mut open = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         ui.horizontal(|ui| {
             open |= ui.button("Open the file").clicked();
@@ -183,8 +162,7 @@ impl ShadingPage {
         self.toolbar(ui);
         let titles = self.compared.sides.each_ref().map(title);
         self.titles(ui, &titles);
-        let status = if ui.available_width() < TWO_TABLES { 176.0 } else { 104.0 };
-        let below = status + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
+        let below = NUMBERS + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
         let rest = ui.available_rect_before_wrap();
         let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
         let (rect, size) = canvas::whole_pixels(ui.ctx(), room);
@@ -195,7 +173,7 @@ impl ShadingPage {
         canvas::draw_marks(ui, rect, &self.compared, &self.settings);
         let lower = Rect::from_min_max(egui::pos2(rest.left(), rect.bottom() + 6.0), rest.max);
         let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
-        self.numbers(&mut lower, &titles);
+        self.numbers(&mut lower);
         if let Some(scan) = self.scan.as_ref().filter(|_| self.settings.scan) {
             scan.show(&mut lower, &titles);
         }
@@ -203,8 +181,6 @@ impl ShadingPage {
 
     fn toolbar(&mut self, ui: &mut egui::Ui) {
         let settings = &mut self.settings;
-        // Where rows may break anywhere, separators between groups would stand alone.
-        let is_wide = ui.available_width() >= TWO_TABLES;
         let group = |ui: &mut egui::Ui, text: &str| ui.add(Label::new(quiet(text)).extend());
         ui.horizontal_wrapped(|ui| {
             group(ui, "Show");
@@ -216,9 +192,6 @@ impl ShadingPage {
             ] {
                 ui.selectable_value(&mut settings.layer, layer, name);
             }
-            if is_wide {
-                ui.separator();
-            }
             group(ui, "Drag moves");
             for (target, name) in [
                 (DragTarget::Mesh, "the mesh"),
@@ -228,9 +201,6 @@ impl ShadingPage {
                 if ui.selectable_value(&mut settings.target, target, name).clicked() {
                     settings.scan |= target == DragTarget::ScanLine;
                 }
-            }
-            if is_wide {
-                ui.separator();
             }
             ui.checkbox(&mut settings.scan, "Scan line");
             if !settings.scan && settings.target == DragTarget::ScanLine {
@@ -258,17 +228,14 @@ impl ShadingPage {
                 );
                 return;
             }
-            let half = egui::vec2((ui.available_width() - ui.spacing().item_spacing.x) / 2.0, height);
             let layouts = [egui::Layout::left_to_right, egui::Layout::right_to_left];
-            let shown = [self.settings.divider > 0.0, self.settings.divider < 1.0];
-            for (i, layout) in layouts.into_iter().enumerate() {
-                ui.allocate_ui_with_layout(half, layout(egui::Align::Center), |ui| {
-                    ui.set_min_width(half.x);
-                    if shown[i] {
-                        ui.add(Label::new(text(i)).truncate());
-                    }
-                });
-            }
+            let is_shown = [self.settings.divider > 0.0, self.settings.divider < 1.0];
+            ui.columns(2, |columns| {
+                for i in (0..2).filter(|i| is_shown[*i]) {
+                    let label = Label::new(text(i)).truncate();
+                    columns[i].with_layout(layouts[i](egui::Align::Center), |ui| ui.add(label));
+                }
+            });
         });
     }
 
@@ -280,11 +247,11 @@ impl ShadingPage {
         let (Some((_, surface)), Some(drawer)) = (&self.surface, &mut self.drawer) else { return };
         let pictures = Pictures::updated(ctx, self.pictures.take(), drawer, surface, &self.compared, size);
         if !self.dragging {
-            self.creases.want(ctx, &pictures);
-            self.bands.want(ctx, &pictures);
+            self.creases.want(ctx, &pictures, measures::creases);
+            self.bands.want(ctx, &pictures, measures::bands);
         }
         if self.settings.scan {
-            self.scan = Some(Scan::updated(self.scan.take(), &pictures, &self.settings));
+            self.scan = Some(Scan::updated(self.scan.take(), &pictures, self.settings.line));
         }
         if self.settings.layer == Layer::Difference {
             self.difference = Difference::updated(ctx, self.difference.take(), &pictures, self.settings.factor);
@@ -322,16 +289,29 @@ impl ShadingPage {
     }
 
     /// Creases, predicted bands and times.
-    fn numbers(&self, ui: &mut egui::Ui, titles: &[String; 2]) {
+    fn numbers(&self, ui: &mut egui::Ui) {
         let (Some(pictures), Some(drawer)) = (&self.pictures, &self.drawer) else { return };
-        let creases = (&self.creases, ["creases, light per pixel", "rms", "p95", "× Gouraud"].as_slice());
-        let bands = (&self.bands, ["", "predicted visibility", "× Gouraud"].as_slice());
-        if ui.available_width() < TWO_TABLES {
-            table(ui, titles, pictures.edition, &[creases]);
-            table(ui, titles, pictures.edition, &[bands]);
-        } else {
-            table(ui, titles, pictures.edition, &[creases, bands]);
-        }
+        ui.spacing_mut().interact_size.y = 14.0;
+        egui::Grid::new("numbers").spacing([16.0, 2.0]).show(ui, |ui| {
+            ui.label("");
+            for (side, color) in ["left", "right"].into_iter().zip(SIDES) {
+                ui.label(RichText::new(side).small().color(color));
+            }
+            ui.end_row();
+            for (name, measurement, place) in [
+                ("creases, rms, light per pixel", &self.creases, 0),
+                ("creases, p95, light per pixel", &self.creases, 1),
+                ("creases, rms relative to Gouraud", &self.creases, 2),
+                ("predicted visibility", &self.bands, 0),
+                ("visibility relative to Gouraud", &self.bands, 1),
+            ] {
+                ui.label(quiet(name));
+                for which in 0..2 {
+                    measurement.cell(ui, which, place, pictures.edition);
+                }
+                ui.end_row();
+            }
+        });
         hint(
             ui,
             format!(
@@ -370,7 +350,7 @@ impl ShadingPage {
         let mut export = std::mem::take(&mut self.export);
         if let (Some(pictures), Some(drawer)) = (&self.pictures, &self.drawer) {
             let compared = &pictures.compared;
-            export.show(ui, compared, &self.settings, || {
+            export.show(ui, compared, || {
                 let image = self.pixels()?;
                 let full_scale = self.bands.get(pictures.edition).map(|bands| bands.full_scale);
                 let size = [image.width, image.height];
@@ -380,30 +360,4 @@ impl ShadingPage {
         }
         self.export = export;
     }
-}
-
-/// A row for each side with what was measured; the first head of the first measurement is the sides'.
-fn table(ui: &mut egui::Ui, titles: &[String; 2], edition: u64, measurements: &[(&Measurement, &[&str])]) {
-    // What the numbers leave of the width.
-    let longest = (ui.available_width() - if measurements.len() > 1 { 440.0 } else { 240.0 }).max(150.0);
-    ui.spacing_mut().interact_size.y = 14.0;
-    let id = ("numbers", measurements[0].1);
-    egui::Grid::new(id).spacing([12.0, 2.0]).show(ui, |ui| {
-        for (i, (_, heads)) in measurements.iter().enumerate() {
-            for head in &heads[i.min(1)..] {
-                ui.label(quiet(*head));
-            }
-        }
-        ui.end_row();
-        for (which, title) in titles.iter().enumerate() {
-            ui.scope(|ui| {
-                ui.set_max_width(longest);
-                ui.add(Label::new(RichText::new(title).small().color(SIDES[which])).truncate());
-            });
-            for (measurement, _) in measurements {
-                measurement.cells(ui, which, edition);
-            }
-            ui.end_row();
-        }
-    });
 }

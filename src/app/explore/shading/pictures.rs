@@ -4,8 +4,8 @@
 use std::{sync::Arc, time::Instant};
 
 use eframe::{
-    egui::{self, Color32, ColorImage, TextureHandle, TextureId, mutex::RwLock},
-    egui_wgpu::{self, RenderState},
+    egui::{self, Color32, ColorImage, TextureHandle, TextureId},
+    egui_wgpu::RenderState,
     wgpu,
 };
 
@@ -110,7 +110,7 @@ impl Picture {
     pub fn id(&self) -> TextureId {
         match &self.image {
             Image::Cpu(_, texture) => texture.id(),
-            Image::Gpu(picture) => picture.id(),
+            Image::Gpu(picture) => picture.id,
         }
     }
 
@@ -131,8 +131,8 @@ impl Picture {
 pub struct Pictures {
     /// What they show.
     pub compared: Comparison,
-    surface: Arc<Surface>,
-    size: [u32; 2],
+    /// The surface that they show.
+    pub surface: Arc<Surface>,
     by: DrawnBy,
     /// Counts the changes of either picture.
     pub edition: u64,
@@ -145,7 +145,7 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// The pictures of `compared`, keeping those of `before` that are still right.
+    /// The pictures of `compared`; those of `before` if they are still right.
     pub fn updated(
         ctx: &egui::Context,
         before: Option<Pictures>,
@@ -154,33 +154,21 @@ impl Pictures {
         compared: &Comparison,
         size: [u32; 2],
     ) -> Pictures {
-        let mut edition = 0;
-        if let Some(mut before) = before {
-            edition = before.edition + 1;
-            let (same_size, same_surface) = (before.size == size, Arc::ptr_eq(&before.surface, surface));
-            if same_size && same_surface && before.by == drawer.by() && before.compared.same_frame(compared) {
-                for (which, side) in compared.sides.iter().enumerate() {
-                    if before.compared.sides[which] != *side {
-                        before.sides[which] = drawer.draw(ctx, which, &compared.shot(side, &before.frame));
-                        before.edition = edition;
-                    }
-                }
-                before.compared = compared.clone();
-                return before;
-            }
-            // `before` goes first: it holds the card's memory.
+        let edition = before.as_ref().map_or(0, |before| before.edition + 1);
+        let is_right = |p: &Pictures| {
+            [p.frame.width, p.frame.height] == size
+                && (Arc::ptr_eq(&p.surface, surface), p.by, &p.compared) == (true, drawer.by(), compared)
+        };
+        // Others are dropped before new ones are drawn: they hold the card's memory.
+        if let Some(before) = before.filter(is_right) {
+            return before;
         }
         let begun = Instant::now();
         let frame = compared.scene.frame(surface, size[0], size[1]);
         let frame_ms = ms_since(begun);
         let sides = [0, 1].map(|which| drawer.draw(ctx, which, &compared.shot(&compared.sides[which], &frame)));
         let (compared, surface, by) = (compared.clone(), surface.clone(), drawer.by());
-        Pictures { compared, surface, size, by, edition, frame, frame_ms, sides }
-    }
-
-    /// The surface that they show.
-    pub fn surface(&self) -> &Arc<Surface> {
-        &self.surface
+        Pictures { compared, surface, by, edition, frame, frame_ms, sides }
     }
 }
 
@@ -239,9 +227,7 @@ pub struct WindowGpu {
 pub struct GpuPicture {
     texture: wgpu::Texture,
     id: TextureId,
-    renderer: Arc<RwLock<egui_wgpu::Renderer>>,
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    state: RenderState,
 }
 
 impl WindowGpu {
@@ -289,36 +275,31 @@ impl WindowGpu {
         self.gpu.render(&mut encoder, &view, &uploaded);
         queue.submit([encoder.finish()]);
         device.poll(wgpu::PollType::wait_indefinitely()).map_err(|fault| GpuError::Driver(fault.to_string()))?;
-        let ms = begun.elapsed().as_secs_f64() * 1e3;
-        let renderer = self.state.renderer.clone();
-        let id = renderer.write().register_native_texture(device, &view, wgpu::FilterMode::Nearest);
-        Ok((GpuPicture { texture, id, renderer, device: device.clone(), queue: queue.clone() }, ms))
+        let ms = ms_since(begun);
+        let id = self.state.renderer.write().register_native_texture(device, &view, wgpu::FilterMode::Nearest);
+        Ok((GpuPicture { texture, id, state: self.state.clone() }, ms))
     }
 }
 
 impl GpuPicture {
-    /// The name that egui knows it by.
-    pub fn id(&self) -> TextureId {
-        self.id
-    }
-
     /// Its codes, read back; `None` where the driver fails.
     pub fn codes(&self) -> Option<CodeImage> {
         let (width, height) = (self.texture.width(), self.texture.height());
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+        let RenderState { device, queue, .. } = &self.state;
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("shading"),
             size: u64::from(row) * u64::from(height),
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
         let destination = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
         encoder.copy_texture_to_buffer(self.texture.as_image_copy(), destination, self.texture.size());
-        self.queue.submit([encoder.finish()]);
+        queue.submit([encoder.finish()]);
         buffer.slice(..).map_async(wgpu::MapMode::Read, |_| {});
-        self.device.poll(wgpu::PollType::wait_indefinitely()).ok()?;
+        device.poll(wgpu::PollType::wait_indefinitely()).ok()?;
         let bytes = buffer.slice(..).get_mapped_range().ok()?;
         let codes = bytes
             .chunks_exact(row as usize)
@@ -329,6 +310,6 @@ impl GpuPicture {
 
 impl Drop for GpuPicture {
     fn drop(&mut self) {
-        self.renderer.write().free_texture(&self.id);
+        self.state.renderer.write().free_texture(&self.id);
     }
 }
