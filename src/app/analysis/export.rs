@@ -20,60 +20,57 @@ use crate::{
 
 /// The field, and what came of the last export.
 pub struct Export {
+    paths: Vec<PathBuf>,
     folder: String,
     dialog: Dialog,
     work: Option<(PathBuf, Work<Result<usize, String>>)>,
     outcome: Option<Result<String, String>>,
     /// A folder with files in it, which may be written into if asked again.
     occupied: Option<PathBuf>,
+    copied: Option<String>,
 }
 
 /// What is to be written.
 pub struct Exported<'a> {
-    /// What was read.
+    /// What was read, and how.
     pub study: &'a Arc<Study>,
-    /// What was made of it.
+    pub read_options: &'a ReadOptions,
+    /// What came out of it.
     pub results: &'a Arc<Results>,
     /// What the filters left, as a phrase; empty where that is everything.
     pub filter: String,
-    /// The command that does the same without filters.
-    pub command: String,
 }
 
 impl Export {
     /// For the results of these files.
-    pub fn new(paths: &[PathBuf]) -> Self {
-        let name = paths.first().and_then(|path| path.file_stem()).map(|name| name.to_string_lossy().into_owned());
-        let name = name.filter(|name| !name.is_empty()).unwrap_or_else(|| "machband".to_owned());
+    pub fn new(paths: Vec<PathBuf>) -> Self {
+        let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
+        let name = name.map_or("machband".into(), |name| name.to_string_lossy());
         Self {
             folder: format!("{name}-analysis"),
+            paths,
             dialog: Dialog::default(),
             work: None,
             outcome: None,
             occupied: None,
+            copied: None,
         }
     }
 
-    /// The folder as it is typed.
-    pub fn folder(&self) -> &str {
-        self.folder.trim()
-    }
-
     /// Draws it; there is nothing to write while nothing is shown.
-    pub fn show(&mut self, ui: &mut egui::Ui, exported: Option<Exported<'_>>) {
+    pub fn show(&mut self, ui: &mut egui::Ui, exported: Option<&Exported<'_>>) {
         self.take_outcome(ui.ctx());
         let label = ui.label("Export to the folder");
         let width = ui.available_width();
         let field = ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(width)).labelled_by(label.id);
         let mut changed = field.changed();
         ui.horizontal_wrapped(|ui| {
-            let folder = PathBuf::from(self.folder());
+            let folder = PathBuf::from(self.folder.trim());
             let again = self.occupied.as_ref() == Some(&folder);
             let ready = exported.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
             let text = if again { "Write into it" } else { "Export" };
-            if ui.add_enabled(ready, egui::Button::new(text)).clicked()
-                && let Some(exported) = &exported
-            {
+            let clicked = ui.add_enabled(ready, egui::Button::new(text)).clicked();
+            if let Some(exported) = exported.filter(|_| clicked) {
                 self.start(ui.ctx(), folder, again, exported);
             }
             changed |= self.dialog.browse(ui, Ask::Folder, "Choose the folder to export to…", &mut self.folder);
@@ -90,6 +87,17 @@ impl Export {
         }
         self.dialog.missing_fault(ui);
         outcome(ui, self.outcome.as_ref());
+        let whole = exported.filter(|exported| exported.filter.is_empty());
+        let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));
+        let copy = copy.on_disabled_hover_text("The command analyzes everything: check everything first.").clicked();
+        if let Some(whole) = whole.filter(|_| copy) {
+            let command = self.command(whole);
+            ui.ctx().copy_text(command.clone());
+            self.copied = Some(command);
+        }
+        if let Some(command) = self.copied.as_ref().filter(|_| whole.is_some()) {
+            hint(ui, format!("Copied: {command}"));
+        }
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {
@@ -113,12 +121,35 @@ impl Export {
         }
         (self.outcome, self.occupied) = (None, None);
         let (study, results, to) = (exported.study.clone(), exported.results.clone(), folder.clone());
-        let mut command = exported.command.clone();
+        let mut command = self.command(exported);
         if !exported.filter.is_empty() {
             // A comment of the shell: no command filters.
             command += &format!(" # filtered in the window: {}", exported.filter);
         }
         self.work = Some((folder, Work::start(ctx, move || write(&study, &results, &command, &to))));
+    }
+
+    /// `machband analyze` of these files with these options and without filters; only what differs from the default is
+    /// named.
+    fn command(&self, Exported { read_options, results, .. }: &Exported<'_>) -> String {
+        let Options { terms, link, random, quadrature, scale, .. } = &results.options;
+        let mut arguments = vec!["analyze".to_owned()];
+        arguments.extend(self.paths.iter().map(|path| path.display().to_string()));
+        let mut option = |name: &str, value: Option<String>| {
+            arguments.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
+        };
+        option("--subject", read_options.subject.clone());
+        option("--response", read_options.response.clone());
+        option("--count", read_options.count.clone());
+        option("--factors", read_options.factors.as_ref().map(|factors| factors.join(",")));
+        option("--terms", terms.as_ref().map(ToString::to_string));
+        option("--link", (*link != Link::default()).then(|| link.to_string()));
+        option("--random", (*random == Some(Random::None)).then(|| "none".to_owned()));
+        option("--quadrature", (*quadrature != 1).then(|| quadrature.to_string()));
+        option("--out", Some(self.folder.trim().to_owned()));
+        arguments.extend(read_options.complete_only.then(|| "--complete-only".to_owned()));
+        arguments.extend(scale.then(|| "--scale".to_owned()));
+        shell_command(arguments)
     }
 }
 
@@ -129,47 +160,4 @@ fn write(study: &Study, results: &Results, command: &str, folder: &Path) -> Resu
     let made = Provenance::new(command, Timestamp::now());
     let written = write_all(&shown, results, &made, folder, false).map_err(|error| error.to_string())?;
     Ok(written.files.len())
-}
-
-/// `machband analyze` of these files with these options; only what differs from the default is named.
-pub fn command(paths: &[PathBuf], read_options: &ReadOptions, options: &Options, out: &str) -> String {
-    let mut words = vec!["analyze".to_owned()];
-    words.extend(paths.iter().map(|path| path.display().to_string()));
-    let mut option = |name: &str, value: Option<String>| {
-        words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
-    };
-    option("--subject", read_options.subject.clone());
-    option("--response", read_options.response.clone());
-    option("--count", read_options.count.clone());
-    option("--factors", read_options.factors.as_ref().map(|factors| factors.join(",")));
-    option("--terms", options.terms.as_ref().map(ToString::to_string));
-    option("--link", (options.link != Link::default()).then(|| options.link.to_string()));
-    option("--random", (options.random == Some(Random::None)).then(|| "none".to_owned()));
-    option("--quadrature", (options.quadrature != 1).then(|| options.quadrature.to_string()));
-    option("--out", Some(out.to_owned()));
-    words.extend(read_options.complete_only.then(|| "--complete-only".to_owned()));
-    words.extend(options.scale.then(|| "--scale".to_owned()));
-    shell_command(words)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::analysis::terms::Terms;
-
-    #[test]
-    fn only_what_differs_from_the_default_is_named() {
-        let paths = [PathBuf::from("results/tiny"), PathBuf::from("is here.csv")];
-        let plain = command(&paths[..1], &ReadOptions::default(), &Options::default(), "out");
-        assert_eq!(plain, "machband analyze results/tiny --out out");
-        let read_options =
-            ReadOptions { response: Some("score".to_owned()), complete_only: true, ..ReadOptions::default() };
-        let terms = Terms::parse("width*num:inv_n").ok();
-        let options = Options { terms, link: Link::Probit, scale: true, ..Options::default() };
-        assert_eq!(
-            command(&paths, &read_options, &options, "out"),
-            "machband analyze results/tiny 'is here.csv' --response score --terms 'width,num:inv_n,width:num:inv_n' \
-             --link probit --out out --complete-only --scale"
-        );
-    }
 }

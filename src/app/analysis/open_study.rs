@@ -2,31 +2,34 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use eframe::egui::{self, CentralPanel, Frame, Panel, RichText, ScrollArea};
+use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText, ScrollArea};
 
 use super::{
     document::DocumentView,
-    export::{self, Export, Exported},
-    filters::Filters,
-    settings::Settings,
-    source,
+    export::{Export, Exported},
+    query::{Filters, Settings},
 };
 use crate::{
     analysis::{Options, Results, analyze},
     app::ui::{
-        Field, fault, heading, hint, quiet, theme,
+        Field, Step, fault, heading, hint, paragraph, quiet, theme,
         work::{Progress, Work},
     },
     report::{
         Study,
-        document::{Document, numbers::count},
+        document::{
+            Document,
+            numbers::{count, whole},
+        },
         figures::{self, Figure},
         prediction::StudyPrediction,
         study::{Parts, document},
     },
-    store::ratings::ReadOptions,
+    store::ratings::{Layout, ReadOptions, SessionRead, Source},
 };
 
+/// Faults that are listed.
+const MOST_FAULTS: usize = 200;
 /// Narrower than this, the data and filters are a view of their own.
 const NARROW: f32 = 700.0;
 /// The view of data and filters.
@@ -52,7 +55,7 @@ pub struct OpenStudy {
     settings: Settings,
     /// What was analyzed last, finished or not.
     asked: Option<Query>,
-    work: Option<Work<Option<Outcome>>>,
+    work: Option<Work<Option<(Outcome, Document)>>>,
     /// The last outcome.
     shown: Option<(Outcome, DocumentView)>,
     /// The document with a prediction.
@@ -63,8 +66,6 @@ pub struct OpenStudy {
     /// The address of the section that is looked at.
     section: &'static str,
     export: Export,
-    paths: Vec<PathBuf>,
-    copied: Option<String>,
     request: Option<Request>,
 }
 
@@ -80,7 +81,6 @@ struct Outcome {
     query: Query,
     results: Arc<Results>,
     figures: Vec<Figure>,
-    document: Document,
 }
 
 impl OpenStudy {
@@ -96,11 +96,9 @@ impl OpenStudy {
             fault: None,
             not_reread: None,
             section: "summary",
-            export: Export::new(&paths),
+            export: Export::new(paths),
             study: Arc::new(study),
-            paths,
             read_options,
-            copied: None,
             request: None,
         }
     }
@@ -114,7 +112,7 @@ impl OpenStudy {
             settings: before.settings,
             section: before.section,
             export: before.export,
-            ..Self::new(study, before.paths, read_options)
+            ..Self::new(study, Vec::new(), read_options)
         }
     }
 
@@ -130,13 +128,8 @@ impl OpenStudy {
         &self.read_options
     }
 
-    /// What is asked of the page, once.
-    pub fn take_request(&mut self) -> Option<Request> {
-        self.request.take()
-    }
-
-    /// Draws everything; true where the page is to be left.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> bool {
+    /// Draws everything; gives what only the page can do.
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Step<Request> {
         self.take_outcome();
         self.analyze(ui.ctx());
         let narrow = ui.available_width() < NARROW;
@@ -170,7 +163,10 @@ impl OpenStudy {
                 self.show_document(ui);
             }
         });
-        back
+        match self.request.take() {
+            Some(request) => Step::Next(request),
+            None => Step::back_if(back),
+        }
     }
 
     /// Takes what has been computed.
@@ -179,10 +175,7 @@ impl OpenStudy {
             None | Some(Progress::Going) => {}
             Some(Progress::Done(outcome)) => {
                 let earlier = self.shown.take().map(|(_, view)| view);
-                self.shown = outcome.map(|outcome| {
-                    let view = DocumentView::new(outcome.document.clone(), earlier);
-                    (outcome, view)
-                });
+                self.shown = outcome.map(|(outcome, document)| (outcome, DocumentView::new(document, earlier)));
                 (self.work, self.predicting) = (None, None);
             }
             Some(Progress::Lost) => {
@@ -264,8 +257,10 @@ impl OpenStudy {
 
     /// Files, filters, model, export.
     fn controls(&mut self, ui: &mut egui::Ui) {
-        source::show(ui, &self.study.source);
-        if source::has_unfinished(&self.study.source) {
+        let source = &self.study.source;
+        about(ui, source);
+        let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
+        if unfinished || source.files.iter().any(|file| file.unfinished > 0) {
             let mut complete = self.read_options.complete_only;
             if ui.checkbox(&mut complete, "Leave out unfinished sessions").changed() {
                 self.request =
@@ -279,7 +274,8 @@ impl OpenStudy {
             if ui.button("Other data…").clicked() {
                 self.request = Some(Request::OtherData);
             }
-            if source::has_named_columns(&self.study.source) && ui.button("Columns…").clicked() {
+            let named = source.files.iter().any(|file| file.layout == Layout::Long);
+            if named && ui.button("Columns…").clicked() {
                 self.request = Some(Request::Columns);
             }
         });
@@ -292,33 +288,17 @@ impl OpenStudy {
         ui.separator();
         let error = self.shown.as_ref().and_then(|(outcome, _)| outcome.results.model.as_ref().err());
         self.settings.show(ui, counts, self.filters.people(), error);
-        self.read_columns_of_terms();
         ui.separator();
-        self.export(ui);
-    }
-
-    fn export(&mut self, ui: &mut egui::Ui) {
         // What is on the page, and nothing that is still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
-        let command = |outcome: &Outcome, out: &str| {
-            export::command(&self.paths, &self.read_options, &outcome.query.options, out)
-        };
         let exported = outcome.map(|outcome| Exported {
             study: &self.study,
+            read_options: &self.read_options,
             results: &outcome.results,
-            filter: outcome.query.filters.sentence(&self.study.measured.counts),
-            command: command(outcome, self.export.folder()),
+            filter: outcome.query.filters.sentence(counts),
         });
-        self.export.show(ui, exported);
-        let whole = outcome.filter(|_| !self.filters.is_narrowed());
-        let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));
-        if copy.on_disabled_hover_text("The command analyzes everything: check everything first.").clicked() {
-            self.copied = whole.map(|outcome| command(outcome, self.export.folder()));
-            ui.ctx().copy_text(self.copied.clone().unwrap_or_default());
-        }
-        if let Some(command) = self.copied.as_ref().filter(|_| whole.is_some()) {
-            hint(ui, format!("Copied: {command}"));
-        }
+        self.export.show(ui, exported.as_ref());
+        self.read_columns_of_terms();
     }
 
     /// Reads the files again where the terms name columns that are not read, or no longer name one that is.
@@ -332,6 +312,36 @@ impl OpenStudy {
     }
 }
 
+/// Where the ratings come from, in short; the document has the details.
+fn about(ui: &mut egui::Ui, source: &Source) {
+    let title = match (&source.protocol, source.files.first()) {
+        (Some(protocol), _) => format!("{}: {}", protocol.name, protocol.title),
+        (None, Some(file)) => file.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        (None, None) => "No file".to_owned(),
+    };
+    paragraph(ui, RichText::new(title).strong());
+    let ratings = source.files.iter().map(|file| file.ratings).sum();
+    let sessions = match source.sessions.len() as u64 {
+        0 => String::new(),
+        sessions => format!(" in {}", count(sessions, "session")),
+    };
+    hint(ui, format!("{}{sessions}.", count(ratings, "rating")));
+    if source.faults.is_empty() {
+        return;
+    }
+    let title = RichText::new(format!("Faults: {}", source.faults.len())).color(theme::FAULT);
+    CollapsingHeader::new(title).id_salt("faults").default_open(true).show(ui, |ui| {
+        ScrollArea::vertical().id_salt("faults").max_height(170.0).show(ui, |ui| {
+            for one in source.faults.iter().take(MOST_FAULTS) {
+                fault(ui, one.to_string());
+            }
+            if let more @ 1.. = source.faults.len().saturating_sub(MOST_FAULTS) {
+                fault(ui, format!("… and {} more", whole(more as u64)));
+            }
+        });
+    });
+}
+
 /// There is much on this page: small text, thin scroll bars.
 fn dense(ui: &mut egui::Ui) {
     theme::compact(ui);
@@ -340,7 +350,7 @@ fn dense(ui: &mut egui::Ui) {
 
 impl Outcome {
     /// Analyzes what the filters leave; none where that is nothing.
-    fn new(study: &Study, query: Query) -> Option<Self> {
+    fn new(study: &Study, query: Query) -> Option<(Self, Document)> {
         let measured = query.filters.apply(&study.measured);
         if measured.counts.total() == 0 {
             return None;
@@ -348,7 +358,7 @@ impl Outcome {
         let results = Arc::new(analyze(measured, &query.options));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
-        Some(Self { query, results, figures, document })
+        Some((Self { query, results, figures }, document))
     }
 }
 

@@ -2,16 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui;
+use eframe::egui::{self, Key};
 
 use super::{
     columns::Columns,
     open_study::{OpenStudy, Request},
-    start::{Choice, Start},
 };
 use crate::{
     app::ui::{
-        Ask, Dialog, Step, escaped, fault, heading, hint, page_from,
+        Ask, Dialog, Field, Step, escaped, fault, heading, hint, page_from, paragraph, section,
         work::{Progress, Work},
     },
     report::Study,
@@ -20,7 +19,10 @@ use crate::{
 
 /// The page.
 pub struct Analysis {
-    start: Start,
+    /// The path as it is typed.
+    typed: String,
+    /// Experiments that have data in the results folder.
+    found: Vec<PathBuf>,
     dialog: Dialog,
     /// What is being read.
     reading: Option<Pending>,
@@ -43,8 +45,12 @@ struct Pending {
 impl Analysis {
     /// The page without data, for what is in a results folder and elsewhere.
     pub fn new(results: &Path) -> Self {
+        let entries = results.read_dir().into_iter().flatten().flatten();
+        let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| has_data(path)).collect();
+        found.sort();
         Self {
-            start: Start::new(results),
+            typed: String::new(),
+            found,
             dialog: Dialog::default(),
             reading: None,
             fault: None,
@@ -81,13 +87,15 @@ impl Analysis {
         let escaped = escaped(ui) && ui.memory(|memory| memory.focused().is_none());
         self.take_files(ui.ctx());
         self.take_study();
-        let back = match &mut self.open {
-            Some(open) if self.columns.is_none() && self.reading.is_none() => {
-                let back = open.show(ui);
-                self.follow(ui.ctx());
-                back
+        let open = self.open.as_mut().filter(|_| self.columns.is_none() && self.reading.is_none());
+        let back = match open.map(|open| open.show(ui)) {
+            None => self.show_start(ui),
+            Some(Step::Stay) => false,
+            Some(Step::Back) => true,
+            Some(Step::Next(request)) => {
+                self.follow(ui.ctx(), request);
+                false
             }
-            _ => self.show_start(ui),
         };
         Step::back_if(back || escaped)
     }
@@ -133,13 +141,13 @@ impl Analysis {
     }
 
     /// Does what the study's own controls ask for.
-    fn follow(&mut self, ctx: &egui::Context) {
-        let Some(open) = &mut self.open else { return };
-        match open.take_request() {
-            Some(Request::OtherData) => self.open = None,
-            Some(Request::Columns) => self.columns = Columns::of(&self.paths, open.read_options()),
-            Some(Request::Read(read_options)) => self.read(ctx, self.paths.clone(), read_options, true),
-            None => {}
+    fn follow(&mut self, ctx: &egui::Context, request: Request) {
+        match request {
+            Request::OtherData => self.open = None,
+            Request::Columns => {
+                self.columns = self.open.as_ref().and_then(|open| Columns::of(&self.paths, open.read_options()));
+            }
+            Request::Read(read_options) => self.read(ctx, self.paths.clone(), read_options, true),
         }
     }
 
@@ -170,7 +178,7 @@ impl Analysis {
             if self.columns.is_some() {
                 ui.separator();
             }
-            let choice = self.start.show(ui);
+            let chosen = self.choose(ui);
             self.dialog.missing_fault(ui);
             if keep {
                 self.columns = None;
@@ -178,13 +186,52 @@ impl Analysis {
             if let Some(read_options) = named {
                 self.read(&ctx, self.paths.clone(), read_options, false);
             }
-            match choice {
-                Some(Choice::Open(path)) => self.read_new(&ctx, vec![path]),
-                Some(Choice::Files) => self.dialog.open(&ctx, Ask::Data),
-                Some(Choice::Folder) => self.dialog.open(&ctx, Ask::Folder),
-                None => {}
+            if let Some(path) = chosen {
+                self.read_new(&ctx, vec![path]);
             }
             back
         })
     }
+
+    /// What there is to analyze; gives the file or folder that is to be opened.
+    fn choose(&mut self, ui: &mut egui::Ui) -> Option<PathBuf> {
+        let mut chosen = None;
+        paragraph(
+            ui,
+            "Drop files or a folder on this window: result files, a table of counts, or any CSV file with one rating in each \
+             row, whose columns you then name.",
+        );
+        ui.horizontal_wrapped(|ui| {
+            for (text, ask) in [("Open files…", Ask::Data), ("Open folder…", Ask::Folder)] {
+                if ui.button(text).clicked() {
+                    self.dialog.open(ui.ctx(), ask);
+                }
+            }
+        });
+        if !self.found.is_empty() {
+            section(ui, "In the results folder");
+        }
+        for path in &self.found {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            if ui.button(format!("Analyze {name}")).on_hover_text(path.display().to_string()).clicked() {
+                chosen = Some(path.clone());
+            }
+        }
+        ui.add_space(6.0);
+        ui.horizontal_wrapped(|ui| {
+            let field = Field::new("Or the path of a file or folder").text(ui, &mut self.typed);
+            let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            let ready = !self.typed.trim().is_empty();
+            if ui.add_enabled(ready, egui::Button::new("Open")).clicked() || entered && ready {
+                chosen = Some(self.typed.trim().into());
+            }
+        });
+        chosen
+    }
+}
+
+/// Whether a folder is an experiment's data set with at least one session in it.
+fn has_data(path: &Path) -> bool {
+    let is_session = |name: &std::ffi::OsStr| name.to_string_lossy().ends_with("_data.csv");
+    (path.join("data").read_dir().into_iter().flatten().flatten()).any(|entry| is_session(&entry.file_name()))
 }

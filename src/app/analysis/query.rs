@@ -1,0 +1,205 @@
+//! What is asked of the data: whose ratings and of which levels, and which model.
+
+use eframe::egui::{self, CollapsingHeader, DragValue, Key, ScrollArea, TextEdit};
+
+use crate::{
+    analysis::{
+        Link, MOST_NODES, ModelError, Options, Random,
+        counts::{Counts, Factor, Measured},
+        terms::{TermError, Terms},
+    },
+    app::ui::{Field, fault, quiet, text::name},
+};
+
+/// Check lists of the participants and of every factor's levels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Filters {
+    people: Vec<bool>,
+    /// The levels of each factor; where conditions have no value of it, a last one for these.
+    factors: Vec<Vec<bool>>,
+}
+
+impl Filters {
+    /// Everything checked.
+    pub fn new(counts: &Counts) -> Self {
+        let factors = counts.factors.iter().enumerate().map(|(index, factor)| {
+            let missing = counts.conditions.iter().any(|levels| levels[index].is_none());
+            vec![true; factor.levels.len() + usize::from(missing)]
+        });
+        Self { people: vec![true; counts.subjects.len()], factors: factors.collect() }
+    }
+
+    /// Whether anything is left out.
+    pub fn is_narrowed(&self) -> bool {
+        self.people.contains(&false) || self.factors.iter().any(|levels| levels.contains(&false))
+    }
+
+    /// Participants that are checked.
+    pub fn people(&self) -> usize {
+        checked(&self.people)
+    }
+
+    /// What is left of a study.
+    pub fn apply(&self, measured: &Measured) -> Measured {
+        let is_checked = |(levels, level): (&Vec<bool>, &Option<u32>)| {
+            level.map_or(levels.last(), |level| levels.get(level as usize)) == Some(&true)
+        };
+        measured.filtered(
+            |subject| self.people[subject as usize],
+            |condition| self.factors.iter().zip(condition).all(is_checked),
+        )
+    }
+
+    /// What is left, as a phrase; empty where nothing is left out.
+    pub fn sentence(&self, counts: &Counts) -> String {
+        let mut parts = Vec::new();
+        if self.people.contains(&false) {
+            parts.push(format!("{} of {} participants", self.people(), self.people.len()));
+        }
+        for (levels, factor) in self.factors.iter().zip(&counts.factors).filter(|(levels, _)| levels.contains(&false)) {
+            let kept: Vec<&str> = names(factor).zip(levels).filter(|(_, kept)| **kept).map(|(name, _)| name).collect();
+            let kept = if kept.is_empty() { "none".to_owned() } else { kept.join(", ") };
+            parts.push(format!("{} {kept}", factor.name));
+        }
+        parts.join("; ")
+    }
+
+    /// Draws the lists.
+    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts) {
+        let title = format!("Participants: {} of {}", self.people(), self.people.len());
+        list(ui, "participants", &title, &mut self.people, |ui, people| {
+            // A long list in a box of its own, of which only the visible part is drawn.
+            let height = ui.spacing().interact_size.y;
+            let area = ScrollArea::vertical().id_salt("people").max_height(190.0);
+            area.show_rows(ui, height, people.len(), |ui, rows| {
+                ui.set_width(ui.available_width());
+                for row in rows {
+                    check(ui, &mut people[row], "Participant", &counts.subjects[row]);
+                }
+            });
+        });
+        for (levels, factor) in self.factors.iter_mut().zip(&counts.factors) {
+            let title = format!("{}: {} of {} levels", factor.name, checked(levels), levels.len());
+            list(ui, &factor.name, &title, levels, |ui, levels| {
+                ui.horizontal_wrapped(|ui| {
+                    for (checked, level) in levels.iter_mut().zip(names(factor)) {
+                        check(ui, checked, &factor.name, level);
+                    }
+                });
+            });
+        }
+    }
+}
+
+fn checked(list: &[bool]) -> usize {
+    list.iter().filter(|checked| **checked).count()
+}
+
+/// The levels of a factor, and what stands for none of them.
+fn names(factor: &Factor) -> impl Iterator<Item = &str> {
+    factor.levels.iter().map(String::as_str).chain(["missing"])
+}
+
+/// A list that folds away, below two buttons that check all or nothing. Its title may change, its place does not.
+fn list(ui: &mut egui::Ui, id: &str, title: &str, list: &mut [bool], add: impl FnOnce(&mut egui::Ui, &mut [bool])) {
+    CollapsingHeader::new(title).id_salt(("filter", id)).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            for (text, label, all) in [("All", format!("All {id}"), true), ("None", format!("None of {id}"), false)] {
+                let button = ui.small_button(text);
+                name(ui, &button, &label);
+                if button.clicked() {
+                    list.fill(all);
+                    ui.ctx().request_repaint();
+                }
+            }
+        });
+        add(ui, list);
+    });
+}
+
+fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
+    let response = ui.checkbox(checked, text);
+    name(ui, &response, &format!("{of} {text}"));
+}
+
+/// The choices as they stand in their controls.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// Without terms.
+    options: Options,
+    /// The terms as they are being typed.
+    typed: String,
+    /// And as they were when the field was left.
+    terms: String,
+}
+
+impl Settings {
+    /// What is to be computed.
+    ///
+    /// # Errors
+    /// The text is not a list of terms.
+    pub fn options(&self) -> Result<Options, TermError> {
+        let terms = if self.terms.trim().is_empty() { None } else { Some(Terms::parse(&self.terms)?) };
+        Ok(Options { terms, ..self.options.clone() })
+    }
+
+    /// Draws the controls. `error` is why the last model could not be fitted.
+    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, people: usize, error: Option<&ModelError>) {
+        self.terms_field(ui, counts, error);
+        let options = &mut self.options;
+        let links = [Link::Logit, Link::Probit];
+        Field::new("Link").width(90.0).choice(ui, &mut options.link, &links, |link| link.to_string());
+        let several = people > 1;
+        let mut random = several && options.random.is_none();
+        let response = ui.add_enabled(several, egui::Checkbox::new(&mut random, "An intercept for each participant"));
+        response.on_disabled_hover_text("This takes two participants or more.");
+        if several {
+            options.random = (!random).then_some(Random::None);
+        }
+        ui.add_enabled_ui(random, |ui| {
+            Field::new("Quadrature nodes").show(ui, |ui, label| {
+                ui.add(DragValue::new(&mut options.quadrature).range(1..=MOST_NODES).speed(0.1)).labelled_by(label);
+                ui.label(quiet(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
+            });
+        });
+        ui.checkbox(&mut options.scale, "Test effects on the spread too");
+    }
+
+    fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, error: Option<&ModelError>) {
+        let varied = counts.factors.iter().filter(|factor| factor.levels.len() > 1);
+        let hint = varied.map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(",");
+        let label = ui.label("Terms");
+        let width = ui.available_width();
+        let field = ui.add(TextEdit::singleline(&mut self.typed).hint_text(hint).desired_width(width));
+        let field = field.labelled_by(label.id).on_hover_text(
+            "Factors by name, num:NAME for a number, a:b for an interaction, a*b for both and their interaction. \
+             num:inv_n is 1/depth. Empty: every factor.",
+        );
+        // Half a name is no name: the text counts when the field is left.
+        if field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
+            self.terms.clone_from(&self.typed);
+        }
+        let wrong = self.options().err().map(|error| error.to_string());
+        if let Some(text) = wrong.or_else(|| error.filter(|error| is_about_terms(error)).map(ToString::to_string)) {
+            fault(ui, text.strip_prefix("--terms ").unwrap_or(&text));
+        }
+    }
+
+    /// What the terms name that is none of these factors.
+    pub fn missing(&self, known: &[&str]) -> Vec<String> {
+        let Ok(Options { terms: Some(terms), .. }) = self.options() else { return Vec::new() };
+        let mut names: Vec<String> = Vec::new();
+        for name in terms.iter().flat_map(|term| &term.variables).map(|variable| variable.name()) {
+            let from_depth = name == "inv_n" && known.contains(&"depth");
+            if !known.contains(&name) && !from_depth && !names.iter().any(|other| other == name) {
+                names.push(name.to_owned());
+            }
+        }
+        names
+    }
+}
+
+/// Whether a model failed because of its terms, so that the field is the place to say it.
+fn is_about_terms(error: &ModelError) -> bool {
+    matches!(error, ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. })
+}
