@@ -13,24 +13,11 @@ use std::str::FromStr;
 
 use super::dither::{DitherMatrix, Levels, from_rank};
 use super::image::{CodeImage, LinearImage, Samples};
+use super::names::with_number;
 use super::transfer::{Transfer, Transfers};
 
 /// Most bits of a device that needs a halftone.
 const MAX_BITS: u32 = 8;
-
-/// An image that has no halftone: it would have too many dots.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{width} × {height} pixels of {size} × {size} dots are too many; expected at most {max} dots a side", max = u32::MAX
-)]
-pub struct HalftoneError {
-    /// Pixels a row.
-    width: u32,
-    /// Rows.
-    height: u32,
-    /// Dots a side of a pixel's cell.
-    size: u32,
-}
 
 /// A device with few codes and the cells drawn on it. Written `clustered3:1`: the matrix and the bits a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,10 +28,10 @@ pub struct Screen {
     pub bits: u32,
 }
 
-/// A text that is no [`Screen`].
+/// A text that is not a [`Screen`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{0:?} is no halftone; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3, a colon and 1…8 bits, such as clustered3:1"
+    "{0:?} is not a halftone; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3, a colon and 1…8 bits, such as clustered3:1"
 )]
 pub struct ScreenError(String);
 
@@ -58,10 +45,7 @@ impl FromStr for Screen {
     type Err = ScreenError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parsed = text.split_once(':').and_then(|(matrix, bits)| {
-            let bits = bits.parse().ok().filter(|bits| (1..=MAX_BITS).contains(bits))?;
-            Some(Self { matrix: matrix.parse().ok()?, bits })
-        });
+        let parsed = with_number(text, 1..=MAX_BITS).map(|(matrix, bits)| Self { matrix, bits });
         parsed.ok_or_else(|| ScreenError(text.to_owned()))
     }
 }
@@ -120,14 +104,10 @@ impl Halftone {
 
     /// `image` with a cell in the place of every pixel, n times as wide and as high, in 8 bits: code c is there
     /// c·255/(2^m − 1), rounded, exact for 1, 2, 4 and 8 bits.
-    ///
-    /// # Errors
-    /// When a side would have more than `u32::MAX` dots.
-    pub fn enlarged(&self, image: &LinearImage) -> Result<CodeImage, HalftoneError> {
+    #[must_use]
+    pub fn enlarged(&self, image: &LinearImage) -> CodeImage {
         let size = self.screen.matrix.size();
-        let (Some(width), Some(height)) = (image.width.checked_mul(size), image.height.checked_mul(size)) else {
-            return Err(HalftoneError { width: image.width, height: image.height, size });
-        };
+        let (width, height) = (image.width * size, image.height * size);
         let max = max_code(self.screen.bits);
         // At most 255, as a code is at most `max`.
         let scaled = |code: u8| ((u16::from(code) * 255 + max / 2) / max) as u8;
@@ -145,7 +125,7 @@ impl Halftone {
                 }
             }
         }
-        Ok(CodeImage { width, height, samples: Samples::Eight(codes) })
+        CodeImage { width, height, samples: Samples::Eight(codes) }
     }
 
     /// Dots n² of a cell.

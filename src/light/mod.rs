@@ -20,7 +20,7 @@ pub mod random;
 pub mod transfer;
 
 pub use dither::{Dither, DitherError, DitherMatrix, DitherMatrixError, Thresholds};
-pub use halftone::{Halftone, HalftoneError};
+pub use halftone::Halftone;
 pub use image::{CodeImage, LinearImage, Samples};
 pub use interpolation::{Depth, DepthError, Interpolation};
 pub use quantize::{Bits, ChannelQuantizer, Quantizer};

@@ -1,5 +1,8 @@
 //! Values that commands and files write as a word.
 
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
 /// "expected one of …; did you mean …?", the latter where a known name is near.
 pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String {
     let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
@@ -58,6 +61,12 @@ macro_rules! named {
     };
 }
 pub(crate) use named;
+
+/// A name and a number within `range`, joined by a colon.
+pub(crate) fn with_number<T: FromStr>(text: &str, range: RangeInclusive<u32>) -> Option<(T, u32)> {
+    let (name, number) = text.split_once(':')?;
+    Some((name.parse().ok()?, number.parse().ok().filter(|number| range.contains(number))?))
+}
 
 /// Files hold these types as their text.
 macro_rules! serde_as_text {

@@ -16,12 +16,12 @@ use quantette::wu::{BinnerF32x3, WuF32x3};
 use quantette::{PaletteCounts, PaletteSize};
 
 use super::image::{CodeImage, Samples};
-use super::names::named;
+use super::names::{named, with_number};
 use super::quantize::{Bits, Quantizer};
 use super::transfer::Transfers;
 
 /// Most colors that an 8-bit index tells apart.
-pub const MOST_COLORS: usize = 256;
+const MOST_COLORS: u32 = 256;
 
 named! {
     /// How the colors of a palette are chosen.
@@ -40,16 +40,10 @@ named! {
     }
 }
 
-/// Why an image was not reduced.
+/// An image of more bits than a palette has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PaletteError {
-    /// No palette, or one that 8-bit indices cannot point into.
-    #[error("a palette of {0} colors cannot be made; expected 1 to 256")]
-    Colors(usize),
-    /// More bits than a palette has.
-    #[error("the image has 16-bit codes; expected one of 8 bits, which is what palettes hold")]
-    SixteenBits,
-}
+#[error("the image has 16-bit codes; expected 8 bits, which is what palettes hold")]
+pub struct SixteenBits;
 
 /// How far the light of a reduced image is from that of the original, over all pixels and the three channels. Relative
 /// luminances, 0…1.
@@ -101,13 +95,13 @@ pub struct Reduction {
     /// How the palette is chosen.
     pub reducer: Reducer,
     /// Most colors, 1…256.
-    pub colors: usize,
+    pub colors: u32,
 }
 
-/// A text that is no [`Reduction`].
+/// A text that is not a [`Reduction`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{0:?} is no palette; expected popularity, median-cut or k-means, a colon and 1…256 colors, such as median-cut:16"
+    "{0:?} is not a palette; expected popularity, median-cut or k-means, a colon and 1…256 colors, such as median-cut:16"
 )]
 pub struct ReductionError(String);
 
@@ -121,36 +115,31 @@ impl FromStr for Reduction {
     type Err = ReductionError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parsed = text.split_once(':').and_then(|(reducer, colors)| {
-            let colors = colors.parse().ok().filter(|colors| (1..=MOST_COLORS).contains(colors))?;
-            Some(Self { reducer: reducer.parse().ok()?, colors })
-        });
+        let parsed = with_number(text, 1..=MOST_COLORS).map(|(reducer, colors)| Self { reducer, colors });
         parsed.ok_or_else(|| ReductionError(text.to_owned()))
     }
 }
 
-/// The image `image`, of a display that `transfer` describes, in at most `colors` colors.
+/// The image `image`, of a display that `transfers` describes, in at most as many colors as `reduction` says; numbers
+/// outside 1…256, which no text names, act as the nearest inside.
 ///
 /// An image of no more colors than that keeps them all.
 ///
 /// # Errors
-/// When `colors` is not within 1…256, or the image has 16 bits.
+/// When the image has 16 bits.
 pub fn reduce(
     image: &CodeImage,
     transfers: impl Into<Transfers>,
-    colors: usize,
-    reducer: Reducer,
-) -> Result<IndexedImage, PaletteError> {
-    if !(1..=MOST_COLORS).contains(&colors) {
-        return Err(PaletteError::Colors(colors));
-    }
-    let pixels = image.bytes().ok_or(PaletteError::SixteenBits)?.as_chunks::<3>().0;
+    reduction: Reduction,
+) -> Result<IndexedImage, SixteenBits> {
+    let colors = reduction.colors.clamp(1, MOST_COLORS) as usize;
+    let pixels = image.bytes().ok_or(SixteenBits)?.as_chunks::<3>().0;
     let quantizer = Quantizer::new(transfers, Bits::Eight);
     let tallies = count(pixels, &quantizer);
     let mut palette = if tallies.len() <= colors {
         tallies.iter().map(|tally| tally.codes).collect()
     } else {
-        match reducer {
+        match reduction.reducer {
             Reducer::Popularity => most_frequent(&tallies, colors),
             Reducer::MedianCut => median_cut(&tallies, colors, &quantizer),
             Reducer::KMeans => k_means(&tallies, colors, &quantizer),

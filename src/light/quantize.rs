@@ -187,69 +187,54 @@ impl Quantizer {
     /// The codes of a whole image.
     #[must_use]
     pub fn quantize(&self, image: &LinearImage) -> CodeImage {
-        let samples = match self.bits {
-            // An 8-bit code fits: the largest is 255.
-            Bits::Eight => Samples::Eight(self.in_threads(image, |code| code as u8)),
-            Bits::Sixteen => Samples::Sixteen(self.in_threads(image, |code| code)),
-        };
-        CodeImage { width: image.width, height: image.height, samples }
-    }
-
-    fn in_threads<T: Clone + Default + Send>(&self, image: &LinearImage, sample: impl Fn(u16) -> T + Sync) -> Vec<T> {
-        const BLOCK: usize = 3 << 12;
-        let mut samples = vec![T::default(); image.data.len() / 3 * 3];
-        samples.par_chunks_mut(BLOCK).zip(image.data.par_chunks(BLOCK)).for_each(|(samples, light)| {
-            for (codes, rgb) in samples.as_chunks_mut().0.iter_mut().zip(light.as_chunks().0) {
-                *codes = self.codes(*rgb).map(&sample);
-            }
-        });
-        samples
+        self.quantize_with(image, &Dither::None)
     }
 
     /// The codes of a whole image, each one of the two that enclose its value, chosen by `dither` such
-    /// that the mean light is right; without dither, those of [`Quantizer::quantize`].
+    /// that the mean light is right; without dither, the nearest.
     ///
     /// Red, green and blue of a pixel share a threshold. See [`dither`](super::dither) for what holds of every kind.
     #[must_use]
     pub fn quantize_with(&self, image: &LinearImage, dither: &Dither) -> CodeImage {
-        let Some(mut thresholds) = Thresholds::new(dither, image.width) else { return self.quantize(image) };
-        let (alike, width) = (self.transfers.uniform().is_some(), image.width.max(1) as usize);
-        let mut row = Vec::new();
-        self.coded(image, |pixel, rgb| {
-            if pixel % width == 0 {
-                // An image's sides are u32.
-                row.clear();
-                row.extend_from_slice(thresholds.row((pixel / width) as u32));
-            }
-            let decide = |channel: usize| self.channels[channel].decide(rgb[channel], row[pixel % width]);
-            let first = decide(0);
-            // Grays and yellows are common.
-            let again = |channel| if alike && rgb[channel] == rgb[0] { first } else { decide(channel) };
-            [first, again(1), again(2)]
-        })
-    }
-
-    /// `codes` of every pixel's place in the order of the rows, and light.
-    fn coded(&self, image: &LinearImage, codes: impl FnMut(usize, [f32; 3]) -> [u16; 3]) -> CodeImage {
         let samples = match self.bits {
             // An 8-bit code fits: the largest is 255.
-            Bits::Eight => Samples::Eight(collected(image, codes, |code| code as u8)),
-            Bits::Sixteen => Samples::Sixteen(collected(image, codes, |code| code)),
+            Bits::Eight => Samples::Eight(self.in_threads(image, dither, |code| code as u8)),
+            Bits::Sixteen => Samples::Sixteen(self.in_threads(image, dither, |code| code)),
         };
         CodeImage { width: image.width, height: image.height, samples }
     }
-}
 
-fn collected<T>(
-    image: &LinearImage,
-    mut codes: impl FnMut(usize, [f32; 3]) -> [u16; 3],
-    sample: impl Fn(u16) -> T,
-) -> Vec<T> {
-    let mut samples = Vec::with_capacity(image.data.len());
-    for (pixel, rgb) in image.data.as_chunks().0.iter().enumerate() {
-        samples.extend(codes(pixel, *rgb).map(&sample));
+    fn in_threads<T: Clone + Default + Send>(
+        &self,
+        image: &LinearImage,
+        dither: &Dither,
+        sample: impl Fn(u16) -> T + Sync,
+    ) -> Vec<T> {
+        /// Rows at once, whole tiles of a random dither.
+        const ROWS: usize = 16;
+        let width = 3 * image.width.max(1) as usize;
+        let mut samples = vec![T::default(); image.data.len() / 3 * 3];
+        let blocks = samples.par_chunks_mut(ROWS * width).zip(image.data.par_chunks(ROWS * width)).enumerate();
+        blocks.for_each_init(
+            || Thresholds::new(dither, image.width),
+            |thresholds, (block, (samples, light))| {
+                for (row, (samples, light)) in samples.chunks_mut(width).zip(light.chunks(width)).enumerate() {
+                    let pixels = samples.as_chunks_mut().0.iter_mut().zip(light.as_chunks().0);
+                    match thresholds {
+                        None => pixels.for_each(|(codes, light)| *codes = self.codes(*light).map(&sample)),
+                        // An image's sides are u32.
+                        Some(thresholds) => pixels.zip(thresholds.row((ROWS * block + row) as u32)).for_each(
+                            |((codes, light), threshold)| {
+                                let decide = |channel: usize| self.channels[channel].decide(light[channel], *threshold);
+                                *codes = [0, 1, 2].map(|channel| sample(decide(channel)));
+                            },
+                        ),
+                    }
+                }
+            },
+        );
+        samples
     }
-    samples
 }
 
 /// The smallest f32 in 0…1 whose [`reference_code`] is at least `code`.
@@ -263,20 +248,10 @@ fn find_threshold(transfer: &Transfer, bits: Bits, code: u16) -> f32 {
     let reached = |at: u32| reference_code(transfer, bits, f32::from_bits(at)) >= code;
     let half_way = (f64::from(code) - 0.5) / f64::from(bits.max_code());
     let guess = (transfer.linear_from_encoded(half_way) as f32).to_bits();
-    // `low` is not reached (0 has code 0), `high` is (1 has the largest).
-    let (mut low, mut high) = (0, 1f32.to_bits());
-    let mut stride = 1;
-    let mut at = guess.clamp(1, high - 1);
-    while low < at && at < high {
-        if reached(at) {
-            high = at;
-            at = at.saturating_sub(stride);
-        } else {
-            low = at;
-            at = at.saturating_add(stride);
-        }
-        stride = stride.saturating_mul(2);
-    }
+    // Not reached (0 has code 0), and reached (1 has the largest); nearly always a few numbers around the guess.
+    let whole = (0, 1f32.to_bits());
+    let near = (guess.saturating_sub(8), (guess + 8).min(whole.1));
+    let (mut low, mut high) = if !reached(near.0) && reached(near.1) { near } else { whole };
     while high - low > 1 {
         let middle = low + (high - low) / 2;
         if reached(middle) { high = middle } else { low = middle }

@@ -3,6 +3,7 @@
 //!
 //! Both quantities are relative, 0…1. Every function's name says its direction.
 
+use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
 
@@ -57,46 +58,19 @@ pub enum TransferError {
     /// Several transfer functions, but not one for each channel.
     #[error("{0:?} has {1} transfer functions; expected one, or three joined by / for red, green and blue")]
     Channels(String, usize),
-    /// A table's two columns do not belong together.
-    #[error("the table has {encoded} encoded and {linear} linear values; expected as many of both, at least 2")]
-    Length {
-        /// Number of encoded values.
-        encoded: usize,
-        /// Number of linear values.
-        linear: usize,
-    },
-    /// A table that stands still or goes back.
+    /// A table that does not rise from 0 to 1.
+    #[error("{0}")]
+    Table(String),
+    /// Steps of equal brightness that no display has.
     #[error(
-        "{column} value {value} at index {index} is not above the {previous} before it; expected every value above the last"
+        "{n} steps of equal brightness above {i0}; expected 1 or more, above a lowest intensity between 0 and 1, relative to the highest"
     )]
-    NotIncreasing {
-        /// `encoded` or `linear`.
-        column: &'static str,
-        /// Index of the offending value, from 0.
-        index: usize,
-        /// The offending value.
-        value: f64,
-        /// The value before it.
-        previous: f64,
+    EqualSteps {
+        /// Number of steps.
+        n: usize,
+        /// The lowest intensity.
+        i0: f64,
     },
-    /// A table that leaves part of 0…1 without an answer.
-    #[error("the {column} values run from {first} to {last}; expected 0 to 1, relative to the display's range")]
-    Range {
-        /// `encoded` or `linear`.
-        column: &'static str,
-        /// First value of the column.
-        first: f64,
-        /// Last value of the column.
-        last: f64,
-    },
-    /// Equal-brightness steps from an impossible first level.
-    #[error(
-        "lowest intensity {0} is not between 0 and 1; expected the lowest level relative to the highest, such as 0.01"
-    )]
-    LowestIntensity(f64),
-    /// Equal-brightness steps, none of them.
-    #[error("0 steps of equal brightness; expected at least 1")]
-    NoSteps,
 }
 
 impl Transfer {
@@ -184,25 +158,15 @@ impl FromStr for Transfer {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
-        match text {
-            "linear" => Ok(Transfer::Linear),
-            "srgb" => Ok(Transfer::Srgb),
-            _ if text.starts_with("gog:") => {
-                let unknown = || TransferError::Unknown(text.to_owned());
-                let numbers: Result<Vec<f64>, _> =
-                    text["gog:".len()..].split(',').map(|number| number.trim().parse()).collect();
-                match numbers.map_err(|_| unknown())?[..] {
-                    [gamma, gain, offset] => Transfer::gog(gamma, gain, offset),
-                    _ => Err(unknown()),
-                }
-            }
-            _ => {
-                let gamma = text.strip_prefix("gamma:").ok_or_else(|| TransferError::Unknown(text.to_owned()))?;
-                match gamma.trim().parse() {
-                    Ok(gamma) => Transfer::gamma(gamma),
-                    Err(_) => Err(TransferError::Gamma(format!("{gamma:?}"))),
-                }
-            }
+        let (name, list) = text.split_once(':').unwrap_or((text, ""));
+        let numbers: Option<Vec<f64>> = list.split(',').map(|number| number.trim().parse().ok()).collect();
+        match (name, numbers.as_deref()) {
+            ("linear", _) if name == text => Ok(Transfer::Linear),
+            ("srgb", _) if name == text => Ok(Transfer::Srgb),
+            ("gog", Some(&[gamma, gain, offset])) => Transfer::gog(gamma, gain, offset),
+            ("gamma", Some(&[gamma])) => Transfer::gamma(gamma),
+            ("gamma", _) => Err(TransferError::Gamma(format!("{list:?}"))),
+            _ => Err(TransferError::Unknown(text.to_owned())),
         }
     }
 }
@@ -243,14 +207,8 @@ impl Gog {
     fn encoded_from_linear(&self, linear: f64) -> f64 {
         let (black, white) = self.ends();
         let drive = (black + linear * (white - black)).powf(self.gamma.recip());
-        let encoded = ((drive - self.offset) / self.gain).clamp(0.0, 1.0);
-        if linear <= 0.0 {
-            0.0
-        } else if linear >= 1.0 {
-            1.0
-        } else {
-            encoded
-        }
+        // Of the encoded values that are all dark, 0; and 1 without a rounding.
+        if linear <= 0.0 || linear >= 1.0 { linear } else { ((drive - self.offset) / self.gain).clamp(0.0, 1.0) }
     }
 }
 
@@ -270,10 +228,30 @@ impl TransferTable {
     /// rise at every step (NaN included), or when one of them does not run from 0 to 1.
     pub fn new(encoded: Vec<f64>, linear: Vec<f64>) -> Result<Self, TransferError> {
         if encoded.len() != linear.len() || encoded.len() < 2 {
-            return Err(TransferError::Length { encoded: encoded.len(), linear: linear.len() });
+            return Err(TransferError::Table(format!(
+                "the table has {} encoded and {} linear values; expected as many of both, at least 2",
+                encoded.len(),
+                linear.len()
+            )));
         }
-        check_column("encoded", &encoded)?;
-        check_column("linear", &linear)?;
+        for (column, values) in [("encoded", &encoded), ("linear", &linear)] {
+            for (i, pair) in values.windows(2).enumerate() {
+                if pair[0].partial_cmp(&pair[1]) != Some(Ordering::Less) {
+                    return Err(TransferError::Table(format!(
+                        "{column} value {} at index {} is not above the {} before it; expected every value above the last",
+                        pair[1],
+                        i + 1,
+                        pair[0]
+                    )));
+                }
+            }
+            let (first, last) = (values[0], values[values.len() - 1]);
+            if (first, last) != (0.0, 1.0) {
+                return Err(TransferError::Table(format!(
+                    "the {column} values run from {first} to {last}; expected 0 to 1, relative to the display's range"
+                )));
+            }
+        }
         Ok(Self { encoded, linear })
     }
 
@@ -288,19 +266,6 @@ impl TransferTable {
     pub fn linear(&self) -> &[f64] {
         &self.linear
     }
-}
-
-fn check_column(column: &'static str, values: &[f64]) -> Result<(), TransferError> {
-    for (i, pair) in values.windows(2).enumerate() {
-        if pair[1] <= pair[0] || pair[0].is_nan() || pair[1].is_nan() {
-            return Err(TransferError::NotIncreasing { column, index: i + 1, value: pair[1], previous: pair[0] });
-        }
-    }
-    let (first, last) = (values[0], values[values.len() - 1]);
-    if first != 0.0 || last != 1.0 {
-        return Err(TransferError::Range { column, first, last });
-    }
-    Ok(())
 }
 
 /// The straight line between the points (`x[i]`, `y[i]`) at `at`; both rise from 0 to 1, and `at`
@@ -399,16 +364,12 @@ impl FromStr for Transfers {
 /// n + 1 levels that look equally far apart: I_j = r^j·I₀, r = (1/I₀)^(1/n), j = 0…n. Shoaff §2.1.1.
 ///
 /// `i0` is the lowest level relative to the highest, so 1/`i0` is the display's dynamic range.
-/// Relative luminances.
 ///
 /// # Errors
 /// When `i0` is not strictly between 0 and 1, or `n` is 0.
 pub fn equal_brightness_levels(i0: f64, n: usize) -> Result<Vec<f64>, TransferError> {
-    if !(i0 > 0.0 && i0 < 1.0) {
-        return Err(TransferError::LowestIntensity(i0));
-    }
-    if n == 0 {
-        return Err(TransferError::NoSteps);
+    if !(i0 > 0.0 && i0 < 1.0 && n > 0) {
+        return Err(TransferError::EqualSteps { n, i0 });
     }
     // r^j·I₀ = I₀^(1−j/n), which ends at exactly 1.
     Ok((0..=n).map(|j| i0.powf(1.0 - j as f64 / n as f64)).collect())

@@ -206,13 +206,12 @@ impl ReadBack {
     fn expected(&self) -> Result<CodeImage, String> {
         let recipe = &self.recipe;
         if let Some(screen) = self.halftone {
-            let image = Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear());
-            return image.map_err(|error| error.to_string());
+            return Ok(Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear()));
         }
         let codes = recipe.codes(&recipe.quantizer());
         match self.reduction {
             None => Ok(codes),
-            Some(Reduction { reducer, colors }) => reduce(&codes, &recipe.transfers, colors, reducer)
+            Some(reduction) => reduce(&codes, &recipe.transfers, reduction)
                 .map(|image| image.codes())
                 .map_err(|error| error.to_string()),
         }

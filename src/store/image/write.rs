@@ -48,8 +48,7 @@ pub fn write_reduced(
     quantizer: &Quantizer,
     reduction: Reduction,
 ) -> Result<IndexedImage, StoreError> {
-    let image = reduce(&recipe.codes(quantizer), &recipe.transfers, reduction.colors, reduction.reducer)
-        .map_err(|error| failed(path, error))?;
+    let image = reduce(&recipe.codes(quantizer), &recipe.transfers, reduction).map_err(|error| failed(path, error))?;
     let mut info = png::Info::with_size(image.width, image.height);
     info.color_type = png::ColorType::Indexed;
     info.palette = Some(Cow::Owned(image.palette.concat()));
@@ -61,10 +60,9 @@ pub fn write_reduced(
 /// Renders a recipe as dots of a device with few codes, each pixel a cell, and writes it.
 ///
 /// # Errors
-/// Too many dots, or the system's refusal.
+/// The system's refusal.
 pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
     let image = Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear());
-    let image = image.map_err(|error| failed(path, error))?;
     let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
     save(path, encode(&image, &recipe.transfers, &texts)).map(drop)
 }
