@@ -70,8 +70,8 @@ impl ViewingConditions {
     pub fn predict(&self, stimulus: &Stimulus, size: u32) -> Result<StimulusPrediction, VisionError> {
         if stimulus.is_line() {
             let light: Vec<f64> = stimulus.profile(size).into_iter().map(luminance).collect();
-            let line = Line::new(light.len(), self.px_per_deg(size), &self.eye(&light))?;
-            return Ok(StimulusPrediction::Line(line.predict(&light, Border::Continues)?));
+            let line = Line { light: &light, px_per_deg: self.px_per_deg(size), border: Border::Continues };
+            return Ok(StimulusPrediction::Line(line.predict(&self.eye(&light))?));
         }
         let surface = match stimulus {
             Stimulus::ShadedMesh(shaded) => shaded.frame(size).map(|frame| (frame, shaded)),

@@ -1,4 +1,4 @@
-//! What the model cannot predict.
+//! Why the model cannot predict.
 
 /// Why an image cannot be predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -39,22 +39,16 @@ pub enum VisionError {
     AllBlack,
 }
 
-/// Whether `light` is that of `width` × `height` places.
-pub(super) fn check(
-    light: impl Iterator<Item = f64>,
-    width: usize,
-    height: usize,
-    found: usize,
-) -> Result<(), VisionError> {
-    if found != width * height {
-        return Err(VisionError::Count { found, expected: width * height });
+/// Whether `light` is that of `width` × `height` pixels.
+pub(super) fn check(light: &[f64], width: usize, height: usize, px_per_deg: f64) -> Result<(), VisionError> {
+    if !(px_per_deg.is_finite() && px_per_deg > 0.0) {
+        return Err(VisionError::Sampling(px_per_deg));
     }
-    let mut some = false;
-    for (i, value) in light.enumerate() {
-        if !(value.is_finite() && value >= 0.0) {
-            return Err(VisionError::NoLight { value, x: i % width, y: i / width });
-        }
-        some |= value > 0.0;
+    if light.len() != width * height {
+        return Err(VisionError::Count { found: light.len(), expected: width * height });
     }
-    if some { Ok(()) } else { Err(VisionError::AllBlack) }
+    if let Some(i) = light.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
+        return Err(VisionError::NoLight { value: light[i], x: i % width, y: i / width });
+    }
+    if light.iter().all(|value| *value == 0.0) { Err(VisionError::AllBlack) } else { Ok(()) }
 }

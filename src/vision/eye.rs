@@ -22,32 +22,26 @@ impl Default for Eye {
 
 impl Eye {
     /// Contrast sensitivity for a grating of `frequency` cycles per degree, above 0: the reciprocal of the contrast that
-    /// is just visible. Barten 2003, *Formula for the contrast sensitivity of the human eye* (Proc. SPIE 5294),
-    /// which holds the optics ([`Eye::optics`]), the noise of photons and neurons, and lateral inhibition, by which
-    /// coarse gratings are lost.
+    /// is just visible. Barten 2003, *Formula for the contrast sensitivity of the human eye* (Proc. SPIE 5294), which
+    /// holds the optics, the noise of photons and neurons, and lateral inhibition, by which coarse gratings are lost.
     #[must_use]
     pub fn sensitivity(&self, frequency: f64) -> f64 {
         let u2 = frequency * frequency;
+        // The pupil, and so the blur, is the larger the darker it is.
+        let optics = (-0.0016 * frequency * frequency * (1.0 + 100.0 / self.luminance).powf(0.08)).exp();
         let field = 1.0 + 144.0 / (self.field_deg * self.field_deg) + 0.64 * u2;
         let photons = 63.0 / self.luminance.powf(0.83);
         let inhibition = -(-0.02 * u2).exp_m1();
-        5200.0 * self.optics(frequency) / (field * (photons + 1.0 / inhibition)).sqrt()
-    }
-
-    /// Share of a grating's contrast that the optics leave: the pupil, and so the blur, is the larger the darker it is.
-    /// The exponential in Barten 2003.
-    #[must_use]
-    pub fn optics(&self, frequency: f64) -> f64 {
-        (-0.0016 * frequency * frequency * (1.0 + 100.0 / self.luminance).powf(0.08)).exp()
+        5200.0 * optics / (field * (photons + 1.0 / inhibition)).sqrt()
     }
 }
 
 /// One channel: what it passes of a grating, a Gaussian of the logarithm of frequency (log-Gabor; Field 1987, J. Opt.
 /// Soc. Am. A 4:2379).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Channel {
+pub(super) struct Channel {
     /// The frequency that it passes best, cycles per degree.
-    pub frequency: f64,
+    pub(super) frequency: f64,
 }
 
 /// σ of a channel on the logarithm of frequency, as the ratio of frequencies: 0.65 is a bandwidth of 1.5 octaves at half
@@ -66,17 +60,12 @@ pub(super) const REACH: f64 = 8.0;
 
 impl Channel {
     /// All, from the coarsest.
-    pub fn all() -> impl Iterator<Item = Channel> {
+    pub(super) fn all() -> impl DoubleEndedIterator<Item = Channel> {
         (0..CHANNELS).map(|k| Channel { frequency: LOWEST * (LN_2 * f64::from(k) / f64::from(PER_OCTAVE)).exp() })
     }
 
-    /// Share of a grating's amplitude that it passes, 0…1.
-    #[must_use]
-    pub fn passes(&self, frequency: f64) -> f64 {
-        self.passes_log((frequency / self.frequency).ln())
-    }
-
-    /// The same by the logarithm of the ratio to its own frequency.
+    /// Share of a grating's amplitude that it passes, 0…1, by the logarithm of the ratio of the grating's frequency to its
+    /// own.
     #[must_use]
     pub(super) fn passes_log(&self, ratio: f64) -> f64 {
         (-0.5 * (ratio / RATIO.ln()).powi(2)).exp()

@@ -31,40 +31,29 @@ impl Grid {
         [self.first[0] + column as f64 * self.step[0], self.first[1] + row as f64 * self.step[1]]
     }
 
-    /// Where between the values a place of the image is, counted in them.
-    fn index(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [(x - self.first[0]) / self.step[0], (y - self.first[1]) / self.step[1]]
-    }
-
     /// One of `values` at a place of the image, pixels.
-    fn at(&self, values: &[f64], place: [f64; 2]) -> f64 {
-        self.between(values, self.index(place))
+    pub(super) fn at(&self, values: &[f64], [x, y]: [f64; 2]) -> f64 {
+        self.between(values, [(x - self.first[0]) / self.step[0], (y - self.first[1]) / self.step[1]])
     }
 
-    /// Of the four values around, in proportion; beyond the grid that of its edge.
+    /// Of the four values around a place, counted in values, in proportion; beyond the grid that of its edge.
     pub(super) fn between(&self, values: &[f64], [x, y]: [f64; 2]) -> f64 {
-        self.mixed(values, Neighbors::of(x, self.columns), Neighbors::of(y, self.rows))
-    }
-
-    fn mixed(&self, values: &[f64], across: Neighbors, down: Neighbors) -> f64 {
+        let (across, down) = (neighbors(x, self.columns), neighbors(y, self.rows));
         let row = |y: usize| {
             let row = &values[y * self.columns..][..self.columns];
-            row[across.first] + (row[across.second] - row[across.first]) * across.part
+            row[across.0] + (row[across.1] - row[across.0]) * across.2
         };
-        let upper = row(down.first);
-        upper + (row(down.second) - upper) * down.part
+        let upper = row(down.0);
+        upper + (row(down.1) - upper) * down.2
     }
+}
 
-    /// `values` at the places of another grid.
-    pub(super) fn resampled(&self, values: &[f64], to: &Grid) -> Vec<f64> {
-        let across: Vec<Neighbors> =
-            (0..to.columns).map(|column| Neighbors::of(self.index(to.place(column, 0))[0], self.columns)).collect();
-        let row = |row: usize| {
-            let down = Neighbors::of(self.index(to.place(0, row))[1], self.rows);
-            across.iter().map(move |across| self.mixed(values, *across, down))
-        };
-        (0..to.rows).flat_map(row).collect()
-    }
+/// The two of `n` values around the place `at`, and how far it is from the first toward the second.
+fn neighbors(at: f64, n: usize) -> (usize, usize, f64) {
+    let at = at.clamp(0.0, (n - 1) as f64);
+    // A cast cuts off the fraction.
+    let first = at as usize;
+    (first, (first + 1).min(n - 1), at - first as f64)
 }
 
 /// One number at every place of a grid.
@@ -80,58 +69,36 @@ impl Field {
     }
 }
 
-/// Two values next to each other, and how far it is from the first toward the second.
-#[derive(Clone, Copy)]
-struct Neighbors {
-    first: usize,
-    second: usize,
-    part: f64,
-}
-
-impl Neighbors {
-    /// Those around the place `at` of `n`.
-    fn of(at: f64, n: usize) -> Neighbors {
-        let at = at.clamp(0.0, (n - 1) as f64);
-        // A cast cuts off the fraction.
-        let first = at as usize;
-        Neighbors { first, second: (first + 1).min(n - 1), part: at - first as f64 }
-    }
-}
-
-/// Distances in pixels.
-pub(super) struct Clear {
-    distances: Vec<f64>,
+/// How far every pixel is from where bands do not count, pixels.
+pub(super) struct Distances {
+    values: Vec<f64>,
     width: usize,
     height: usize,
 }
 
-impl Clear {
-    pub(super) fn new(picture: &Picture) -> Clear {
+impl Distances {
+    pub(super) fn new(picture: &Picture) -> Distances {
         let (width, height) = (picture.width, picture.height);
-        let edge = |x: usize, y: usize| {
-            let across = (x + 1).min(width - x).min(y + 1).min(height - y);
-            across as f64 - 0.5
+        let to_mask = picture.mask.map(|mask| to_mask(mask, width, height));
+        let value = |i: usize| {
+            let (x, y) = (i % width, i / width);
+            let to_edge = (x + 1).min(width - x).min(y + 1).min(height - y) as f64 - 0.5;
+            to_mask.as_ref().map_or(to_edge, |to_mask| to_edge.min(to_mask[i]))
         };
-        let mut distances: Vec<f64> = (0..width * height).map(|i| edge(i % width, i / width)).collect();
-        if let Some(mask) = picture.mask {
-            for (distance, to_mask) in distances.iter_mut().zip(to_mask(mask, width, height)) {
-                *distance = distance.min(to_mask);
-            }
-        }
-        Clear { distances, width, height }
+        Distances { values: (0..width * height).map(value).collect(), width, height }
     }
 
     /// At a place, pixels; 0 outside.
-    pub(super) fn from(&self, [x, y]: [f64; 2]) -> f64 {
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> f64 {
         if x < 0.0 || y < 0.0 || x >= self.width as f64 || y >= self.height as f64 {
             return 0.0;
         }
-        self.distances[y as usize * self.width + x as usize]
+        self.values[y as usize * self.width + x as usize]
     }
 
     /// Pixels that count.
     pub(super) fn area(&self) -> f64 {
-        self.distances.iter().filter(|distance| **distance > 0.0).count().max(1) as f64
+        self.values.iter().filter(|distance| **distance > 0.0).count().max(1) as f64
     }
 }
 

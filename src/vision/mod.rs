@@ -25,7 +25,7 @@ mod spectrum;
 
 pub use band::{Band, Criterion, Polarity, Visibility, pooled, vertex};
 pub use error::VisionError;
-pub use eye::{Border, Channel, Eye, luminance, luminances};
+pub use eye::{Border, Eye, luminance, luminances};
 pub use image::Picture;
 pub use line::{Line, LinePrediction};
 pub use picture::{BandMap, PicturePrediction};

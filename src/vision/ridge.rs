@@ -4,8 +4,8 @@ use rustfft::num_complex::Complex64;
 
 use super::{
     band::{FALL_PERIODS, FALLEN, ODD, Polarity, STANDS_OUT, VEIL, strength},
-    eye::Channel,
-    image::{Clear, Field},
+    eye::{Border, Channel},
+    image::{Distances, Field},
     spectrum::Responses,
 };
 
@@ -36,11 +36,7 @@ pub(super) struct Search<'a> {
     /// Mean light.
     pub(super) mean: &'a Field,
     /// How far from an edge places are.
-    pub(super) clear: &'a Clear,
-    /// Pixels to an edge from which on bands are judged.
-    pub(super) margin: f64,
-    /// Pixels to an edge from which on the response is looked at.
-    pub(super) beside: f64,
+    pub(super) distances: &'a Distances,
 }
 
 /// The value at `here`, in rows of `columns`, and its eight neighbors.
@@ -99,6 +95,7 @@ impl Search<'_> {
     /// The ridges that are judged.
     pub(super) fn ridges(&self) -> Vec<Ridge> {
         let grid = &self.responses.grid;
+        let margin = Border::Cut.margin_deg(self.channel.frequency) * self.px_per_deg;
         let mut ridges = Vec::new();
         for row in 1..grid.rows.saturating_sub(1) {
             for column in 1..grid.columns.saturating_sub(1) {
@@ -108,7 +105,7 @@ impl Search<'_> {
                 // What is nearer to an edge than to a line need not be looked at closely, nor what nobody could see.
                 if even * even >= 0.1 * energy
                     && energy > FAINTEST
-                    && self.clear.from(grid.place(column, row)) >= self.margin
+                    && self.distances.at(grid.place(column, row)) >= margin
                 {
                     ridges.extend(self.ridge(column, row));
                 }
@@ -159,13 +156,14 @@ impl Search<'_> {
         let Responses { grid, energy, .. } = self.responses;
         let far = FALL_PERIODS / self.channel.frequency * self.px_per_deg / grid.step[0];
         let far = far.min(grid.columns.min(grid.rows) as f64 / 2.0);
+        let beside = Border::Cut.beside_deg(self.channel.frequency) * self.px_per_deg;
         let enough = (FALLEN * peak).powi(2);
         let mut least = f64::MAX;
         let mut along = 1.0;
         while along <= far && least > enough {
             let index = [0, 1].map(|axis| from[axis] + across[axis] * (shift + along));
             let place = [0, 1].map(|axis| grid.first[axis] + index[axis] * grid.step[axis]);
-            if self.clear.from(place) < self.beside {
+            if self.distances.at(place) < beside {
                 break;
             }
             least = least.min(grid.between(energy, index));

@@ -30,20 +30,12 @@ pub(super) struct Responses {
     pub(super) energy: Vec<f64>,
 }
 
-/// Room for transforms, taken once.
-#[derive(Default)]
-pub(super) struct Scratch {
-    even: Vec<Complex64>,
-    odd: Vec<Complex64>,
-    turned: Vec<Complex64>,
-}
-
 /// Of an image and what lies beyond its edges.
 pub(super) struct Spectrum {
     /// Of the light, for its mean.
     light: Vec<Complex64>,
-    /// As the eye is sensitive to it.
-    seen: Vec<Complex64>,
+    /// The eye's response.
+    response: Vec<Complex64>,
     columns: usize,
     rows: usize,
     /// Pixels of the image.
@@ -54,7 +46,7 @@ pub(super) struct Spectrum {
 }
 
 /// One of a spectrum.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Frequency {
     /// The logarithm of cycles a degree.
     log: f64,
@@ -89,25 +81,26 @@ impl Spectrum {
         // Pixels are squares.
         let square = |k: usize, n: usize| sinc(k as f64 / n as f64);
         let squares: Vec<f64> = (0..across).map(|k| square(k, columns)).collect();
-        let mut frequencies = vec![Frequency::default(); across * down];
-        let mut seen = vec![0.0; across * down];
-        frequencies.par_chunks_mut(across).zip(seen.par_chunks_mut(across)).enumerate().for_each(
-            |(row, (to, seen))| {
+        // Nothing of what is the same everywhere.
+        let mut frequencies = vec![Frequency { log: f64::NEG_INFINITY, direction: [0.0; 2] }; across * down];
+        let mut sensitivity = vec![0.0; across * down];
+        frequencies.par_chunks_mut(across).zip(sensitivity.par_chunks_mut(across)).enumerate().for_each(
+            |(row, (to, sensitivity))| {
                 let fy = row as f64 * px_per_deg / rows as f64;
-                for (column, (to, seen)) in to.iter_mut().zip(seen).enumerate() {
+                for (column, (to, sensitivity)) in to.iter_mut().zip(sensitivity).enumerate() {
                     let fx = column as f64 * px_per_deg / columns as f64;
                     let f = fx.hypot(fy);
                     if f > 0.0 {
                         *to = Frequency { log: f.ln(), direction: [fx / f, fy / f] };
-                        *seen = eye.sensitivity(f) * squares[column] * square(row, rows);
+                        *sensitivity = eye.sensitivity(f) * squares[column] * square(row, rows);
                     }
                 }
             },
         );
         let mirrored = |k: usize, n: usize| k.min(n - k);
-        let gain = |i: usize| seen[mirrored(i / columns, rows) * across + mirrored(i % columns, columns)];
-        let seen = light.par_iter().enumerate().map(|(i, value)| value * gain(i)).collect();
-        Spectrum { light, seen, columns, rows, size: [picture.width, picture.height], px_per_deg, frequencies }
+        let gain = |i: usize| sensitivity[mirrored(i / columns, rows) * across + mirrored(i % columns, columns)];
+        let response = light.par_iter().enumerate().map(|(i, value)| value * gain(i)).collect();
+        Spectrum { light, response, columns, rows, size: [picture.width, picture.height], px_per_deg, frequencies }
     }
 
     /// A grid of the whole spectrum's extent for frequencies up to `top`.
@@ -146,45 +139,26 @@ impl Spectrum {
         }
     }
 
-    /// What a channel passes of each of [`Spectrum::frequencies`] that `grid` holds, and what the transform wants.
-    fn gains(&self, channel: Channel, grid: &Grid) -> Vec<f64> {
-        let (across, down, whole) = (grid.columns / 2 + 1, grid.rows / 2 + 1, self.columns / 2 + 1);
-        let scale = 1.0 / (self.columns * self.rows) as f64;
-        let log = channel.frequency.ln();
-        let gain = |i: usize| {
-            let (row, column) = (i / across, i % across);
-            channel.passes_log(self.frequencies[row * whole + column].log - log) * scale
-        };
-        let mut gains: Vec<f64> = (0..across * down).map(gain).collect();
-        // Nothing of what is everywhere alike.
-        gains[0] = 0.0;
-        gains
-    }
-
     /// Even and odd response by the monogenic signal (Felsberg & Sommer 2001, IEEE Trans. Signal Process. 49:3136):
     /// its odd part, to the right and down, is the response of the quadrature pair that is turned across the local
-    /// structure, so that all orientations are seen alike and none has to be sampled.
-    pub(super) fn respond(&self, channel: Channel, scratch: &mut Scratch) -> Responses {
+    /// structure, so that all orientations are treated alike and none has to be sampled.
+    pub(super) fn respond(&self, channel: Channel) -> Responses {
         let own = channel.frequency;
         let grid = self.grid((COARSE_REACH * own).min(COARSE_TOP).max(REACH * own));
-        let gains = self.gains(channel, &grid);
-        let (across, whole) = (grid.columns / 2 + 1, self.columns / 2 + 1);
-        let cropped = self.cropped(&grid);
-        let Scratch { even, odd, turned } = scratch;
-        for transformed in [&mut *even, &mut *odd] {
-            transformed.resize(grid.columns * grid.rows, Complex64::default());
-            without_highest(transformed, &grid);
-        }
-        self.each(&grid, &self.seen, |row, column, to, value| {
-            let [right, down] = self.frequencies[row.size * whole + column.size].direction;
-            let value = value * gains[row.size * across + column.size];
+        let (log, whole) = (own.ln(), self.columns / 2 + 1);
+        let scale = 1.0 / (self.columns * self.rows) as f64;
+        let [mut even, mut odd] = [0; 2].map(|_| vec![Complex64::default(); grid.columns * grid.rows]);
+        self.each(&grid, &self.response, |row, column, to, value| {
+            let frequency = &self.frequencies[row.size * whole + column.size];
+            let value = value * (channel.passes_log(frequency.log - log) * scale);
             even[to] = value;
-            let (right, down) = (column.sign * right, row.sign * down);
+            let [right, down] = [column.sign * frequency.direction[0], row.sign * frequency.direction[1]];
             // Times down − i·right.
             odd[to] = Complex64::new(value.re * down + value.im * right, value.im * down - value.re * right);
         });
-        let even = inverse(even, turned, &grid, &cropped, |value| value.re);
-        let odd: Vec<Complex64> = inverse(odd, turned, &grid, &cropped, |value| value);
+        let cropped = self.cropped(&grid);
+        let even = inverse(even, &grid, &cropped, |value| value.re);
+        let odd: Vec<Complex64> = inverse(odd, &grid, &cropped, |value| value);
         let energy = even.iter().zip(&odd).map(|(even, odd)| even * even + odd.norm_sqr()).collect();
         Responses { grid: cropped.grid, even, odd, energy }
     }
@@ -204,7 +178,7 @@ impl Spectrum {
             mean[to] = value * (across[column.size] * down[row.size] * scale);
         });
         let cropped = self.cropped(&grid);
-        let values = inverse(&mut mean, &mut Vec::new(), &grid, &cropped, |value| value.re);
+        let values = inverse(mean, &grid, &cropped, |value| value.re);
         Field { grid: cropped.grid, values }
     }
 
@@ -226,19 +200,6 @@ struct Crop {
     left: usize,
     top: usize,
     grid: Grid,
-}
-
-/// Zero at the highest frequency of an even number, to the right and down: it has no direction.
-fn without_highest(transformed: &mut [Complex64], grid: &Grid) {
-    if grid.rows.is_multiple_of(2) {
-        transformed[grid.rows / 2 * grid.columns..][..grid.columns].fill(Complex64::default());
-    }
-    if grid.columns.is_multiple_of(2) {
-        transformed[grid.columns / 2..]
-            .iter_mut()
-            .step_by(grid.columns)
-            .for_each(|value| *value = Complex64::default());
-    }
 }
 
 fn sinc(x: f64) -> f64 {
@@ -288,19 +249,18 @@ fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
 
 /// The values of which `transformed`, on `grid`, are the transform, where they are wanted.
 fn inverse<T: Copy>(
-    transformed: &mut [Complex64],
-    turned: &mut Vec<Complex64>,
+    mut transformed: Vec<Complex64>,
     grid: &Grid,
     crop: &Crop,
     value: impl Fn(Complex64) -> T,
 ) -> Vec<T> {
-    fft::inverse(grid.columns).process(transformed);
+    fft::inverse(grid.columns).process(&mut transformed);
     let wanted = crop.grid.columns;
-    turned.resize(wanted * grid.rows, Complex64::default());
-    transpose(transformed, turned, grid.columns, crop.left, [wanted, grid.rows], |value| value);
-    fft::inverse(grid.rows).process(turned);
+    let mut turned = vec![Complex64::default(); wanted * grid.rows];
+    transpose(&transformed, &mut turned, grid.columns, crop.left, [wanted, grid.rows], |value| value);
+    fft::inverse(grid.rows).process(&mut turned);
     let mut values = vec![value(Complex64::default()); wanted * crop.grid.rows];
-    transpose(turned, &mut values, grid.rows, crop.top, [crop.grid.rows, wanted], value);
+    transpose(&turned, &mut values, grid.rows, crop.top, [crop.grid.rows, wanted], value);
     values
 }
 

@@ -32,8 +32,8 @@ impl Baseline for LocalEnergy {
     }
 
     fn marks(&self, light: &[f64], px_per_deg: f64) -> Vec<Mark> {
-        let line = Line::new(light.len(), px_per_deg, &Eye::default());
-        let Ok(view) = line.and_then(|line| line.predict(light, self.border)) else { return Vec::new() };
+        let line = Line { light, px_per_deg, border: self.border };
+        let Ok(view) = line.predict(&Eye::default()) else { return Vec::new() };
         let first = |polarity| view.bands.iter().find(move |band| band.polarity == polarity);
         let mark = |polarity, strength| {
             let at_deg = first(polarity)?.at_deg[0];
