@@ -61,7 +61,7 @@ mod codes {
     /// Three channels of different weight, full range: as many steps as there can be.
     #[divan::bench]
     fn most_steps_at_33(bencher: Bencher<'_, '_>) {
-        let color = StimulusColor::new([1.0, 0.9, 0.8]).expect("weights within 0…1");
+        let color = "1,0.9,0.8".parse::<StimulusColor>().expect("weights within 0…1");
         bench_codes(bencher, MachBand { low: 0.0, high: 1.0, color, ..band(33.0) });
     }
 

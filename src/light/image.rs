@@ -83,15 +83,6 @@ impl CodeImage {
         }
     }
 
-    /// The 16-bit codes, red green blue interleaved; `None` if this image has 8 bits.
-    #[must_use]
-    pub fn words(&self) -> Option<&[u16]> {
-        match &self.samples {
-            Samples::Eight(_) => None,
-            Samples::Sixteen(codes) => Some(codes),
-        }
-    }
-
     /// Red, green and blue codes in column `x` and row `y`, both from 0 at the top left.
     ///
     /// # Panics

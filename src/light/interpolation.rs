@@ -164,9 +164,6 @@ pub const fn coefficients<const N: usize>() -> [f64; N] {
 }
 
 /// I_n for one depth, ready to be evaluated many times.
-///
-/// All functions take u, the position across the ramp: 0 where it leaves the lower plateau, 1 where
-/// it meets the upper one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {
     form: Form,
@@ -174,17 +171,11 @@ pub struct Interpolation {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    Polynomial(Polynomial),
-    Tanh { k: f64 },
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Polynomial {
-    n: u8,
-    /// The first n of `SUMS[n]`.
-    sum: &'static [f64],
-    /// (2n−1)·C(2n−2, n−1): the slope's factor.
-    slope_scale: f64,
+    /// n and the first n of `SUMS[n]`.
+    Polynomial(u8, &'static [f64]),
+    Tanh {
+        k: f64,
+    },
 }
 
 impl Interpolation {
@@ -203,19 +194,14 @@ impl Interpolation {
             Depth::Infinite => Form::Tanh { k },
             Depth::Finite(n) => {
                 let n = n.clamp(1, Depth::MAX_FINITE);
-                let count = usize::from(n);
-                Form::Polynomial(Polynomial {
-                    n,
-                    sum: &SUMS[count][..count],
-                    slope_scale: (2.0 * f64::from(n) - 1.0) * SUMS[count][count - 1],
-                })
+                Form::Polynomial(n, &SUMS[usize::from(n)][..usize::from(n)])
             }
         };
         Self { form }
     }
 
-    /// I_n(u): 0 for u < 0, 1 for u ≥ 1, within 1e-12 of exact for every depth, and I_n(u) +
-    /// I_n(1−u) = 1 inside.
+    /// I_n at `u`, the position across the ramp: 0 for u < 0, where it leaves the lower plateau, 1 for u ≥ 1, where it
+    /// meets the upper one; within 1e-12 of exact for every depth, and I_n(u) + I_n(1−u) = 1 inside.
     ///
     /// The infinite depth jumps at both ends, from 0 to 1/(1+e^k) at u = 0 and back to 1 at u = 1;
     /// see [`TANH_K`].
@@ -234,59 +220,18 @@ impl Interpolation {
         }
     }
 
-    /// First derivative dI_n/du. At u = 0 the derivative from the right; 0 for u < 0 and for u ≥ 1.
-    #[must_use]
-    pub fn slope(&self, u: f64) -> f64 {
-        if !(0.0..1.0).contains(&u) {
-            return 0.0;
-        }
-        match self.form {
-            Form::Polynomial(p) => p.slope_scale * power(u * (1.0 - u), p.n - 1),
-            // ½k·sech²(k(u−½)) = 2k·I(1−I)
-            Form::Tanh { k } => 2.0 * k * logistic(k, u) * logistic(k, 1.0 - u),
-        }
-    }
-
-    /// Second derivative d²I_n/du². At u = 0 the derivative from the right; 0 for u < 0 and for u ≥
-    /// 1.
-    #[must_use]
-    pub fn curvature(&self, u: f64) -> f64 {
-        if !(0.0..1.0).contains(&u) {
-            return 0.0;
-        }
-        match self.form {
-            Form::Polynomial(p) if p.n == 1 => 0.0,
-            Form::Polynomial(p) => {
-                let n = f64::from(p.n);
-                p.slope_scale * (n - 1.0) * power(u * (1.0 - u), p.n - 2) * (1.0 - 2.0 * u)
-            }
-            Form::Tanh { k } => 2.0 * k * self.slope(u) * (1.0 - 2.0 * logistic(k, u)),
-        }
-    }
-
     /// I_n on 0…½.
     #[inline]
     fn lower_half(&self, u: f64) -> f64 {
         match self.form {
-            Form::Polynomial(p) => p.lower_half(u),
-            Form::Tanh { k } => logistic(k, u),
+            Form::Polynomial(n, sum) => {
+                let v = 1.0 - u;
+                power(u, n) * sum.iter().rev().fold(0.0, |sum, c| sum * v + c)
+            }
+            // (1 + tanh(k(u−½)))/2, without the cancellation below u = ½.
+            Form::Tanh { k } => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),
         }
     }
-}
-
-impl Polynomial {
-    #[inline]
-    fn lower_half(&self, u: f64) -> f64 {
-        let v = 1.0 - u;
-        let sum = self.sum.iter().rev().fold(0.0, |sum, c| sum * v + c);
-        power(u, self.n) * sum
-    }
-}
-
-/// (1 + tanh(k(u−½)))/2, without the cancellation below u = ½.
-#[inline]
-fn logistic(k: f64, u: f64) -> f64 {
-    1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp())
 }
 
 /// x^n by squaring. `f64::powi` leaves its precision open; this is the same on every machine.

@@ -3,41 +3,22 @@
 //!
 //! `cargo test --test dither -- --nocapture` prints the figures.
 
-use super::Draw as _;
+use super::{Draw as _, transfers};
 use std::sync::LazyLock;
 
 use machband::light::dither::{MASK_SIZE, mask};
 use machband::light::halftone::{Halftone, Screen};
 use machband::light::{
-    Bits, CodeImage, Depth, Dither, DitherError, DitherMatrix, LinearImage, Quantizer, Thresholds, Transfer,
-    TransferTable, Transfers,
+    Bits, CodeImage, Depth, Dither, DitherMatrix, LinearImage, Quantizer, Samples, Thresholds, Transfer, TransferTable,
+    Transfers,
 };
 use machband::stimulus::{MachBand, StimulusColor};
-use proptest::prelude::*;
 
 /// Every kind, the random one with several seeds.
 fn dithers() -> Vec<Dither> {
     let random = [1, 2, 99].map(|seed| Dither::Random { seed });
     let ordered = DitherMatrix::ALL.iter().copied().map(Dither::Ordered);
     [Dither::BlueNoise].into_iter().chain(random).chain(ordered).collect()
-}
-
-fn name(dither: Dither) -> String {
-    match dither {
-        Dither::Random { seed } => format!("random, seed {seed}"),
-        other => other.to_string(),
-    }
-}
-
-fn transfers() -> Vec<Transfer> {
-    let table = TransferTable::new(vec![0.0, 0.1, 0.35, 0.8, 1.0], vec![0.0, 0.004, 0.11, 0.55, 1.0]).unwrap();
-    vec![
-        Transfer::Linear,
-        Transfer::Srgb,
-        Transfer::gamma(2.2).unwrap(),
-        Transfer::gamma(0.45).unwrap(),
-        Transfer::Table(table),
-    ]
 }
 
 /// Quantizers that tests share: at 16 bits they take a while to make.
@@ -68,43 +49,30 @@ fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
     bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
 }
 
-// Names.
-
 #[test]
-fn names_are_read_back() {
+fn names_are_read_back_and_other_texts_say_what_is_expected() {
     for text in ["none", "ordered", "ordered:bayer2", "ordered:clustered3", "blue-noise", "random"] {
         let dither: Dither = text.parse().unwrap();
-        assert_eq!(dither.to_string(), text);
-        assert_eq!(format!(" {text} ").parse(), Ok(dither));
+        assert_eq!((dither.to_string().as_str(), format!(" {text} ").parse()), (text, Ok(dither)));
     }
     for &matrix in DitherMatrix::ALL {
-        assert_eq!(matrix.to_string().parse(), Ok(matrix));
         assert_eq!(Dither::Ordered(matrix).to_string().parse(), Ok(Dither::Ordered(matrix)));
     }
     assert_eq!("ordered".parse(), Ok(Dither::Ordered(DitherMatrix::Bayer8)));
-    assert_eq!("ordered:bayer8".parse(), Ok(Dither::Ordered(DitherMatrix::Bayer8)));
-    assert_eq!("random".parse(), Ok(Dither::Random { seed: 1 }));
     assert_eq!("random".parse::<Dither>().unwrap().with_seed(7), Dither::Random { seed: 7 });
     assert_eq!(Dither::BlueNoise.with_seed(7), Dither::BlueNoise);
-    assert_eq!(Dither::default(), Dither::None);
-}
-
-#[test]
-fn other_texts_say_what_is_expected() {
-    for text in ["", "Ordered", "bayer8", "random:3", "blue noise"] {
-        let error = text.parse::<Dither>().unwrap_err();
-        assert_eq!(error, DitherError::Unknown(text.to_owned()));
-        assert_eq!(
-            error.to_string(),
-            format!("dither {text:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random")
-        );
+    for (text, expected) in [
+        ("bayer8", "dither \"bayer8\" is not known; expected none, ordered, ordered:MATRIX, blue-noise or random"),
+        ("random:3", "dither \"random:3\" is not known"),
+        (
+            "ordered:bayer3",
+            "\"bayer3\" is not known; expected one of bayer2, bayer4, bayer8, bayer16, clustered2, clustered3",
+        ),
+        ("ordered:", "expected one of bayer2"),
+    ] {
+        let message = text.parse::<Dither>().unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
     }
-    let message = "ordered:bayer3".parse::<Dither>().unwrap_err().to_string();
-    assert_eq!(
-        message,
-        "\"bayer3\" is not known; expected one of bayer2, bayer4, bayer8, bayer16, clustered2, clustered3"
-    );
-    assert!("ordered:".parse::<Dither>().unwrap_err().to_string().contains("expected one of bayer2"));
 }
 
 // Matrices.
@@ -139,23 +107,14 @@ fn matrices_are_the_published_ones() {
     }
 }
 
+/// How the blue-noise mask is made is tested with its generator, in `tools`.
 #[test]
-fn matrices_hold_every_rank_once() {
-    for &matrix in DitherMatrix::ALL {
-        let mut ranks = matrix.ranks();
+fn matrices_and_the_mask_hold_every_rank_once() {
+    let matrices = DitherMatrix::ALL.iter().map(|matrix| (matrix.ranks(), matrix.size()));
+    for (mut ranks, size) in matrices.chain([(mask(), MASK_SIZE)]) {
         ranks.sort_unstable();
-        let dots = matrix.size() * matrix.size();
-        assert!(ranks.iter().map(|&rank| u32::from(rank)).eq(0..dots), "{matrix}");
+        assert!(ranks.into_iter().map(u32::from).eq(0..size * size), "{size}");
     }
-}
-
-// The blue-noise mask; how it is made is tested with its generator, in `tools`.
-
-#[test]
-fn the_mask_holds_every_rank_once() {
-    let mut ranks = mask();
-    ranks.sort_unstable();
-    assert!(ranks.into_iter().map(u32::from).eq(0..MASK_SIZE * MASK_SIZE));
 }
 
 // Thresholds.
@@ -168,24 +127,16 @@ fn thresholds(dither: Dither, size: u32) -> Vec<f64> {
 
 #[test]
 fn thresholds_are_spread_over_the_open_interval() {
-    for dither in dithers() {
-        let period = match dither {
-            Dither::Ordered(matrix) => matrix.size(),
-            _ => 64,
-        };
+    for dither in dithers().into_iter().filter(|dither| !matches!(dither, Dither::Random { .. })) {
+        let period = if let Dither::Ordered(matrix) = dither { matrix.size() } else { MASK_SIZE };
         let mut all = thresholds(dither, period);
+        let mut rows = Thresholds::new(&dither, 200).unwrap();
+        let first = rows.row(5)[3];
+        assert_eq!(first, rows.row(5 + 9 * period)[3 + period as usize], "{dither} repeats");
         all.sort_unstable_by(f64::total_cmp);
-        assert!(all[0] > 0.0 && all[all.len() - 1] < 1.0, "{dither}");
-        let strata = if matches!(dither, Dither::Random { .. }) { 16 } else { all.len() };
-        for stratum in 0..strata {
-            let within = all.iter().filter(|&&t| (t * strata as f64).floor() == stratum as f64).count();
-            assert_eq!(within, all.len() / strata, "{dither}, stratum {stratum}");
-        }
-        if !matches!(dither, Dither::Random { .. }) {
-            let mut rows = Thresholds::new(&dither, 200).unwrap();
-            let first = rows.row(5)[3];
-            assert_eq!(rows.row(5 + 9 * period)[3 + period as usize], first);
-        }
+        let count = all.len() as f64;
+        // One in every share of (0, 1), none at its ends.
+        assert!((0..).zip(&all).all(|(i, t)| *t > 0.0 && (t * count).floor() == f64::from(i)), "{dither}");
     }
     assert!(Thresholds::new(&Dither::None, 7).is_none());
 }
@@ -240,76 +191,63 @@ fn random_thresholds_prefer_no_place() {
 // Decisions.
 
 /// The definition, of the public parts only: the upper of the enclosing codes iff p > t.
-fn by_definition(quantizer: &Quantizer, linear: f32, threshold: f64) -> u16 {
-    let level = |code: u16| f64::from(quantizer.channel(0).linear(code) as f32);
+fn by_definition(quantizer: &Quantizer, channel: usize, linear: f32, threshold: f64) -> u16 {
+    let channel = quantizer.channel(channel);
+    let level = |code: u16| f64::from(channel.linear(code) as f32);
     let linear = f64::from(linear);
-    let max = quantizer.bits().max_code();
-    let near = quantizer.channel(0).code(linear as f32);
+    let near = channel.code(linear as f32);
     let lower = if level(near) > linear { near - 1 } else { near };
-    if lower == max {
-        return max;
+    if lower == quantizer.bits().max_code() {
+        return lower;
     }
     let p = (linear - level(lower)) / (level(lower + 1) - level(lower));
     lower + u16::from(p > threshold)
 }
 
+/// Red, green and blue share a pixel's threshold; each has its own transfer function.
 #[test]
 fn every_pixel_follows_the_definition() {
     // Sides that no period divides.
     let (width, height) = (131, 71);
-    for (transfer, bits) in
-        transfers().into_iter().map(|t| (t, Bits::Eight)).chain([(Transfer::gamma(2.2).unwrap(), Bits::Sixteen)])
-    {
-        let quantizer = Quantizer::new(&transfer, bits);
-        let image = gray(width, height, |x, y| (x as f32 + 0.37 * y as f32) / 160.0);
+    let image = LinearImage::from_fn(width, height, |x, y| {
+        let level = (x as f32 + 0.37 * y as f32) / 160.0;
+        [level, 0.9 * level, 1.0 - level]
+    });
+    let gamma = Transfer::Gamma(2.2);
+    let differing = Transfers::new([Transfer::Srgb, Transfer::Linear, gamma.clone()]);
+    let eight = transfers().into_iter().map(Transfers::from).chain([differing]).map(|t| (t, Bits::Eight));
+    for (transfers, bits) in eight.chain([(gamma.into(), Bits::Sixteen)]) {
+        let quantizer = Quantizer::new(&transfers, bits);
         for dither in dithers() {
             let codes = quantizer.quantize_with(&image, &dither);
             assert_eq!((codes.width, codes.height), (width, height));
             let mut rows = Thresholds::new(&dither, width).unwrap();
             for (x, y) in (0..width * height).map(|i| (i % width, i / width)) {
-                let expected = by_definition(&quantizer, image.pixel(x, y)[0], rows.row(y)[x as usize]);
-                assert_eq!(codes.pixel(x, y), [expected; 3], "{transfer} {bits} {dither} ({x}, {y})");
+                let (light, threshold) = (image.pixel(x, y), rows.row(y)[x as usize]);
+                let expected = [0, 1, 2].map(|i| by_definition(&quantizer, i, light[i], threshold));
+                assert_eq!(codes.pixel(x, y), expected, "{transfers} {bits} {dither} ({x}, {y})");
             }
         }
     }
 }
 
-#[test]
-fn without_dither_the_nearest_code() {
-    let image = ramp(200, 30.0);
-    for quantizer in [&*SRGB_8, &*SRGB_16] {
-        assert_eq!(quantizer.quantize_with(&image, &Dither::None), quantizer.quantize(&image));
-    }
-}
-
+/// Nor does light that is a rounding away from it.
 #[test]
 fn a_codes_own_light_has_no_noise() {
-    for transfer in transfers() {
-        let quantizer = Quantizer::new(&transfer, Bits::Eight);
+    let eight: Vec<Quantizer> = transfers().iter().map(|transfer| Quantizer::new(transfer, Bits::Eight)).collect();
+    for quantizer in eight.iter().chain([&*SRGB_16]) {
+        let codes = u32::from(quantizer.bits().max_code()) + 1;
         for dither in dithers() {
-            for code in 0..=255 {
-                let level = quantizer.channel(0).linear(code) as f32;
-                for linear in [level, level.next_up(), level.next_down()] {
-                    let image = gray(16, 16, |_, _| linear);
-                    let codes = quantizer.quantize_with(&image, &dither);
-                    assert!(codes.bytes().unwrap().iter().all(|&c| u16::from(c) == code), "{transfer} {dither} {code}");
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn a_codes_own_light_has_no_noise_in_16_bits() {
-    for dither in dithers() {
-        // Two arrangements, so that a code meets two thresholds.
-        for factor in [1, 40_503] {
-            let code = |x: u32, y: u32| ((x + 256 * y) * factor % 65_536) as u16;
-            for nudge in [f32::next_down, |linear: f32| linear, f32::next_up] {
-                let image = gray(256, 256, |x, y| nudge(SRGB_16.channel(0).linear(code(x, y)) as f32));
-                let codes = SRGB_16.quantize_with(&image, &dither);
-                for y in 0..256 {
-                    assert!(reds(&codes, y).into_iter().eq((0..256).map(|x| code(x, y))), "{dither} row {y}");
+            // Two arrangements, so that a code meets two thresholds and more.
+            for factor in [1, 40_503] {
+                let code = |x: u32, y: u32| ((x + 256 * y) * factor % codes) as u16;
+                for nudge in [f32::next_down, |linear: f32| linear, f32::next_up] {
+                    let image = gray(256, 256, |x, y| nudge(quantizer.channel(0).linear(code(x, y)) as f32));
+                    let found = quantizer.quantize_with(&image, &dither);
+                    for y in 0..256 {
+                        let expected = (0..256).map(|x| code(x, y));
+                        assert!(reds(&found, y).into_iter().eq(expected), "{} {dither} {y}", quantizer.transfers());
+                    }
                 }
             }
         }
@@ -328,62 +266,10 @@ fn light_outside_the_range_is_clamped() {
                 assert_eq!(reds(&codes, y), [0, 0, 0, 0, 0, max, max, max]);
             }
         }
-    }
-}
-
-#[test]
-fn images_without_pixels_have_no_codes() {
-    for (width, height) in [(0, 0), (0, 5), (5, 0)] {
-        for dither in dithers() {
+        for (width, height) in [(0, 0), (0, 5), (5, 0)] {
             let codes = SRGB_8.quantize_with(&LinearImage::new(width, height), &dither);
             assert_eq!((codes.width, codes.height, codes.bytes()), (width, height, Some(&[][..])));
         }
-    }
-}
-
-#[test]
-fn channels_share_the_threshold() {
-    let image = LinearImage::from_fn(90, 90, |x, y| {
-        let level = (x + 90 * y) as f32 / 8100.0;
-        [level, level, 0.0]
-    });
-    for dither in dithers() {
-        let codes = SRGB_8.quantize_with(&image, &dither);
-        for pixel in codes.bytes().unwrap().chunks_exact(3) {
-            assert!(pixel[0] == pixel[1] && pixel[2] == 0);
-        }
-        // Each channel on its own is the gray of its values.
-        let colored = LinearImage::from_fn(90, 90, |x, y| {
-            let [level, ..] = image.pixel(x, y);
-            [level * 0.3, level, level * 0.9]
-        });
-        let whole = SRGB_8.quantize_with(&colored, &dither);
-        for channel in 0..3 {
-            let alone = SRGB_8.quantize_with(&gray(90, 90, |x, y| colored.pixel(x, y)[channel]), &dither);
-            for (x, y) in (0..8100).map(|i| (i % 90, i / 90)) {
-                assert_eq!(whole.pixel(x, y)[channel], alone.pixel(x, y)[0]);
-            }
-        }
-    }
-}
-
-proptest! {
-    /// One of the two codes that enclose a value, and more light never gives a lower code.
-    #[test]
-    fn codes_enclose_and_never_fall(
-        linear in 0.0f32..=1.0, more in 0.0f32..=0.01, x in 0u32..200, y in 0u32..40, kind in 0usize..10, wide: bool,
-    ) {
-        let dither = dithers()[kind];
-        let quantizer = if wide { &*SRGB_16 } else { &*SRGB_8 };
-        let code = |light: f32| quantizer.quantize_with(&gray(x + 1, y + 1, |_, _| light), &dither).pixel(x, y)[0];
-        let found = code(linear);
-        let level = |code: u16| quantizer.channel(0).linear(code) as f32;
-        if level(found) > linear {
-            prop_assert!(level(found - 1) < linear);
-        } else if level(found) < linear {
-            prop_assert!(level(found + 1) > linear);
-        }
-        prop_assert!(code((linear + more).min(1.0)) >= found);
     }
 }
 
@@ -420,9 +306,9 @@ fn bytes_are_pinned() {
     });
     let hash = |dither: Dither, quantizer: &Quantizer| {
         let codes = quantizer.quantize_with(&image, &dither);
-        match codes.words() {
-            Some(words) => fnv1a(words.iter().flat_map(|word| word.to_le_bytes())),
-            None => fnv1a(codes.bytes().unwrap().iter().copied()),
+        match codes.samples {
+            Samples::Sixteen(words) => fnv1a(words.iter().flat_map(|word| word.to_le_bytes())),
+            Samples::Eight(bytes) => fnv1a(bytes),
         }
     };
     let linear = Quantizer::new(&Transfer::Linear, Bits::Eight);
@@ -556,7 +442,7 @@ fn the_local_mean_of_uniform_fields_is_right() {
                 largest = largest.max((upper.mean(x, y, 16) - share).abs());
             }
         }
-        println!("uniform fields, {}: largest error of a 16 × 16 mean {largest:.4} code", name(dither));
+        println!("uniform fields, {dither:?}: largest error of a 16 × 16 mean {largest:.4} code");
         assert!(largest <= bound, "{dither}: {largest}");
     }
 }
@@ -677,7 +563,7 @@ fn enlarged_images_have_a_cell_for_every_pixel() {
     for (matrix, bits) in [(DitherMatrix::Clustered3, 1), (DitherMatrix::Clustered2, 3), (DitherMatrix::Bayer8, 2)] {
         let halftone = Halftone::new(Screen { matrix, bits }, &transfers);
         let (n, max) = (matrix.size(), 2u16.pow(bits) - 1);
-        let dots = halftone.enlarged(&image).unwrap();
+        let dots = halftone.enlarged(&image);
         assert_eq!((dots.width, dots.height), (23 * n, 11 * n));
         for (x, y) in (0..dots.width * dots.height).map(|i| (i % dots.width, i / dots.width)) {
             let light = image.pixel(x / n, y / n);
@@ -688,11 +574,6 @@ fn enlarged_images_have_a_cell_for_every_pixel() {
             assert_eq!(dots.pixel(x, y), [0, 1, 2].map(code));
         }
     }
-    let wide = LinearImage { width: u32::MAX / 2 + 1, height: 0, data: Vec::new() };
     let halftone = halftone(DitherMatrix::Bayer2, 1, &Transfer::Linear);
-    assert_eq!(
-        halftone.enlarged(&wide).unwrap_err().to_string(),
-        "2147483648 × 0 pixels of 2 × 2 dots are too many; expected at most 4294967295 dots a side"
-    );
-    assert_eq!(halftone.enlarged(&LinearImage::new(0, 3)).unwrap().bytes(), Some(&[][..]));
+    assert_eq!(halftone.enlarged(&LinearImage::new(0, 3)).bytes(), Some(&[][..]));
 }

@@ -5,36 +5,14 @@ use machband::light::interpolation::{TANH_K, coefficients};
 use machband::light::quantize::reference_code;
 use machband::light::transfer::{equal_brightness_levels, nearest_equal_brightness_level};
 use machband::light::{
-    Bits, Depth, DepthError, Dither, Interpolation, LinearImage, Quantizer, Transfer, TransferError, TransferTable,
-    Transfers,
+    Bits, Depth, DepthError, Dither, Interpolation, LinearImage, Quantizer, Samples, Transfer, TransferTable, Transfers,
 };
 use proptest::prelude::*;
 
+use super::{golden, transfers};
+
 fn depths() -> impl Iterator<Item = u8> {
     1..=Depth::MAX_FINITE
-}
-
-/// Rows of a golden file: n, u, I_n(u).
-fn golden(file: &str) -> Vec<(Depth, f64, f64)> {
-    let path = format!("{}/tests/golden/{file}", env!("CARGO_MANIFEST_DIR"));
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
-    let rows = reader.records().map(|row| {
-        let row = row.unwrap();
-        (row[0].parse().unwrap(), row[1].parse().unwrap(), row[2].parse().unwrap())
-    });
-    rows.collect()
-}
-
-fn transfers() -> Vec<Transfer> {
-    let table = TransferTable::new(vec![0.0, 0.1, 0.35, 0.8, 1.0], vec![0.0, 0.004, 0.11, 0.55, 1.0]).unwrap();
-    vec![
-        Transfer::Linear,
-        Transfer::Srgb,
-        Transfer::gamma(2.2).unwrap(),
-        Transfer::gamma(1.8).unwrap(),
-        Transfer::gamma(0.45).unwrap(),
-        Transfer::Table(table),
-    ]
 }
 
 #[test]
@@ -42,13 +20,17 @@ fn interpolation_agrees_with_other_implementations() {
     for (file, rows) in [("interpolation.csv", 55), ("interpolation_n32.csv", 57)] {
         let golden = golden(file);
         assert_eq!(golden.len(), rows, "{file}");
-        for (depth, u, expected) in golden {
+        for (depth, row) in golden {
+            // Either a number or inf, which is a number to Rust.
+            let (depth, u, expected) = match row[..] {
+                [n, u, expected] if n.is_finite() => (Depth::finite(n as u32).unwrap(), u, expected),
+                [.., u, expected] => (Depth::Infinite, u, expected),
+                _ => panic!("{depth} {row:?}"),
+            };
             let value = Interpolation::new(depth).value(u);
-            assert!((value - expected).abs() <= 1e-12, "n={depth} u={u}: {value}, not {expected}");
             // The lower half does not cancel: it is good relatively, however small.
-            if u <= 0.5 {
-                assert!((value - expected).abs() <= 1e-12 * expected, "n={depth} u={u}: {value}, not {expected}");
-            }
+            let within = if u <= 0.5 { 1e-12 * expected } else { 1e-12 };
+            assert!((value - expected).abs() <= within, "n={depth} u={u}: {value}, not {expected}");
         }
     }
 }
@@ -62,15 +44,6 @@ fn interpolation_is_the_text_book_polynomial() {
             let value = Interpolation::new(Depth::finite(n).unwrap()).value(u);
             assert!((value - expected).abs() <= 4e-15, "n={n} u={u}");
         }
-    }
-    for n in depths() {
-        let middle = Interpolation::new(Depth::Finite(n)).value(0.5);
-        assert!((middle - 0.5).abs() <= 1e-15, "n={n}: {middle}");
-    }
-    let slopes = [1.0, 3.0 / 2.0, 15.0 / 8.0, 35.0 / 16.0, 315.0 / 128.0];
-    for (n, slope) in (1..).zip(slopes) {
-        let middle = Interpolation::new(Depth::Finite(n)).slope(0.5);
-        assert!((middle - slope).abs() < 1e-14, "n={n}: {middle}");
     }
 }
 
@@ -96,29 +69,12 @@ fn derivatives_vanish_up_to_the_depth_and_then_jump() {
 }
 
 #[test]
-fn slope_and_curvature_are_the_derivatives() {
-    let finite = depths().map(|n| Interpolation::new(Depth::Finite(n)));
-    let infinite = [5.0, 10.0, 0.1].map(|k| Interpolation::with_k(Depth::Infinite, k));
-    for i in finite.chain(infinite) {
-        for step in 1..100 {
-            let (u, h) = (f64::from(step) / 100.0, 1e-6);
-            let slope = (i.value(u + h) - i.value(u - h)) / (2.0 * h);
-            assert!((slope - i.slope(u)).abs() < 1e-7, "{i:?} {u}: slope {} not {slope}", i.slope(u));
-            let curvature = (i.slope(u + h) - i.slope(u - h)) / (2.0 * h);
-            assert!((curvature - i.curvature(u)).abs() < 1e-5, "{i:?} {u}: curvature {}", i.curvature(u));
-        }
-        assert_eq!((i.slope(-0.1), i.slope(1.0), i.curvature(-0.1), i.curvature(1.0)), (0.0, 0.0, 0.0, 0.0));
-    }
-}
-
-#[test]
 fn printed_infinite_depth_leaves_a_residual() {
     let printed = Interpolation::new(Depth::Infinite);
     assert_eq!(TANH_K, 5.0);
     assert!((printed.value(0.0) - 0.006_692_850_924).abs() < 1e-12);
     assert!((Interpolation::with_k(Depth::Infinite, 10.0).value(0.0) - 4.54e-5).abs() < 1e-7);
     assert_eq!((printed.value(-1e-9), printed.value(0.5), printed.value(1.0)), (0.0, 0.5, 1.0));
-    assert!((printed.slope(0.5) - 2.5).abs() < 1e-15);
 }
 
 proptest! {
@@ -126,11 +82,11 @@ proptest! {
     fn halves_complement_each_other(n in 1u8..=32, billionths in 0u32..=1 << 30) {
         // A multiple of 2⁻³⁰, so that 1 − u is exact and all of the error is the function's.
         let u = f64::from(billionths) / f64::from(1u32 << 30);
-        let i = Interpolation::new(Depth::Finite(n));
-        prop_assert!((i.value(u) + i.value(1.0 - u) - 1.0).abs() <= f64::EPSILON);
-        let i = Interpolation::new(Depth::Infinite);
-        if u > 0.0 && u < 1.0 {
-            prop_assert!((i.value(u) + i.value(1.0 - u) - 1.0).abs() <= f64::EPSILON);
+        for depth in [Depth::Finite(n), Depth::Infinite] {
+            let i = Interpolation::new(depth);
+            let inside = u > 0.0 && u < 1.0;
+            let sum = i.value(u) + i.value(1.0 - u);
+            prop_assert!((sum - 1.0).abs() <= f64::EPSILON || depth == Depth::Infinite && !inside);
         }
     }
 
@@ -205,26 +161,25 @@ fn transfers_are_read_and_refused_with_reasons() {
         assert_eq!(text.parse::<Transfer>().unwrap().to_string(), text);
     }
     let message = |text: &str| text.parse::<Transfer>().unwrap_err().to_string();
-    assert!(message("rec709").contains("expected srgb, linear, gamma:G such as gamma:2.2, or gog:"));
-    for text in ["gamma:0", "gamma:-1", "gamma:nan", "gamma:inf", "gamma:", "gamma:11"] {
+    for text in ["rec709", "srgb:", "linear:1"] {
+        assert!(message(text).contains("expected srgb, linear, gamma:G such as gamma:2.2, or gog:"), "{text}");
+    }
+    for text in ["gamma:0", "gamma:-1", "gamma:nan", "gamma:inf", "gamma:", "gamma:11", "gamma:2,2"] {
         assert!(message(text).contains("outside 0.1…10"), "{text}: {}", message(text));
     }
-}
-
-#[test]
-fn transfer_tables_must_rise_over_the_whole_range() {
+    // Tables rise over the whole range.
     let table = |encoded: &[f64], linear: &[f64]| TransferTable::new(encoded.to_vec(), linear.to_vec());
     assert!(table(&[0.0, 0.5, 1.0], &[0.0, 0.2, 1.0]).is_ok());
-    assert_eq!(table(&[0.0, 1.0], &[0.0]), Err(TransferError::Length { encoded: 2, linear: 1 }));
-    assert_eq!(table(&[], &[]), Err(TransferError::Length { encoded: 0, linear: 0 }));
-    let flat = table(&[0.0, 0.5, 1.0], &[0.0, 0.0, 1.0]);
-    assert_eq!(flat, Err(TransferError::NotIncreasing { column: "linear", index: 1, value: 0.0, previous: 0.0 }));
-    assert!(matches!(
-        table(&[0.0, f64::NAN, 1.0], &[0.0, 0.5, 1.0]),
-        Err(TransferError::NotIncreasing { column: "encoded", index: 1, .. })
-    ));
-    let short = table(&[0.0, 1.0], &[0.01, 1.0]);
-    assert_eq!(short, Err(TransferError::Range { column: "linear", first: 0.01, last: 1.0 }));
+    for (encoded, linear, expected) in [
+        (&[0.0, 1.0][..], &[0.0][..], "2 encoded and 1 linear values; expected as many of both"),
+        (&[], &[], "0 encoded and 0 linear values"),
+        (&[0.0, 0.5, 1.0], &[0.0, 0.0, 1.0], "linear value 0 at index 1 is not above the 0 before it; expected"),
+        (&[0.0, f64::NAN, 1.0], &[0.0, 0.5, 1.0], "encoded value NaN at index 1"),
+        (&[0.0, 1.0], &[0.01, 1.0], "linear values run from 0.01 to 1; expected 0 to 1"),
+    ] {
+        let message = table(encoded, linear).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
 }
 
 #[test]
@@ -280,38 +235,6 @@ fn channels_that_differ_are_quantized_each_by_its_own() {
     }
 }
 
-#[test]
-fn every_code_survives_the_round_trip() {
-    for transfer in transfers() {
-        for bits in [Bits::Eight, Bits::Sixteen] {
-            let quantizer = Quantizer::new(&transfer, bits);
-            for code in 0..=bits.max_code() {
-                assert_eq!(
-                    quantizer.channel(0).code(quantizer.channel(0).linear(code) as f32),
-                    code,
-                    "{transfer} {bits} bits"
-                );
-            }
-        }
-    }
-}
-
-#[test]
-fn codes_rise_with_light() {
-    for transfer in transfers() {
-        let eight = Quantizer::new(&transfer, Bits::Eight);
-        let sixteen = Quantizer::new(&transfer, Bits::Sixteen);
-        let mut last = (0, 0);
-        for i in 0..=65_536u32 {
-            let linear = i as f32 / 65_536.0;
-            let codes = (eight.channel(0).code(linear), sixteen.channel(0).code(linear));
-            assert!(codes.0 >= last.0 && codes.1 >= last.1, "{transfer} {linear}");
-            last = codes;
-        }
-        assert_eq!(last, (255, 65_535));
-    }
-}
-
 /// The quantizer against the formula that defines it: both sides of every threshold, and all over
 /// the range.
 #[test]
@@ -324,7 +247,12 @@ fn quantizer_is_the_plain_formula() {
                 assert_eq!(quantizer.channel(0).code(v), plain, "{transfer} {bits} bits, {v:e} = {:#x}", v.to_bits());
             };
             for code in 1..=bits.max_code() {
+                // Below γ = 0.2 and above 5 neighboring codes may have one f32.
+                let light = quantizer.channel(0).linear(code) as f32;
+                let is_extreme = matches!(transfer, Transfer::Gamma(gamma) if !(0.2..5.0).contains(&gamma));
+                assert!(is_extreme || quantizer.channel(0).code(light) == code, "{transfer} {bits} bits, {code}");
                 let threshold = quantizer.channel(0).threshold(code);
+                assert!(threshold >= quantizer.channel(0).threshold(code - 1));
                 assert!(reference_code(&transfer, bits, threshold) >= code);
                 assert!(reference_code(&transfer, bits, threshold.next_down()) < code);
                 let at = threshold.to_bits();
@@ -357,9 +285,8 @@ fn images_keep_their_order() {
     let eight = Quantizer::new(&Transfer::Linear, Bits::Eight).quantize(&image);
     assert_eq!((eight.width, eight.height, eight.pixel(2, 1)), (3, 2, [255, 255, 128]));
     assert_eq!(&eight.bytes().unwrap()[..6], [0, 0, 128, 128, 0, 128]);
-    assert!(eight.words().is_none());
     let sixteen = Quantizer::new(&Transfer::Linear, Bits::Sixteen).quantize(&image);
-    assert_eq!(sixteen.words().unwrap()[3..6], [32_768, 0, 32_768]);
+    assert!(matches!(&sixteen.samples, Samples::Sixteen(words) if words[3..6] == [32_768, 0, 32_768]));
     assert!(sixteen.bytes().is_none());
 }
 

@@ -1,7 +1,7 @@
 //! Palettes: what each reducer leaves, and that it is the same every time.
 
 use super::Draw as _;
-use machband::light::palette::{IndexedImage, PaletteError, Reducer, reduce};
+use machband::light::palette::{IndexedImage, Reducer, Reduction, SixteenBits};
 use machband::light::{Bits, CodeImage, Depth, Quantizer, Samples, Transfer};
 use machband::stimulus::MachBand;
 use machband::stimulus::RampSpace;
@@ -44,28 +44,23 @@ fn assert_error_is_right(image: &CodeImage, reduced: &IndexedImage, transfer: &T
     assert!((reduced.error.rms - rms).abs() < 1e-12 && reduced.error.max == max, "{:?} {rms} {max}", reduced.error);
 }
 
+fn reduce(image: &CodeImage, transfer: &Transfer, colors: u32, reducer: Reducer) -> IndexedImage {
+    machband::light::palette::reduce(image, transfer, Reduction { reducer, colors }).unwrap()
+}
+
 #[test]
-fn what_cannot_be_is_refused() {
-    let tiny = image(1, &[[1, 2, 3]]);
-    for colors in [0, 257, usize::MAX] {
-        let error = reduce(&tiny, &Transfer::Srgb, colors, Reducer::MedianCut).unwrap_err();
-        assert_eq!(error, PaletteError::Colors(colors));
-        assert!(error.to_string().ends_with("expected 1 to 256"));
+fn other_texts_and_images_are_refused() {
+    for text in ["median-cut:0", "median-cut:257", "median-cut", "octree:8", "k-means:many"] {
+        let message = text.parse::<Reduction>().unwrap_err().to_string();
+        assert!(message.contains("expected popularity, median-cut or k-means, a colon and 1…256 colors"), "{message}");
     }
     let deep = CodeImage { width: 1, height: 1, samples: Samples::Sixteen(vec![0, 1, 2]) };
-    assert_eq!(reduce(&deep, &Transfer::Srgb, 2, Reducer::KMeans), Err(PaletteError::SixteenBits));
+    let reduction = "k-means:2".parse().unwrap();
+    assert_eq!(machband::light::palette::reduce(&deep, &Transfer::Srgb, reduction), Err(SixteenBits));
     for &reducer in Reducer::ALL {
-        assert_eq!(reducer.to_string().parse(), Ok(reducer));
-        let empty = reduce(&image(1, &[]), &Transfer::Srgb, 4, reducer).unwrap();
+        let empty = reduce(&image(1, &[]), &Transfer::Srgb, 4, reducer);
         assert_eq!((empty.palette.len(), empty.indices.len(), empty.error.rms), (0, 0, 0.0));
     }
-    assert!(
-        "octree"
-            .parse::<Reducer>()
-            .unwrap_err()
-            .to_string()
-            .contains("expected one of popularity, median-cut, k-means")
-    );
 }
 
 #[test]
@@ -74,7 +69,7 @@ fn few_colors_are_kept() {
     let image = image(3, &pixels);
     for &reducer in Reducer::ALL {
         for colors in [3, 4, 256] {
-            let reduced = reduce(&image, &Transfer::Srgb, colors, reducer).unwrap();
+            let reduced = reduce(&image, &Transfer::Srgb, colors, reducer);
             assert_eq!(reduced.palette, [[0, 0, 255], [9, 9, 9], [255, 1, 0]]);
             assert_eq!(reduced.indices, [1, 0, 1, 2, 0, 1]);
             assert_eq!((reduced.error.rms, reduced.error.max), (0.0, 0.0));
@@ -92,7 +87,7 @@ fn each_reducer_does_what_its_name_says() {
         .chain(repeat(3, [100, 0, 0]))
         .chain(repeat(1, [201, 0, 0]))
         .collect();
-    let of = |colors, reducer| reduce(&image(1, &pixels), &Transfer::Linear, colors, reducer).unwrap();
+    let of = |colors, reducer| reduce(&image(1, &pixels), &Transfer::Linear, colors, reducer);
     assert_eq!(of(2, Reducer::Popularity).palette, [[10, 0, 0], [12, 0, 0]]);
     // 13 pixels: the middle one is a 12, nearer to the cut before it (5 | 8) than to the one after it (9 | 4).
     // The mean of 4·12, 3·100 and 201 is 68.6.
@@ -101,7 +96,7 @@ fn each_reducer_does_what_its_name_says() {
     assert_eq!(of(2, Reducer::KMeans).palette, [[11, 0, 0], [125, 0, 0]]);
     // Of equally frequent colors the lowest.
     let even = image(1, &[[3, 0, 0], [1, 0, 0], [2, 0, 0]]);
-    assert_eq!(reduce(&even, &Transfer::Srgb, 2, Reducer::Popularity).unwrap().palette, [[1, 0, 0], [2, 0, 0]]);
+    assert_eq!(reduce(&even, &Transfer::Srgb, 2, Reducer::Popularity).palette, [[1, 0, 0], [2, 0, 0]]);
 }
 
 #[test]
@@ -111,9 +106,9 @@ fn a_ramp_in_fewer_colors() {
     for colors in [1, 2, 8, 16, 64, 256] {
         let mut rms = Vec::new();
         for &reducer in Reducer::ALL {
-            let reduced = reduce(&image, &transfer, colors, reducer).unwrap();
-            assert_eq!(reduced, reduce(&image, &transfer, colors, reducer).unwrap());
-            assert!(reduced.palette.len() <= colors && reduced.palette.is_sorted_by(|a, b| a < b));
+            let reduced = reduce(&image, &transfer, colors, reducer);
+            assert_eq!(reduced, reduce(&image, &transfer, colors, reducer));
+            assert!(reduced.palette.len() <= colors as usize && reduced.palette.is_sorted_by(|a, b| a < b));
             assert_error_is_right(&image, &reduced, &transfer);
             println!(
                 "{colors:3} {:10} rms {:.2e} max {:.2e}",
@@ -138,7 +133,7 @@ fn palettes_are_the_same_everywhere() {
         })
         .collect();
     let palette = |reducer| {
-        let reduced = reduce(&image(64, &pixels), &Transfer::Linear, 6, reducer).unwrap();
+        let reduced = reduce(&image(64, &pixels), &Transfer::Linear, 6, reducer);
         reduced.palette.iter().map(|[r, g, b]| format!("{r:02x}{g:02x}{b:02x}")).collect::<Vec<_>>().join(" ")
     };
     assert_eq!(palette(Reducer::Popularity), "000000 000400 000800 000c00 001000 001400");
@@ -152,14 +147,14 @@ proptest! {
     #[test]
     fn any_image_is_reduced(
         pixels in prop::collection::vec(prop::array::uniform3(prop_oneof![any::<u8>(), Just(0), Just(255)]), 1..300),
-        colors in 1usize..=40, linear in any::<bool>(), which in 0usize..3,
+        colors in 1u32..=40, linear in any::<bool>(), which in 0usize..3,
     ) {
         let transfer = if linear { Transfer::Linear } else { Transfer::Srgb };
         let image = image(1, &pixels);
-        let reduced = reduce(&image, &transfer, colors, Reducer::ALL[which]).unwrap();
-        prop_assert!(!reduced.palette.is_empty() && reduced.palette.len() <= colors);
+        let reduced = reduce(&image, &transfer, colors, Reducer::ALL[which]);
+        prop_assert!(!reduced.palette.is_empty() && reduced.palette.len() <= colors as usize);
         prop_assert_eq!(reduced.indices.len(), pixels.len());
-        let best = reduce(&image, &transfer, colors, Reducer::KMeans).unwrap();
+        let best = reduce(&image, &transfer, colors, Reducer::KMeans);
         prop_assert!(best.error.rms <= reduced.error.rms + 1e-7);
         assert_error_is_right(&image, &reduced, &transfer);
     }

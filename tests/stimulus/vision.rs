@@ -23,7 +23,7 @@ fn light(band: &MachBand, window: f64, px_per_deg: f64) -> Vec<f64> {
 }
 
 fn see_light(light: &[f64], px_per_deg: f64, border: Border) -> LinePrediction {
-    Line::new(light.len(), px_per_deg, &Eye::default()).unwrap().predict(light, border).unwrap()
+    Line { light, px_per_deg, border }.predict(&Eye::default()).unwrap()
 }
 
 fn see(width: f64, depth: Depth, window: f64, px_per_deg: f64) -> LinePrediction {
@@ -289,7 +289,6 @@ fn what_cannot_be_seen_is_said() {
     assert!(of(&nan, 100, 100, 50.0).to_string().contains("column 5, row 2"));
     assert!(matches!(of(&nan[..50], 100, 100, 50.0), VisionError::Count { found: 50, expected: 10_000 }));
     assert_eq!(of(&[0.5; 10_000], 100, 100, 0.0), VisionError::Sampling(0.0));
-    assert!(Line::new(1, 50.0, &eye).is_err());
-    assert!(Line::new(10, 50.0, &eye).unwrap().predict(&[0.1; 9], Border::Cut).is_err());
+    assert!(Line { light: &[0.5], px_per_deg: 50.0, border: Border::Cut }.predict(&eye).is_err());
     assert!((luminance([1.0; 3]) - 1.0).abs() < 1e-12);
 }
