@@ -166,7 +166,7 @@ fn tell(comparison: &Comparison) -> anyhow::Result<()> {
 /// The criterion that was named, or the default.
 fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     match &arguments.criterion {
-        Some(path) => Ok(observer::open_vision(path)?.criterion),
+        Some(path) => Ok(observer::open_vision(path)?.criterion()),
         None => Ok(Criterion::default()),
     }
 }

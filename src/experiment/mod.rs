@@ -18,7 +18,7 @@ pub use frame_log::{Shown, Stretch};
 pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate, visibilities};
 pub use protocol::{
-    Category, Design, Fault, Order, Presentation, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan,
+    Category, Design, Fault, Faults, Order, Presentation, Protocol, RATING_MAX, Recovery, ResponseScale, ViewingPlan,
     name_fault,
 };
 pub use record::{Column, Rating, RatingRow, RowContext, Seconds, TRAILING, TrialRecord, columns, columns_by_header};

@@ -139,10 +139,13 @@ impl Observer for OrderedLogit {
 }
 
 /// An observer who rates how visible the model of vision finds a band.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct VisionRater {
-    /// Where one rating gives way to the next.
-    pub criterion: Criterion,
+    /// As [`Criterion::thresholds`].
+    pub thresholds: [f64; 3],
+    /// As [`Criterion::spread`].
+    pub spread: f64,
     /// Standard deviation of the participants, on ln visibility.
     pub subject_sd: f64,
     /// Probability of a random key.
@@ -152,7 +155,15 @@ pub struct VisionRater {
 impl Default for VisionRater {
     /// As `experiments/observers/vision.toml`.
     fn default() -> Self {
-        Self { criterion: Criterion::default(), subject_sd: 0.4, lapse: 0.01 }
+        let Criterion { thresholds, spread } = Criterion::default();
+        Self { thresholds, spread, subject_sd: 0.4, lapse: 0.01 }
+    }
+}
+
+impl VisionRater {
+    /// The criterion by which it rates.
+    pub fn criterion(&self) -> Criterion {
+        Criterion { thresholds: self.thresholds, spread: self.spread }
     }
 }
 
@@ -206,12 +217,13 @@ impl VisionObserver {
 
 impl Observer for VisionObserver {
     fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
-        let VisionRater { criterion, subject_sd, lapse } = &self.rater;
-        if unit(rng) < *lapse {
+        let VisionRater { subject_sd, lapse, .. } = self.rater;
+        if unit(rng) < lapse {
             return any_key(rng);
         }
         let u = unit(rng);
-        criterion.rate(self.visibility(stimulus) * (subject_sd * subject).exp(), (u / (1.0 - u)).ln())
+        Criterion { thresholds, spread }
+            .rate(self.visibility(stimulus) * (subject_sd * subject).exp(), (u / (1.0 - u)).ln())
     }
 }
 

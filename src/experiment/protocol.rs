@@ -2,13 +2,16 @@
 
 use std::{collections::HashSet, time::Duration};
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _, ser::SerializeMap as _};
+use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
 
 use super::{
     condition::{Condition, Factor, cross, serialize_factors},
     texts::Texts,
 };
-use crate::stimulus::{ParameterError, ParameterValue, Stimulus};
+use crate::{
+    light::names::serde_as_text,
+    stimulus::{ParameterError, ParameterValue, Stimulus},
+};
 
 /// Highest rating of the paper's scale; ratings are 0…3. Bangay §3.1
 pub const RATING_MAX: u8 = 3;
@@ -24,9 +27,22 @@ pub struct Fault {
     pub message: String,
 }
 
-impl Fault {
-    fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { path: path.into(), message: message.into() }
+/// The faults of a definition.
+#[derive(Clone, Debug, Default)]
+pub struct Faults(pub Vec<Fault>);
+
+impl Faults {
+    /// Adds what is wrong at a path.
+    pub fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
+        self.0.push(Fault { path: path.into(), message: message.into() });
+    }
+
+    /// Adds a fault unless `value` is finite and within `low…high`.
+    fn check_range(&mut self, path: &str, value: f64, low: f64, high: f64, meaning: &str) {
+        if !(low..=high).contains(&value) {
+            let key = path.rsplit('.').next().unwrap_or(path);
+            self.add(path, format!("{key} {value} is outside {low}…{high}; expected {meaning}"));
+        }
     }
 }
 
@@ -122,17 +138,7 @@ impl std::str::FromStr for Order {
     }
 }
 
-impl Serialize for Order {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Order {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
-    }
-}
+serde_as_text!(Order);
 
 /// The uniform field between stimuli. Bangay §3.1
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -288,50 +294,52 @@ impl Protocol {
 
     /// Everything that is wrong; empty for a valid protocol.
     pub fn faults(&self) -> Vec<Fault> {
-        let mut faults = Vec::new();
-        faults.extend(name_fault(&self.name).map(|message| Fault::new("name", message)));
+        let mut faults = Faults::default();
+        if let Some(message) = name_fault(&self.name) {
+            faults.add("name", message);
+        }
         self.factor_faults(&mut faults);
         self.design_faults(&mut faults);
-        range(&mut faults, "recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
-        range(&mut faults, "recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
+        faults.check_range("recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
+        faults.check_range("recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
         if let Some(presentation) = &self.presentation {
             let meaning = "seconds; without [presentation] the stimulus stands until it is rated";
-            range(&mut faults, "presentation.duration_s", presentation.duration_s, 0.001, 600.0, meaning);
+            faults.check_range("presentation.duration_s", presentation.duration_s, 0.001, 600.0, meaning);
         }
-        range(&mut faults, "viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
-        range(&mut faults, "viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
+        faults.check_range("viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
+        faults.check_range("viewing.window_deg", self.viewing.window_deg, 0.01, 170.0, "degrees of visual angle");
         self.response_faults(&mut faults);
-        faults
+        faults.0
     }
 
-    fn factor_faults(&self, faults: &mut Vec<Fault>) {
-        let before = faults.len();
+    fn factor_faults(&self, faults: &mut Faults) {
+        let before = faults.0.len();
         for (i, factor) in self.factors.iter().enumerate() {
             let path = format!("factors.{}", factor.name);
             if factor.levels.is_empty() {
-                faults.push(Fault::new(&path, format!("factor {} is empty; expected at least one level", factor.name)));
+                faults.add(&path, format!("factor {} is empty; expected at least one level", factor.name));
             }
             if self.factors[..i].iter().any(|other| other.name == factor.name) {
-                faults.push(Fault::new(&path, format!("factor {} stands twice", factor.name)));
+                faults.add(&path, format!("factor {} stands twice", factor.name));
             }
             // As text, so that a list of a hundred thousand levels is compared in no time.
             let mut seen = HashSet::new();
             for (j, level) in factor.levels.iter().enumerate() {
                 let path = format!("{path}.{j}");
                 if let Err(error) = self.stimulus.clone().set(&factor.name, level) {
-                    faults.push(Fault::new(path, error.to_string()));
+                    faults.add(path, error.to_string());
                 } else if !seen.insert(level.to_string()) {
-                    faults.push(Fault::new(
+                    faults.add(
                         path,
                         format!(
                             "level {level} of {} stands twice; expected each level once (repetitions repeat it)",
                             factor.name
                         ),
-                    ));
+                    );
                 }
             }
         }
-        if faults.len() > before {
+        if faults.0.len() > before {
             return;
         }
         // With repetitions = 0, a fault of its own, there are no trials, but cells all the same.
@@ -339,8 +347,7 @@ impl Protocol {
         let main = self.cells().saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
         if trials > TRIALS_MAX {
-            faults
-                .push(Fault::new("factors", format!("the design has {trials} trials; expected at most {TRIALS_MAX}")));
+            faults.add("factors", format!("the design has {trials} trials; expected at most {TRIALS_MAX}"));
             return;
         }
         // Each level is possible by itself; now the cells, where a level of one factor may contradict another's.
@@ -348,60 +355,54 @@ impl Protocol {
         if let Some(error) = cells.iter().find_map(|cell| cell.stimulus.validate().err()?.into_iter().next()) {
             let place =
                 if self.factors.iter().any(|f| f.name == "low" || f.name == "high") { "factors" } else { "stimulus" };
-            faults.push(Fault::new(place, error.to_string()));
+            faults.add(place, error.to_string());
         }
     }
 
-    fn design_faults(&self, faults: &mut Vec<Fault>) {
+    fn design_faults(&self, faults: &mut Faults) {
         let design = &self.design;
         if design.repetitions == 0 {
-            faults.push(Fault::new("design.repetitions", "repetitions is 0; expected at least 1"));
+            faults.add("design.repetitions", "repetitions is 0; expected at least 1");
         }
         if design.max_run == Some(0) {
-            faults.push(Fault::new("design.max_run", "max_run is 0; expected at least 1"));
+            faults.add("design.max_run", "max_run is 0; expected at least 1");
         }
         if let Some(name) = design.order.factor()
             && !self.factors.iter().any(|factor| factor.name == name)
         {
             let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
-            faults.push(Fault::new(
+            faults.add(
                 "design.order",
                 format!("order {} names no factor; expected one of {}", design.order, known.join(", ")),
-            ));
+            );
         }
     }
 
-    fn response_faults(&self, faults: &mut Vec<Fault>) {
+    fn response_faults(&self, faults: &mut Faults) {
         let categories = &self.response.categories;
         let expected = usize::from(RATING_MAX) + 1;
         if categories.len() != expected {
-            faults.push(Fault::new(
+            faults.add(
                 "response.labels",
                 format!(
                     "the scale has {} categories; expected {expected}, one for each rating 0…{RATING_MAX}",
                     categories.len()
                 ),
-            ));
+            );
         }
         for (i, category) in categories.iter().enumerate() {
             let path = format!("response.keys.{i}");
             let key = category.key;
             if !key.is_ascii_alphanumeric() || RESERVED_KEYS.contains(&key.to_ascii_lowercase()) {
-                faults.push(Fault::new(
+                faults.add(
                     path,
                     format!("key {key:?} cannot be an answer; expected a digit or a letter A–Z other than S"),
-                ));
+                );
             } else if categories[..i].iter().any(|other| other.key.eq_ignore_ascii_case(&key)) {
-                faults.push(Fault::new(
-                    path,
-                    format!("key {key:?} stands twice; expected a key of its own for each answer"),
-                ));
+                faults.add(path, format!("key {key:?} stands twice; expected a key of its own for each answer"));
             }
             if category.label.trim().is_empty() {
-                faults.push(Fault::new(
-                    format!("response.labels.{i}"),
-                    "the label is empty; expected what the answer means",
-                ));
+                faults.add(format!("response.labels.{i}"), "the label is empty; expected what the answer means");
             }
         }
     }
@@ -428,13 +429,5 @@ pub fn name_fault(name: &str) -> Option<String> {
         Some(format!("name {name:?} is reserved by Windows; expected another"))
     } else {
         None
-    }
-}
-
-/// Adds a fault unless `value` is finite and within `low…high`.
-fn range(faults: &mut Vec<Fault>, path: &str, value: f64, low: f64, high: f64, meaning: &str) {
-    if !(low..=high).contains(&value) {
-        let key = path.rsplit('.').next().unwrap_or(path);
-        faults.push(Fault::new(path, format!("{key} {value} is outside {low}…{high}; expected {meaning}")));
     }
 }

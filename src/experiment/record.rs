@@ -84,7 +84,7 @@ impl Cell for f64 {
 }
 
 /// A rating on the scale 0…3.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Rating(pub u8);
 
 impl Cell for Rating {
@@ -103,7 +103,7 @@ impl Cell for Rating {
 const LONGEST_S: f64 = 1e9;
 
 /// A time in seconds, written to a tenth of a millisecond.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Seconds(pub f64);
 
 impl Cell for Seconds {
@@ -149,7 +149,7 @@ macro_rules! record {
         .. $($late:ident: $late_kind:ty, $late_unit:literal, $late_description:literal;)*
     ) => {
         /// One trial as it was shown and rated; one row of a result file.
-        #[derive(Clone, Debug, PartialEq)]
+        #[derive(Clone, Debug, Default, PartialEq)]
         pub struct TrialRecord {
             $(#[doc = $description] pub $name: $kind,)*
             /// Levels of the factors that have no column above, in the order of the definition.
@@ -273,19 +273,15 @@ fn further_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
 }
 
 fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_json::Value> {
-    let pair = |value: String, meaning: &str| (value, serde_json::Value::from(meaning));
+    let pair = |(level, meaning): (&str, &str)| (level.to_owned(), meaning.into());
     match column {
-        "phase" => [("practice", "Before the measurement"), ("main", "The measurement")]
-            .map(|(value, meaning)| pair(value.to_owned(), meaning))
-            .into_iter()
-            .collect(),
+        "phase" => {
+            [("practice", "Before the measurement"), ("main", "The measurement")].map(pair).into_iter().collect()
+        }
+        "late_onset" => [("0", "As planned"), ("1", "Late")].map(pair).into_iter().collect(),
         "rating" => (0..)
             .zip(&protocol.response.categories)
-            .map(|(i, category): (u32, _)| pair(i.to_string(), &category.label))
-            .collect(),
-        "late_onset" => [("0", "As planned"), ("1", "Late")]
-            .map(|(value, meaning)| pair(value.to_owned(), meaning))
-            .into_iter()
+            .map(|(i, category): (u32, _)| pair((&i.to_string(), &category.label)))
             .collect(),
         _ => serde_json::Map::new(),
     }
@@ -326,7 +322,7 @@ impl TrialRecord {
     /// The row for a response; `started_at` is the wall-clock time of the onset.
     pub fn new(context: &RowContext<'_>, response: &TrialResponse, started_at: Timestamp) -> Self {
         let seconds = |time: Duration| Seconds(time.as_secs_f64());
-        Self {
+        let measured = Self {
             rating: Rating(response.rating),
             response_time_s: seconds(response.response_time),
             onset_s: seconds(response.onset),
@@ -334,16 +330,18 @@ impl TrialRecord {
             frames: response.frames,
             dropped_frames: response.dropped_frames,
             started_at,
+            sitting: context.sitting,
             stimulus_s: response.stimulus.map(seconds),
             late_onset: response.late_onset,
             response_uncertainty_s: response.uncertainty.map(seconds),
-            ..Self::planned(context, response.trial, response.attempt)
-        }
+            ..Self::default()
+        };
+        measured.of_trial(context, response.trial, response.attempt)
     }
 
-    /// The row of a trial before anything is measured.
-    fn planned(context: &RowContext<'_>, trial: usize, attempt: u32) -> Self {
-        let RowContext { protocol, schedule, identity, sitting } = context;
+    /// What is measured in this row, with what is planned for a trial.
+    fn of_trial(self, context: &RowContext<'_>, trial: usize, attempt: u32) -> Self {
+        let RowContext { protocol, schedule, identity, .. } = context;
         let trial = &schedule.trials[trial];
         let stimulus = &schedule.conditions[trial.condition].stimulus;
         let number = |name| match stimulus.get(name) {
@@ -369,19 +367,9 @@ impl TrialRecord {
             low: number("low"),
             high: number("high"),
             color: text("color"),
-            rating: Rating(0),
-            response_time_s: Seconds(0.0),
-            onset_s: Seconds(0.0),
-            recovery_s: Seconds(0.0),
-            frames: None,
-            dropped_frames: None,
-            started_at: Timestamp::UNIX_EPOCH,
-            sitting: *sitting,
             seed: schedule.seed,
             further: further_factors(protocol).map(|name| text(name).unwrap_or_default()).collect(),
-            stimulus_s: None,
-            late_onset: None,
-            response_uncertainty_s: None,
+            ..self
         }
     }
 
@@ -401,21 +389,8 @@ impl TrialRecord {
         let before = if self.phase == Phase::Main { practice } else { 0 };
         let index = (before + self.trial as usize).checked_sub(1);
         let is_planned = |index: &usize| {
-            let planned = Self {
-                rating: self.rating,
-                response_time_s: self.response_time_s,
-                onset_s: self.onset_s,
-                recovery_s: self.recovery_s,
-                frames: self.frames,
-                dropped_frames: self.dropped_frames,
-                started_at: self.started_at,
-                sitting: self.sitting,
-                stimulus_s: self.stimulus_s,
-                late_onset: self.late_onset,
-                response_uncertainty_s: self.response_uncertainty_s,
-                ..Self::planned(context, *index, self.attempt)
-            };
-            context.schedule.trials[*index].phase == self.phase && planned == *self
+            context.schedule.trials[*index].phase == self.phase
+                && self.clone().of_trial(context, *index, self.attempt) == *self
         };
         index.filter(|index| *index < context.schedule.trials.len()).filter(is_planned).ok_or_else(|| {
             format!(

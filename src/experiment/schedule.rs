@@ -30,6 +30,13 @@ named! {
     }
 }
 
+/// Of a row that is not filled in yet.
+impl Default for Phase {
+    fn default() -> Self {
+        Self::Main
+    }
+}
+
 /// One planned trial.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Trial {

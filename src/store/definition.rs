@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     experiment::{
-        Category, Design, Factor, Fault, Presentation, Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
+        Category, Design, Factor, Fault, Faults, Presentation, Protocol, Recovery, ResponseScale, Texts, ViewingPlan,
     },
     light::names::expected_one_of,
     stimulus::{KINDS, MachBand, ParameterValue, Stimulus},
@@ -158,22 +158,13 @@ impl Form {
     }
 }
 
-#[derive(Default)]
-struct Faults(Vec<Fault>);
-
-impl Faults {
-    fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
-        self.0.push(Fault { path: path.into(), message: message.into() });
-    }
-
-    fn unexpected(&mut self, path: &str, name: &str, value: &Value, expected: &str) {
-        let found = match value {
-            Value::Array(_) => "a list".to_owned(),
-            Value::Object(_) => "a table".to_owned(),
-            other => other.to_string(),
-        };
-        self.add(path, format!("{name} is {found}; expected {expected}"));
-    }
+fn add_unexpected(faults: &mut Faults, path: &str, name: &str, value: &Value, expected: &str) {
+    let found = match value {
+        Value::Array(_) => "a list".to_owned(),
+        Value::Object(_) => "a table".to_owned(),
+        other => other.to_string(),
+    };
+    faults.add(path, format!("{name} is {found}; expected {expected}"));
 }
 
 fn stimulus(given: &Map<String, Value>, faults: &mut Faults) -> Stimulus {
@@ -195,7 +186,7 @@ fn stimulus(given: &Map<String, Value>, faults: &mut Faults) -> Stimulus {
                     faults.add(path, error.to_string());
                 }
             }
-            None => faults.unexpected(&path, &path, value, "a number or a text"),
+            None => add_unexpected(faults, &path, &path, value, "a number or a text"),
         }
     }
     stimulus
@@ -215,14 +206,14 @@ fn factors(given: Map<String, Value>, stimulus: &Stimulus, faults: &mut Faults) 
                         probe.set(&name, &level).ok().and_then(|()| probe.get(&name)).unwrap_or(level)
                     };
                     parameter(level).map(written).unwrap_or_else(|| {
-                        faults.unexpected(&format!("{path}.{i}"), &path, level, "a number or a text");
+                        add_unexpected(faults, &format!("{path}.{i}"), &path, level, "a number or a text");
                         "".into()
                     })
                 };
                 let levels = levels.iter().enumerate().map(level).collect();
                 factors.push(Factor { name, levels });
             }
-            other => faults.unexpected(&path, &path, &other, "a list of numbers or texts in brackets"),
+            other => add_unexpected(faults, &path, &path, &other, "a list of numbers or texts in brackets"),
         }
     }
     factors

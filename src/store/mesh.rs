@@ -17,7 +17,7 @@ use std::{borrow::Cow, collections::HashMap, path::Path};
 
 use glam::DVec3;
 
-use super::{FileFault, FileFaults, file::read_bytes};
+use super::{FileFault, FileFaults, file::read_bytes, table::shortened};
 use crate::shading::{Mesh, MeshError, Polygons, mesh::LARGEST_COORDINATE};
 
 /// Largest file, in bytes: about two million triangles.
@@ -245,7 +245,8 @@ impl Statement<'_> {
         if let [_, _, _, weight] = words {
             let w = self.number(weight)?;
             if w == 0.0 || !w.is_finite() {
-                let message = format!("{} is not a weight; expected a finite number that is not 0", shown(weight));
+                let message =
+                    format!("{:?} is not a weight; expected a finite number that is not 0", shortened(weight));
                 return Err((self.position(weight), message));
             }
             vertex /= w;
@@ -253,7 +254,7 @@ impl Statement<'_> {
         match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
             Some(k) => Err((
                 self.position(words[k]),
-                format!("{} is not a finite coordinate; expected one within ±1e30", shown(words[k])),
+                format!("{:?} is not a finite coordinate; expected one within ±1e30", shortened(words[k])),
             )),
             None => Ok(vertex),
         }
@@ -268,20 +269,11 @@ impl Statement<'_> {
     }
 
     fn number(&self, word: &str) -> Result<f64, Fault> {
-        word.parse().map_err(|_| (self.position(word), format!("{} is not a number; expected one", shown(word))))
+        word.parse().map_err(|_| (self.position(word), format!("{:?} is not a number; expected one", shortened(word))))
     }
 
     fn not_a_corner(&self, word: &str) -> Fault {
-        let message = format!("{} is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1", shown(word));
+        let message = format!("{:?} is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1", shortened(word));
         (self.position(word), message)
-    }
-}
-
-/// A word as a message shows it.
-fn shown(word: &str) -> String {
-    if word.chars().count() > 30 {
-        format!("{:?}…", word.chars().take(30).collect::<String>())
-    } else {
-        format!("{word:?}")
     }
 }

@@ -59,13 +59,12 @@ pub fn open_vision(path: &Path) -> Result<VisionRater, FileFaults> {
 /// # Errors
 /// Every fault with its line and column.
 pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileFaults> {
-    let (rater, mut document) = toml::read::<VisionForm>(file, text)?;
+    let (rater, mut document) = toml::read::<VisionRater>(file, text)?;
     check_thresholds(&mut document, rater.thresholds, 0.0, "[3.0, 8.0, 28.0]");
     document.check_range("spread", rater.spread, 1e-6, 1000.0);
     document.check_range("subject_sd", rater.subject_sd, 0.0, 100.0);
     document.check_range("lapse", rater.lapse, 0.0, 1.0);
-    let VisionForm { thresholds, spread, subject_sd, lapse } = rater;
-    document.finish(VisionRater { criterion: Criterion { thresholds, spread }, subject_sd, lapse })
+    document.finish(rater)
 }
 
 /// Writes a criterion as an observer based on the vision model.
@@ -76,23 +75,6 @@ pub fn write_criterion(path: &Path, criterion: &Criterion) -> Result<(), StoreEr
     let [a, b, c] = criterion.thresholds;
     let text = format!("schema = 1\nthresholds = [{a:.6}, {b:.6}, {c:.6}]\nspread = {:.6}\n", criterion.spread);
     write_file(path, text.as_bytes())
-}
-
-/// The criterion's keys stand beside the rater's own.
-#[derive(serde::Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct VisionForm {
-    thresholds: [f64; 3],
-    spread: f64,
-    subject_sd: f64,
-    lapse: f64,
-}
-
-impl Default for VisionForm {
-    fn default() -> Self {
-        let VisionRater { criterion: Criterion { thresholds, spread }, subject_sd, lapse } = VisionRater::default();
-        Self { thresholds, spread, subject_sd, lapse }
-    }
 }
 
 fn check_thresholds(document: &mut Document<'_>, [a, b, c]: [f64; 3], above: f64, example: &str) {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use ::toml::Table;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
 use super::{
@@ -101,27 +102,17 @@ struct ProfileForm {
     #[serde(skip_deserializing)]
     schema: u32,
     name: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
     transfer: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     encoded: Option<Vec<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     linear: Option<Vec<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     black_cd_m2: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     white_cd_m2: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     bits: Option<u8>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     screen_width_cm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     native_px: Option<[u32; 2]>,
-    #[serde(default, deserialize_with = "measured", skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "measured")]
     measured: Option<Measurement>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     primaries: Option<Primaries>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     channels: Option<ChannelForms>,
 }
 
@@ -138,9 +129,7 @@ struct ChannelForms {
 #[serde(deny_unknown_fields)]
 struct TransferForm {
     transfer: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
     encoded: Option<Vec<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     linear: Option<Vec<f64>>,
 }
 
@@ -228,18 +217,22 @@ fn transfer(
 }
 
 fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<LuminanceRange> {
-    let (key, message) = match (form.black_cd_m2, form.white_cd_m2) {
-        (None, None) => return None,
-        (Some(black_cd_m2), Some(white_cd_m2)) if black_cd_m2 < white_cd_m2 => {
+    let names = ["black_cd_m2", "white_cd_m2"];
+    match [form.black_cd_m2, form.white_cd_m2] {
+        [Some(black_cd_m2), Some(white_cd_m2)] if black_cd_m2 < white_cd_m2 => {
             return Some(LuminanceRange { black_cd_m2, white_cd_m2 });
         }
-        (Some(black), Some(white)) => {
-            ("white_cd_m2", format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected more"))
+        [Some(black), Some(white)] => {
+            document.fault(names[1], format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected more"))
         }
-        (Some(_), None) => ("black_cd_m2", "black_cd_m2 is given without white_cd_m2; expected both".to_owned()),
-        (None, Some(_)) => ("white_cd_m2", "white_cd_m2 is given without black_cd_m2; expected both".to_owned()),
-    };
-    document.fault(key, message);
+        [black, white] => {
+            for (given, (name, other)) in [black, white].iter().zip([(names[0], names[1]), (names[1], names[0])]) {
+                if given.is_some() {
+                    document.fault(name, format!("{name} is given without {other}; expected both"));
+                }
+            }
+        }
+    }
     None
 }
 
@@ -267,10 +260,15 @@ fn measured<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Measure
     deserializer.deserialize_any(Visitor).map(Some)
 }
 
+/// What is known of the profile, in the form of its file.
+fn table(profile: &DisplayProfile) -> Table {
+    Table::try_from(ProfileForm::from(profile)).unwrap_or_default()
+}
+
 /// The profile in the form of its file, for a sidecar.
 #[must_use]
 pub fn value(profile: &DisplayProfile) -> serde_json::Value {
-    serde_json::to_value(ProfileForm::from(profile)).unwrap_or_default()
+    serde_json::to_value(table(profile)).unwrap_or_default()
 }
 
 /// SHA-256 of the profile's content, in lower-case hexadecimal: the same for every file with the same content.
@@ -285,7 +283,7 @@ pub fn hash(profile: &DisplayProfile) -> String {
 /// # Errors
 /// The system's refusal.
 pub fn write(path: &Path, profile: &DisplayProfile) -> Result<(), StoreError> {
-    let text = ::toml::to_string(&ProfileForm::from(profile))
-        .map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
+    let text =
+        ::toml::to_string(&table(profile)).map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
     write_whole(path, text.as_bytes(), true)
 }

@@ -224,33 +224,38 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
         ("BIDSVersion", Some(VERSION.into())),
         ("DatasetType", Some("raw".into())),
     ]);
-    let values = |ours: &str| written.iter().filter_map(|one| one.get(ours)).flat_map(texts).collect::<Vec<String>>();
-    for (theirs, ours) in [("Authors", "author"), ("Funding", "funder"), ("Keywords", "keywords")] {
+    for (theirs, ours) in [
+        ("Authors", "author"),
+        ("Funding", "funder"),
+        ("Keywords", "keywords"),
+        ("License", "license"),
+        ("HowToAcknowledge", "citation"),
+        ("DatasetDOI", "identifier"),
+    ] {
+        let is_list = matches!(theirs, "Authors" | "Funding" | "Keywords");
         let mut all: Vec<String> = Vec::new();
-        for text in values(ours) {
+        for text in written.iter().filter_map(|one| one.get(ours)).flat_map(texts) {
             if !all.contains(&text) {
                 all.push(text);
             }
         }
-        if !all.is_empty() {
-            entries.insert(theirs.to_owned(), all.into());
-        }
-    }
-    for (theirs, ours) in [("License", "license"), ("HowToAcknowledge", "citation"), ("DatasetDOI", "identifier")] {
-        let mut all = values(ours);
-        all.sort();
-        all.dedup();
-        match all.as_slice() {
-            [] => {}
-            [one] => match doi(theirs, one) {
-                Some(value) => _ = entries.insert(theirs.to_owned(), value.into()),
-                None => notes.push(format!("{DESCRIPTION}: {ours} is {one:?}, which is not a DOI; it is left out")),
-            },
-            several => notes.push(format!(
-                "{DESCRIPTION}: the experiments have {} values of {ours}; none of them is used",
-                several.len()
-            )),
-        }
+        let value = match &all[..] {
+            [] => None,
+            _ if is_list => Some(all.into()),
+            [one] => {
+                let value = doi(theirs, one);
+                if value.is_none() {
+                    notes.push(format!("{DESCRIPTION}: {ours} is {one:?}, which is not a DOI; it is left out"));
+                }
+                value.map(Value::from)
+            }
+            several => {
+                let count = several.len();
+                notes.push(format!("{DESCRIPTION}: the experiments have {count} values of {ours}; none is used"));
+                None
+            }
+        };
+        entries.extend(value.map(|value| (theirs.to_owned(), value)));
     }
     let program = json!({ "Name": env!("CARGO_PKG_NAME"), "Version": env!("CARGO_PKG_VERSION"), "Description": "machband export --format bids" });
     entries.insert("GeneratedBy".to_owned(), json!([program]));

@@ -47,11 +47,7 @@ pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Re
     let sessions = sessions::read(&files)?;
     let sessions = sessions::chosen(sessions, complete_only, &mut exported.notes);
     if sessions.is_empty() {
-        return Err(FileFaults::whole(
-            from.display().to_string(),
-            "has no complete session; expected one, or no --complete-only",
-        )
-        .into());
+        return Err(FileFaults::whole(from, "has no complete session; expected one, or no --complete-only").into());
     }
     (exported.sessions, exported.rows) = (sessions.len(), sessions.iter().map(|session| session.rows.len()).sum());
     let experiments = sessions::by_experiment(sessions)?;
@@ -70,19 +66,19 @@ pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Re
 
 /// The folder to write, by its full path; refused where it holds anything, or lies where sessions are looked for.
 fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreError> {
-    let fault = |message: String| FileFaults::whole(to.display().to_string(), message);
+    let fault = |message: &str| FileFaults::whole(to, message);
     let refused = |error| io(to, "read")(error);
     if to.exists() && !to.is_dir() {
-        return Err(fault("is a file; expected a new or empty folder".to_owned()).into());
+        return Err(fault("is a file; expected a new or empty folder").into());
     }
     if to.exists() && fs::read_dir(to).map_err(refused)?.next().is_some() {
-        return Err(fault("is not empty; expected a new or empty folder".to_owned()).into());
+        return Err(fault("is not empty; expected a new or empty folder").into());
     }
     let full = full_path(to).map_err(refused)?;
     for folder in files.iter().filter_map(|csv| sessions::dataset(csv)).chain([from]) {
         if full.starts_with(full_path(folder).map_err(refused)?) {
             let message = format!("lies in {}; expected a folder outside the data", folder.display());
-            return Err(fault(message).into());
+            return Err(fault(&message).into());
         }
     }
     Ok(full)
@@ -102,9 +98,7 @@ fn full_path(path: &Path) -> std::io::Result<PathBuf> {
 /// Fills a temporary folder beside `to`, and moves it there when it is whole.
 fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) -> Result<(), StoreError> {
     let (Some(parent), Some(name)) = (to.parent(), to.file_name()) else {
-        return Err(
-            FileFaults::whole(to.display().to_string(), "is not a folder that can be made; expected one").into()
-        );
+        return Err(FileFaults::whole(to, "is not a folder that can be made; expected one").into());
     };
     make_folder(parent)?;
     let prefix = format!(".{}.", name.to_string_lossy());

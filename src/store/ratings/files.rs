@@ -15,10 +15,6 @@ use crate::store::{
     table::{Content, each_row},
 };
 
-fn whole(path: &Path, message: String) -> FileFault {
-    FileFault::whole(path.display().to_string(), message)
-}
-
 /// The files to read, each once, in the order they were named; those of a folder in natural order of their paths.
 pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
     let (mut found, mut faults) = (Vec::new(), Vec::new());
@@ -27,16 +23,19 @@ pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
         match std::fs::metadata(path) {
             Ok(metadata) if metadata.is_dir() => match folder(path) {
                 Ok(files) if files.is_empty() => {
-                    faults.push(whole(path, "has no CSV file; expected a folder of result files".to_owned()));
+                    faults.push(FileFault::whole(path, "has no CSV file; expected a folder of result files"));
                 }
                 Ok(files) => found.extend(files),
-                Err(message) => faults.push(whole(path, message)),
+                Err(message) => faults.push(FileFault::whole(path, message)),
             },
             // Named with the data files by a pattern such as `data/*.csv`.
             Ok(_) if has_suffix(path, frames::SUFFIX) => {}
             Ok(_) => found.push(path.clone()),
             Err(error) => {
-                faults.push(whole(path, format!("cannot be opened: {error}; expected a CSV file or a folder of them")));
+                faults.push(FileFault::whole(
+                    path,
+                    format!("cannot be opened: {error}; expected a CSV file or a folder of them"),
+                ));
             }
         }
     }
@@ -49,11 +48,10 @@ pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
 /// # Errors
 /// The folder cannot be read, or has none.
 pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileFaults> {
-    let fault = |message: String| FileFaults(vec![whole(root, message)]);
-    let mut files = folder(root).map_err(fault)?;
+    let mut files = folder(root).map_err(|message| FileFaults::whole(root, message))?;
     files.retain(|path| has_suffix(path, DATA_FILE));
     if files.is_empty() {
-        return Err(fault("has no data file of a session; expected a results folder".to_owned()));
+        return Err(FileFaults::whole(root, "has no data file of a session; expected a results folder"));
     }
     Ok(files)
 }
@@ -151,9 +149,8 @@ impl Header {
     /// # Errors
     /// Not readable, empty, no text in UTF-8.
     pub fn read(path: &Path) -> Result<Self, FileFault> {
-        let name = path.display().to_string();
         let unreadable = |error: std::io::Error| {
-            FileFault::whole(&name, format!("cannot be read: {error}; expected a readable CSV file"))
+            FileFault::whole(path, format!("cannot be read: {error}; expected a readable CSV file"))
         };
         let metadata = std::fs::metadata(path).map_err(unreadable)?;
         let mut file = File::open(path).map_err(unreadable)?;
@@ -172,7 +169,7 @@ impl Header {
             }
             (header.size, header.memory) = (all.len() as u64, Some(all));
         }
-        header.parse(&head).map_err(|(column, message)| FileFault::at(&name, (1, column), message))?;
+        header.parse(&head).map_err(|(column, message)| FileFault::at(path, (1, column), message))?;
         Ok(header)
     }
 

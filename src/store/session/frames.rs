@@ -141,8 +141,7 @@ impl FrameFile {
 /// # Errors
 /// Every fault with its line and column.
 pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileFaults> {
-    let file = path.display().to_string();
-    parse(&file, &read_text(path)?)
+    parse(&path.display().to_string(), &read_text(path)?)
 }
 
 /// Reads the text of a file of frames; `file` names it in messages.

@@ -189,7 +189,7 @@ impl Sidecar {
         };
         serde_json::from_slice(&text).map(Some).map_err(|error| {
             let message = format!("is not a sidecar of a session: {error}");
-            let fault = FileFault::at(path.display().to_string(), (error.line(), error.column()), message);
+            let fault = FileFault::at(path, (error.line(), error.column()), message);
             StoreError::Faults(FileFaults(vec![fault]))
         })
     }
