@@ -222,8 +222,7 @@ impl Observer for VisionObserver {
             return any_key(rng);
         }
         let u = unit(rng);
-        Criterion { thresholds, spread }
-            .rate(self.visibility(stimulus) * (subject_sd * subject).exp(), (u / (1.0 - u)).ln())
+        self.rater.criterion().rate(self.visibility(stimulus) * (subject_sd * subject).exp(), (u / (1.0 - u)).ln())
     }
 }
 

@@ -12,6 +12,7 @@ use sha2::{Digest as _, Sha256};
 use super::{
     FileFault, FileFaults, StoreError,
     fault::{io, position},
+    table::shortened,
 };
 
 /// Largest text file, in bytes. The largest that makes sense has a few thousand.
@@ -198,21 +199,24 @@ pub(super) struct AppendFile {
 
 impl AppendFile {
     /// A file that does not exist yet; the first write makes it, and never touches an existing one.
-    pub fn new(path: &Path, sync: Sync) -> Self {
-        Self { path: path.to_owned(), file: None, content: Vec::new(), written: 0, torn: None, sync }
+    pub fn new(path: &Path, sync: Sync, content: Vec<u8>) -> Self {
+        Self { path: path.to_owned(), file: None, content, written: 0, torn: None, sync }
     }
 
-    /// Opens and reads a file, and keeps every other program from it. It is not changed until the next write.
+    /// Opens and reads a file, and keeps every other program from it. It is not changed until the next write, which
+    /// begins an empty file with `header`.
     ///
     /// # Errors
-    /// [`StoreError::InUse`], or the system's refusal.
-    pub fn open(path: &Path, sync: Sync) -> Result<Self, StoreError> {
+    /// [`StoreError::InUse`], the system's refusal, or a file without a whole line that begins otherwise.
+    pub fn open(path: &Path, sync: Sync, header: Vec<u8>) -> Result<Self, StoreError> {
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
         lock(&file, path)?;
         let mut content = Vec::new();
         file.read_to_end(&mut content).map_err(io(path, "read"))?;
-        let (content, torn) = split_torn(content);
-        Ok(Self { path: path.to_owned(), file: Some(file), written: content.len(), content, torn, sync })
+        let (whole, torn) = split_torn(content);
+        let written = whole.len();
+        let content = begun(path, whole, torn.as_deref(), header)?;
+        Ok(Self { path: path.to_owned(), file: Some(file), written, content, torn, sync })
     }
 
     /// Where the file is, or will be.
@@ -235,17 +239,12 @@ impl AppendFile {
         sha256(&self.content)
     }
 
-    /// Adds rows that the next write puts into the file.
-    pub fn extend(&mut self, rows: &[u8]) {
-        self.content.extend_from_slice(rows);
-    }
-
     /// Adds rows. They are kept in memory from here on, and in the file when this returns without an error.
     ///
     /// # Errors
     /// As [`AppendFile::flush`].
     pub fn append(&mut self, rows: &[u8]) -> Result<(), StoreError> {
-        self.extend(rows);
+        self.content.extend_from_slice(rows);
         self.flush()
     }
 
@@ -308,8 +307,8 @@ impl AppendFile {
     /// # Errors
     /// The new place refuses; the old one is then kept.
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
-        let mut moved = Self::new(path, self.sync);
-        moved.append(&self.content)?;
+        let mut moved = Self::new(path, self.sync, self.content.clone());
+        moved.flush()?;
         *self = moved;
         Ok(())
     }
@@ -345,4 +344,20 @@ pub(super) fn split_torn(mut content: Vec<u8>) -> (Vec<u8>, Option<String>) {
     let torn = content.split_off(if content[last..whole].contains(&0) { last } else { whole });
     let text = String::from_utf8_lossy(&torn).trim_end_matches('\0').to_owned();
     (content, (!torn.is_empty()).then_some(text))
+}
+
+/// The whole lines of a file of rows; where there is none yet, its header.
+///
+/// # Errors
+/// The file does not begin with this header, and so is not to be cut off.
+pub(super) fn begun(path: &Path, whole: Vec<u8>, torn: Option<&str>, header: Vec<u8>) -> Result<Vec<u8>, FileFaults> {
+    let found = torn.unwrap_or_default();
+    if !whole.is_empty() {
+        return Ok(whole);
+    } else if header.starts_with(found.as_bytes()) {
+        return Ok(header);
+    }
+    let [found, expected] = [found, &String::from_utf8_lossy(&header)].map(shortened);
+    let message = format!("the file begins with {found:?}; expected the header {expected:?}");
+    Err(FileFaults(vec![FileFault::at(path, (1, 1), message)]))
 }

@@ -41,8 +41,9 @@ pub fn unparsable(folder: &Path, definition: usize) -> Vec<String> {
         let fault = if ends_with(path, ".json") {
             serde_json::from_slice::<serde_json::Value>(&fs::read(path).unwrap()).err().map(|error| error.to_string())
         } else if ends_with(path, "_data.csv") {
-            let read = ResultFile::open(path).map_err(|error| error.to_string());
-            read.and_then(|mut file| file.recover(&columns(&protocol(definition))).map_err(|e| e.to_string())).err()
+            let columns = columns(&protocol(definition));
+            let read = ResultFile::open(path, &columns).map_err(|error| error.to_string());
+            read.and_then(|file| file.recover(&columns).map_err(|error| error.to_string())).err()
         } else {
             None
         };

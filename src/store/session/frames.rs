@@ -58,12 +58,12 @@ impl FrameRow {
 
 /// The file of a running session. It is made when the first row comes: a session without a screen has none.
 #[derive(Debug)]
-pub struct FrameFile(AppendFile);
+pub struct FrameFile(pub(in crate::store) AppendFile);
 
 impl FrameFile {
     /// For a new session.
     pub fn new(path: &Path) -> Self {
-        Self(AppendFile::new(path, Sync::Never))
+        Self(AppendFile::new(path, Sync::Never, header()))
     }
 
     /// For a session that is resumed: keeps what is there, less a last line that was half written.
@@ -74,31 +74,17 @@ impl FrameFile {
         if !is_there(path)? {
             return Ok(Self::new(path));
         }
-        let file = AppendFile::open(path, Sync::Never)?;
-        let begins = match (file.content(), file.torn()) {
-            ([], torn) => HEADER.starts_with(torn.unwrap_or_default()),
-            (content, _) => content.starts_with(HEADER.as_bytes()),
-        };
-        if !begins {
+        let file = AppendFile::open(path, Sync::Never, header())?;
+        if !file.content().starts_with(&header()) {
             let message = format!("is not a file of frames; expected the header {HEADER}");
             return Err(FileFaults::whole(path, message).into());
         }
         Ok(Self(file))
     }
 
-    /// Where the file is, or would be.
-    pub fn path(&self) -> &Path {
-        self.0.path()
-    }
-
-    /// SHA-256 of everything that belongs in the file.
-    pub fn sha256(&self) -> String {
-        self.0.sha256()
-    }
-
-    /// Whether there is anything in it.
+    /// Whether it has no rows.
     pub fn is_empty(&self) -> bool {
-        self.0.content().is_empty()
+        self.0.content() == header()
     }
 
     /// Adds rows. They are kept in memory from here on, and in the file when this returns without an error; after an
@@ -108,11 +94,10 @@ impl FrameFile {
     /// # Errors
     /// The system's refusal.
     pub fn append(&mut self, rows: &[FrameRow]) -> Result<(), StoreError> {
-        let mut text = if self.is_empty() && !rows.is_empty() { format!("{HEADER}\n") } else { String::new() };
-        text.extend(rows.iter().map(FrameRow::line));
-        if self.is_empty() && text.is_empty() {
+        if self.is_empty() && rows.is_empty() {
             return Ok(());
         }
+        let text: String = rows.iter().map(FrameRow::line).collect();
         self.0.append(text.as_bytes()).or_else(|error| {
             let path = self.0.path().to_owned();
             if matches!(error, StoreError::Changed { .. }) && !is_there(&path)? {
@@ -134,6 +119,10 @@ impl FrameFile {
         }
         self.0.move_to(path)
     }
+}
+
+fn header() -> Vec<u8> {
+    format!("{HEADER}\n").into_bytes()
 }
 
 /// Reads a file of frames.

@@ -5,9 +5,9 @@ use std::{fs, path::Path};
 use crate::{
     experiment::{Column, TRAILING, TrialRecord},
     store::{
-        FileFault, FileFaults, StoreError,
+        FileFaults, StoreError,
         fault::io,
-        file::{AppendFile, Sync, split_torn},
+        file::{AppendFile, Sync, begun, split_torn},
         table::{self, CellFault, shortened},
     },
 };
@@ -15,7 +15,7 @@ use crate::{
 /// The result file of a running session.
 #[derive(Debug)]
 pub struct ResultFile {
-    file: AppendFile,
+    pub(in crate::store) file: AppendFile,
     /// Columns that the file has: one that an earlier version began lacks some at the end.
     width: usize,
 }
@@ -35,69 +35,37 @@ impl ResultFile {
     /// # Errors
     /// [`StoreError::Exists`], or the system's refusal.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
-        let mut file = AppendFile::new(path, Sync::Always);
-        file.append(&header(columns))?;
+        let mut file = AppendFile::new(path, Sync::Always, header(columns));
+        file.flush()?;
         Ok(Self { file, width: columns.len() })
     }
 
-    /// Opens an interrupted session's file, and keeps every other program from it. Its rows are read by
-    /// [`ResultFile::recover`].
+    /// Opens an interrupted session's file, and keeps every other program from it. A last line that was half written is
+    /// cut off by the next write; until then the file is as it was.
     ///
     /// # Errors
-    /// [`StoreError::InUse`], or the system's refusal.
-    pub fn open(path: &Path) -> Result<Self, StoreError> {
-        Ok(Self { file: AppendFile::open(path, Sync::Always)?, width: usize::MAX })
+    /// [`StoreError::InUse`], the system's refusal, or a file that begins otherwise.
+    pub fn open(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
+        let file = AppendFile::open(path, Sync::Always, header(columns))?;
+        let width = columns_of(file.content(), columns).len();
+        Ok(Self { file, width })
     }
 
-    /// Reads the rows of a file that was opened. A last line that was half written is left out, and cut off by the
-    /// next [`ResultFile::flush`]; until then the file is as it was.
+    /// Reads the rows of a file that was opened.
     ///
     /// # Errors
     /// Rows that do not parse, each with line and column.
-    pub fn recover(&mut self, columns: &[Column]) -> Result<Recovered, FileFaults> {
-        let (name, torn) = (self.path().display().to_string(), self.file.torn().map(str::to_owned));
-        if self.file.content().is_empty() {
-            self.file.extend(&begun(&name, torn.as_deref(), columns)?);
-        }
-        let content = self.file.content();
-        let rows = parse(&name, content, columns)?;
-        self.width = columns_of(content, columns).len();
-        Ok(Recovered { rows, torn })
-    }
-
-    /// SHA-256 of everything that belongs in the file.
-    pub fn sha256(&self) -> String {
-        self.file.sha256()
-    }
-
-    /// Where the file is.
-    pub fn path(&self) -> &Path {
-        self.file.path()
+    pub fn recover(&self, columns: &[Column]) -> Result<Recovered, FileFaults> {
+        let rows = parse(&self.file.path().display().to_string(), self.file.content(), columns)?;
+        Ok(Recovered { rows, torn: self.file.torn().map(str::to_owned) })
     }
 
     /// Adds a row. It is kept in memory from here on, and on disk when this returns without an error.
     ///
     /// # Errors
-    /// The disk refuses, or the file is no longer the one that was written; [`ResultFile::flush`] tries again,
-    /// [`ResultFile::move_to`] goes elsewhere.
+    /// The disk refuses, or the file is no longer the one that was written.
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
         self.file.append(&table::line(record.cells().iter().take(self.width)))
-    }
-
-    /// Writes what is not on disk yet.
-    ///
-    /// # Errors
-    /// As [`ResultFile::append`].
-    pub fn flush(&mut self) -> Result<(), StoreError> {
-        self.file.flush()
-    }
-
-    /// Puts everything recorded so far into a new file and continues there. The old file stays as it is.
-    ///
-    /// # Errors
-    /// The new place refuses; the old one is then kept.
-    pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
-        self.file.move_to(path)
     }
 }
 
@@ -115,25 +83,8 @@ pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
 /// # Errors
 /// The system's refusal; a file that begins otherwise.
 pub(crate) fn whole(path: &Path, columns: &[Column]) -> Result<(Vec<u8>, Option<String>), StoreError> {
-    let (mut content, torn) = split_torn(fs::read(path).map_err(io(path, "read"))?);
-    if content.is_empty() {
-        content = begun(&path.display().to_string(), torn.as_deref(), columns)?;
-    }
-    Ok((content, torn))
-}
-
-/// The header of a file that has no whole line yet.
-///
-/// # Errors
-/// It does not begin with this header, so that it is not to be cut off.
-fn begun(file: &str, torn: Option<&str>, columns: &[Column]) -> Result<Vec<u8>, FileFaults> {
-    let (header, found) = (header(columns), torn.unwrap_or_default());
-    if header.starts_with(found.as_bytes()) {
-        return Ok(header);
-    }
-    let [found, expected] = [found, &String::from_utf8_lossy(&header)].map(shortened);
-    let message = format!("the file begins with {found:?}; expected the header {expected:?}");
-    Err(FileFaults(vec![FileFault::at(file, (1, 1), message)]))
+    let (whole, torn) = split_torn(fs::read(path).map_err(io(path, "read"))?);
+    Ok((begun(path, whole, torn.as_deref(), header(columns))?, torn))
 }
 
 fn header(columns: &[Column]) -> Vec<u8> {

@@ -108,12 +108,13 @@ impl SessionStore {
         }
         paths.refuse_links()?;
         // Locked before anything is read: another program may be ending this very session.
-        let mut rows = ResultFile::open(&paths.csv)?;
+        let columns = columns(protocol);
+        let rows = ResultFile::open(&paths.csv, &columns)?;
         let found = Sidecar::read(&paths.sidecar)?;
         if let Some(sidecar) = &found {
             check_same(sidecar, protocol, seed, &paths.sidecar)?;
         }
-        let recovered = rows.recover(&columns(protocol))?;
+        let recovered = rows.recover(&columns)?;
         let recorded = found.as_ref().map(|sidecar| sidecar.seed);
         let seed = recorded.or(seed).or(recovered.rows.first().map(|row| row.seed)).unwrap_or_default();
         let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
@@ -153,7 +154,7 @@ impl SessionStore {
             // An earlier version may have described fewer columns.
             store.prepare()?;
             store.sidecar.write(&store.paths.sidecar)?;
-            store.rows.flush()?;
+            store.rows.file.flush()?;
         }
         let last = recovered.rows.last();
         let interrupted = Interrupted {
@@ -169,7 +170,7 @@ impl SessionStore {
 
     /// Where the rows are.
     pub fn csv(&self) -> &Path {
-        self.rows.path()
+        self.rows.file.path()
     }
 
     /// Adds a row; on disk when this returns without an error, and kept in memory in any case.
@@ -193,7 +194,7 @@ impl SessionStore {
     /// Name of the file of the frames, where it has any.
     pub fn frames_file(&self) -> Option<String> {
         let frames = self.frames.as_ref().filter(|frames| !frames.is_empty())?;
-        Some(frames.path().file_name()?.to_string_lossy().into_owned())
+        Some(frames.0.path().file_name()?.to_string_lossy().into_owned())
     }
 
     /// Tries again to write what is not on disk yet.
@@ -201,13 +202,13 @@ impl SessionStore {
     /// # Errors
     /// As [`SessionStore::append`].
     pub fn retry(&mut self) -> Result<(), StoreError> {
-        self.rows.flush().or_else(|error| {
+        self.rows.file.flush().or_else(|error| {
             // Deleted, and the place is usable again: everything goes into a new file of the same name.
             if is_there(&self.paths.csv)? {
                 return Err(error);
             }
             self.prepare()?;
-            self.rows.move_to(&self.paths.csv)?;
+            self.rows.file.move_to(&self.paths.csv)?;
             self.sidecar.write(&self.paths.sidecar)
         })
     }
@@ -231,7 +232,7 @@ impl SessionStore {
         }
         let undescribed = paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
-        self.rows.move_to(&paths.csv)?;
+        self.rows.file.move_to(&paths.csv)?;
         if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.move_to(&paths.frames)) {
             self.note(format!("the frames could not be moved: {error}"));
         }
@@ -293,8 +294,8 @@ impl SessionStore {
             sitting.frames = frames;
         }
         self.sidecar.seal = Some(Seal {
-            data_sha256: self.rows.sha256(),
-            frames_sha256: self.frames.as_ref().filter(|frames| !frames.is_empty()).map(FrameFile::sha256),
+            data_sha256: self.rows.file.sha256(),
+            frames_sha256: self.frames.as_ref().filter(|frames| !frames.is_empty()).map(|frames| frames.0.sha256()),
             sidecar_sha256: self.sidecar.own_sha256(),
         });
         self.sidecar.write(&self.paths.sidecar)
