@@ -43,7 +43,7 @@ pub(super) fn cross(base: &Stimulus, factors: &[Factor]) -> Result<Vec<Condition
     Ok(cells)
 }
 
-/// Factors as a JSON object, `{"width": [0.02, …], …}`, as they stand in a definition.
+/// Factors as a JSON object, `{"width": [0.02, …], …}`, as in a definition.
 pub(super) fn serialize_factors<S: Serializer>(factors: &[Factor], serializer: S) -> Result<S::Ok, S::Error> {
     let mut map = serializer.serialize_map(Some(factors.len()))?;
     for factor in factors {

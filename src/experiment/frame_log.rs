@@ -26,13 +26,13 @@ named! {
 pub struct Stretch {
     /// Index into [`Schedule::trials`](super::Schedule::trials).
     pub trial: usize,
-    /// 1, and 1 more each time the rating was taken back.
+    /// 1, plus 1 each time the rating was taken back.
     pub attempt: u32,
-    /// What stood on the screen.
+    /// What was on the screen.
     pub shown: Shown,
-    /// What they were judged against, where it is known.
+    /// The refresh that they were compared with, if known.
     pub refresh: Option<Refresh>,
-    /// For how long each of them stood, microseconds.
+    /// How long each of them was shown, microseconds.
     pub intervals_us: Vec<u32>,
 }
 

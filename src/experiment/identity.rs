@@ -4,14 +4,14 @@
 const LONGEST: usize = 40;
 
 /// Participant and session of a data file. Both match `[A-Za-z0-9]+` and have at most 40 characters, so that they
-/// can stand in a file name on every system and in a Psych-DS or BIDS keyword.
+/// can be part of a file name on every system and of a Psych-DS or BIDS keyword.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Identity {
     subject: String,
     session: String,
 }
 
-/// An identifier that cannot stand in a file name.
+/// An identifier that cannot be part of a file name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what} {given:?} {fault}; expected letters A–Z, a–z and digits only, at most 40, such as {example}")]
 pub struct IdentityError {

@@ -21,7 +21,7 @@ use crate::{
     vision::{Criterion, Visibility, VisionError},
 };
 
-/// Something that rates a stimulus.
+/// Rates stimuli.
 pub trait Observer: Sync {
     /// Rating 0…3 of a stimulus; `subject` is the participant's own standard normal deviate.
     fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8;
@@ -75,7 +75,7 @@ pub struct OrderedLogit {
 }
 
 impl Default for OrderedLogit {
-    /// As the paper tells it: visibility falls with width and again for very narrow ramps, falls with n and is still
+    /// As in the paper: visibility falls with width and again for very narrow ramps, falls with n and is still
     /// falling after n = 3, a linear ramp is always visible, no effect of orientation. Bangay §3.2
     /// The numbers are chosen to look like its Figure 4, not estimated from data.
     fn default() -> Self {

@@ -65,7 +65,7 @@ pub struct Protocol {
     pub design: Design,
     /// What is shown between stimuli.
     pub recovery: Recovery,
-    /// How long the stimulus stands; `None` until it is rated.
+    /// How long the stimulus is shown; `None` until it is rated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub presentation: Option<Presentation>,
     /// The rating scale.
@@ -157,8 +157,7 @@ impl Recovery {
     }
 }
 
-/// A stimulus of fixed duration. After it stands the uniform field, until the stimulus is rated; a rating that comes
-/// earlier ends it.
+/// A stimulus of fixed duration. The uniform field follows until the stimulus is rated; an earlier rating ends it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Presentation {
@@ -176,7 +175,7 @@ impl Presentation {
 /// The rating scale: one category for each of the ratings 0…3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseScale {
-    /// Asked beside the scale.
+    /// Shown next to the scale.
     pub question: String,
     /// Categories in the order of their ratings.
     pub categories: Vec<Category>,
@@ -271,11 +270,11 @@ impl Protocol {
         self.name.replace('-', "")
     }
 
-    /// The experiment in gray, for an observer who sees colors differently from most people: a yellow of equal light in
-    /// red and green has another luminance for each kind of color deficiency, a gray has the same for all.
+    /// The experiment in gray, for an observer who sees colors differently from most people: a yellow with equal light in
+    /// red and green has a different luminance for each kind of color deficiency, but a gray has the same for all.
     ///
-    /// It is an experiment of its own: its name ends in `-gray`, so that its data stand in a folder of their own and are
-    /// not taken for the other's. `None` where it is gray already, or where color is what varies.
+    /// It is a separate experiment: its name ends in `-gray`, so that its data go into a separate folder and are not mixed
+    /// with the original's. `None` if it is already gray, or if color is what varies.
     #[must_use]
     pub fn in_gray(&self) -> Option<Self> {
         let gray = ParameterValue::from("gray");
@@ -288,7 +287,7 @@ impl Protocol {
         copy.stimulus.set("color", &gray).ok()?;
         copy.name += "-gray";
         copy.title += " (gray)";
-        // A second color would still be one.
+        // A second color would remain.
         copy.stimulus.validate().ok().map(|()| copy)
     }
 
@@ -303,7 +302,7 @@ impl Protocol {
         faults.check_range("recovery.duration_s", self.recovery.duration_s, 0.0, 600.0, "seconds");
         faults.check_range("recovery.level", self.recovery.level, 0.0, 1.0, "the relative luminance of the field");
         if let Some(presentation) = &self.presentation {
-            let meaning = "seconds; without [presentation] the stimulus stands until it is rated";
+            let meaning = "seconds; without [presentation] the stimulus stays until it is rated";
             faults.check_range("presentation.duration_s", presentation.duration_s, 0.001, 600.0, meaning);
         }
         faults.check_range("viewing.distance_cm", self.viewing.distance_cm, 1.0, 10_000.0, "cm from eye to screen");
@@ -320,7 +319,7 @@ impl Protocol {
                 faults.add(&path, format!("factor {} is empty; expected at least one level", factor.name));
             }
             if self.factors[..i].iter().any(|other| other.name == factor.name) {
-                faults.add(&path, format!("factor {} stands twice", factor.name));
+                faults.add(&path, format!("factor {} appears twice", factor.name));
             }
             // As text, so that a list of a hundred thousand levels is compared in no time.
             let mut seen = HashSet::new();
@@ -332,7 +331,7 @@ impl Protocol {
                     faults.add(
                         path,
                         format!(
-                            "level {level} of {} stands twice; expected each level once (repetitions repeat it)",
+                            "level {level} of {} appears twice; expected each level once (repetitions repeat it)",
                             factor.name
                         ),
                     );
@@ -399,7 +398,7 @@ impl Protocol {
                     format!("key {key:?} cannot be an answer; expected a digit or a letter A–Z other than S"),
                 );
             } else if categories[..i].iter().any(|other| other.key.eq_ignore_ascii_case(&key)) {
-                faults.add(path, format!("key {key:?} stands twice; expected a key of its own for each answer"));
+                faults.add(path, format!("key {key:?} appears twice; expected a key of its own for each answer"));
             }
             if category.label.trim().is_empty() {
                 faults.add(format!("response.labels.{i}"), "the label is empty; expected what the answer means");

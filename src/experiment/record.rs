@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{light::interpolation::Depth, stimulus::ParameterValue};
 
-/// A value that stands in one cell of a CSV file.
+/// A value in one cell of a CSV file.
 trait Cell: Sized {
     fn to_cell(&self) -> String;
     fn from_cell(text: &str) -> Result<Self, String>;
@@ -172,7 +172,7 @@ macro_rules! record {
                 cells
             }
 
-            /// Reads a row whose cells stand in the order of [`columns`].
+            /// Reads a row whose cells are in the order of [`columns`].
             ///
             /// # Errors
             /// Index of the faulty cell, and what was expected there.
@@ -203,35 +203,34 @@ record! {
     subject_id: String, "", "Participant.";
     session_id: String, "", "Session of the participant.";
     phase: Phase, "", "Practice trials are not analyzed.";
-    block: u32, "", "Block within the phase, from 1: a level of the blocking factor, else the stretch between two breaks.";
-    trial: u32, "", "Planned place within the phase, from 1.";
-    attempt: u32, "", "1, and 1 more each time the rating was taken back; the last attempt of a trial counts.";
-    repetition: u32, "", "How often the condition has been planned in this phase up to this trial, from 1.";
+    block: u32, "", "Block within the phase, from 1: one level of the blocking factor, or the stretch between two breaks.";
+    trial: u32, "", "Planned position within the phase, from 1.";
+    attempt: u32, "", "1, plus 1 each time the rating was taken back; the last attempt of a trial counts.";
+    repetition: u32, "", "How many times the condition has been planned in this phase up to this trial, from 1.";
     stimulus: String, "", "Kind of stimulus.";
     width: Option<f64>, "proportion of the stimulus window", "Width of the luminance ramp; 0 is a step.";
     depth: Option<Depth>, "", "Continuity depth n of the ramp, 1…32 or inf: n-1 derivatives vanish at its ends.";
-    orientation_deg: Option<f64>, "degree", "Direction in which the ramp brightens: 0 to the right, counter-clockwise.";
+    orientation_deg: Option<f64>, "degree", "Direction in which the ramp brightens: 0 is to the right, and positive is counterclockwise.";
     low: Option<f64>, "relative luminance, linear light", "Luminance of the darker plateau, 0…1.";
     high: Option<f64>, "relative luminance, linear light", "Luminance of the brighter plateau, 0…1.";
     color: Option<String>, "", "Color: a name, or linear weights of red, green and blue.";
     rating: Rating, "", "Rated visibility of the brighter band.";
-    response_time_s: Seconds, "s", "From the onset of the stimulus to the rating.";
+    response_time_s: Seconds, "s", "Time from the onset of the stimulus to the rating.";
     onset_s: Seconds, "s", "Onset of the stimulus since the session's start: the start of the frame that presents it.";
-    recovery_s: Seconds, "s", "Achieved duration of the uniform field before the stimulus.";
-    frames: Option<u32>, "", "Frames for which the stimulus was presented; empty where no screen was used.";
-    dropped_frames: Option<u32>, "", "Frame intervals above 1.5 times the screen's, during recovery and stimulus; empty where not measured.";
+    recovery_s: Seconds, "s", "Actual duration of the uniform field before the stimulus.";
+    frames: Option<u32>, "", "Number of frames that presented the stimulus; empty if no screen was used.";
+    dropped_frames: Option<u32>, "", "Number of frame intervals longer than 1.5 times the screen's, during recovery and stimulus; empty if not measured.";
     started_at: Timestamp, "", "Wall-clock time of the onset, RFC 3339, UTC.";
-    sitting: u32, "", "1, and 1 more each time an interrupted session was resumed.";
-    seed: u64, "", "Seed of the order of the trials.";
-    // Here stand the factors that have no column above. What follows came later: older files end before it.
+    sitting: u32, "", "1, plus 1 each time an interrupted session was resumed.";
+    seed: u64, "", "Seed of the trial order.";
+    // The factors that have no column above go here. The columns below came later: older files end before them.
     ..
-    stimulus_s: Option<Seconds>, "s", "Achieved duration of the stimulus: from its onset to the frame that replaced it; empty where no screen was used.";
-    late_onset: Option<bool>, "", "Whether the onset was more than half a refresh later than planned; empty where the screen's refresh is not known.";
-    response_uncertainty_s: Option<Seconds>, "s", "For how long at most the key may have waited before the program heard of it; empty where not measured.";
+    stimulus_s: Option<Seconds>, "s", "Actual duration of the stimulus, from its onset to the frame that replaced it; empty if no screen was used.";
+    late_onset: Option<bool>, "", "Whether the onset came more than half a refresh later than planned; empty if the screen's refresh rate is not known.";
+    response_uncertainty_s: Option<Seconds>, "s", "Longest time that the key press may have waited before the program received it; empty if not measured.";
 }
 
-/// How many columns at the end of a row came later than the others: a file of an earlier version ends before some of
-/// them, and none of its rows knows them.
+/// How many columns at the end of a row were added later: a file of an earlier version ends before some of them.
 pub const TRAILING: usize = LATE.len();
 
 /// Every column of the result files of a protocol, in order.
@@ -298,7 +297,7 @@ pub struct RatingRow<'a> {
     pub rating: &'a str,
     /// How often.
     pub count: u64,
-    /// Session and repetition: their natural order tells a condition's first rating from its second. None where they
+    /// Session and repetition: their natural order distinguishes a condition's first rating from its second. None if they
     /// are not known; such a rating is in no pair.
     pub place: Option<(&'a str, u32)>,
     /// From onset to rating, seconds, where it is known.

@@ -30,7 +30,7 @@ named! {
     }
 }
 
-/// Of a row that is not filled in yet.
+/// The phase of a row before it is filled in.
 impl Default for Phase {
     fn default() -> Self {
         Self::Main
@@ -164,7 +164,7 @@ fn block_order(order: &Order, levels: usize, identity: &Identity, rng: &mut ChaC
     blocks
 }
 
-/// One row of a Williams square: over all rows each level stands in each place equally often, and follows each other
+/// One row of a Williams square: over all rows each level takes each position equally often, and follows each other
 /// level equally often. An odd number of levels needs twice as many rows, the second half mirrored.
 /// Williams 1949, Aust. J. Sci. Res. A 2:149.
 fn williams_row(levels: usize, row: u64) -> Vec<usize> {

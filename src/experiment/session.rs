@@ -23,14 +23,14 @@ pub enum Event {
     RateAt {
         /// 0…3.
         rating: u8,
-        /// When the program heard of it. What lies before the onset or after the frame is moved to there.
+        /// When the program received it. A time before the onset or after the frame is moved to that limit.
         at: Duration,
-        /// For how long at most it may have waited to be heard, where that is known.
+        /// Longest time that it may have waited before the program received it, if known.
         uncertainty: Option<Duration>,
     },
     /// The last rating is taken back.
     TakeBack,
-    /// Stop at the next possible moment: at once.
+    /// Stop at once.
     Pause,
     /// Continue after a pause.
     Resume,
@@ -65,16 +65,16 @@ pub enum State {
     Stimulus {
         /// Start of the frame that presented it.
         onset: Duration,
-        /// Achieved duration of the field before.
+        /// Actual duration of the field before.
         recovery: Duration,
     },
     /// The uniform field after a stimulus of fixed duration, until it is rated.
     Response {
         /// Start of the frame that presented the stimulus.
         onset: Duration,
-        /// Achieved duration of the field before.
+        /// Actual duration of the field before.
         recovery: Duration,
-        /// Achieved duration of the stimulus.
+        /// Actual duration of the stimulus.
         stimulus: Duration,
     },
     /// A rest, until the participant continues.
@@ -97,7 +97,7 @@ pub enum State {
 pub struct TrialResponse {
     /// Index into [`Schedule::trials`].
     pub trial: usize,
-    /// 1, and 1 more each time it was taken back.
+    /// 1, plus 1 each time it was taken back.
     pub attempt: u32,
     /// 0…3.
     pub rating: u8,
@@ -105,11 +105,11 @@ pub struct TrialResponse {
     pub response_time: Duration,
     /// Since the session's start.
     pub onset: Duration,
-    /// Achieved duration of the field before.
+    /// Actual duration of the field before.
     pub recovery: Duration,
     /// From the onset to the frame that replaced the stimulus, where there is a screen.
     pub stimulus: Option<Duration>,
-    /// For how long at most the rating may have waited to be heard, where that is known.
+    /// Longest time that the rating may have waited before the program received it, if known.
     pub uncertainty: Option<Duration>,
     /// Whether the onset was more than half a refresh later than planned, where the refresh is known.
     pub late_onset: Option<bool>,

@@ -96,7 +96,7 @@ pub fn hash(protocol: &Protocol) -> String {
     sha256(&canonical)
 }
 
-/// A definition as it stands in its file.
+/// A definition as it is in its file.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Form {
@@ -104,7 +104,7 @@ struct Form {
     title: Option<String>,
     /// `kind`, and parameters of that kind.
     stimulus: Map<String, Value>,
-    /// Lists of levels, in the order in which factors cross and columns stand.
+    /// Lists of levels, in the order of factors and columns.
     factors: Map<String, Value>,
     design: Design,
     recovery: Recovery,
@@ -247,7 +247,7 @@ fn scale(form: ResponseForm, faults: &mut Faults) -> ResponseScale {
         let message = format!("response.keys has {} keys; expected {count}, one for each label", keys.len());
         faults.add("response.keys", message);
     }
-    // A key that is missing is a fault already; a digit stands in for it.
+    // A missing key is already a fault; a digit replaces it.
     let keys = digits().enumerate().map(|(i, digit)| keys.get(i).copied().unwrap_or(digit));
     let categories = form.labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
     ResponseScale { question: form.question, categories }

@@ -64,13 +64,8 @@ impl FileFaults {
 
 impl std::fmt::Display for FileFaults {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for (i, fault) in self.0.iter().enumerate() {
-            if i > 0 {
-                writeln!(f)?;
-            }
-            write!(f, "{fault}")?;
-        }
-        Ok(())
+        let lines: Vec<String> = self.0.iter().map(ToString::to_string).collect();
+        f.write_str(&lines.join("\n"))
     }
 }
 
@@ -147,7 +142,7 @@ pub enum StoreError {
         /// What differs, and what is expected.
         what: String,
     },
-    /// A link stands where results belong.
+    /// A link is where results belong.
     #[error("{}: is a link to {}; expected a file or folder of its own, or a link in place of the whole results folder", path.display(), target.display())]
     Link {
         /// The link.

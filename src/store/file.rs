@@ -124,7 +124,7 @@ pub(super) fn folder_of(path: &Path) -> &Path {
 }
 
 /// Removes the temporary files that killed programs left in a folder and whose names begin with `prefix`: those of at
-/// least this age, since another program may be about to use its own. A file that cannot be removed is in nobody's way.
+/// least this age, since another program may be about to use its own. A file that cannot be removed does no harm.
 pub(super) fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -137,7 +137,7 @@ pub(super) fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
     }
 }
 
-/// Makes a new or renamed name in a folder survive a power cut, where the system knows the notion: Windows does not open
+/// Makes a new or changed name in a folder survive a power cut, on systems that support it: Windows does not open
 /// folders as files.
 ///
 /// # Errors
@@ -153,16 +153,16 @@ pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
         opened => opened.map_err(io(folder, "sync"))?,
     };
     match opened.sync_all() {
-        // Some network shares know no such call.
+        // Some network shares do not support this call.
         Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
         synced => synced.map_err(io(folder, "sync")),
     }
 }
 
-/// Whether there is something of this name. No answer from the disk is not a no.
+/// Whether something with this name exists. A disk that gives no answer does not mean that nothing exists.
 ///
 /// # Errors
-/// The system's refusal to say.
+/// The system's refusal to answer.
 pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
     match fs::metadata(path) {
         Ok(_) => Ok(true),
@@ -267,7 +267,7 @@ impl AppendFile {
         let synced = |this: &Self| if this.sync == Sync::Always { sync_folder(&this.path) } else { Ok(()) };
         let begun = locked.and_then(|()| self.write()).and_then(|()| synced(self));
         if begun.is_err() {
-            // Ours alone, made just now: half a file must not stand in the way of the next try.
+            // This program has just made it: half a file must not block the next attempt.
             let _ = fs::remove_file(&self.path);
             (self.file, self.written) = (None, 0);
         }
@@ -298,7 +298,7 @@ impl AppendFile {
         match fs::metadata(&self.path) {
             Ok(metadata) if metadata.len() == expected => Ok(()),
             Ok(metadata) => Err(changed(format!("has {} bytes instead of {expected}", metadata.len()))),
-            Err(error) => Err(changed(format!("is gone ({error})"))),
+            Err(error) => Err(changed(format!("no longer exists ({error})"))),
         }
     }
 

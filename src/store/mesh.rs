@@ -43,9 +43,7 @@ pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileFa
     Mesh::from_polygons(&positions, &polygons, crease_deg).map_err(|error| {
         let message = match error {
             MeshError::NoTriangles => "has no faces; expected at least one line \"f 1 2 3\"".to_owned(),
-            MeshError::NoArea(_) => {
-                "has no face with an area; expected at least one whose corners are apart".to_owned()
-            }
+            MeshError::NoArea(_) => "has no face with an area; expected at least one whose corners differ".to_owned(),
             error => error.to_string(),
         };
         FileFaults::whole(file, message)

@@ -89,7 +89,7 @@ impl<'a> Row<'a> {
             .map_err(|_| self.record.iter().position(|cell| std::str::from_utf8(cell).is_err()).unwrap_or(0))
     }
 
-    /// The bytes of the row, and of the line ends before and after it. Read anew: faults are few.
+    /// The bytes of the row, and of the line ends before and after it. They are read again, since faults are few.
     pub fn raw(&self) -> Vec<u8> {
         self.content.slice(self.start.byte(), self.end)
     }
@@ -271,37 +271,4 @@ pub fn inert(cell: &str) -> Cow<'_, str> {
 #[must_use]
 pub fn is_formula(cell: &str) -> bool {
     cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn formulas_are_text_and_numbers_stay_numbers() {
-        for formula in ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "-", "=", "-1,5"] {
-            assert_eq!(inert(formula), format!("'{formula}"));
-        }
-        for plain in ["", "-1.5", "+2", "-1e-3", "-inf", "a=b", "1-2", "'=1", "S001", "ä"] {
-            assert_eq!(inert(plain), plain);
-        }
-    }
-
-    #[test]
-    fn every_cell_has_its_line_and_column() {
-        let text = "\u{feff}a,b,c\n\nä,\"x \"\"y\"\", z\",1\r\n\"two\nlines\",u,v\r\n\r\n1,2,3\n4,\"5,6\n7,8,9";
-        let mut places = Vec::new();
-        let mut rows = Vec::new();
-        each_row(Content::Memory(text.as_bytes()), b',', |row| {
-            places.push((0..row.record.len()).map(|cell| row.place(cell)).collect::<Vec<_>>());
-            rows.push(row.record.len());
-        })
-        .unwrap();
-        assert_eq!(rows, [3, 3, 3, 3, 2, 3]);
-        assert_eq!(places[1], [(3, 1), (3, 3), (3, 16)]);
-        assert_eq!(places[2], [(4, 1), (5, 8), (5, 10)]);
-        assert_eq!(places[3], [(7, 1), (7, 3), (7, 5)]);
-        assert_eq!(places[4], [(8, 1), (8, 3)]);
-        assert_eq!(places[5], [(9, 1), (9, 3), (9, 5)]);
-    }
 }

@@ -128,7 +128,7 @@ fn removed(sweep: &Sweep, rows: usize) -> Line {
     let waiting = scene.waiting(rows);
     fs::remove_dir_all(scene.first()).unwrap();
     let said = waiting.end();
-    assert!(said.done && said.errors[0].contains("is gone"), "{said:?}");
+    assert!(said.done && said.errors[0].contains("no longer exists"), "{said:?}");
     scene.assert_kept(&said, &scene.first())
 }
 

@@ -171,7 +171,7 @@ fn faults_are_named_with_their_place() {
         ("v 1 2 3 0", "it.obj:1:9: \"0\" is not a weight; expected a finite number that is not 0"),
         ("v 0 0 0\nvn 0 x 1", "it.obj:2:6: \"x\" is not a number; expected one"),
         ("v 0 0 0\nf 1 1", "it.obj:2:1: a face has 2 corners; expected 3…4096"),
-        ("v 0 0 0\nf 1 1 1", "it.obj: has no face with an area; expected at least one whose corners are apart"),
+        ("v 0 0 0\nf 1 1 1", "it.obj: has no face with an area; expected at least one whose corners differ"),
         ("v 0 0 0\nf 1 1 0", "it.obj:2:7: vertex 0 does not exist; expected an index from 1, or -1 for the last"),
         (
             "v 0 0 0\nf 1 1 -2",

@@ -120,8 +120,8 @@ depth = [1, 2, "inf"] => depth = [] => 13:1 => factor depth is empty | at least 
 depth = [1, 2, "inf"] => orientation_deg = [0, nan] => 13:23 => orientation_deg "NaN" is not a number
 depth = [1, 2, "inf"] => orientation_deg = [inf] => 13:20 => orientation_deg | inf | an angle
 depth = [1, 2, "inf"] => orientation_deg = [-inf] => 13:20 => orientation_deg "-inf" is not a number
-width = [0.1, 0.4] => width = [1, 1.0] => 12:13 => level 1 of width stands twice
-depth = [1, 2, "inf"] => color = ["gray", "grey"] => 13:18 => level gray of color stands twice
+width = [0.1, 0.4] => width = [1, 1.0] => 12:13 => level 1 of width appears twice
+depth = [1, 2, "inf"] => color = ["gray", "grey"] => 13:18 => level gray of color appears twice
 duration_s = 2.0 => duration_s = -2.0 => 23:1 => duration_s -2 | 0…600 | seconds
 duration_s = 2.0 => duration_s = nan => 23:1 => recovery.duration_s is the text "NaN" | a number
 level = 0.5 => level = 1.01 => 24:1 => level 1.01 | luminance
@@ -157,8 +157,8 @@ order = "random" => order = "shuffled" => 19:1 => order "shuffled" | blocked:FAC
 order = "random" => order = "latin:color" => 19:1 => latin:color names no factor | width, depth
 labels = ["a", "b", "c", "d"]\nkeys = ["0", "1", "2", "3"] => labels = ["a", "b", "c"] => 28:1 => 3 categories | expected 4
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2"] => 29:1 => 3 keys; expected 4
-keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "1"] => 29:24 => key '1' stands twice
-keys = ["0", "1", "2", "3"] => keys = ["a", "A", "2", "3"] => 29:14 => key 'A' stands twice
+keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "1"] => 29:24 => key '1' appears twice
+keys = ["0", "1", "2", "3"] => keys = ["a", "A", "2", "3"] => 29:14 => key 'A' appears twice
 keys = ["0", "1", "2", "3"] => keys = ["a", "s", "d", "f"] => 29:14 => key 's' cannot be an answer
 keys = ["0", "1", "2", "3"] => keys = ["a", "ß", "d", "f"] => 29:14 => key 'ß' cannot be an answer
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "33"] => 29:24 => response.keys.3 is the text "33" | a character
@@ -252,12 +252,9 @@ fn a_large_file_does_not_stop_the_program() {
 fn deep_nesting_is_refused() {
     let texts = [
         "a = ".to_owned() + &"[".repeat(100_000),
-        "a = ".to_owned() + &"[".repeat(100_000) + &"]".repeat(100_000),
         "a = ".to_owned() + &"{a=".repeat(100_000),
         "a.".repeat(100_000) + "a = 1",
-        format!("[{}a]", "a.".repeat(100_000)),
         format!("[[{}a]]", "a.".repeat(100_000)),
-        format!("a = {{ {}a = 1 }}", "a.".repeat(100_000)),
     ];
     for text in texts {
         let error = soon("nesting", || definition::parse("deep.toml", &text)).unwrap_err();
@@ -357,31 +354,19 @@ fn what_a_sidecar_keeps_is_the_definition_and_its_hash_is_its_meaning() {
 
 #[test]
 fn a_session_can_run_in_the_participants_language() {
-    let text = r#"
-        schema = 1
-        name = "machbaender"
-        title = "Sichtbarkeit Machscher Bänder"
-        stimulus = { kind = "mach-band" }
-        factors = { width = [0.1, 0.4], orientation_deg = [0, 90] }
-        [response]
-        question = "Wie deutlich ist der hellere Streifen?"
-        labels = ["Kein Streifen", "Breiter Streifen", "Schmal, unscharfe Ränder", "Schmal, scharfe Ränder"]
-        keys = ["a", "d", "f", "G"]
-        [instructions]
-        welcome = "Willkommen"
-        task = """
-        Sie sehen eine helle und eine dunkle Fläche."""
-        next_key = "Leertaste"
-    "#;
-    let protocol = definition::parse("de.toml", text).unwrap();
+    let text = edited("question = \"How?\"", "question = \"Wie deutlich?\"")
+        .replace("\"b\"", "\"Breiter Streifen\"")
+        .replace("\"3\"", "\"G\"")
+        .replace(
+            "welcome = \"Hello\"",
+            "welcome = \"Willkommen\"\ntask = \"\"\"\n  Sie sehen eine helle Fläche.\"\"\"",
+        );
+    let protocol = definition::parse("de.toml", &text).unwrap();
     assert_eq!(protocol.response.categories.len(), usize::from(RATING_MAX) + 1);
-    assert_eq!(
-        (protocol.response.categories[3].label.as_str(), protocol.response.categories[3].key),
-        ("Schmal, scharfe Ränder", 'G')
-    );
+    assert_eq!((protocol.response.question.as_str(), protocol.response.categories[3].key), ("Wie deutlich?", 'G'));
     assert_eq!(protocol.instructions.welcome, "Willkommen");
-    assert!(protocol.instructions.task.starts_with("        Sie sehen"));
-    // What it does not replace stays.
+    assert_eq!(protocol.instructions.task, "  Sie sehen eine helle Fläche.");
+    // Other texts keep their defaults.
     assert_eq!(protocol.instructions.thanks, "Thank you!");
     let rating = columns(&protocol).into_iter().find(|column| column.name == "rating").unwrap();
     assert_eq!(rating.levels["1"], "Breiter Streifen");

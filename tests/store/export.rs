@@ -220,8 +220,8 @@ fn what_cannot_be_exported_is_named_and_nothing_is_written() {
     fs::write(at("full/x"), "x").unwrap();
     refused(&at("full"), "is not empty");
     refused(&at("full/x"), "is a file");
-    refused(&results.join("out"), "lies in");
-    refused(&results.join("quick/data/../out"), "lies in");
+    refused(&results.join("out"), "is inside");
+    refused(&results.join("quick/data/../out"), "is inside");
     assert_eq!(fs::read_dir(at("full")).unwrap().count(), 1);
 
     // Every fault of every session.

@@ -14,6 +14,7 @@ use machband::{
         dataset::SessionPaths,
         definition,
         ratings::{self, Layout, ReadOptions, Source},
+        table::inert,
     },
 };
 
@@ -222,44 +223,6 @@ mod what_counts {
         let (source, _) = read(&[&files[0]], &ReadOptions::default());
         assert_eq!(source.sessions[0].dropped, Some(4));
     }
-
-    /// Half a million rows are read in several parts, by several threads.
-    #[test]
-    fn large_files_are_read_as_small_ones() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut text = String::from("row_id,subject_id,session_id,phase,trial,attempt,width,rating\n");
-        let mut lines = 1;
-        let mut row = |text: &mut String, subject: u32, trial: u32, attempt: u32, rating: &str| {
-            *text +=
-                &format!("S{subject}_1_main_{trial:04}_{attempt},S{subject},1,main,{trial},{attempt},0.4,{rating}\n");
-            lines += 1;
-            lines
-        };
-        for subject in 0..200 {
-            for trial in 1..=1000 {
-                row(&mut text, subject, trial, 1, "2");
-            }
-        }
-        let bad = row(&mut text, 1, 1001, 1, "4");
-        row(&mut text, 0, 17, 2, "1");
-        let again = row(&mut text, 150, 3, 1, "3");
-        let path = file(&folder, "all_data.csv", &text);
-        let (source, rows) = read(&[&path], &ReadOptions::default());
-        let read = &source.files[0];
-        assert_eq!((read.rows, read.counted, read.superseded, read.faulty), (200_003, 200_000, 1, 2));
-        assert_eq!(rows.0.iter().filter(|row| **row == "S0 0.4 1 1").count(), 1);
-        assert_eq!(rows.0.iter().filter(|row| row.ends_with("3 1")).count(), 0);
-        assert_eq!(
-            faults(&[&path], &ReadOptions::default()),
-            [
-                format!("all_data.csv:{bad}:39: rating is \"4\"; expected a rating from 0 to 3"),
-                format!(
-                    "all_data.csv:{again}:1: row_id \"S150_1_main_0003_1\" already appears above; expected every row once (this one is left out)"
-                ),
-            ]
-        );
-        assert_eq!((source.sessions.len(), source.sessions[1].rated), (200, 1000));
-    }
 }
 
 mod layouts {
@@ -310,6 +273,26 @@ mod layouts {
     }
 
     #[test]
+    fn every_cell_has_its_line_and_column() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "\u{feff}subject_id,width,rating,count\n\nä,\"x \"\"y\"\", z\",1,x\r\n\"two\nlines\",u,1,x\r\n\r\n1,2,1,x\n1,2,1,4\n";
+        let places = faults(&[&file(&folder, "t.csv", text)], &ReadOptions::default());
+        let expected = ["3:18", "5:12", "7:7"]
+            .map(|place| format!("t.csv:{place}: count is \"x\"; expected a count, a whole number"));
+        assert_eq!(places, expected);
+    }
+
+    #[test]
+    fn formulas_are_written_as_text_and_numbers_stay_numbers() {
+        for formula in ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "-", "=", "-1,5"] {
+            assert_eq!(inert(formula), format!("'{formula}"));
+        }
+        for plain in ["", "-1.5", "+2", "-1e-3", "-inf", "a=b", "1-2", "'=1", "S001", "ä"] {
+            assert_eq!(inert(plain), plain);
+        }
+    }
+
+    #[test]
     fn columns_that_are_missing_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = file(&folder, "long.csv", LONG);
@@ -337,7 +320,7 @@ mod layouts {
         let twice = file(&folder, "twice.csv", "subject_id,width,rating,width\nA,1,2,1\n");
         assert_eq!(
             faults(&[&twice], &with_factors(&["width"])),
-            ["twice.csv:1:25: the column width stands twice; expected it once"]
+            ["twice.csv:1:25: the column width appears twice; expected it once"]
         );
     }
 
@@ -433,7 +416,7 @@ mod discovery {
     }
 
     #[test]
-    fn what_is_not_there_is_said() {
+    fn what_is_missing_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let good = file(&folder, "good.csv", "subject_id,width,rating,count\nA,0.1,1,1\n");
         fs::create_dir(folder.path().join("void")).unwrap();
@@ -480,7 +463,14 @@ mod faults {
         let bytes = |bytes: &'static [u8]| -> Damage { Box::new(move |file| fs::write(file, bytes).unwrap()) };
         let interrupted = "as after an interrupted writing; expected a whole row (it is left out)";
         let names = "expected one of row_id, experiment, subject_id, session_id, phase, block,";
-        let cases: [(Damage, String, u64); 21] = [
+        let latin: Damage = Box::new(|file| {
+            let mut bytes = fs::read(file).unwrap();
+            let at = bytes.windows(16).position(|w| w == b"S1_1_main_0011_1").unwrap();
+            bytes[at + 3] = 0xff;
+            fs::write(file, bytes).unwrap();
+        });
+        let cases: [(Damage, String, u64); 22] = [
+            (latin, "18:4: the row is not UTF-8 text; expected UTF-8".into(), 23),
             (cell("rating", "4"), "18:85: rating is \"4\"; expected a rating from 0 to 3".into(), 23),
             (cell("rating", ""), "18:85: rating is empty; expected a rating from 0 to 3".into(), 23),
             (cell("phase", "mian"), "18:33: phase is \"mian\"; expected practice or main".into(), 23),
@@ -533,17 +523,6 @@ mod faults {
     }
 
     #[test]
-    fn a_row_that_is_not_text_is_one_fault() {
-        let (said, counted) = damaged(|file| {
-            let mut bytes = fs::read(file).unwrap();
-            let at = bytes.windows(16).position(|w| w == b"S1_1_main_0011_1").unwrap();
-            bytes[at + 3] = 0xff;
-            fs::write(file, bytes).unwrap();
-        });
-        assert_eq!((said, counted), (vec!["S1.csv:18:4: the row is not UTF-8 text; expected UTF-8".to_owned()], 23));
-    }
-
-    #[test]
     fn a_row_that_stands_twice_counts_once() {
         let again = |file: &Path| {
             edit(file, |text| {
@@ -568,7 +547,7 @@ mod faults {
     }
 
     #[test]
-    fn of_many_alike_the_first_are_told() {
+    fn of_many_alike_the_first_are_named() {
         let (said, counted) = damaged(|file| {
             for line in 2..=19 {
                 set(file, line, "experiment", "x");

@@ -45,16 +45,21 @@ fn an_untouched_session_is_proved() {
 #[test]
 fn everything_that_is_touched_is_named() {
     type Touch = fn(&Path, &Path);
+    fn lines(csv: &Path, change: impl FnOnce(&mut Vec<String>)) {
+        edit(csv, |text| {
+            let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+            change(&mut lines);
+            lines.join("\n") + "\n"
+        });
+    }
     let ways: &[(&str, Touch, &[&str])] = &[
         (
             "a rating",
             |csv, _| {
-                edit(csv, |text| {
-                    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+                lines(csv, |lines| {
                     let mut cells: Vec<&str> = lines[9].split(',').collect();
                     cells[16] = if cells[16] == "0" { "3" } else { "0" };
                     lines[9] = cells.join(",");
-                    lines.join("\n") + "\n"
                 });
             },
             &["_data.csv: was changed since the session ended"],
@@ -66,32 +71,17 @@ fn everything_that_is_touched_is_named() {
         ),
         (
             "a row taken out",
-            |csv, _| {
-                edit(csv, |text| {
-                    text.lines().enumerate().filter(|(i, _)| *i != 12).map(|(_, l)| format!("{l}\n")).collect()
-                })
-            },
+            |csv, _| lines(csv, |lines| drop(lines.remove(12))),
             &["27 of 28 trials are rated", "was changed since"],
         ),
         (
             "a row twice",
-            |csv, _| {
-                edit(csv, |text| {
-                    let last = text.lines().last().unwrap().to_owned();
-                    text + &last + "\n"
-                })
-            },
+            |csv, _| lines(csv, |lines| lines.extend_from_within(lines.len() - 1..)),
             &["is attempt 1; expected attempt 2", "was changed since"],
         ),
         (
             "rows in another order",
-            |csv, _| {
-                edit(csv, |text| {
-                    let mut lines: Vec<&str> = text.lines().collect();
-                    lines.swap(7, 8);
-                    lines.join("\n") + "\n"
-                });
-            },
+            |csv, _| lines(csv, |lines| lines.swap(7, 8)),
             &["was recorded before the row above it", "was changed since"],
         ),
         (
@@ -120,7 +110,7 @@ fn everything_that_is_touched_is_named() {
                 let mut read = Sidecar::read(sidecar).unwrap().unwrap();
                 let pictures = read.sittings[0].pictures.as_mut().unwrap();
                 pictures.sha256.insert(3, "0".repeat(64));
-                // Who also makes a new seal is still found out by rendering.
+                // Even with a new seal, rendering reveals the change.
                 let own = read.own_sha256();
                 read.seal.as_mut().unwrap().sidecar_sha256 = own;
                 read.write(sidecar).unwrap();
@@ -132,7 +122,7 @@ fn everything_that_is_touched_is_named() {
             |_, sidecar| edit(sidecar, |text| text.replacen("\"size\": 256", "\"size\": 255", 1)),
             &["condition 24 of sitting 1 renders to sha256", "_data.json: was changed since"],
         ),
-        ("no sidecar", |_, sidecar| fs::remove_file(sidecar).unwrap(), &["is not there; expected the sidecar"]),
+        ("no sidecar", |_, sidecar| fs::remove_file(sidecar).unwrap(), &["does not exist; expected the sidecar"]),
         (
             "a broken sidecar",
             |_, sidecar| edit(sidecar, |text| text.replacen('{', "", 1)),
@@ -168,7 +158,7 @@ fn what_belongs_to_no_session_is_named() {
 }
 
 #[test]
-fn an_interrupted_session_is_no_fault_and_said() {
+fn an_interrupted_session_is_a_note_and_not_a_fault() {
     let (_folder, csv) = recorded();
     let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
     (sidecar.complete, sidecar.seal) = (false, None);

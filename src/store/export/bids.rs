@@ -152,7 +152,7 @@ fn described(column: &Column) -> Value {
     .into()
 }
 
-/// One session. BIDS allows keys of our own beside its own.
+/// One session. BIDS allows additional keys.
 fn of_session(session: &Recorded) -> Map<String, Value> {
     let sittings = &session.sidecar.sittings;
     let presented: Vec<Map<String, Value>> = sittings.iter().map(presentation).collect();
@@ -271,7 +271,7 @@ fn doi(key: &str, value: &str) -> Option<String> {
     bare.or(value.starts_with("10.").then_some(value)).map(|bare| format!("doi:{bare}"))
 }
 
-/// The descriptions beside the data, if they exist and are JSON.
+/// The descriptions next to the data, if they exist and are JSON.
 fn written(experiments: &[Experiment]) -> Vec<Value> {
     let mut files: Vec<_> = experiments
         .iter()
@@ -311,13 +311,13 @@ fn readme(experiments: &[Experiment]) -> String {
     }
     text + "
 One row of a `_beh.tsv` is one trial; `n/a` is a missing value. Rows whose `trial_type` is practice are not data. A corrected
-response is a row of its own with `attempt` + 1; the last attempt of a trial counts. `TrialsRated` below `TrialsPlanned`
+response is a separate row with `attempt` + 1; the last attempt of a trial counts. `TrialsRated` below `TrialsPlanned`
 marks a session that was not finished; its `Sittings` say what ran it and on which screen. A sitting with a
 `SimulatedObserver` had neither a participant nor a screen.
 
 `stim_file` names the picture below `stimuli/`, made again from its recipe; its hash matches what was shown.
 `sourcedata/` holds the data as they were recorded: a Psych-DS data set for each experiment, with the definition, the display
-profile and what happened during each session in the JSON beside each CSV.
+profile and what happened during each session in the JSON next to each CSV.
 "
 }
 
@@ -338,19 +338,14 @@ fn write_participants(experiments: &[Experiment], to: &Path) -> Result<(), Store
     }
     let mut text = "participant_id\tobserver\tsessions\tcomplete_sessions\n".to_owned();
     for (subject, sessions) in participants {
-        let simulated =
-            |session: &&&Recorded| session.sidecar.sittings.iter().any(|sitting| sitting.observer.is_some());
-        let complete = |session: &&&Recorded| {
-            let (rated, planned) = session.rated();
-            rated == planned
-        };
-        let observer = match sessions.iter().filter(simulated).count() {
+        let number = |is: fn(&Recorded) -> bool| sessions.iter().filter(|session| is(session)).count();
+        let complete = number(|session| session.rated().0 == session.rated().1);
+        let observer = match number(|session| session.sidecar.sittings.iter().any(|one| one.observer.is_some())) {
             0 => "person",
             some if some == sessions.len() => "simulated",
             _ => "both",
         };
-        text +=
-            &format!("sub-{subject}\t{observer}\t{}\t{}\n", sessions.len(), sessions.iter().filter(complete).count());
+        text += &format!("sub-{subject}\t{observer}\t{}\t{complete}\n", sessions.len());
     }
     write_file(&to.join("participants.tsv"), text.as_bytes())?;
     let described = json!({

@@ -16,7 +16,7 @@ use crate::{
     },
 };
 
-/// Files that describe a data set as a whole. Nothing else is copied: what people keep beside their data is theirs.
+/// Files that describe a data set as a whole. Nothing else is copied: other files next to the data stay private.
 const OWN: [&str; 8] = [
     DESCRIPTION,
     "README.md",

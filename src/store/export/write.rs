@@ -38,7 +38,7 @@ pub struct Exported {
 /// folder `to`. `complete_only` leaves out sessions with trials that are not rated.
 ///
 /// # Errors
-/// `to` holds something or lies in the data; no session; every fault of every session that cannot be read, was changed,
+/// `to` is not empty or is inside the data; no session; every fault of every session that cannot be read, was changed,
 /// or is there twice; pictures that differ from those that were shown; the system's refusal. Nothing is written then.
 pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Result<Exported, StoreError> {
     let files = ratings::data_files(from)?;
@@ -64,7 +64,7 @@ pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Re
     Ok(exported)
 }
 
-/// The folder to write, by its full path; refused where it holds anything, or lies where sessions are looked for.
+/// The folder to write, by its full path; refused if it is not empty or is inside the data.
 fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreError> {
     let fault = |message: &str| FileFaults::whole(to, message);
     let refused = |error| io(to, "read")(error);
@@ -77,7 +77,7 @@ fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreErr
     let full = full_path(to).map_err(refused)?;
     for folder in files.iter().filter_map(|csv| sessions::dataset(csv)).chain([from]) {
         if full.starts_with(full_path(folder).map_err(refused)?) {
-            let message = format!("lies in {}; expected a folder outside the data", folder.display());
+            let message = format!("is inside {}; expected a folder outside the data", folder.display());
             return Err(fault(&message).into());
         }
     }

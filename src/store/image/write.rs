@@ -114,7 +114,7 @@ fn save(path: &Path, bytes: Result<Vec<u8>, png::EncodingError>) -> Result<Vec<u
     Ok(bytes)
 }
 
-/// The recipe as it stands in an image.
+/// The recipe as it is in an image.
 pub fn describe(recipe: &Recipe) -> String {
     serde_json::to_string(recipe).unwrap_or_default()
 }

@@ -166,7 +166,7 @@ fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
     sessions
 }
 
-/// A file whose rows are handed on.
+/// A file whose rows are passed on.
 struct FileReader<'a> {
     selection: &'a Selection,
     trials: &'a Trials,
@@ -211,7 +211,7 @@ impl FileReader<'_> {
         self.faults.add(&self.input.name, fault.cell, fault.message, || row.place(cell));
     }
 
-    /// Hands on a row that counts; gives how many trials it stands for.
+    /// Passes on a row that counts; gives how many trials it represents.
     ///
     /// # Errors
     /// What is wrong with it; nothing where it is left out for another reason, and counted there.
@@ -295,7 +295,7 @@ impl FileReader<'_> {
     }
 }
 
-/// What an interrupted writing left: a last row that nothing ends and whose last cell, or number of cells, is wrong; or
+/// What an interrupted write left: a last row without a line end whose last cell, or number of cells, is wrong; or
 /// that has zero bytes where the file was enlarged and not filled.
 fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
     if !row.last {

@@ -125,7 +125,7 @@ pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) 
     }
 }
 
-/// How many trials a row stands for; pandas may have written 3 as `3.0`.
+/// How many trials a row represents; pandas may have written 3 as `3.0`.
 ///
 /// # Errors
 /// No count.

@@ -325,7 +325,7 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
     // 1/n of the depth n: a term, not a column.
     let also = options.also.iter().map(|name| if !has(name) && name == "inv_n" { "depth" } else { name });
     factors.extend(also.filter(|name| has(name)).map(str::to_owned));
-    // A name may stand twice in what was asked: `--terms a,b,a:b`.
+    // A name may appear twice in the request: `--terms a,b,a:b`.
     let mut known = HashSet::new();
     factors.retain(|name| known.insert(name.clone()));
     let scale = (0..=RATING_MAX).map(|rating| rating.to_string()).collect();
@@ -341,7 +341,7 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
 /// Where the columns of a file are.
 ///
 /// # Errors
-/// Those that are missing, or stand for two things.
+/// Columns that are missing, or that have two uses.
 fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Columns, Vec<FileFault>> {
     let header = &file.header;
     let mut faults = Vec::new();
@@ -354,7 +354,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
             }
             [_] => {}
             [_, second, ..] => faults
-                .push(file.fault(header.column(second), format!("the column {name} stands twice; expected it once"))),
+                .push(file.fault(header.column(second), format!("the column {name} appears twice; expected it once"))),
         }
         places.first().copied().unwrap_or(0)
     };

@@ -16,17 +16,17 @@ pub struct ReadOptions {
     pub response: Option<String>,
     /// The response's categories, the lowest first, where it is named and they are known.
     pub categories: Option<Vec<String>>,
-    /// Column that says how many trials a row stands for; `count` where there is one, unless named.
+    /// Column with the number of trials that a row represents; `count` if there is one, unless named.
     pub count: Option<String>,
     /// Columns of the factors. None: those of the definition; of a table of counts all other columns; of result files
     /// without a sidecar all columns of stimulus parameters.
     pub factors: Option<Vec<String>>,
-    /// Further columns wanted as factors, such as those of a model's terms, besides the ones above. One that no file has
+    /// Further columns to read as factors, such as those of a model's terms, besides the ones above. One that no file has
     /// is left out, except that `inv_n` is then `depth`.
     pub also: Vec<String>,
     /// Leaves out sessions in which planned trials are not rated.
     pub complete_only: bool,
-    /// Whether session, repetition and response time of each row are wanted too.
+    /// Whether session, repetition and response time of each row are read too.
     pub details: bool,
 }
 
@@ -103,7 +103,7 @@ pub struct FileRead {
     pub rows: u64,
     /// Rows that count.
     pub counted: u64,
-    /// Trials that these stand for.
+    /// Trials that these represent.
     pub ratings: u64,
     /// Practice rows, left out.
     pub practice: u64,

@@ -166,7 +166,7 @@ fn add_columns(described: &mut Value, columns: &[Column]) -> Option<bool> {
     Some(!missing.is_empty())
 }
 
-/// A column may stand as an object or as its name alone.
+/// A column may be described by an object or by its name alone.
 fn names(variable: &Value, column: &Column) -> bool {
     variable.as_str().or_else(|| variable.get("name")?.as_str()) == Some(&column.name)
 }
@@ -198,15 +198,15 @@ fn readme(protocol: &Protocol) -> String {
 Ratings recorded with machband {version} by its definition `{name}`.
 
 - `data/subject-…_session-…_task-…_data.csv`: one row a trial. `row_id` names each row of the data set.
-- `data/…_data.json`: beside each, everything else that is known of the session: the definition and the seed that the
-  order of its trials follows from, program, screen, geometry, and what each column means.
+- `data/…_data.json`: next to each, everything else that is known about the session: the definition and the seed that
+  determine the order of its trials, the program, the screen, the geometry, and what each column means.
 - `data/…{frames}`: every frame interval, where a screen was used.
 
-Missing values are empty. A corrected response is a row of its own with `attempt` + 1; the last attempt of a trial
+Missing values are empty. A corrected response is a separate row with `attempt` + 1; the last attempt of a trial
 counts. Rows with `phase` practice are not data.
 
-`machband verify` proves the rows and the pictures from the sidecars; `machband analyze` analyzes the ratings.
-Author, license and the like belong in `{DESCRIPTION}`: what is written there stays.
+`machband verify` checks the rows and the pictures against the sidecars; `machband analyze` analyzes the ratings.
+Author, license and the like belong in `{DESCRIPTION}`: machband keeps what you write there.
 ",
         frames = frames::SUFFIX
     )
@@ -214,8 +214,7 @@ Author, license and the like belong in `{DESCRIPTION}`: what is written there st
 
 const CHANGES: &str = "# Changes
 
-Sessions are added while they are recorded, and never changed afterwards. Note here, with a date, whatever is changed by
-hand.
+Sessions are added while they are recorded and never changed afterwards. Note any change by hand here, with a date.
 ";
 
 fn ignored() -> String {

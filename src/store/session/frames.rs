@@ -1,5 +1,5 @@
-//! Every frame interval of a session: a CSV file beside the data, one row for each stretch of frames that showed one
-//! thing.
+//! Every frame interval of a session: a CSV file next to the data, with one row for each run of frames that showed the
+//! same thing.
 //!
 //! The frames describe a session and are not its data: where this file cannot be written the session continues.
 
@@ -23,7 +23,7 @@ pub const SUFFIX: &str = "_frames.csv";
 /// One row: frames that followed each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameRow {
-    /// 1, and 1 more each time an interrupted session was resumed.
+    /// 1, plus 1 each time an interrupted session was resumed.
     pub sitting: u32,
     /// As in the data.
     pub phase: Phase,
@@ -33,9 +33,9 @@ pub struct FrameRow {
     pub attempt: u32,
     /// What the frames showed.
     pub shown: Shown,
-    /// What they were judged against; `None` where it was not known.
+    /// The refresh that they were compared with; `None` if it was not known.
     pub refresh: Option<Refresh>,
-    /// For how long each of them stood, microseconds.
+    /// How long each of them was shown, microseconds.
     pub intervals_us: Vec<u32>,
 }
 

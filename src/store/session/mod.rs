@@ -1,4 +1,4 @@
-//! A session on disk: its data set, its rows, the sidecar and the frames beside them; read back, and proved.
+//! A session on disk: its data set, its rows, and the sidecar and frames next to them; written, read back and verified.
 
 pub mod dataset;
 pub mod frames;

@@ -47,7 +47,7 @@ impl Recorded {
         let (stem, identity) = identity(csv).map_err(|message| FileFaults::whole(csv, message))?;
         let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
         let sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| {
-            FileFaults::whole(&sidecar_path, "is not there; expected the sidecar of the data file beside it")
+            FileFaults::whole(&sidecar_path, "does not exist; expected the sidecar of the data file next to it")
         })?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
         let schedule = Schedule::new(&protocol, &identity, sidecar.seed)

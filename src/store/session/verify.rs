@@ -141,7 +141,7 @@ fn check_seal(recorded: &Recorded, found: &mut Verified) {
         let message = match is {
             Some(is) if is == was => return,
             Some(is) => format!("was changed since the session ended: sha256 {is}; expected {was}"),
-            None => "is gone; expected the file that the session left".to_owned(),
+            None => "no longer exists; expected the file that the session left".to_owned(),
         };
         found.faults.push(FileFault::whole(path, message));
     };
@@ -193,8 +193,8 @@ pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Ve
     faults
 }
 
-/// What lies in the folder of an experiment and belongs to no session: sidecars without rows, and files that a killed
-/// program left half written.
+/// Files in the folder of an experiment that belong to no session: sidecars without rows, and files that a killed program
+/// left incomplete.
 #[must_use]
 pub fn leftovers(dataset: &Path) -> Vec<FileFault> {
     let mut faults = Vec::new();
