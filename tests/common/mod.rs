@@ -4,6 +4,8 @@
 #![allow(dead_code)]
 
 use std::{
+    ffi::OsStr,
+    fmt::Debug,
     fs,
     io::Write as _,
     path::{Path, PathBuf},
@@ -17,8 +19,13 @@ use machband::{
 
 pub const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
 
+/// The arguments of a command line, as a shell takes them.
+pub fn split(line: &str) -> Vec<String> {
+    shlex::split(line).unwrap()
+}
+
 /// `machband` with these arguments, in a folder and without a display.
-pub fn command(folder: &Path, arguments: &[&str]) -> Command {
+pub fn command<S: AsRef<OsStr>>(folder: &Path, arguments: &[S]) -> Command {
     let mut command = Command::new(MACHBAND);
     let command_line = command.args(arguments).current_dir(folder).stdin(Stdio::null());
     command_line.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
@@ -26,7 +33,7 @@ pub fn command(folder: &Path, arguments: &[&str]) -> Command {
 }
 
 /// Runs `machband` with these arguments.
-pub fn machband(folder: &Path, arguments: &[&str]) -> Output {
+pub fn machband<S: AsRef<OsStr>>(folder: &Path, arguments: &[S]) -> Output {
     command(folder, arguments).output().unwrap()
 }
 
@@ -35,7 +42,7 @@ pub fn text(bytes: &[u8]) -> String {
 }
 
 /// The data of a run that must succeed; piped, nothing else comes with it.
-pub fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+pub fn succeeds<S: AsRef<OsStr> + Debug>(folder: &Path, arguments: &[S]) -> String {
     let output = machband(folder, arguments);
     let errors = text(&output.stderr);
     assert!(output.status.success(), "{arguments:?}: {errors}");
@@ -44,7 +51,7 @@ pub fn succeeds(folder: &Path, arguments: &[&str]) -> String {
 }
 
 /// The errors of a run that must fail with `status`; no data comes with them.
-pub fn fails(folder: &Path, arguments: &[&str], status: i32) -> String {
+pub fn fails<S: AsRef<OsStr> + Debug>(folder: &Path, arguments: &[S], status: i32) -> String {
     let output = machband(folder, arguments);
     let errors = text(&output.stderr);
     assert_eq!(output.status.code(), Some(status), "{arguments:?}: {errors}");
