@@ -1,7 +1,7 @@
 //! Power planning: held against R, against Whitehead's formula and against what must be so; and `machband plan` as a
 //! user's script sees it.
 
-use std::{path::Path, process::Output};
+use std::path::Path;
 
 use machband::{
     analysis::{
@@ -12,7 +12,7 @@ use machband::{
     store::definition,
 };
 
-use crate::common::{command, fails, text};
+use crate::common::{command, fails, split, text};
 
 const DESIGN: &str = include_str!("../golden/power.toml");
 
@@ -206,33 +206,29 @@ fn the_truth_is_what_the_term_adds_to_the_predictor() {
     assert!(step.1.as_ref().is_some_and(|(logits, _)| logits.is_none()), "{step:?}");
 }
 
-fn run(folder: &Path, arguments: &[&str], threads: &str) -> Output {
-    command(folder, &[&["plan"], arguments].concat()).env("RAYON_NUM_THREADS", threads).output().unwrap()
-}
-
-fn succeeds(folder: &Path, arguments: &[&str], threads: &str) -> String {
-    let output = run(folder, arguments, threads);
+/// What `machband plan` prints with this many threads.
+fn succeeds(folder: &Path, line: &str, threads: &str) -> String {
+    let arguments = split(&format!("plan {line}"));
+    let output = command(folder, &arguments).env("RAYON_NUM_THREADS", threads).output().unwrap();
     let errors = text(&output.stderr);
-    assert!(output.status.success() && errors.is_empty(), "{arguments:?}: {errors}");
+    assert!(output.status.success() && errors.is_empty(), "{line}: {errors}");
     text(&output.stdout)
 }
 
 #[test]
 fn a_plan_is_the_same_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
-    let asked = ["quick", "--participants", "4,2,4", "--studies", "30", "--effect", "oblique=1", "--out"];
     let csv = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-    let with = |extra: &[&str], threads| succeeds(folder.path(), &[&asked[..], extra].concat(), threads);
-    let one = with(&["one.csv"], "1");
-    assert_eq!(one, with(&["three.csv"], "3"));
+    let plan = |participants: &str, options: &str, threads| {
+        let line = format!("quick --participants {participants} --studies 30 --effect oblique=1 --out {options}");
+        succeeds(folder.path(), &line, threads)
+    };
+    let one = plan("4,2,4", "one.csv", "1");
+    assert_eq!(one, plan("4,2,4", "three.csv", "3"));
     assert_eq!(csv("one.csv"), csv("three.csv"));
-    assert_ne!(one, with(&["other.csv", "--seed", "2"], "1"));
+    assert_ne!(one, plan("4,2,4", "other.csv --seed 2", "1"));
     // What four participants find does not depend on what else is planned.
-    succeeds(
-        folder.path(),
-        &["quick", "--participants", "4", "--studies", "30", "--effect", "oblique=1", "--out", "4.csv"],
-        "2",
-    );
+    plan("4", "4.csv", "2");
     let rows = |name: &str| {
         csv(name).lines().filter(|line| line.starts_with("quick,4,")).map(str::to_owned).collect::<Vec<_>>()
     };
@@ -242,11 +238,8 @@ fn a_plan_is_the_same_on_any_number_of_threads() {
 #[test]
 fn the_table_the_sentences_and_the_csv_say_the_same() {
     let folder = tempfile::tempdir().unwrap();
-    let said = succeeds(
-        folder.path(),
-        &["shaders", "--participants", "3", "--studies", "40", "--effect", "shader:gouraud=3", "--out", "p.csv"],
-        "2",
-    );
+    let line = "shaders --participants 3 --studies 40 --effect shader:gouraud=3 --out p.csv";
+    let said = succeeds(folder.path(), line, "2");
     let mut reader = csv::Reader::from_path(folder.path().join("p.csv")).unwrap();
     let header = reader.headers().unwrap().clone();
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
@@ -273,8 +266,8 @@ fn the_table_the_sentences_and_the_csv_say_the_same() {
     );
     assert!(said.contains("With 3 participants, Friedman's test of mesh cannot find anything"), "{said}");
     // An effect that nobody can see: every rating is 0, and there is no model.
-    let blind = ["quick", "--participants", "1,2", "--studies", "9", "--effect", "depth=-900", "--effect", "lapse=0"];
-    let said = succeeds(folder.path(), &blind, "2");
+    let blind = "quick --participants 1,2 --studies 9 --effect depth=-900 --effect lapse=0";
+    let said = succeeds(folder.path(), blind, "2");
     assert!(
         said.contains(
             "no number tried is enough for a power of 80 % by the mixed model; the highest is 0 % (0–33.6 %) with"
@@ -283,7 +276,7 @@ fn the_table_the_sentences_and_the_csv_say_the_same() {
     );
     assert!(said.contains("With 2 participants, 9 of 9 studies had no test of width by the mixed model"), "{said}");
     // Nothing is asked of it and nothing of it is a factor: no power at all.
-    let said = succeeds(folder.path(), &["shaders", "--participants", "2", "--studies", "5"], "2");
+    let said = succeeds(folder.path(), "shaders --participants 2 --studies 5", "2");
     assert!(said.contains("Nothing has an effect on this observer. Add one with --effect, such as"), "{said}");
     assert!(!said.contains("power  "), "{said}");
 }
@@ -291,33 +284,26 @@ fn the_table_the_sentences_and_the_csv_say_the_same() {
 #[test]
 fn wrong_usage_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    for (arguments, expected) in [
-        (&["quick", "--participants", "2", "--effect", "oblik=1"][..], "did you mean oblique?"),
-        (&["quick", "--participants", "2", "--effect", "oblique"], "--effect oblique: no = in it; expected NAME=VALUE"),
-        (&["quick", "--participants", "2", "--effect", "oblique=much"], "the value is not a finite number"),
-        (&["quick", "--participants", "2", "--effect", "lapse=2"], "lapse 2 is outside 0…1"),
-        (&["quick", "--participants", "2", "--effect", "width=2"], "width is a factor; expected width:LEVEL=LOGITS"),
-        (&["quick", "--participants", "2", "--effect", "widht:0.1=2"], "no such factor; expected one of width, depth"),
-        (
-            &["quick", "--participants", "2", "--effect", "width:0.3=2"],
-            "--effect width:0.3: no such level; expected one of 0.02",
-        ),
-        (&["quick", "--participants", "2", "--effect", "fall=1", "--effect", "fall=2"], "fall is given twice"),
-        (&["quick", "--participants", "2", "--terms", "widht"], "did you mean width?"),
-        (&["quick", "--participants", "2", "--terms", "width,,depth"], "--terms width,,depth: an empty name"),
-        (
-            &["quick", "--participants", "2", "--terms", "depth,num:inv_n"],
-            "--terms num:inv_n: the term adds nothing to the other terms",
-        ),
-        (&["quick", "--participants", "0"], "0 is not in 1..=10000"),
-        (&["quick", "--participants", "2", "--alpha", "0"], "expected a number between 0 and 1"),
-        (&["quick"], "--participants"),
+    for (options, expected) in [
+        ("--participants 2 --effect oblik=1", "did you mean oblique?"),
+        ("--participants 2 --effect oblique", "--effect oblique: no = in it; expected NAME=VALUE"),
+        ("--participants 2 --effect oblique=much", "the value is not a finite number"),
+        ("--participants 2 --effect lapse=2", "lapse 2 is outside 0…1"),
+        ("--participants 2 --effect width=2", "width is a factor; expected width:LEVEL=LOGITS"),
+        ("--participants 2 --effect widht:0.1=2", "no such factor; expected one of width, depth"),
+        ("--participants 2 --effect width:0.3=2", "--effect width:0.3: no such level; expected one of 0.02"),
+        ("--participants 2 --effect fall=1 --effect fall=2", "fall is given twice"),
+        ("--participants 2 --terms widht", "did you mean width?"),
+        ("--participants 2 --terms width,,depth", "--terms width,,depth: an empty name"),
+        ("--participants 2 --terms depth,num:inv_n", "--terms num:inv_n: the term adds nothing to the other terms"),
+        ("--participants 0", "0 is not in 1..=10000"),
+        ("--participants 2 --alpha 0", "expected a number between 0 and 1"),
+        ("", "--participants"),
     ] {
-        let errors = fails(folder.path(), &[&["plan"], arguments].concat(), 2);
-        assert!(errors.contains(expected), "{arguments:?}: {errors}");
+        let errors = fails(folder.path(), &split(&format!("plan quick {options}")), 2);
+        assert!(errors.contains(expected), "{options}: {errors}");
     }
     std::fs::write(folder.path().join("bad.toml"), "schema = 1\noblique = \"much\"\n").unwrap();
-    let bad = ["plan", "quick", "--participants", "2", "--observer-file", "bad.toml"];
-    let errors = fails(folder.path(), &bad, 1);
+    let errors = fails(folder.path(), &split("plan quick --participants 2 --observer-file bad.toml"), 1);
     assert!(errors.starts_with("error: bad.toml:2:"), "{errors}");
 }

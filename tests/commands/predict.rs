@@ -1,19 +1,8 @@
 //! `machband predict`, and the observer who sees, from the outside.
 
-use std::{fs, path::Path, process::Command};
+use std::fs;
 
-fn machband(arguments: &[&str], folder: &Path) -> (String, String, i32) {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_machband")).args(arguments).current_dir(folder).output().expect("it starts");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (text(output.stdout), text(output.stderr), output.status.code().expect("an exit status"))
-}
-
-fn ok(arguments: &[&str], folder: &Path) -> String {
-    let (out, error, status) = machband(arguments, folder);
-    assert_eq!((status, error.as_str()), (0, ""), "{arguments:?}");
-    out
-}
+use crate::common::{fails, split, succeeds};
 
 fn column(table: &str, name: &str) -> Vec<String> {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
@@ -28,8 +17,8 @@ fn numbers(table: &str, name: &str) -> Vec<f64> {
 #[test]
 fn a_stimulus_a_definition_and_an_image_agree() {
     let folder = tempfile::tempdir().unwrap();
-    let one = ok(&["predict", "--width", "0.1", "--size", "512"], folder.path());
-    let all = ok(&["predict", "bangay2003", "--size", "512"], folder.path());
+    let run = |line: &str| succeeds(folder.path(), &split(line));
+    let (one, all) = (run("predict --width 0.1 --size 512"), run("predict bangay2003 --size 512"));
     assert!(all.starts_with("width,depth,orientation_deg,visibility,predicted_rating,"), "{all}");
     assert_eq!(all.lines().count(), 121);
     let found = all.lines().find(|line| line.starts_with("0.1,1,0,")).unwrap();
@@ -40,11 +29,8 @@ fn a_stimulus_a_definition_and_an_image_agree() {
         assert!(depths[0] >= depths[1] || depths[0] == depths[1] || pair[0] >= pair[1] - 0.5, "{pair:?} {depths:?}");
     }
     // 16 bits: 8 make steps of their own, which the eye sees.
-    ok(
-        &["stimulus", "--width", "0.1", "--size", "512", "--bits", "16", "--orientation", "30", "--out", "ramp.png"],
-        folder.path(),
-    );
-    let image = ok(&["predict", "--image", "ramp.png", "--map", "bands.png"], folder.path());
+    run("stimulus --width 0.1 --size 512 --bits 16 --orientation 30 --out ramp.png");
+    let image = run("predict --image ramp.png --map bands.png");
     let ratio = numbers(&image, "visibility")[0] / numbers(&one, "visibility")[0];
     assert!((0.9..1.1).contains(&ratio), "{ratio}");
     assert!(fs::metadata(folder.path().join("bands.png")).unwrap().len() > 1000);
@@ -56,20 +42,20 @@ fn a_criterion_is_recovered_from_ratings() {
     let folder = tempfile::tempdir().unwrap();
     let known = "schema = 1\nthresholds = [2.0, 7.0, 20.0]\nspread = 0.5\nsubject_sd = 0.0\nlapse = 0.0\n";
     fs::write(folder.path().join("known.toml"), known).unwrap();
-    let simulate = ["simulate", "bangay2003", "--participants", "20", "--observer", "vision", "--observer-file"];
-    ok(&[&simulate[..], &["known.toml"]].concat(), folder.path());
-    // The observer looked at 512 pixels.
-    let fit = ["predict", "bangay2003", "--size", "512", "--fit", "results/bangay2003", "--criterion", "found.toml"];
-    let said = ok(&[&fit[..], &["--out", "predicted.csv"]].concat(), folder.path());
+    let run = |line: &str| succeeds(folder.path(), &split(line));
+    run("simulate bangay2003 --participants 20 --observer vision --observer-file known.toml");
+    // The observer saw 512 pixels.
+    let output =
+        run("predict bangay2003 --size 512 --fit results/bangay2003 --criterion found.toml --out predicted.csv");
     let found: toml::Table = fs::read_to_string(folder.path().join("found.toml")).unwrap().parse().unwrap();
     let thresholds: Vec<f64> = found["thresholds"].as_array().unwrap().iter().map(|t| t.as_float().unwrap()).collect();
     for (found, known) in thresholds.iter().zip([2.0_f64, 7.0, 20.0]) {
         assert!((found / known).ln().abs() < 0.08, "{found} for {known}");
     }
     assert!((found["spread"].as_float().unwrap() / 0.5 - 1.0).abs() < 0.1, "{found}");
-    let rho = said.lines().find(|line| line.starts_with("rank correlation")).unwrap();
-    assert!(rho.rsplit(' ').next().unwrap().parse::<f64>().unwrap() > 0.95, "{said}");
-    assert!(said.contains("noise ceiling"), "{said}");
+    let rho = output.lines().find(|line| line.starts_with("rank correlation")).unwrap();
+    assert!(rho.rsplit(' ').next().unwrap().parse::<f64>().unwrap() > 0.95, "{output}");
+    assert!(output.contains("noise ceiling"), "{output}");
     assert_eq!(fs::read_to_string(folder.path().join("predicted.csv")).unwrap().lines().count(), 121);
 }
 
@@ -78,10 +64,10 @@ fn a_criterion_is_recovered_from_ratings() {
 #[test]
 fn a_report_says_what_predict_says() {
     let folder = tempfile::tempdir().unwrap();
-    ok(&["simulate", "bangay2003", "--participants", "4", "--observer", "vision"], folder.path());
-    let said = ok(&["analyze", "results/bangay2003", "--out", "analysis", "--replicates", "100"], folder.path());
-    let fit = ["predict", "bangay2003", "--fit", "results/bangay2003", "--out", "predicted.csv"];
-    let fitted = ok(&fit, folder.path());
+    let run = |line: &str| succeeds(folder.path(), &split(line));
+    run("simulate bangay2003 --participants 4 --observer vision");
+    let said = run("analyze results/bangay2003 --out analysis --replicates 100");
+    let fitted = run("predict bangay2003 --fit results/bangay2003 --out predicted.csv");
     let rho = fitted.lines().find(|line| line.starts_with("rank correlation")).unwrap().rsplit(' ').next().unwrap();
     assert!(rho.parse::<f64>().unwrap() > 0.8, "{fitted}");
     assert!(said.contains(&format!("model of vision: rank correlation {rho} with the mean ratings of 120")), "{said}");
@@ -118,13 +104,13 @@ fn a_report_says_what_predict_says() {
         .collect();
     assert_eq!(found, [true; 3], "{text}");
 
-    ok(&["counts", "results/bangay2003", "--out", "counts.csv"], folder.path());
-    let said = ok(&["analyze", "counts.csv", "--out", "bare", "--replicates", "100"], folder.path());
+    run("counts results/bangay2003 --out counts.csv");
+    let said = run("analyze counts.csv --out bare --replicates 100");
     assert!(said.contains("no prediction by the model of vision: the files bring no definition"), "{said}");
     assert!(section("bare").contains("There is no prediction: the files bring no definition"));
     assert!(!folder.path().join("bare/figure4a_predicted.svg").exists());
-    let tables = ["analyze", "results/bangay2003", "--out", "tables", "--tables-only", "--replicates", "100"];
-    assert!(!ok(&tables, folder.path()).contains("model of vision"));
+    let tables = run("analyze results/bangay2003 --out tables --tables-only --replicates 100");
+    assert!(!tables.contains("model of vision"));
 }
 
 #[test]
@@ -150,12 +136,13 @@ fn what_cannot_be_predicted_is_said() {
         ("text.png", "not a whole PNG"),
         ("none.png", "cannot be opened"),
     ] {
-        let (out, error, status) = machband(&["predict", "--image", file, "--window", "0.1"], folder.path());
-        assert_eq!((out.as_str(), status), ("", 1), "{file}");
+        let error = fails(folder.path(), &["predict", "--image", file, "--window", "0.1"], 1);
         assert!(error.starts_with(&format!("error: {file}")) && error.contains(what), "{error}");
     }
-    let (_, error, status) = machband(&["predict", "--window=-1"], folder.path());
-    assert!(status == 2 && error.contains("--window"), "{error}");
-    let (_, error, status) = machband(&["predict", "bangay2003", "--fit", "nowhere"], folder.path());
-    assert!(status == 1 && error.contains("nowhere"), "{error}");
+    for (line, status, part) in
+        [("predict --window=-1", 2, "--window"), ("predict bangay2003 --fit nowhere", 1, "nowhere")]
+    {
+        let error = fails(folder.path(), &split(line), status);
+        assert!(error.contains(part), "{error}");
+    }
 }
