@@ -178,8 +178,8 @@ impl Field for u32 {
 impl Field for Depth {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         value.to_string().parse().map_err(|error| match error {
-            DepthError::OutOfRange(depth) => parameter.error(depth, "is outside 1…32"),
-            DepthError::NotWhole(depth) => parameter.error(depth, "is not a whole number"),
+            DepthError::OutOfRange(_) => parameter.error(value, "is outside 1…32"),
+            DepthError::NotWhole(_) => parameter.error(value, "is not a whole number"),
         })
     }
     fn write(&self) -> ParameterValue {

@@ -35,18 +35,6 @@ fn interpolation_agrees_with_other_implementations() {
     }
 }
 
-#[test]
-fn interpolation_is_the_text_book_polynomial() {
-    let expected = |u: f64| [u, u * u * (3.0 - 2.0 * u), u.powi(3) * (10.0 + u * (-15.0 + 6.0 * u))];
-    for i in 0..=1000 {
-        let u = f64::from(i) / 1000.0;
-        for (n, expected) in (1..).zip(expected(u)) {
-            let value = Interpolation::new(Depth::finite(n).unwrap()).value(u);
-            assert!((value - expected).abs() <= 4e-15, "n={n} u={u}");
-        }
-    }
-}
-
 /// n − 1 derivatives vanish at the ends and the n-th does not: I_n(h) goes as hⁿ, with the
 /// coefficient C(2n−1, n).
 #[test]
