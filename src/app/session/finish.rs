@@ -38,7 +38,7 @@ impl Finish {
     /// For a session that was completed or left.
     pub fn new(
         protocol: Protocol,
-        rows: Vec<TrialRecord>,
+        rows: &[TrialRecord],
         path: PathBuf,
         complete: bool,
         frames: Option<String>,
@@ -52,7 +52,7 @@ impl Finish {
         let by = name("depth", 1).filter(|by| Some(*by) != along);
         let factor = |index: Option<usize>| index.map(|index| &protocol.factors[index]);
         let lines = factor(along).map_or_else(Vec::new, |along| {
-            mean_lines(&protocol, &rows, &along.name, factor(by).map(|f| f.name.as_str()))
+            mean_lines(&protocol, rows, &along.name, factor(by).map(|f| f.name.as_str()))
         });
         Self {
             levels: factor(along).map_or_else(Vec::new, |f| f.levels.iter().map(ToString::to_string).collect()),
@@ -93,10 +93,7 @@ impl Finish {
             }
             ui.add_space(8.0);
             if let Some(fault) = &self.fault {
-                ui::fault(
-                    ui,
-                    format!("The end of this sitting could not be noted; please call the experimenter. {fault}"),
-                );
+                ui::fault(ui, format!("The end of this sitting was not saved. Please call the experimenter. {fault}"));
             }
             ui.label(&texts.saved_in);
             ui.add(egui::Label::new(egui::RichText::new(self.path.display().to_string()).monospace()).wrap());

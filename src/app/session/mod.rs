@@ -1,13 +1,13 @@
 //! A session: preflight, instructions, trials, and its end. [`Runner`] leads from one to the next.
 
+mod findings;
 mod finish;
 mod frames;
-mod hasher;
 mod instructions;
 mod preflight;
+mod recording;
 mod request;
 mod runner;
-mod scale;
 mod trials;
 mod trouble;
 

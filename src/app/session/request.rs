@@ -1,7 +1,8 @@
-//! The session that is to be run.
+//! The session that is to be run, and what the preflight settles about it.
 
 use std::path::PathBuf;
 
+use super::frames::KnownRefresh;
 use crate::{
     display::{DisplayProfile, Viewing},
     experiment::{Identity, Protocol},
@@ -33,4 +34,16 @@ pub struct Request {
 /// Side of a stimulus in whole physical pixels, at least one.
 pub fn stimulus_side_px(viewing: &Viewing, window_deg: f64) -> u32 {
     viewing.px_from_deg(window_deg).round().clamp(1.0, f64::from(u32::MAX)) as u32
+}
+
+/// What the preflight settled.
+pub struct Prepared {
+    /// Screen and distance.
+    pub viewing: Viewing,
+    /// Side of the stimulus in physical pixels.
+    pub size_px: u32,
+    /// Against what frames are judged.
+    pub refresh: KnownRefresh,
+    /// The window in physical pixels.
+    pub window: (u32, u32),
 }

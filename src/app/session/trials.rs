@@ -1,43 +1,28 @@
-//! The session on the screen: turns input into events, effects into rows, and states into pictures.
+//! The trials on the screen: turns input into events, and states into pictures.
 
-use std::{
-    collections::BTreeSet,
-    io::Write as _,
-    path::Path,
-    time::{Duration, SystemTime, UNIX_EPOCH},
+use std::{collections::BTreeSet, path::Path, time::Duration};
+
+use eframe::egui::{
+    self, Align2, Area, Button, CentralPanel, Color32, CursorIcon, Frame, Id, Key, RichText, TextureHandle, Vec2,
+    ViewportCommand,
 };
-
-use eframe::egui::{self, CursorIcon, Key, TextureHandle, ViewportCommand};
-use jiff::Timestamp;
-use serde_json::json;
 
 use super::{
     finish::Finish,
-    frames,
-    hasher::Hasher,
-    instructions::{self, Answer, CategoryPictures, INSTRUCTION_PAGES},
-    request::Request,
-    scale,
+    frames::ScreenRefresh,
+    instructions::{self, Answer, CategoryPictures},
+    recording::Recording,
+    request::{Prepared, Request},
     trouble::{Remedy, Trouble},
 };
 use crate::{
     app::{
         ui::{Monitor, Step, pixels, theme, window_px},
-        window::{Input, InputReport, LEAST_SIZE, PressTime},
+        window::{Input, LEAST_SIZE, PressTime},
     },
-    display::{Viewing, frames::Refresh},
-    experiment::{
-        Effect, Event, FrameCount, Identity, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, State,
-        TrialRecord, TrialResponse, session_seed,
-    },
+    experiment::{Effect, Event, Phase, ResponseScale, Session, State},
     light::{Bits, Quantizer},
-    store::{
-        StoreError,
-        frames::FrameRow,
-        profile,
-        session::SessionStore,
-        sidecar::{Pictures, PreflightNote, Sitting},
-    },
+    store::{StoreError, sidecar::PreflightNote},
 };
 
 /// Textures kept: the stimulus on the screen and the one that comes next.
@@ -45,88 +30,34 @@ const TEXTURES_KEPT: usize = 2;
 /// How long the cursor stays after the mouse moved, where the scale can be clicked, seconds.
 const CURSOR_S: f64 = 2.0;
 
-/// What the preflight settled.
-pub struct Prepared {
-    /// Screen and distance.
-    pub viewing: Viewing,
-    /// Side of the stimulus in physical pixels.
-    pub size_px: u32,
-    /// Against what frames are counted.
-    pub frames: FrameCount,
-    /// Who knows the frame interval: `reported` by the system, `measured`, or `unknown`.
-    pub refresh_source: &'static str,
-    /// The window in physical pixels.
-    pub window: (u32, u32),
-}
-
-/// The refresh of the screen, and where that is known from.
-struct ScreenRefresh {
-    /// Name and rate of the monitor at the start, to recognize another one.
-    first: (Option<String>, Option<f64>),
-    /// What the preflight found of it.
-    found: (Option<Refresh>, &'static str),
-    /// As it is now.
-    refresh: Option<Refresh>,
-    source: &'static str,
-}
-
-impl ScreenRefresh {
-    fn new(monitor: &Monitor, prepared: &Prepared) -> Self {
-        let refresh = match prepared.frames {
-            FrameCount::Against(seconds) => Refresh::new(seconds),
-            FrameCount::Off | FrameCount::Frames => None,
-        };
-        let source = prepared.refresh_source;
-        Self { first: (monitor.name.clone(), monitor.refresh_hz), found: (refresh, source), refresh, source }
-    }
-
-    /// For the monitor that shows the window now; gives whether the refresh has changed.
-    fn update(&mut self, monitor: &Monitor) -> bool {
-        let before = self.refresh;
-        let reported = monitor.refresh_hz.and_then(|hz| Refresh::from_hz(hz));
-        (self.refresh, self.source) = match reported {
-            _ if (&self.first.0, self.first.1) == (&monitor.name, monitor.refresh_hz) => self.found,
-            Some(_) => (reported, "reported"),
-            None => (None, "unknown"),
-        };
-        self.refresh != before
-    }
-
-    fn frames(&self) -> FrameCount {
-        self.refresh.map_or(FrameCount::Frames, |refresh| FrameCount::Against(refresh.seconds()))
-    }
-}
+/// Widest button of the scale, points.
+const WIDEST: f32 = 250.0;
+/// Between two buttons, points.
+const GAP: f32 = 6.0;
+/// Below this width a label would be cut: the key alone says more.
+const NARROWEST: f32 = 100.0;
 
 /// A session that runs.
 pub struct Trials {
     session: Session,
-    store: SessionStore,
-    identity: Identity,
-    sitting: u32,
-    /// Rows so far, earlier sittings included, for the plot at the end.
-    rows: Vec<TrialRecord>,
+    recording: Recording,
     /// The window's time at which the session's time was `offset`.
     window_start_s: f64,
     /// Session time at the start of this sitting.
     offset: Duration,
-    /// Wall-clock time at which the session's time was 0.
-    origin: Timestamp,
     quantizer: Quantizer,
     /// The recovery field's color.
-    field: egui::Color32,
+    field: Color32,
     size_px: u32,
     /// Condition and picture, the latest last.
     textures: Vec<(usize, TextureHandle)>,
     categories: CategoryPictures,
-    hasher: Option<Hasher>,
     screen: ScreenRefresh,
-    input: InputReport,
     /// Clicked on the scale in the frame before, which still showed the stimulus.
     clicked: Option<(u8, PressTime)>,
     scale_shown: bool,
     trouble: Option<Trouble>,
     resumed: bool,
-    closed: bool,
     mouse_moved_s: f64,
     /// Keys that are down, by their place: a key that is held repeats, and counts once. Its meaning can change while it
     /// is down (Shift, Num Lock), so the window system's own word for a repetition is not enough.
@@ -138,75 +69,36 @@ impl Trials {
     pub fn begin(
         ctx: &egui::Context,
         request: &Request,
-        prepared: Prepared,
+        prepared: &Prepared,
         notes: Vec<PreflightNote>,
         monitor: &Monitor,
     ) -> Result<Self, StoreError> {
-        let protocol = &request.protocol;
-        let sitting = Sitting {
-            started_at: Timestamp::now().to_string(),
-            display: Some(json!({
-                "name": request.display.name,
-                "transfer": request.display.transfers.to_string(),
-                "sha256": profile::hash(&request.display),
-                "profile": profile::value(&request.display),
-            })),
-            monitor: serde_json::to_value(monitor).ok(),
-            viewing: Some(viewing(request, &prepared)),
-            preflight: notes,
-            pictures: Some(Pictures::new(
-                protocol,
-                prepared.size_px,
-                &request.display.transfers,
-                Some(profile::hash(&request.display)),
-            )),
-            ..Sitting::default()
-        };
-        let results = &request.results;
-        let (store, schedule, resumed, elapsed_s, number, rows) = if request.resume {
-            let (store, found) = SessionStore::resume(results, protocol, &request.identity, request.seed, sitting)?;
-            (store, found.schedule, found.resumed, found.elapsed_s, found.sitting, found.rows)
-        } else {
-            let seed = request.seed.unwrap_or_else(fresh_seed);
-            let store = SessionStore::create(results, protocol, &request.identity, seed, sitting)?;
-            let schedule = Schedule::new(protocol, &request.identity, seed)
-                .map_err(|error| StoreError::Mismatch { path: store.csv().to_owned(), what: error.to_string() })?;
-            (store, schedule, Resumed::default(), 0.0, 1, Vec::new())
-        };
+        let screen = ScreenRefresh::new(monitor, prepared.refresh);
+        let (recording, session, offset) = Recording::begin(request, prepared, notes, monitor, &screen)?;
         // A window that kept its least size on a smaller screen would show part of the stimulus, unnoticed.
-        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(egui::Vec2::splat(1.0)));
-        let offset = offset(elapsed_s, rows.first());
+        ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(Vec2::splat(1.0)));
         let quantizer = Quantizer::new(&request.display.transfers, Bits::Eight);
-        let screen = ScreenRefresh::new(monitor, &prepared);
-        let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: screen.frames() };
-        let session = Session::new(protocol.clone(), schedule, &resumed, options);
-        let practising =
-            session.current().is_some_and(|trial| session.schedule().trials[trial].phase == Phase::Practice);
-        Ok(Self {
-            resumed: request.resume,
+        let protocol = &request.protocol;
+        let mut trials = Self {
             session,
-            store,
-            identity: request.identity.clone(),
-            sitting: number,
-            rows,
+            recording,
             window_start_s: ctx.input(|input| input.time),
             offset,
-            origin: Timestamp::now() - offset,
             field: pixels::field(&quantizer, protocol.stimulus.field_light(protocol.recovery.level)),
             quantizer,
             size_px: prepared.size_px,
             textures: Vec::new(),
             categories: CategoryPictures::default(),
-            hasher: Hasher::start(),
             screen,
-            input: InputReport::default(),
             clicked: None,
-            scale_shown: practising,
+            scale_shown: false,
             trouble: None,
-            closed: false,
+            resumed: request.resume,
             mouse_moved_s: f64::NEG_INFINITY,
             held: BTreeSet::new(),
-        })
+        };
+        trials.scale_shown = trials.phase() == Some(Phase::Practice);
+        Ok(trials)
     }
 
     /// Whether an answer is only in memory.
@@ -225,13 +117,17 @@ impl Trials {
             self.remedy(ui, now);
             return Step::Stay;
         }
-        let was_main = self.in_main();
-        self.follow_screen(monitor);
+        let was_main = self.phase() == Some(Phase::Main);
+        // The window may be moved to another monitor, and a monitor set to another rate.
+        if let Some(note) = self.screen.update(monitor) {
+            self.session.judge_against(self.screen.frames());
+            self.recording.store.note(note);
+        }
         self.handle_input(ui, now, input);
         self.pause_if_too_small(ui.ctx(), now);
         self.step(Event::Frame, now);
-        if self.in_main() && !was_main {
-            // Practised: from here on nothing but field and stimulus, unless the participant asks for the scale.
+        if self.phase() == Some(Phase::Main) && !was_main {
+            // Practiced: from here on nothing but field and stimulus, unless the participant asks for the scale.
             self.scale_shown = false;
         }
         if self.is_trial() {
@@ -247,19 +143,9 @@ impl Trials {
         self.offset + Duration::try_from_secs_f64(window_s - self.window_start_s).unwrap_or_default()
     }
 
-    /// The window may be moved to another monitor, and a monitor set to another rate.
-    fn follow_screen(&mut self, monitor: &Monitor) {
-        if self.screen.update(monitor) {
-            self.session.judge_against(self.screen.frames());
-            let hz =
-                self.screen.refresh.map_or_else(|| "unknown".to_owned(), |refresh| format!("{:.3} Hz", refresh.hz()));
-            self.store.note(format!("the screen's refresh changed: {} {hz}, {}", monitor.title(), self.screen.source));
-        }
-    }
-
-    fn in_main(&self) -> bool {
-        let trial = self.session.current().map(|trial| self.session.schedule().trials[trial].phase);
-        trial == Some(Phase::Main)
+    /// The phase of the trial at hand.
+    fn phase(&self) -> Option<Phase> {
+        self.session.current().map(|trial| self.session.schedule().trials[trial].phase)
     }
 
     /// Keys that have just gone down, in the order in which they came: what each means, and its place.
@@ -308,7 +194,7 @@ impl Trials {
         }
     }
 
-    /// The stimulus is rated: as it was pressed_at, or, where nothing was stamped, now.
+    /// The stimulus is rated: when the key or click was stamped, or else now.
     fn rate(&mut self, rating: u8, pressed_at: Option<PressTime>, now: Duration) {
         let event = match pressed_at {
             Some(PressTime { at_s, uncertainty }) => Event::RateAt { rating, at: self.session_time(at_s), uncertainty },
@@ -334,43 +220,20 @@ impl Trials {
     }
 
     fn step(&mut self, event: Event, now: Duration) {
-        if let Effect::Record(response) = self.session.step(event, now) {
-            self.record(&response, now);
-        }
-    }
-
-    /// Puts a row on disk before anything else happens; the field is on the screen meanwhile.
-    fn record(&mut self, response: &TrialResponse, now: Duration) {
-        self.input.rated(response.uncertainty);
-        let context = RowContext {
-            protocol: self.session.protocol(),
-            schedule: self.session.schedule(),
-            identity: &self.identity,
-            sitting: self.sitting,
-        };
-        let row = TrialRecord::new(&context, response, self.origin + response.onset);
-        match self.store.append(&row) {
+        let Effect::Record(response) = self.session.step(event, now) else { return };
+        // On disk before anything else happens; the field is on the screen meanwhile.
+        match self.recording.record(&mut self.session, &response) {
             Ok(()) => _ = self.session.step(Event::Stored, now),
             Err(error) => self.trouble = Some(Trouble::new(error.to_string())),
         }
-        self.rows.push(row);
-        self.store_frames();
-    }
-
-    fn store_frames(&mut self) {
-        let stretches = self.session.take_stretches();
-        let schedule = self.session.schedule();
-        let row = |stretch| FrameRow::new(stretch, schedule, self.sitting);
-        let rows: Vec<_> = stretches.into_iter().filter_map(row).collect();
-        self.store.append_frames(&rows);
     }
 
     fn remedy(&mut self, ui: &mut egui::Ui, now: Duration) {
         let Some(trouble) = &mut self.trouble else { return };
         let tried = match trouble.show(ui) {
             Remedy::None => return,
-            Remedy::Retry => self.store.retry(),
-            Remedy::MoveTo(folder) => self.store.move_to(&folder),
+            Remedy::Retry => self.recording.store.retry(),
+            Remedy::MoveTo(folder) => self.recording.store.move_to(&folder),
         };
         match tried {
             Ok(()) => {
@@ -412,9 +275,7 @@ impl Trials {
         let stimulus = &schedule.conditions[cell].stimulus;
         let codes = stimulus.codes(self.size_px, &self.quantizer);
         let texture = pixels::texture_of(ctx, &format!("condition{cell}"), &codes);
-        if let Some(hasher) = &self.hasher {
-            hasher.take(cell, codes);
-        }
+        self.recording.picture(cell, codes);
         self.textures.push((cell, texture));
         if self.textures.len() > TEXTURES_KEPT {
             drop(self.textures.remove(0));
@@ -461,13 +322,13 @@ impl Trials {
     }
 
     /// What stands behind everything else: the uniform field during trials.
-    pub fn ground(&self) -> egui::Color32 {
+    pub fn ground(&self) -> Color32 {
         if self.is_trial() && self.trouble.is_none() { self.field } else { theme::PAGE }
     }
 
     fn draw_trial(&mut self, ui: &mut egui::Ui, window_s: f64, input: &mut Input) {
         let rating_now = self.awaits_rating();
-        egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
+        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             if !matches!(self.session.state(), State::Stimulus { .. }) {
                 return;
             }
@@ -477,8 +338,8 @@ impl Trials {
                 pixels::draw_centered(ui, texture, ui.ctx().content_rect());
             }
         });
-        let clicked =
-            if self.scale_shown { scale::show(ui.ctx(), &self.session.protocol().response, rating_now) } else { None };
+        let scale = &self.session.protocol().response;
+        let clicked = if self.scale_shown { draw_scale(ui.ctx(), scale, rating_now) } else { None };
         if !self.scale_shown || window_s - self.mouse_moved_s > CURSOR_S {
             ui.ctx().set_cursor_icon(CursorIcon::None);
         }
@@ -493,76 +354,55 @@ impl Trials {
         let fault = self.close();
         ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(LEAST_SIZE));
-        let complete = *self.session.state() == State::Done;
-        let frames = self.session.frame_times();
-        let finish = Finish::new(
+        Step::Next(Box::new(Finish::new(
             self.session.protocol().clone(),
-            std::mem::take(&mut self.rows),
-            self.store.csv().to_owned(),
-            complete,
-            frames::sentence(frames, self.screen.refresh),
+            &self.recording.take_rows(),
+            self.csv().to_owned(),
+            *self.session.state() == State::Done,
+            self.screen.sentence(self.session.frame_times()),
             fault,
-        );
-        Step::Next(Box::new(finish))
+        )))
     }
 
     /// Where the rows are.
     pub fn csv(&self) -> &Path {
-        self.store.csv()
+        self.recording.csv()
     }
 
-    /// Ends the sitting in the sidecar, once; gives what could not be written, which is said on stderr too. A sidecar
-    /// that cannot be written now says less, and takes nothing with it.
+    /// Ends the sitting, once; gives what could not be written.
     pub fn close(&mut self) -> Option<String> {
-        if std::mem::replace(&mut self.closed, true) {
-            return None;
-        }
-        // An answer that is in memory only has its last chance.
-        let saved = if self.is_unsaved() { self.store.retry() } else { Ok(()) };
-        self.store_frames();
-        self.store.describe_input(self.input.summary());
-        for (condition, sha256) in self.hasher.take().map(Hasher::finish).unwrap_or_default() {
-            self.store.note_picture(condition, sha256);
-        }
-        let (times, file) = (self.session.frame_times(), self.store.frames_file());
-        let summary = frames::summary(times, self.screen.refresh, self.screen.source, file);
-        let complete = *self.session.state() == State::Done;
-        let ended = self.store.finish(complete, Timestamp::now().to_string(), summary);
-        let faults: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
-        for fault in &faults {
-            // Where nobody listens, nothing is lost.
-            let _ = writeln!(std::io::stderr(), "error: {fault}");
-        }
-        (!faults.is_empty()).then(|| faults.join("\n"))
+        self.recording.close(&mut self.session, &self.screen)
     }
 }
 
-/// Physical pixels of the monitor; a system that does not know them limits nothing.
-fn viewing(request: &Request, prepared: &Prepared) -> serde_json::Value {
-    let screen = prepared.viewing.screen();
-    json!({
-        "distance_cm": request.distance_cm,
-        "screen_width_cm": screen.width_cm(),
-        "screen_width_measured": request.screen_width_cm.or(request.display.screen_width_cm).is_some(),
-        "pixels_per_degree": prepared.viewing.px_per_degree(),
-        "stimulus_px": prepared.size_px,
-        "stimulus_deg": prepared.viewing.deg_from_px(f64::from(prepared.size_px)),
-        "window_px": [prepared.window.0, prepared.window.1],
-        "windowed": request.windowed,
-    })
-}
-
-/// Session time at which a resumed sitting starts: by the wall clock, but never before what is recorded, since a clock
-/// can be turned back.
-fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
-    let recorded = Duration::from_secs_f64(elapsed_s);
-    let Some(first) = first else { return recorded };
-    let since_first = Timestamp::now().duration_since(first.started_at).as_secs_f64() + first.onset_s.0;
-    recorded.max(Duration::from_secs_f64(since_first.max(0.0)))
-}
-
-/// A seed that differs from session to session.
-fn fresh_seed() -> u64 {
-    let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
-    session_seed(nanoseconds ^ (u64::from(std::process::id()) << 32))
+/// The rating scale at the lower edge, the only thing on the screen besides field and stimulus, and it can be hidden.
+/// Gives the rating that was clicked. `enabled` while there is something to rate.
+fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Option<u8> {
+    let mut rated = None;
+    let count = scale.categories.len().max(1) as f32;
+    let width = ((ctx.content_rect().width() - 40.0) / count - GAP).min(WIDEST);
+    Area::new(Id::unique("scale")).anchor(Align2::CENTER_BOTTOM, [0.0, -8.0]).show(ctx, |ui| {
+        Frame::NONE.fill(Color32::from_black_alpha(150)).corner_radius(6.0).inner_margin(6.0).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.x = GAP;
+            ui.spacing_mut().button_padding = Vec2::new(6.0, 4.0);
+            ui.horizontal(|ui| {
+                for (rating, category) in (0..).zip(&scale.categories) {
+                    let text = match width < NARROWEST {
+                        true => category.key.to_string(),
+                        false => format!("{}  {}", category.key, category.label),
+                    };
+                    let button = Button::new(RichText::new(text).small()).frame(enabled).wrap();
+                    // Two lines where a label may need them, the same for all.
+                    let height = if (NARROWEST..WIDEST).contains(&width) { 46.0 } else { ui.spacing().interact_size.y };
+                    let size = Vec2::new(width.max(height), height);
+                    let response = ui.add_enabled_ui(enabled, |ui| ui.add_sized(size, button)).inner;
+                    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, &category.label));
+                    if response.clicked() {
+                        rated = Some(rating);
+                    }
+                }
+            });
+        });
+    });
+    rated
 }

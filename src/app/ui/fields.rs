@@ -103,7 +103,7 @@ impl<'a> Field<'a> {
     pub fn add(self, ui: &mut Ui, control: impl Widget) -> Response {
         self.show(ui, |ui, label| {
             let response = ui.add(control);
-            self.tell(ui, response, label)
+            self.labeled(ui, response, label)
         })
     }
 
@@ -133,7 +133,7 @@ impl<'a> Field<'a> {
             if response.changed() {
                 *value = N::from_f64(shown);
             }
-            self.tell(ui, response, label)
+            self.labeled(ui, response, label)
         })
     }
 
@@ -159,7 +159,7 @@ impl<'a> Field<'a> {
                     ui.selectable_value(value, one.clone(), text(one));
                 }
             });
-            self.tell(ui, list.response, label)
+            self.labeled(ui, list.response, label)
         })
     }
 
@@ -172,7 +172,7 @@ impl<'a> Field<'a> {
         });
     }
 
-    fn tell(self, ui: &Ui, response: Response, label: Id) -> Response {
+    fn labeled(self, ui: &Ui, response: Response, label: Id) -> Response {
         match self.name {
             Some(name) => {
                 text::name(ui, &response, name);

@@ -4,11 +4,10 @@
 //! |---|---|
 //! | [`theme`] | colors, sizes, the palette of plots |
 //! | [`text`] | paragraphs, hints, notes, faults |
-//! | [`page`] | pages, their headings, main buttons and keys |
-//! | [`step`] | where a page leads |
+//! | [`page`] | pages, their headings, main buttons and keys; where a page leads |
 //! | [`fields`] | labeled controls; numbers as they are typed |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
-//! | [`plot`], [`table`] | plots that do not drag; tables |
+//! | [`plot`] | plots that do not drag; tables |
 //! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
 //! | [`screen`], [`platform`] | the monitor, and what the window system knows of it |
 //! | [`work`] | what is computed while the window goes on drawing |
@@ -21,17 +20,13 @@ pub mod pixels;
 pub mod platform;
 pub mod plot;
 pub mod screen;
-pub mod step;
-pub mod table;
 pub mod text;
 pub mod theme;
 pub mod work;
 
 pub use dialog::{Ask, Dialog};
 pub use fields::{Field, number};
-pub use page::{escaped, heading, page, page_from, primary, shortcut, tool_page};
-pub use plot::still_plot;
+pub use page::{Step, escaped, heading, page, page_from, primary, shortcut, tool_page};
+pub use plot::{still_plot, table};
 pub use screen::{Monitor, ScreenFields, today, window_px};
-pub use step::Step;
-pub use table::table;
 pub use text::{describe, fault, good, hint, note, outcome, paragraph, quiet, section, signed, tick};

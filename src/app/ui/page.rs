@@ -1,8 +1,44 @@
-//! Pages: a column of text and controls, its heading, its main button and its keys.
+//! Pages: a column of text and controls, its heading, its main button and its keys, and where a page leads.
+
+use std::convert::Infallible;
 
 use eframe::egui::{self, CentralPanel, Color32, Frame, Key, Popup, RichText, ScrollArea, Ui, Vec2};
 
 use super::{text::quiet, theme::COLUMN};
+
+/// Where a page leads after a frame. A page that leads nowhere but back is a `Step` without a type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step<T = Infallible> {
+    /// The page stays.
+    Stay,
+    /// Back to the page before.
+    Back,
+    /// On, with what the next page needs.
+    Next(T),
+}
+
+impl<T> Step<T> {
+    /// Back, or nowhere yet.
+    pub fn back_if(back: bool) -> Self {
+        if back { Self::Back } else { Self::Stay }
+    }
+
+    /// The same step, with something else for the next page.
+    pub fn map<U>(self, next: impl FnOnce(T) -> U) -> Step<U> {
+        match self {
+            Self::Stay => Step::Stay,
+            Self::Back => Step::Back,
+            Self::Next(value) => Step::Next(next(value)),
+        }
+    }
+}
+
+impl Step {
+    /// As the step of a page that could also lead on.
+    pub fn widen<U>(self) -> Step<U> {
+        self.map(|never| match never {})
+    }
+}
 
 /// A page with a centered column, a little below the top, that scrolls where the window is small.
 pub fn page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
@@ -54,7 +90,7 @@ pub fn heading(ui: &mut Ui, name: &str) -> bool {
     .inner
 }
 
-/// The main button of a page, and a word about its keys beside it.
+/// The main button of a page, followed by a hint about its keys.
 pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
     let button = egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))
         .fill(Color32::from_rgb(0xe8, 0xd0, 0x70))

@@ -1,7 +1,9 @@
-//! Plots.
+//! Plots that do not drag, and tables of numbers.
 
-use eframe::egui::AsIdSalt;
+use eframe::egui::{AsIdSalt, Grid, ScrollArea, Ui};
 use egui_plot::Plot;
+
+use super::text::quiet;
 
 /// A plot that stays as it is: dragging and scrolling move the page, not the plot.
 pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {
@@ -11,4 +13,22 @@ pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {
         .allow_scroll(false)
         .allow_boxed_zoom(false)
         .allow_double_click_reset(false)
+}
+
+/// A striped table that scrolls sideways where it is too wide.
+pub fn table<const N: usize>(ui: &mut Ui, id: &str, heads: [&str; N], rows: impl IntoIterator<Item = [String; N]>) {
+    ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
+        Grid::new(id).striped(true).num_columns(N).spacing([18.0, 2.0]).show(ui, |ui| {
+            for head in heads {
+                ui.label(quiet(head));
+            }
+            ui.end_row();
+            for row in rows {
+                for cell in row {
+                    ui.monospace(cell);
+                }
+                ui.end_row();
+            }
+        });
+    });
 }

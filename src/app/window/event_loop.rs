@@ -17,9 +17,8 @@ use winit::{
 };
 
 use super::{
-    error::WindowError,
     input::{Pressed, Stamps},
-    program::{Failure, Shared},
+    program::{Failure, Shared, WindowError},
 };
 
 /// A loop that comes back from waiting this late had nothing to do, and was woken by what it then finds.

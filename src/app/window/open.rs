@@ -10,10 +10,9 @@ use eframe::{
 };
 
 use super::{
-    error::WindowError,
     event_loop,
     input::{Input, Stamps},
-    program::{Program, Shared},
+    program::{Program, Shared, WindowError},
 };
 
 /// Least size of the window, outside sessions, in points.

@@ -1,14 +1,15 @@
-//! What was found about the screen, the window and the stimulus, each in one sentence.
+//! What the preflight finds about the screen, the window and the stimulus, each in one sentence, and what it asks.
 
-use super::super::{
-    frames::FrameStatistics,
-    request::{Request, stimulus_side_px},
-    trials::Prepared,
-};
+use eframe::egui;
+
+use super::request::{Prepared, Request, stimulus_side_px};
 use crate::{
     app::ui::{Monitor, platform::Platform, today},
-    display::{DisplayProfile, Screen, Viewing, frames::Refresh},
-    experiment::{Condition, FrameCount, Protocol},
+    display::{
+        DisplayProfile, Screen, Viewing,
+        frames::{FrameTimes, Refresh},
+    },
+    experiment::Protocol,
     store::{
         dataset::SessionPaths,
         profile,
@@ -66,8 +67,8 @@ impl Before {
     }
 }
 
-fn note(check: &str, ok: bool, sentence: String) -> PreflightNote {
-    PreflightNote { check: check.to_owned(), ok, sentence }
+fn note(check: &str, ok: bool, sentence: impl Into<String>) -> PreflightNote {
+    PreflightNote { check: check.to_owned(), ok, sentence: sentence.into() }
 }
 
 /// Everything but the steps of light, which never change. `scale`: physical pixels a point.
@@ -76,50 +77,36 @@ pub fn all(
     before: Option<&Before>,
     monitor: &Monitor,
     platform: &Platform,
-    frames: &FrameStatistics,
+    frames: &FrameTimes,
     window: (u32, u32),
     scale: f64,
 ) -> Findings {
     let name = monitor.name.as_ref().map_or_else(|| "without a name".to_owned(), |name| format!("{name:?}"));
     let [width, height] = [monitor.width_px, monitor.height_px];
+    let scale = format!("The system's scale is {scale}. Stimuli are drawn in physical pixels all the same.");
+    // The mode's own timing is exact; what the window is told is rounded.
+    let reported = platform.refresh_hz.or(monitor.refresh_hz);
+    let refresh = match reported {
+        Some(hz) => format!("The system reports {hz:.3} Hz."),
+        None => "The system does not report a refresh rate. The measured frame interval is used instead.".to_owned(),
+    };
+    let frame_interval = frame_interval(frames);
+    let measured = Refresh::measured(frames.intervals_us()).filter(|_| frame_interval.ok);
+    let refresh_found = match reported.and_then(Refresh::from_hz) {
+        Some(reported) => (Some(reported), "reported"),
+        None => (measured, if measured.is_some() { "measured" } else { "unknown" }),
+    };
     let mut notes = vec![
         note("monitor", true, format!("Monitor {name}, {width} × {height} pixels.")),
         full_screen(request.windowed, window, window == (width, height)),
-        note(
-            "scale",
-            true,
-            format!("The system's scale is {scale}. Stimuli are drawn in physical pixels all the same."),
-        ),
+        note("scale", true, scale),
+        note("refresh", reported.is_some(), refresh),
+        frame_interval,
     ];
-    // The mode's own timing is exact; what the window is told is rounded.
-    let reported = platform.refresh_hz.or(monitor.refresh_hz);
-    notes.push(note(
-        "refresh",
-        reported.is_some(),
-        match reported {
-            Some(hz) => format!("The system reports {hz:.3} Hz."),
-            None => {
-                "The system does not report a refresh rate. The measured frame interval is used instead.".to_owned()
-            }
-        },
-    ));
-    let frame_interval = frame_interval(frames);
-    let measured = frames.refresh().filter(|_| frame_interval.ok);
-    notes.push(frame_interval);
     notes.extend(path_to_the_screen(platform));
     notes.extend(display_profile(&request.display, monitor, platform));
-    let interval = reported.map(|hz| 1.0 / hz).or(measured.map(Refresh::seconds));
-    let prepared = geometry(request, monitor, window, &mut notes).map(|(viewing, size_px)| Prepared {
-        viewing,
-        size_px,
-        frames: interval.map_or(FrameCount::Frames, FrameCount::Against),
-        refresh_source: match (reported, measured) {
-            (Some(_), _) => "reported",
-            (None, Some(_)) => "measured",
-            (None, None) => "unknown",
-        },
-        window,
-    });
+    let geometry = geometry(request, monitor, window, &mut notes);
+    let prepared = geometry.map(|(viewing, size_px)| Prepared { viewing, size_px, refresh: refresh_found, window });
     if let (Some(before), Some(now)) = (before, &prepared) {
         notes.push(before.note(now.size_px));
     }
@@ -139,17 +126,17 @@ fn full_screen(windowed: bool, (width, height): (u32, u32), whole: bool) -> Pref
     note("full_screen", whole || windowed, sentence)
 }
 
-fn frame_interval(frames: &FrameStatistics) -> PreflightNote {
+fn frame_interval(frames: &FrameTimes) -> PreflightNote {
     let (Some(median), Some(slow)) = (frames.quantile(0.5), frames.quantile(0.99)) else {
-        return note("frame_interval", false, "No frames could be measured.".to_owned());
+        return note("frame_interval", false, "No frames could be measured.");
     };
     let steady = slow <= 1.5 * median;
     let sentence = format!(
-        "Frames came every {:.1} ms ({:.1} Hz); 99 % of them within {:.1} ms{}",
+        "Frames came every {:.1} ms ({:.1} Hz); 99 % of them within {:.1} ms.{}",
         median * 1e3,
         1.0 / median,
         slow * 1e3,
-        if steady { "." } else { ". They are not steady: close other programs." }
+        if steady { "" } else { " They are not steady: close other programs." }
     );
     note("frame_interval", steady, sentence)
 }
@@ -157,49 +144,45 @@ fn frame_interval(frames: &FrameStatistics) -> PreflightNote {
 /// Whether codes reach the screen as they are.
 fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
     let system = platform.window_system;
-    let mut notes = vec![match platform.composited {
-        Some(true) => note(
-            "compositor",
+    let (ok, composited) = match platform.composited {
+        Some(true) => (false, "uses a compositor, which shows pictures a frame or more late; onsets are late by that."),
+        Some(false) => (true, "uses no compositor."),
+        None => (false, "does not report whether it uses a compositor."),
+    };
+    let mut notes = vec![note("compositor", ok, format!("{system} {composited}"))];
+    notes.extend(platform.ramps_straight.map(|straight| {
+        let sentence = match straight {
+            true => "The graphics card passes codes on unchanged.",
+            false => {
+                "The graphics card changes codes with its gamma ramps: a night light is on, or a calibration was loaded. Switch it off, or measure the screen with it."
+            }
+        };
+        note("color_ramps", straight, sentence)
+    }));
+    let resolution = match (platform.resampled, platform.mode_px, platform.own_px) {
+        (Some(true), Some([w, h]), _) => Some((
             false,
-            format!("{system} with a compositor: it shows pictures a frame or more late, and onsets are late by that."),
-        ),
-        Some(false) => note("compositor", true, format!("{system} without a compositor.")),
-        None => note("compositor", false, format!("{system} does not report whether it uses a compositor.")),
-    }];
-    match platform.ramps_straight {
-        Some(true) => {
-            notes.push(note("color_ramps", true, "The graphics card passes codes on unchanged.".to_owned()));
-        }
-        Some(false) => notes.push(note(
-            "color_ramps",
-            false,
-            "The graphics card changes codes by its gamma ramps: a night light, or a calibration that was loaded. Switch it off, or measure the screen with it.".to_owned(),
+            format!(
+                "The system scales the picture to {w} × {h} pixels, so stimuli are not shown pixel for pixel. Set the scale to 100 %."
+            ),
         )),
-        None => {}
-    }
-    match (platform.resampled, platform.mode_px, platform.own_px) {
-        (Some(true), Some([w, h]), _) => notes.push(note(
-            "resolution",
+        (_, Some([w, h]), Some([own_w, own_h])) if [w, h] != [own_w, own_h] => Some((
             false,
-            format!("The system scales the picture to {w} × {h} pixels, so stimuli are not shown pixel for pixel. Set the scale to 100 %."),
+            format!(
+                "The screen receives {w} × {h} pixels and has {own_w} × {own_h}: it scales the picture itself. Choose its native resolution."
+            ),
         )),
-        (_, Some([w, h]), Some([own_w, own_h])) if [w, h] != [own_w, own_h] => notes.push(note(
-            "resolution",
-            false,
-            format!("The screen receives {w} × {h} pixels and has {own_w} × {own_h}: it scales the picture itself. Choose its native resolution."),
-        )),
-        (Some(false), Some([w, h]), _) => {
-            notes.push(note("resolution", true, format!("The screen is driven pixel for pixel, {w} × {h}.")));
-        }
-        _ => {}
-    }
+        (Some(false), Some([w, h]), _) => Some((true, format!("The screen is driven pixel for pixel, {w} × {h}."))),
+        _ => None,
+    };
+    notes.extend(resolution.map(|(ok, sentence)| note("resolution", ok, sentence)));
     if platform.hdr == Some(false) {
         notes.push(note("hdr", true, format!("{system} has no high dynamic range.")));
     }
-    if let Some(variable) = platform.variable_refresh {
+    notes.extend(platform.variable_refresh.map(|variable| {
         let sentence = if variable { "The screen can vary its refresh rate." } else { "The refresh rate is fixed." };
-        notes.push(note("variable_refresh", !variable, sentence.to_owned()));
-    }
+        note("variable_refresh", !variable, sentence)
+    }));
     notes
 }
 
@@ -262,21 +245,75 @@ fn geometry(
 }
 
 /// The largest step of any channel's light, in time, between the uniform field and any picture: what an eye must bear.
-pub fn light_steps(protocol: &Protocol, conditions: &[Condition]) -> PreflightNote {
+pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     let field = protocol.stimulus.field_light(protocol.recovery.level);
-    let largest = conditions
-        .iter()
-        .flat_map(|condition| condition.stimulus.profile(SAMPLES))
-        .flat_map(|light| [0, 1, 2].map(|channel| (light[channel] - field[channel]).abs()))
-        .fold(0.0, f32::max);
-    let percent = 100.0 * largest;
+    // A definition that was loaded has its conditions.
+    let conditions = protocol.conditions().unwrap_or_default();
+    let lights = conditions.iter().flat_map(|condition| condition.stimulus.profile(SAMPLES));
+    let steps = lights.flat_map(|light| [0, 1, 2].map(|channel| (light[channel] - field[channel]).abs()));
+    let percent = 100.0 * steps.fold(0.0, f32::max);
     let gentle = percent < 95.0;
     let warning = match gentle {
         true => "Nothing flickers.",
-        false => "The definition asks for this; it is not for people who do not tolerate sudden light.",
+        false => "The definition asks for this; it is not for people who cannot tolerate sudden changes of light.",
     };
     let sentence = format!(
         "Between field and picture, no place changes by more than {percent:.0} % of the screen's range. {warning}"
     );
     note("light_steps", gentle, sentence)
+}
+
+/// What no system reports, asked of the person at the screen: what was checked, the statement to confirm by a glance at
+/// the screen or into its menu, and whether it was confirmed. Nothing here holds a session up.
+pub struct Questions(Vec<(&'static str, &'static str, bool)>);
+
+impl Questions {
+    /// What is left to ask when the system has reported what it knows.
+    pub fn new(platform: &Platform, display: &DisplayProfile) -> Self {
+        let questions = [
+            (
+                display.measured.is_some(),
+                "right_monitor_asked",
+                "This is the screen that the profile was measured on, with the same brightness, contrast and color settings.",
+            ),
+            (
+                true,
+                "monitor_settings_asked",
+                "The screen's own enhancements are off: dynamic contrast, local dimming, automatic brightness, eye comfort.",
+            ),
+            (
+                platform.ramps_straight.is_none(),
+                "night_light_asked",
+                "The system's night light, blue-light filter and color corrections are off.",
+            ),
+            (platform.hdr != Some(false), "hdr_asked", "High dynamic range (HDR) is off."),
+            (
+                platform.variable_refresh != Some(false),
+                "variable_refresh_asked",
+                "Variable refresh (FreeSync, G-Sync, Adaptive-Sync) is off.",
+            ),
+            (
+                true,
+                "other_programs_asked",
+                "No other program draws on the screen: no video, no notifications, no screen sharing.",
+            ),
+        ];
+        let wanted = questions.into_iter().filter(|(wanted, ..)| *wanted);
+        Self(wanted.map(|(_, check, statement)| (check, statement, false)).collect())
+    }
+
+    /// Draws the statements, each with a box to tick.
+    pub fn show(&mut self, ui: &mut egui::Ui) {
+        for (_, statement, confirmed) in &mut self.0 {
+            ui.checkbox(confirmed, *statement);
+        }
+    }
+
+    /// The answers, for the sidecar.
+    pub fn notes(&self) -> impl Iterator<Item = PreflightNote> {
+        self.0.iter().map(|(check, statement, confirmed)| {
+            let answer = if *confirmed { "Confirmed at the screen" } else { "Not confirmed" };
+            note(check, *confirmed, format!("{answer}: {statement}"))
+        })
+    }
 }

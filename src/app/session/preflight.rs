@@ -1,21 +1,24 @@
-//! The page: frames are measured, findings shown, questions asked.
+//! Preflight: what the screen really is, in plain sentences, before anything is measured on it.
+
+use std::time::Duration;
 
 use eframe::egui::{self, Key, RichText, ViewportCommand};
 
 use super::{
-    super::{frames::FrameStatistics, request::Request, trials::Trials},
-    findings::{self, Before, Findings},
-    questions::Questions,
+    findings::{self, Before, Findings, Questions},
+    request::Request,
+    trials::Trials,
 };
 use crate::{
     app::ui::{self, Monitor, Step, platform::Platform, theme, window_px},
+    display::frames::FrameTimes,
     store::sidecar::PreflightNote,
 };
 
 /// How long frames are measured, seconds, after the window has come to rest.
 const MEASURE_S: f64 = 1.0;
-/// And how many at least.
-const MEASURE_FRAMES: u64 = 30;
+/// How many are measured at least.
+const MEASURE_FRAMES: usize = 30;
 /// Longest wait for the window to become full screen, seconds.
 const SETTLE_S: f64 = 0.7;
 
@@ -25,7 +28,7 @@ pub struct Preflight {
     /// What the interrupted sitting had.
     before: Option<Before>,
     since: Option<f64>,
-    frames: FrameStatistics,
+    frames: FrameTimes,
     /// What the system reports about the screen and what is left to ask, once the window has come to rest.
     platform: Option<(Platform, Questions)>,
     /// How far light steps between field and picture.
@@ -38,10 +41,8 @@ impl Preflight {
     /// For a session; the window is on its way to full screen.
     pub fn new(request: Request) -> Self {
         let before = if request.resume { Before::read(&request) } else { None };
-        // A definition that was loaded has its conditions.
-        let conditions = request.protocol.conditions().unwrap_or_default();
-        let light_steps = findings::light_steps(&request.protocol, &conditions);
-        let frames = FrameStatistics::default();
+        let light_steps = findings::light_steps(&request.protocol);
+        let frames = FrameTimes::default();
         Self { request, before, since: None, frames, platform: None, light_steps, refused: None }
     }
 
@@ -50,10 +51,10 @@ impl Preflight {
         let now = ui.input(|input| input.time);
         let elapsed = now - *self.since.get_or_insert(now);
         if elapsed < SETTLE_S + MEASURE_S
-            || (self.frames.count() < MEASURE_FRAMES && elapsed < SETTLE_S + 5.0 * MEASURE_S)
+            || (self.frames.intervals_us().len() < MEASURE_FRAMES && elapsed < SETTLE_S + 5.0 * MEASURE_S)
         {
             if elapsed > SETTLE_S {
-                self.frames.frame(now);
+                self.frames.frame(Duration::try_from_secs_f64(now).unwrap_or_default(), None);
             }
             ui.ctx().request_repaint();
             ui::page(ui, |ui| {
@@ -80,7 +81,7 @@ impl Preflight {
             return self.back(ui.ctx());
         }
         let Some(prepared) = prepared.filter(|_| begin) else { return Step::Stay };
-        match Trials::begin(ui.ctx(), &self.request, prepared, notes, monitor) {
+        match Trials::begin(ui.ctx(), &self.request, &prepared, notes, monitor) {
             Ok(trials) => Step::Next(Box::new(trials)),
             Err(error) => {
                 self.refused = Some(error.to_string());
@@ -119,7 +120,7 @@ impl Preflight {
             }
             ui.add_space(8.0);
             ui.label(RichText::new("Please check these yourself").strong());
-            ui::hint(ui, "No program can detect them. What you do not tick is recorded as not confirmed.");
+            ui::hint(ui, "No program can detect these. Anything you do not tick is recorded as not confirmed.");
             questions.show(ui);
             ui.add_space(16.0);
             if let Some(refused) = &self.refused {

@@ -1,0 +1,221 @@
+//! What a session leaves on disk: its rows, its frames, the hashes of its pictures, and the sidecar that describes them.
+
+use std::{
+    collections::BTreeMap,
+    io::Write as _,
+    path::Path,
+    sync::mpsc::{Sender, channel},
+    thread::{self, JoinHandle},
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
+
+use jiff::Timestamp;
+use serde_json::{Value, json};
+
+use super::{
+    frames::ScreenRefresh,
+    instructions::INSTRUCTION_PAGES,
+    request::{Prepared, Request},
+};
+use crate::{
+    app::{ui::Monitor, window::InputReport},
+    experiment::{
+        Identity, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord, TrialResponse,
+        session_seed,
+    },
+    light::CodeImage,
+    store::{
+        StoreError,
+        frames::FrameRow,
+        image, profile,
+        session::SessionStore,
+        sidecar::{Pictures, PreflightNote, Sitting},
+    },
+};
+
+/// The files of a sitting.
+pub struct Recording {
+    pub store: SessionStore,
+    identity: Identity,
+    sitting: u32,
+    /// Rows so far, earlier sittings included, for the plot at the end.
+    rows: Vec<TrialRecord>,
+    /// Wall-clock time at which the session's time was 0.
+    origin: Timestamp,
+    input: InputReport,
+    hasher: Option<Hasher>,
+    closed: bool,
+}
+
+impl Recording {
+    /// Makes or finds the files; gives the session too, and its time at the start of this sitting.
+    pub fn begin(
+        request: &Request,
+        prepared: &Prepared,
+        notes: Vec<PreflightNote>,
+        monitor: &Monitor,
+        screen: &ScreenRefresh,
+    ) -> Result<(Self, Session, Duration), StoreError> {
+        let Request { protocol, identity, display, results, .. } = request;
+        let hash = profile::hash(display);
+        let sitting = Sitting {
+            started_at: Timestamp::now().to_string(),
+            display: Some(json!({
+                "name": display.name,
+                "transfer": display.transfers.to_string(),
+                "sha256": hash,
+                "profile": profile::value(display),
+            })),
+            monitor: serde_json::to_value(monitor).ok(),
+            viewing: Some(viewing(request, prepared)),
+            preflight: notes,
+            pictures: Some(Pictures::new(protocol, prepared.size_px, &display.transfers, Some(hash))),
+            ..Sitting::default()
+        };
+        let (store, schedule, resumed, elapsed_s, number, rows) = if request.resume {
+            let (store, found) = SessionStore::resume(results, protocol, identity, request.seed, sitting)?;
+            (store, found.schedule, found.resumed, found.elapsed_s, found.sitting, found.rows)
+        } else {
+            let seed = request.seed.unwrap_or_else(fresh_seed);
+            let store = SessionStore::create(results, protocol, identity, seed, sitting)?;
+            let schedule = Schedule::new(protocol, identity, seed)
+                .map_err(|error| StoreError::Mismatch { path: store.csv().to_owned(), what: error.to_string() })?;
+            (store, schedule, Resumed::default(), 0.0, 1, Vec::new())
+        };
+        let offset = offset(elapsed_s, rows.first());
+        let options = SessionOptions { pages: INSTRUCTION_PAGES, frames: screen.frames() };
+        let session = Session::new(protocol.clone(), schedule, &resumed, options);
+        let recording = Self {
+            store,
+            identity: identity.clone(),
+            sitting: number,
+            rows,
+            origin: Timestamp::now() - offset,
+            input: InputReport::default(),
+            hasher: Hasher::start(),
+            closed: false,
+        };
+        Ok((recording, session, offset))
+    }
+
+    /// Puts a row on disk; where that fails, it is kept in memory for [`SessionStore::retry`].
+    pub fn record(&mut self, session: &mut Session, response: &TrialResponse) -> Result<(), StoreError> {
+        self.input.rated(response.uncertainty);
+        let context = RowContext {
+            protocol: session.protocol(),
+            schedule: session.schedule(),
+            identity: &self.identity,
+            sitting: self.sitting,
+        };
+        let row = TrialRecord::new(&context, response, self.origin + response.onset);
+        let stored = self.store.append(&row);
+        self.rows.push(row);
+        self.store_frames(session);
+        stored
+    }
+
+    fn store_frames(&mut self, session: &mut Session) {
+        let stretches = session.take_stretches();
+        let row = |stretch| FrameRow::new(stretch, session.schedule(), self.sitting);
+        let rows: Vec<_> = stretches.into_iter().filter_map(row).collect();
+        self.store.append_frames(&rows);
+    }
+
+    /// Takes the picture of a condition, to hash it.
+    pub fn picture(&self, condition: usize, picture: CodeImage) {
+        if let Some(hasher) = &self.hasher {
+            // A thread that has ended takes none; its pictures then have no hash, which says so.
+            let _ = hasher.pictures.send((condition, picture));
+        }
+    }
+
+    /// The rows; none remain.
+    pub fn take_rows(&mut self) -> Vec<TrialRecord> {
+        std::mem::take(&mut self.rows)
+    }
+
+    /// Where the rows are.
+    pub fn csv(&self) -> &Path {
+        self.store.csv()
+    }
+
+    /// Ends the sitting in the sidecar, once; gives what could not be written, which goes to stderr too. A sidecar that
+    /// cannot be written now says less, and takes nothing with it.
+    pub fn close(&mut self, session: &mut Session, screen: &ScreenRefresh) -> Option<String> {
+        if std::mem::replace(&mut self.closed, true) {
+            return None;
+        }
+        // An answer that is in memory only has its last chance.
+        let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
+        self.store_frames(session);
+        self.store.describe_input(self.input.summary());
+        for (condition, sha256) in self.hasher.take().map(Hasher::finish).unwrap_or_default() {
+            self.store.note_picture(condition, sha256);
+        }
+        let summary = screen.summary(session.frame_times(), self.store.frames_file());
+        let complete = *session.state() == State::Done;
+        let ended = self.store.finish(complete, Timestamp::now().to_string(), summary);
+        let faults: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
+        for fault in &faults {
+            // Where nobody reads stderr, nothing is lost.
+            let _ = writeln!(std::io::stderr(), "error: {fault}");
+        }
+        (!faults.is_empty()).then(|| faults.join("\n"))
+    }
+}
+
+/// Hashes pictures on a thread of its own, so that no frame waits for them.
+struct Hasher {
+    pictures: Sender<(usize, CodeImage)>,
+    hashes: JoinHandle<BTreeMap<usize, String>>,
+}
+
+impl Hasher {
+    /// `None` where the system gives no thread, and the pictures then have no hash.
+    fn start() -> Option<Self> {
+        let (pictures, shown) = channel::<(usize, CodeImage)>();
+        let hash = move || {
+            let mut hashes = BTreeMap::new();
+            for (condition, picture) in shown {
+                hashes.entry(condition).or_insert_with(|| image::hash(&picture));
+            }
+            hashes
+        };
+        Some(Self { pictures, hashes: thread::Builder::new().name("hasher".to_owned()).spawn(hash).ok()? })
+    }
+
+    /// Waits for the hash of each condition.
+    fn finish(self) -> BTreeMap<usize, String> {
+        drop(self.pictures);
+        self.hashes.join().unwrap_or_default()
+    }
+}
+
+fn viewing(request: &Request, prepared: &Prepared) -> Value {
+    let screen = prepared.viewing.screen();
+    json!({
+        "distance_cm": request.distance_cm,
+        "screen_width_cm": screen.width_cm(),
+        "screen_width_measured": request.screen_width_cm.or(request.display.screen_width_cm).is_some(),
+        "pixels_per_degree": prepared.viewing.px_per_degree(),
+        "stimulus_px": prepared.size_px,
+        "stimulus_deg": prepared.viewing.deg_from_px(f64::from(prepared.size_px)),
+        "window_px": [prepared.window.0, prepared.window.1],
+        "windowed": request.windowed,
+    })
+}
+
+/// Session time at which a resumed sitting starts: by the wall clock, but never before what is recorded, since a clock
+/// can be turned back.
+fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
+    let recorded = Duration::from_secs_f64(elapsed_s);
+    let Some(first) = first else { return recorded };
+    let since_first = Timestamp::now().duration_since(first.started_at).as_secs_f64() + first.onset_s.0;
+    recorded.max(Duration::from_secs_f64(since_first.max(0.0)))
+}
+
+/// A seed that differs from session to session.
+fn fresh_seed() -> u64 {
+    let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
+    session_seed(nanoseconds ^ (u64::from(std::process::id()) << 32))
+}
