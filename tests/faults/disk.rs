@@ -14,42 +14,34 @@ use machband::{
     },
 };
 
-use crate::run::{protocol, someone};
+use crate::{
+    common::everything,
+    run::{protocol, someone},
+};
 
 pub fn paths(results: &Path, definition: usize) -> SessionPaths {
     SessionPaths::new(results, &protocol(definition), &someone())
 }
 
-/// Every file below a folder.
-pub fn files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).into_iter().flatten() {
-        let path = entry.unwrap().path();
-        if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
-    }
-    found.sort();
+/// Every file below a folder whose name ends like this, and its content.
+fn files(folder: &Path, end: &str) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = if folder.exists() { everything(folder) } else { Vec::new() };
+    found.retain(|(path, _)| path.to_string_lossy().ends_with(end));
     found
-}
-
-fn ends_with(path: &Path, end: &str) -> bool {
-    path.to_string_lossy().ends_with(end)
 }
 
 /// Files below a folder that cannot be read: a result file may end in half a row, a JSON file is whole.
 pub fn unparsable(folder: &Path, definition: usize) -> Vec<String> {
-    let wrong = |path: &PathBuf| {
-        let fault = if ends_with(path, ".json") {
-            serde_json::from_slice::<serde_json::Value>(&fs::read(path).unwrap()).err().map(|error| error.to_string())
-        } else if ends_with(path, "_data.csv") {
-            let columns = columns(&protocol(definition));
-            let read = ResultFile::open(path, &columns).map_err(|error| error.to_string());
-            read.and_then(|file| file.recover(&columns).map_err(|error| error.to_string())).err()
-        } else {
-            None
-        };
-        fault.map(|fault| format!("{}: {fault}", path.display()))
-    };
-    files(folder).iter().filter_map(wrong).collect()
+    let json = files(folder, ".json").into_iter().map(|(path, content)| {
+        (path, serde_json::from_slice::<serde_json::Value>(&content).err().map(|error| error.to_string()))
+    });
+    let rows = files(folder, "_data.csv").into_iter().map(|(path, _)| {
+        let columns = columns(&protocol(definition));
+        let read = ResultFile::open(&path, &columns).map_err(|error| error.to_string());
+        let fault = read.and_then(|file| file.recover(&columns).map_err(|error| error.to_string()));
+        (path, fault.err())
+    });
+    json.chain(rows).filter_map(|(path, fault)| Some(format!("{}: {}", path.display(), fault?))).collect()
 }
 
 /// Whole lines of a result file; none where there is no file.
@@ -61,18 +53,20 @@ pub fn lines(csv: &Path) -> Vec<String> {
 
 /// Files that a program left half done.
 pub fn leftovers(folder: &Path) -> Vec<PathBuf> {
-    files(folder).into_iter().filter(|path| ends_with(path, ".tmp")).collect()
+    files(folder, ".tmp").into_iter().map(|(path, _)| path).collect()
+}
+
+/// The rows of a result file.
+pub fn rows(csv: &Path, definition: usize) -> Result<Vec<TrialRecord>, String> {
+    let content = fs::read(csv).map_err(|error| error.to_string())?;
+    results::parse("rows", &content, &columns(&protocol(definition))).map_err(|error| error.to_string())
 }
 
 /// What identifies a row's trial.
 pub fn planned(row: &TrialRecord) -> Vec<String> {
-    let cells = row.cells();
-    let names: Vec<&str> = PLANNED.to_vec();
-    let all = columns(&protocol(0));
-    names
-        .iter()
-        .map(|name| all.iter().position(|column| column.name == *name).map(|i| cells[i].clone()).unwrap())
-        .collect()
+    let columns = columns(&protocol(0));
+    let cells = columns.iter().zip(row.cells());
+    cells.filter(|(column, _)| PLANNED.contains(&&*column.name)).map(|(_, cell)| cell).collect()
 }
 
 const PLANNED: [&str; 13] = [
@@ -95,10 +89,7 @@ const PLANNED: [&str; 13] = [
 pub fn faults_of_ended(results: &Path, definition: usize, expected: &[Vec<String>]) -> Vec<String> {
     let csv = paths(results, definition).csv;
     let mut wrong = Vec::new();
-    let parsed = fs::read(&csv).map_err(|error| error.to_string()).and_then(|content| {
-        results::parse("rows", &content, &columns(&protocol(definition))).map_err(|error| error.to_string())
-    });
-    match parsed {
+    match rows(&csv, definition) {
         Err(error) => wrong.push(error),
         Ok(rows) => {
             let found: Vec<_> = rows.iter().map(planned).collect();
@@ -111,11 +102,10 @@ pub fn faults_of_ended(results: &Path, definition: usize, expected: &[Vec<String
             }
         }
     }
-    let said = check::check(&csv.display().to_string()).map(|checked| checked.sentence);
     let whole = format!("{0} of {0} planned", expected.len());
-    match said {
-        Ok(said) if said.contains(&whole) => {}
-        Ok(said) => wrong.push(format!("{said}; expected {whole}")),
+    match check::check(&csv.display().to_string()) {
+        Ok(checked) if checked.sentence.contains(&whole) => {}
+        Ok(checked) => wrong.push(format!("{}; expected {whole}", checked.sentence)),
         Err(error) => wrong.push(error.to_string()),
     }
     wrong

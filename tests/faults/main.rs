@@ -23,12 +23,12 @@ fn setting(name: &str, default: u64) -> u64 {
 }
 
 /// Not by println, which the test harness keeps to itself.
-fn tell(what: &str) {
+fn print(what: &str) {
     let _ = writeln!(std::io::stderr(), "{what}");
 }
 
 /// A thousand sessions with faults: no row lost that was reported as recorded, no file that cannot be read, no failure
-/// without a word, and every session resumed to its end.
+/// without an error, and every session resumed to its end.
 #[test]
 fn a_thousand_faults_take_nothing_with_them() {
     if shim::library().is_none() {
@@ -37,9 +37,9 @@ fn a_thousand_faults_take_nothing_with_them() {
     let cases = setting("MACHBAND_FAULTS", 1000) as usize;
     let started = std::time::Instant::now();
     let (table, wrong) = sweep::Sweep::new(setting("MACHBAND_FAULT_SEED", 1)).run(cases);
-    tell(&format!("{table}\n{cases} sessions in {:.1} s", started.elapsed().as_secs_f64()));
+    print(&format!("{table}\n{cases} sessions in {:.1} s", started.elapsed().as_secs_f64()));
     for what in wrong.iter().take(20) {
-        tell(what);
+        print(what);
     }
     let total = table.total();
     assert!(wrong.is_empty(), "{} faults were not borne", wrong.len());
@@ -56,7 +56,7 @@ fn what_happens_around_a_session_takes_nothing_with_it() {
     }
     let mut table = table::Table::default();
     scenes::play(&sweep::Sweep::new(1), &mut table);
-    tell(&table.to_string());
+    print(&table.to_string());
 }
 
 /// Not a test: the session that the tests of this file start and disturb.

@@ -1,4 +1,4 @@
-//! Programs that run a session and tell what they did, and what such a session is.
+//! Programs that run a session and report what they did, and what such a session is.
 
 use std::{
     io::Write as _,
@@ -16,10 +16,11 @@ use machband::{
     store::{StoreError, definition, session::SessionStore, sidecar::Sitting},
 };
 
-pub const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
+use crate::common::MACHBAND;
+
 pub const SEED: u64 = 7;
 
-/// Short sessions of different shape: a column of its own and a colour that needs quotes; repetitions and no practice;
+/// Short sessions of different shape: a column of its own and a color that needs quotes; repetitions and no practice;
 /// one trial.
 pub const DEFINITIONS: [&str; 3] = [
     "schema = 1\nname = \"small-one\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4]\ntanh_k = [5, 7.5]\n[design]\npractice = 2\n",
@@ -46,7 +47,7 @@ pub fn line(row: &TrialRecord) -> String {
     String::from_utf8(writer.into_inner().unwrap()).unwrap().trim_end().to_owned()
 }
 
-/// How a program ended, and what it said.
+/// How a program ended, and what it wrote.
 #[derive(Debug)]
 pub struct Ended {
     pub status: ExitStatus,
@@ -87,50 +88,102 @@ pub fn child(definition: usize, results: &Path, elsewhere: &Path, resume: bool) 
     command
 }
 
-/// What a child said.
+/// What a child reported.
 #[derive(Debug, Default)]
-pub struct Said {
+pub struct Report {
     /// Rows that it reported as recorded, as they are in the file.
     pub rows: Vec<String>,
-    /// What it told its user to be wrong.
+    /// The errors that it showed its user.
     pub errors: Vec<String>,
-    /// The results folder that it had last, where it went elsewhere.
+    /// The results folder that it used last, where it went elsewhere.
     pub moved: Option<PathBuf>,
     /// It ended well.
     pub done: bool,
 }
 
-impl Said {
+impl Report {
     pub fn read(stdout: &str) -> Self {
-        let mut said = Self::default();
+        let mut report = Self::default();
         for line in stdout.lines() {
             match line.split_once(' ') {
-                Some(("@row", row)) => said.rows.push(row.to_owned()),
-                Some(("@error", error)) => said.errors.push(error.to_owned()),
-                Some(("@moved", to)) => said.moved = Some(to.into()),
-                _ => said.done |= line == "@done",
+                Some(("@row", row)) => report.rows.push(row.to_owned()),
+                Some(("@error", error)) => report.errors.push(error.to_owned()),
+                Some(("@moved", to)) => report.moved = Some(to.into()),
+                _ => report.done |= line == "@done",
             }
         }
-        said
+        report
     }
 }
 
-fn say(what: &str) {
+fn print_line(line: &str) {
     let mut stdout = std::io::stdout().lock();
-    // In one piece: what the reader has got was said.
-    stdout.write_all(format!("{what}\n").as_bytes()).unwrap();
+    // In one piece: a reader never gets half of it.
+    stdout.write_all(format!("{line}\n").as_bytes()).unwrap();
     stdout.flush().unwrap();
 }
 
-/// A session as the window runs it: each row reported when it is on disk, each error told, then tried again, and then
+/// A session whose files are there.
+struct Begun {
+    store: SessionStore,
+    schedule: Schedule,
+    resumed: Resumed,
+    elapsed: Duration,
+    sitting: u32,
+}
+
+fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<Begun, StoreError> {
+    if resume {
+        let (store, found) = SessionStore::resume(results, protocol, &someone(), Some(SEED), sitting())?;
+        let (resumed, elapsed) = (found.resumed, Duration::from_secs_f64(found.elapsed_s));
+        return Ok(Begun { store, schedule: found.schedule, resumed, elapsed, sitting: found.sitting });
+    }
+    let store = SessionStore::create(results, protocol, &someone(), SEED, sitting())?;
+    let schedule = Schedule::new(protocol, &someone(), SEED).unwrap();
+    Ok(Begun { store, schedule, resumed: Resumed::default(), elapsed: Duration::ZERO, sitting: 1 })
+}
+
+/// Rates every trial that is left; `record` refuses a row to stop. Gives the store, and whether it came to the end.
+fn rate(
+    protocol: &Protocol,
+    begun: Begun,
+    mut record: impl FnMut(&mut SessionStore, &TrialRecord) -> Result<(), ()>,
+) -> (SessionStore, bool) {
+    let Begun { mut store, schedule, resumed, elapsed, sitting } = begun;
+    let (identity, origin) = (someone(), Timestamp::now() - elapsed);
+    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
+    let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
+    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
+    let rated = simulate(&mut session, &OrderedLogit::default(), &identity, elapsed, |response| {
+        record(&mut store, &TrialRecord::new(&context, response, origin + response.onset))
+    });
+    (store, rated.is_ok())
+}
+
+/// A session that was left after so many rows, and these rows.
+pub fn interrupted(definition: usize, results: &Path, rows: usize) -> Vec<String> {
+    let protocol = protocol(definition);
+    let mut lines = Vec::new();
+    rate(&protocol, begin(&protocol, results, false).unwrap(), |store, row| {
+        if lines.len() == rows {
+            return Err(());
+        }
+        store.append(row).unwrap();
+        lines.push(line(row));
+        Ok(())
+    });
+    lines
+}
+
+/// A session as the window runs it: each row reported when it is on disk, each error shown, then tried again, and then
 /// moved to another folder.
 pub struct Child {
-    pub definition: usize,
-    pub results: PathBuf,
-    pub elsewhere: PathBuf,
-    pub resume: bool,
+    definition: usize,
+    results: PathBuf,
+    elsewhere: PathBuf,
+    resume: bool,
     /// Rows before it waits for a line on stdin.
-    pub wait_after: Option<usize>,
+    wait_after: Option<usize>,
 }
 
 impl Child {
@@ -150,101 +203,45 @@ impl Child {
     /// Runs the session; whether it ended well.
     pub fn run(&self) -> bool {
         // The test harness has begun a line.
-        say("");
-        let (protocol, identity) = (protocol(self.definition), someone());
-        let begun = self.begin(&protocol, &identity);
-        let (mut store, schedule, resumed, elapsed, sitting) = match begun {
-            Ok(begun) => begun,
-            Err(error) => {
-                say(&format!("@error {error}"));
-                return false;
-            }
-        };
-        let origin = Timestamp::now() - elapsed;
-        let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-        let mut session = Session::new(protocol.clone(), schedule.clone(), &resumed, options);
-        let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting };
+        print_line("");
+        let error = |error: StoreError| print_line(&format!("@error {error}"));
+        let protocol = protocol(self.definition);
+        let Ok(begun) = begin(&protocol, &self.results, self.resume).map_err(error) else { return false };
         let mut count = 0;
-        let rated: Result<(), ()> = simulate(&mut session, &OrderedLogit::default(), &identity, elapsed, |response| {
-            let row = TrialRecord::new(&context, response, origin + response.onset);
-            if let Err(error) = store.append(&row) {
-                self.remedy(&mut store, error)?;
+        let (mut store, rated) = rate(&protocol, begun, |store, row| {
+            if let Err(error) = store.append(row) {
+                self.remedy(store, &error)?;
             }
-            say(&format!("@row {}", line(&row)));
+            print_line(&format!("@row {}", line(row)));
             count += 1;
             if self.wait_after == Some(count) {
-                say("@waiting");
+                print_line("@waiting");
                 std::io::stdin().read_line(&mut String::new()).unwrap();
             }
             Ok(())
         });
-        if rated.is_err() {
-            return false;
+        let ended =
+            rated && (0..2).any(|_| store.finish(true, Timestamp::now().to_string(), None).map_err(error).is_ok());
+        if ended {
+            print_line("@done");
         }
-        for _ in 0..2 {
-            match store.finish(true, Timestamp::now().to_string(), None) {
-                Ok(()) => {
-                    say("@done");
-                    return true;
-                }
-                Err(error) => say(&format!("@error {error}")),
-            }
-        }
-        false
+        ended
     }
 
-    #[allow(clippy::type_complexity)]
-    fn begin(
-        &self,
-        protocol: &Protocol,
-        identity: &Identity,
-    ) -> Result<(SessionStore, Schedule, Resumed, Duration, u32), StoreError> {
-        if self.resume {
-            let (store, found) = SessionStore::resume(&self.results, protocol, identity, Some(SEED), sitting())?;
-            return Ok((store, found.schedule, found.resumed, Duration::from_secs_f64(found.elapsed_s), found.sitting));
-        }
-        let store = SessionStore::create(&self.results, protocol, identity, SEED, sitting())?;
-        let schedule = Schedule::new(protocol, identity, SEED).unwrap();
-        Ok((store, schedule, Resumed::default(), Duration::ZERO, 1))
-    }
-
-    /// What an experimenter does: once more, once more, and then elsewhere.
-    fn remedy(&self, store: &mut SessionStore, error: StoreError) -> Result<(), ()> {
-        say(&format!("@error {error}"));
+    /// What an experimenter does: tries twice more, and then another folder.
+    fn remedy(&self, store: &mut SessionStore, error: &StoreError) -> Result<(), ()> {
+        print_line(&format!("@error {error}"));
         for again in 0..4 {
             let tried = if again < 2 { store.retry() } else { store.move_to(&self.elsewhere) };
             match tried {
                 Ok(()) if again < 2 => return Ok(()),
                 Ok(()) => {
-                    say(&format!("@moved {}", self.elsewhere.display()));
+                    print_line(&format!("@moved {}", self.elsewhere.display()));
                     return Ok(());
                 }
-                Err(error) => say(&format!("@error {error}")),
+                Err(error) => print_line(&format!("@error {error}")),
             }
         }
         Err(())
     }
-}
-
-/// A session that was left after so many rows, and these rows.
-pub fn interrupted(definition: usize, results: &Path, rows: usize) -> Vec<String> {
-    let (protocol, identity) = (protocol(definition), someone());
-    let schedule = Schedule::new(&protocol, &identity, SEED).unwrap();
-    let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
-    let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(protocol.clone(), schedule.clone(), &Resumed::default(), options);
-    let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
-    let origin = Timestamp::now();
-    let mut lines = Vec::new();
-    // Left by refusing the row after the last.
-    let _ = simulate(&mut session, &OrderedLogit::default(), &identity, Duration::ZERO, |response| {
-        if lines.len() == rows {
-            return Err(());
-        }
-        let row = TrialRecord::new(&context, response, origin + response.onset);
-        store.append(&row).unwrap();
-        lines.push(line(&row));
-        Ok(())
-    });
-    lines
 }

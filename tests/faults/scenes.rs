@@ -15,7 +15,7 @@ use rand_chacha::{
 
 use crate::{
     disk,
-    run::{self, Ended, Said},
+    run::{self, Ended, Report},
     shim::{self, Fault},
     sweep::{self, Sweep},
     table::{Line, Table},
@@ -57,31 +57,31 @@ impl<'a> Scene<'a> {
         command.env("MACHBAND_CHILD_WAIT", rows.to_string());
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut stdout = BufReader::new(child.stdout.take().unwrap());
-        let mut said = String::new();
-        while !said.contains("@waiting\n") {
-            assert!(stdout.read_line(&mut said).unwrap() > 0, "the child ended: {said}");
+        let mut output = String::new();
+        while !output.contains("@waiting\n") {
+            assert!(stdout.read_line(&mut output).unwrap() > 0, "the child ended: {output}");
         }
-        Waiting { child, stdout, said }
+        Waiting { child, stdout, output }
     }
 
     /// Every row that was reported is there, and the session is complete once resumed; gives the line of the table.
-    fn assert_kept(&self, said: &Said, results: &Path) -> Line {
+    fn assert_kept(&self, report: &Report, results: &Path) -> Line {
         let recorded = || disk::lines(&disk::paths(results, DEFINITION).csv);
-        let lost = |rows: &[String]| said.rows.iter().filter(|row| !rows.contains(row)).count();
-        assert_eq!(lost(&recorded()), 0, "{said:?}");
+        let lost = |rows: &[String]| report.rows.iter().filter(|row| !rows.contains(row)).count();
+        assert_eq!(lost(&recorded()), 0, "{report:?}");
         let unparsable = disk::unparsable(self.folder.path(), DEFINITION);
         assert_eq!(unparsable, Vec::<String>::new());
         let resumed = self.resume(results);
         assert!(resumed.status.success(), "{resumed:?}");
-        assert_eq!(lost(&recorded()), 0, "{said:?}");
+        assert_eq!(lost(&recorded()), 0, "{report:?}");
         let faults = disk::faults_of_ended(results, DEFINITION, self.sweep.planned(DEFINITION));
         assert_eq!(faults, Vec::<String>::new());
         Line {
             injected: 1,
             hit: 1,
             sessions: 1,
-            said: usize::from(!said.errors.is_empty()),
-            acknowledged: said.rows.len(),
+            errors: usize::from(!report.errors.is_empty()),
+            acknowledged: report.rows.len(),
             resumed: 1,
             ..Line::default()
         }
@@ -91,16 +91,16 @@ impl<'a> Scene<'a> {
 struct Waiting {
     child: Child,
     stdout: BufReader<std::process::ChildStdout>,
-    said: String,
+    output: String,
 }
 
 impl Waiting {
     /// Lets it go on to its end.
-    fn end(mut self) -> Said {
+    fn end(mut self) -> Report {
         self.child.stdin.take().unwrap().write_all(b"\n").unwrap();
-        self.stdout.read_to_string(&mut self.said).unwrap();
+        self.stdout.read_to_string(&mut self.output).unwrap();
         self.child.wait().unwrap();
-        Said::read(&self.said)
+        Report::read(&self.output)
     }
 }
 
@@ -122,17 +122,17 @@ pub fn play(sweep: &Sweep, table: &mut Table) {
     cut(sweep, table);
 }
 
-/// The folder goes while the program waits for the next answer: said, and made anew with all rows.
+/// The folder is removed while the program waits for the next answer: it shows an error and writes all rows anew.
 fn removed(sweep: &Sweep, rows: usize) -> Line {
     let scene = Scene::new(sweep);
     let waiting = scene.waiting(rows);
     fs::remove_dir_all(scene.first()).unwrap();
-    let said = waiting.end();
-    assert!(said.done && said.errors[0].contains("no longer exists"), "{said:?}");
-    scene.assert_kept(&said, &scene.first())
+    let report = waiting.end();
+    assert!(report.done && report.errors[0].contains("no longer exists"), "{report:?}");
+    scene.assert_kept(&report, &scene.first())
 }
 
-/// The second program is told, and changes nothing; the first goes on.
+/// The second program shows an error and changes nothing; the first continues.
 fn two_at_once(sweep: &Sweep, rows: usize) -> Line {
     let scene = Scene::new(sweep);
     let waiting = scene.waiting(rows);
@@ -144,9 +144,9 @@ fn two_at_once(sweep: &Sweep, rows: usize) -> Line {
     let fresh = run::ended(&mut run::binary(&sweep.definition(DEFINITION), &scene.first(), false));
     assert!(fresh.status.code() == Some(1) && fresh.stderr.contains("already have a file"), "{fresh:?}");
     assert_eq!(fs::read(scene.csv()).unwrap(), before);
-    let said = waiting.end();
-    assert!(said.done && said.errors.is_empty(), "{said:?}");
-    Line { said: 1, ..scene.assert_kept(&said, &scene.first()) }
+    let report = waiting.end();
+    assert!(report.done && report.errors.is_empty(), "{report:?}");
+    Line { errors: 1, ..scene.assert_kept(&report, &scene.first()) }
 }
 
 /// The wall clock of the second sitting is an hour behind: the session's own time goes on.
@@ -157,15 +157,14 @@ fn clock_back(sweep: &Sweep, rows: usize) -> Line {
     let mut command = run::binary(&sweep.definition(DEFINITION), &scene.first(), true);
     let (ended, log) = shim::run_with(&mut command, &[fault], scene.folder.path(), &scene.folder.path().join("log"));
     assert!(ended.status.success() && log.hits.len() == 1, "{ended:?}");
-    let said = Said { rows: lines, done: true, ..Said::default() };
-    let columns = machband::experiment::columns(&run::protocol(DEFINITION));
-    let content = fs::read(scene.csv()).unwrap();
-    let found = machband::store::results::parse("rows", &content, &columns).unwrap();
+    let report = Report { rows: lines, done: true, ..Report::default() };
+    let found = disk::rows(&scene.csv(), DEFINITION).unwrap();
     assert!(found[rows].started_at < found[rows - 1].started_at, "the clock was not turned back");
-    scene.assert_kept(&said, &scene.first())
+    scene.assert_kept(&report, &scene.first())
 }
 
-/// The place refuses every writing from then on: said, tried again, and moved to another folder.
+/// The disk refuses to be written from then on: the error is shown, writing is tried again, and the session moves to
+/// another folder.
 fn lasting(sweep: &Sweep, rows: usize, what: &'static str) -> Line {
     let scene = Scene::new(sweep);
     // The rows come last but for the sidecar's end.
@@ -174,12 +173,12 @@ fn lasting(sweep: &Sweep, rows: usize, what: &'static str) -> Line {
     let fault = Fault { op: "write", n: before + rows as u64, what, lasting: true };
     let mut command = run::child(DEFINITION, &scene.first(), &scene.second(), false);
     let (ended, log) = shim::run_with(&mut command, &[fault], &scene.first(), &scene.folder.path().join("log"));
-    let said = Said::read(&ended.stdout);
-    assert!(said.done && !log.hits.is_empty() && said.errors.len() == 3, "{said:?} {log:?}");
-    assert_eq!(said.moved, Some(scene.second()));
+    let report = Report::read(&ended.stdout);
+    assert!(report.done && !log.hits.is_empty() && report.errors.len() == 3, "{report:?} {log:?}");
+    assert_eq!(report.moved, Some(scene.second()));
     // What was recorded before stays where it was, too.
-    assert_eq!(disk::lines(&scene.csv())[1..], said.rows[..rows - 1]);
-    scene.assert_kept(&said, &scene.second())
+    assert_eq!(disk::lines(&scene.csv())[1..], report.rows[..rows - 1]);
+    scene.assert_kept(&report, &scene.second())
 }
 
 /// SIGKILL from outside, a moment after a row.
@@ -189,14 +188,14 @@ fn killed(sweep: &Sweep, rows: usize, wait: Duration) -> Line {
     waiting.child.stdin.take().unwrap().write_all(b"\n").unwrap();
     std::thread::sleep(wait);
     waiting.child.kill().unwrap();
-    waiting.stdout.read_to_string(&mut waiting.said).unwrap();
+    waiting.stdout.read_to_string(&mut waiting.output).unwrap();
     waiting.child.wait().unwrap();
-    let said = Said::read(&waiting.said);
-    assert!(said.rows.len() >= rows, "{said:?}");
-    scene.assert_kept(&said, &scene.first())
+    let report = Report::read(&waiting.output);
+    assert!(report.rows.len() >= rows, "{report:?}");
+    scene.assert_kept(&report, &scene.first())
 }
 
-/// The file ends at each byte of its last two rows: what was whole stays, what was torn is told and asked again.
+/// The file ends at each byte of its last two rows: whole rows stay, and a torn one is reported and asked again.
 fn cut(sweep: &Sweep, table: &mut Table) {
     let scene = Scene::new(sweep);
     run::interrupted(DEFINITION, &scene.first(), 5);
@@ -211,7 +210,7 @@ fn cut(sweep: &Sweep, table: &mut Table) {
         let torn = !ends.contains(&length);
         assert_eq!(resumed.stderr.contains("a half-written last row was cut off"), torn, "{length}: {resumed:?}");
         let errors = if torn { vec![resumed.stderr] } else { Vec::new() };
-        let said = Said { rows: kept, errors, ..Said::default() };
-        table.line("the file is cut within its last two rows", scene.assert_kept(&said, &scene.first()));
+        let report = Report { rows: kept, errors, ..Report::default() };
+        table.line("the file is cut within its last two rows", scene.assert_kept(&report, &scene.first()));
     }
 }

@@ -9,7 +9,7 @@ use std::{
 
 use crate::{common, run};
 
-/// The library, or `None`, said aloud, where it cannot be made.
+/// The library, or `None` and a line about it where it cannot be made.
 pub fn library() -> Option<&'static Path> {
     static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
     let built = BUILT.get_or_init(|| {
@@ -24,7 +24,7 @@ pub fn library() -> Option<&'static Path> {
 pub struct Fault {
     /// Name of the call as the library has it.
     pub op: &'static str,
-    /// The how many-th.
+    /// Which such call, from 1.
     pub n: u64,
     /// What happens.
     pub what: &'static str,
@@ -46,7 +46,7 @@ pub struct Hit {
     pub path: String,
 }
 
-/// What the library tells of a run.
+/// What the library logged of a run.
 #[derive(Debug, Default)]
 pub struct Log {
     pub hits: Vec<Hit>,
@@ -69,8 +69,8 @@ pub fn run_with(command: &mut Command, faults: &[Fault], under: &Path, log: &Pat
 fn read(text: &str) -> Log {
     let mut log = Log::default();
     for line in text.lines() {
-        let words: Vec<&str> = line.splitn(5, ' ').collect();
-        match words[..] {
+        let parts: Vec<&str> = line.splitn(5, ' ').collect();
+        match parts[..] {
             ["hit", op, _, what, path] => {
                 log.hits.push(Hit { op: op.to_owned(), what: what.to_owned(), path: path.to_owned() });
             }

@@ -18,7 +18,7 @@ use rand_chacha::{
 
 use crate::{
     disk,
-    run::{self, DEFINITIONS, Said},
+    run::{self, DEFINITIONS, Report},
     shim::{self, Fault, Hit, Log},
     table::{Line, Table},
 };
@@ -58,7 +58,7 @@ struct Before {
 struct Case {
     definition: usize,
     before: Before,
-    /// `machband simulate` instead of the child that tells of every row.
+    /// `machband simulate` instead of the child that reports every row.
     binary: bool,
     faults: Vec<Fault>,
 }
@@ -98,9 +98,7 @@ impl Sweep {
             let results = sweep.folder.path().join("planned");
             let ended = run::ended(&mut run::binary(&sweep.definition(i), &results, false));
             assert!(ended.status.success(), "{ended:?}");
-            let csv = disk::paths(&results, i).csv;
-            let columns = machband::experiment::columns(&run::protocol(i));
-            let rows = machband::store::results::parse("planned", &fs::read(csv).unwrap(), &columns).unwrap();
+            let rows = disk::rows(&disk::paths(&results, i).csv, i).unwrap();
             sweep.planned.push(rows.iter().map(disk::planned).collect());
         }
         sweep
@@ -233,16 +231,16 @@ impl Sweep {
         let folder = folder();
         let mut recorded = self.prepare(&case, folder.path());
         let (ended, log) = self.disturbed(&case, folder.path());
-        let said = if case.binary { binary_said(&ended) } else { Said::read(&ended.stdout) };
-        recorded.extend(said.rows.iter().cloned());
-        let results = said.moved.clone().unwrap_or_else(|| folder.path().join("first"));
+        let report = if case.binary { report_of_binary(&ended) } else { Report::read(&ended.stdout) };
+        recorded.extend(report.rows.iter().cloned());
+        let results = report.moved.clone().unwrap_or_else(|| folder.path().join("first"));
         let csv = disk::paths(&results, case.definition).csv;
         let mut line =
-            Line { acknowledged: said.rows.len(), said: usize::from(!said.errors.is_empty()), ..Line::default() };
+            Line { acknowledged: report.rows.len(), errors: usize::from(!report.errors.is_empty()), ..Line::default() };
         let mut wrong = Vec::new();
 
-        wrong.extend(silence(&ended, &said, &log, folder.path()));
-        if said.done {
+        wrong.extend(unreported(&ended, &report, &log, folder.path()));
+        if report.done {
             let faults = disk::faults_of_ended(&results, case.definition, &self.planned[case.definition]);
             wrong.extend(faults.into_iter().map(|fault| format!("called complete, but {fault}")));
         }
@@ -282,39 +280,40 @@ impl Sweep {
     }
 }
 
-/// The binary tells of no rows, but of errors and of its end.
-fn binary_said(ended: &run::Ended) -> Said {
+/// The binary reports no rows, but errors and its end.
+fn report_of_binary(ended: &run::Ended) -> Report {
     let errors = ended.stderr.lines().filter_map(|line| line.strip_prefix("error: ")).map(str::to_owned).collect();
-    Said { errors, done: ended.status.success(), ..Said::default() }
+    Report { errors, done: ended.status.success(), ..Report::default() }
 }
 
-/// What went wrong without a word, or in other words than a plain error that names the place.
-fn silence(ended: &run::Ended, said: &Said, log: &Log, folder: &Path) -> Vec<String> {
+/// What went wrong without an error, or with one that does not name the place.
+fn unreported(ended: &run::Ended, report: &Report, log: &Log, folder: &Path) -> Vec<String> {
     let mut wrong = Vec::new();
     if ended.stderr.contains("panicked") {
         wrong.push(format!("a panic: {}", ended.stderr));
     }
     let folder = folder.display().to_string();
-    wrong
-        .extend(said.errors.iter().filter(|error| !error.starts_with(&folder)).map(|e| format!("names no place: {e}")));
+    wrong.extend(
+        report.errors.iter().filter(|error| !error.starts_with(&folder)).map(|e| format!("names no place: {e}")),
+    );
     if ended.was_killed() {
         return wrong;
     }
-    let unheard: Vec<&Hit> = log.hits.iter().filter(|hit| matters(hit)).collect();
-    if said.errors.is_empty() && !unheard.is_empty() {
-        wrong.push(format!("not a word of {unheard:?}"));
+    let unreported: Vec<&Hit> = log.hits.iter().filter(|hit| matters(hit)).collect();
+    if report.errors.is_empty() && !unreported.is_empty() {
+        wrong.push(format!("no error about {unreported:?}"));
     }
-    if !said.done && said.errors.is_empty() {
-        wrong.push("ended early without a word".to_owned());
+    if !report.done && report.errors.is_empty() {
+        wrong.push("ended early without an error".to_owned());
     }
-    if !said.done && ended.status.code() != Some(1) {
-        wrong.push(format!("ended by {} with {:?}", ended.status, said.errors));
+    if !report.done && ended.status.code() != Some(1) {
+        wrong.push(format!("ended by {} with {:?}", ended.status, report.errors));
     }
     wrong
 }
 
-/// Whether somebody has to be told: not where the system's own library tries again, or goes on with the rest, nor where
-/// a file of no use could not be removed.
+/// Whether an error is due: not where the system's own library tries again or continues with the rest, nor where a useless
+/// file could not be removed.
 fn matters(hit: &Hit) -> bool {
     let again = ["open", "read", "write", "sync", "truncate"].contains(&&*hit.op) && hit.what == "EINTR";
     // A folder that takes files and shows none cannot be synced, and need not be.

@@ -10,14 +10,14 @@ pub struct Line {
     pub injected: usize,
     pub hit: usize,
     pub sessions: usize,
-    /// Sessions that told their user of an error.
-    pub said: usize,
+    /// Sessions that showed their user an error.
+    pub errors: usize,
     /// Rows reported as recorded.
     pub acknowledged: usize,
     pub lost: usize,
     pub unparsable: usize,
     pub silent: usize,
-    /// Sessions that went on without a fault to the end of the plan.
+    /// Sessions that were resumed without a fault to the end of the plan.
     pub resumed: usize,
 }
 
@@ -26,7 +26,7 @@ impl Line {
         self.injected += other.injected;
         self.hit += other.hit;
         self.sessions += other.sessions;
-        self.said += other.said;
+        self.errors += other.errors;
         self.acknowledged += other.acknowledged;
         self.lost += other.lost;
         self.unparsable += other.unparsable;
@@ -89,10 +89,10 @@ impl std::fmt::Display for Table {
         writeln!(f, "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|")?;
         let total = ("all".to_owned(), self.total());
         for (name, line) in self.0.iter().chain([(&total.0, &total.1)]) {
-            let Line { injected, hit, sessions, said, acknowledged, lost, unparsable, silent, resumed } = line;
+            let Line { injected, hit, sessions, errors, acknowledged, lost, unparsable, silent, resumed } = line;
             writeln!(
                 f,
-                "| {name} | {injected} | {hit} | {sessions} | {said} | {acknowledged} | {lost} | {unparsable} | {silent} | {resumed} |"
+                "| {name} | {injected} | {hit} | {sessions} | {errors} | {acknowledged} | {lost} | {unparsable} | {silent} | {resumed} |"
             )?;
         }
         Ok(())
