@@ -2,17 +2,15 @@
 
 use glam::DVec3;
 use machband::{
-    light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Samples, Transfer, TransferTable},
+    light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, TransferTable},
     shading::{
         Correction, Frame, FrameVertex, Gradients, Lamp, LampPlace, Lighting, Mesh, Reference, Shade, Shader, Specular,
         Surface, View, coverage,
-        gpu::{Gpu, GpuError},
+        gpu::{self, Gpu, GpuError},
         lighting::{Facets, Microfacets},
         shapes,
     },
 };
-
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// A device of the best card of `backends`, or nothing where there is none and none is required.
 fn device(
@@ -36,62 +34,24 @@ fn device(
 }
 
 /// A card with what it needs to make images.
-struct Offscreen {
+struct Card {
     name: String,
     device: wgpu::Device,
     queue: wgpu::Queue,
     gpu: Gpu,
 }
 
-impl Offscreen {
-    fn new(backends: wgpu::Backends, limits: impl FnOnce(&wgpu::Adapter) -> wgpu::Limits) -> Option<Offscreen> {
-        let (name, device, queue) = device(backends, limits)?;
-        let gpu = Gpu::new(&device, FORMAT).unwrap();
-        Some(Offscreen { name, device, queue, gpu })
-    }
-
+impl Card {
     /// `frame` shaded by `shade` as 8-bit codes for a display of `transfer`.
     fn image(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<CodeImage, GpuError> {
-        let (width, height) = (frame.width, frame.height);
-        if width == 0 || height == 0 {
-            return Ok(CodeImage { width, height, samples: Samples::Eight(Vec::new()) });
-        }
-        let uploaded = self.gpu.upload(frame, shade, transfer)?;
-        let target = self.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let codes = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(row) * u64::from(height),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        self.gpu.render(&mut encoder, &view, &uploaded);
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-        let destination = wgpu::TexelCopyBufferInfo { buffer: &codes, layout };
-        encoder.copy_texture_to_buffer(target.as_image_copy(), destination, target.size());
-        self.queue.submit([encoder.finish()]);
-        codes.slice(..).map_async(wgpu::MapMode::Read, |result| result.unwrap());
-        self.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-        let bytes = codes.slice(..).get_mapped_range().unwrap();
-        let pixels = bytes.chunks_exact(row as usize).flat_map(|row| row[..4 * width as usize].chunks_exact(4));
-        let rgb = pixels.flat_map(|rgba| [rgba[0], rgba[1], rgba[2]]).collect();
-        Ok(CodeImage { width, height, samples: Samples::Eight(rgb) })
+        let texture = self.gpu.draw(frame, shade, transfer)?;
+        gpu::codes(&self.device, &self.queue, &texture)
     }
 }
 
-fn card(backend: wgpu::Backends) -> Option<Offscreen> {
-    Offscreen::new(backend, wgpu::Adapter::limits)
+fn card(backend: wgpu::Backends) -> Option<Card> {
+    let (name, device, queue) = device(backend, wgpu::Adapter::limits)?;
+    Some(Card { gpu: Gpu::new(&device, &queue).unwrap(), name, device, queue })
 }
 
 /// A wavy sheet: open, both sides seen, folds of it hidden by others.
@@ -218,7 +178,7 @@ fn shades() -> Vec<Shade> {
 
 /// Largest difference, how many codes differ at all, and where the largest is.
 fn compare(
-    card: &mut Offscreen,
+    card: &mut Card,
     frame: &Frame,
     light: &LinearImage,
     shade: &Shade,
@@ -330,18 +290,15 @@ fn too_much_is_an_error() {
     assert!(matches!(image(wide, Lighting::standard()), Err(GpuError::TooLarge { size: 100_000, .. })));
     let many = Lighting { lamps: vec![Lamp::directional(DVec3::Z); 65], ..Lighting::standard() };
     assert!(matches!(image(View::square(8), many), Err(GpuError::TooLarge { size: 65, .. })));
-    // Nothing to see, and nothing to see it on.
     let mut empty = Frame::new(&surface, &View::square(8), &Lighting::standard(), DVec3::ONE);
     empty.triangles.clear();
     empty.vertices.clear();
     assert!(card.image(&empty, &shade, &Transfer::Srgb).unwrap().bytes().unwrap().iter().all(|code| *code == 255));
-    (empty.width, empty.height) = (0, 7);
-    assert_eq!(card.image(&empty, &shade, &Transfer::Srgb).unwrap().bytes(), Some(&[][..]));
 }
 
 #[test]
 fn a_device_without_storage_is_an_error() {
     let limits = wgpu::Limits::downlevel_webgl2_defaults();
-    let Some((_, device, _)) = device(wgpu::Backends::all(), |_| limits) else { return };
-    assert!(matches!(Gpu::new(&device, wgpu::TextureFormat::Rgba8Unorm), Err(GpuError::NoStorage(0))));
+    let Some((_, device, queue)) = device(wgpu::Backends::all(), |_| limits) else { return };
+    assert!(matches!(Gpu::new(&device, &queue), Err(GpuError::NoStorage(0))));
 }

@@ -1,4 +1,4 @@
-//! Frames drawn into textures.
+//! Frames drawn into textures, and read back.
 
 use std::collections::HashMap;
 
@@ -9,9 +9,12 @@ use super::{
     pipeline::{DEPTH_FORMAT, Overrides, WGSL, layout, overrides, pipeline},
 };
 use crate::{
-    light::Transfer,
+    light::{CodeImage, Samples, Transfer},
     shading::{Frame, Shade},
 };
+
+/// How pictures are stored: as codes.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Storage buffers that a stage reads.
 const STORAGE_BUFFERS: u32 = 4;
@@ -37,38 +40,26 @@ pub enum GpuError {
     Driver(String),
 }
 
-/// Draws frames with a device that it may share, into textures of one format.
+/// Draws frames with a device that it may share.
 ///
 /// The device should have all [limits](wgpu::Adapter::limits) of its adapter: defaults may leave out storage buffers, as
 /// eframe's do on OpenGL.
 #[derive(Debug)]
 pub struct Gpu {
     device: wgpu::Device,
-    format: wgpu::TextureFormat,
+    queue: wgpu::Queue,
     module: wgpu::ShaderModule,
     layout: wgpu::BindGroupLayout,
     /// Made when they are first needed.
     pipelines: HashMap<Overrides, wgpu::RenderPipeline>,
 }
 
-/// A frame on the card, ready to be drawn by the [`Gpu`] that made it.
-#[derive(Clone, Debug)]
-pub struct GpuFrame {
-    pipeline: wgpu::RenderPipeline,
-    bindings: wgpu::BindGroup,
-    corners: u32,
-    width: u32,
-    height: u32,
-    background: wgpu::Color,
-}
-
 impl Gpu {
-    /// What draws into textures of `format` with `device`. The colors it writes are encoded: the format must be one
-    /// that keeps them as they are, such as Rgba8Unorm, not one ending in Srgb.
+    /// What draws with `device`.
     ///
     /// # Errors
     /// When the device gives shaders no storage buffers, or the driver refuses them.
-    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Gpu, GpuError> {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Gpu, GpuError> {
         let storage = device.limits().max_storage_buffers_per_shader_stage;
         if storage < STORAGE_BUFFERS {
             return Err(GpuError::NoStorage(storage));
@@ -78,7 +69,7 @@ impl Gpu {
             let module = wgpu::ShaderModuleDescriptor { label: Some("shading"), source };
             Gpu {
                 device: device.clone(),
-                format,
+                queue: queue.clone(),
                 module: device.create_shader_module(module),
                 layout: layout(device),
                 pipelines: HashMap::new(),
@@ -86,11 +77,11 @@ impl Gpu {
         })
     }
 
-    /// Takes `frame` to the card, to be shaded by `shade` and encoded by `transfer`.
+    /// Draws `frame`, shaded by `shade` and encoded by `transfer`, into a texture of 8-bit RGBA codes, and waits until it is drawn.
     ///
     /// # Errors
     /// When frame or mesh are larger than the device takes, or the driver refuses.
-    pub fn upload(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<GpuFrame, GpuError> {
+    pub fn draw(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<wgpu::Texture, GpuError> {
         let limits = self.device.limits();
         let contents = pack::buffers(frame, shade, transfer);
         let longest = contents.iter().map(Vec::len).max().unwrap_or(0) as u64;
@@ -104,74 +95,107 @@ impl Gpu {
                 return Err(GpuError::TooLarge { what, size, most });
             }
         }
-        let Gpu { device, format, module, layout, pipelines } = self;
+        let Gpu { device, queue, module, layout, pipelines } = self;
         let overrides = overrides(frame, shade, transfer, pack::rows(shade.shader));
         let pipeline = match pipelines.get(&overrides) {
             Some(made) => made.clone(),
             None => {
-                let made = guarded(device, || pipeline(device, module, layout, *format, &overrides))?;
+                let made = guarded(device, || pipeline(device, module, layout, FORMAT, &overrides))?;
                 pipelines.insert(overrides, made.clone());
                 made
             }
         };
-        let bindings = guarded(device, || {
-            let usages =
-                [wgpu::BufferUsages::UNIFORM].into_iter().chain(std::iter::repeat(wgpu::BufferUsages::STORAGE));
-            let buffers = contents.iter().zip(usages).map(|(contents, usage)| {
-                device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some("shading"), contents, usage })
+        let texture = guarded(device, || {
+            let target = wgpu::TextureUsages::RENDER_ATTACHMENT;
+            let used = target | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+            let [texture, depth] = [(FORMAT, used), (DEPTH_FORMAT, target)].map(|(format, usage)| {
+                device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some("shading"),
+                    size: wgpu::Extent3d { width: frame.width, height: frame.height, depth_or_array_layers: 1 },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage,
+                    view_formats: &[],
+                })
             });
-            let buffers: Vec<wgpu::Buffer> = buffers.collect();
-            let entry =
-                |(binding, buffer)| wgpu::BindGroupEntry { binding, resource: wgpu::Buffer::as_entire_binding(buffer) };
-            let entries: Vec<_> = (0..).zip(&buffers).map(entry).collect();
-            device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("shading"), layout, entries: &entries })
+            let bindings = bindings(device, layout, &contents);
+            let [r, g, b] = pack::background(frame, transfer);
+            let load = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 });
+            let [view, depth] = [&texture, &depth].map(|texture| texture.create_view(&Default::default()));
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("shading"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+                })],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &depth,
+                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+                    stencil_ops: None,
+                }),
+                ..Default::default()
+            });
+            pass.set_bind_group(0, &bindings, &[]);
+            if !frame.triangles.is_empty() {
+                pass.set_pipeline(&pipeline);
+                pass.draw(0..3 * frame.triangles.len() as u32, 0..1);
+            }
+            drop(pass);
+            queue.submit([encoder.finish()]);
+            texture
         })?;
-        let [r, g, b] = pack::background(frame, transfer);
-        Ok(GpuFrame {
-            pipeline,
-            bindings,
-            corners: 3 * frame.triangles.len() as u32,
-            width: frame.width,
-            height: frame.height,
-            background: wgpu::Color { r, g, b, a: 1.0 },
-        })
+        wait(device)?;
+        Ok(texture)
     }
+}
 
-    /// Draws `frame` into `view`, its top left at the texture's.
-    pub fn render(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView, frame: &GpuFrame) {
-        let load = wgpu::LoadOp::Clear(frame.background);
-        let depth = self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("depth"),
-            size: view.texture().size(),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: DEPTH_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("shading"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth.create_view(&wgpu::TextureViewDescriptor::default()),
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_bind_group(0, &frame.bindings, &[]);
-        if frame.corners > 0 {
-            pass.set_viewport(0.0, 0.0, frame.width as f32, frame.height as f32, 0.0, 1.0);
-            pass.set_pipeline(&frame.pipeline);
-            pass.draw(0..frame.corners, 0..1);
-        }
-    }
+/// The codes of a texture that [`Gpu::draw`] made, read back.
+///
+/// # Errors
+/// When the driver fails.
+pub fn codes(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<CodeImage, GpuError> {
+    let (width, height) = (texture.width(), texture.height());
+    let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("shading"),
+        size: u64::from(row) * u64::from(height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+    let destination = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), destination, texture.size());
+    queue.submit([encoder.finish()]);
+    buffer.slice(..).map_async(wgpu::MapMode::Read, |_| {});
+    wait(device)?;
+    let bytes = buffer.slice(..).get_mapped_range().map_err(|fault| GpuError::Driver(fault.to_string()))?;
+    let rows = bytes.chunks_exact(row as usize).map(|row| &row[..4 * width as usize]);
+    let codes = rows.flat_map(|row| row.as_chunks().0).flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+    Ok(CodeImage { width, height, samples: Samples::Eight(codes) })
+}
+
+/// Until everything is done.
+fn wait(device: &wgpu::Device) -> Result<(), GpuError> {
+    let done = device.poll(wgpu::PollType::wait_indefinitely());
+    done.map(|_| ()).map_err(|fault| GpuError::Driver(fault.to_string()))
+}
+
+/// The buffers that the WGSL reads, with these contents: the globals first.
+fn bindings(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, contents: &[Vec<u8>]) -> wgpu::BindGroup {
+    let usages = [wgpu::BufferUsages::UNIFORM].into_iter().chain(std::iter::repeat(wgpu::BufferUsages::STORAGE));
+    let buffers = contents.iter().zip(usages).map(|(contents, usage)| {
+        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some("shading"), contents, usage })
+    });
+    let buffers: Vec<wgpu::Buffer> = buffers.collect();
+    let entry = |(binding, buffer)| wgpu::BindGroupEntry { binding, resource: wgpu::Buffer::as_entire_binding(buffer) };
+    let entries: Vec<_> = (0..).zip(&buffers).map(entry).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("shading"), layout, entries: &entries })
 }
 
 /// The result of `make`; an error, not a panic, if the device refuses it.

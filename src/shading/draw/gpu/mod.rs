@@ -1,6 +1,6 @@
 //! The shaders on a graphics card, in WGSL.
 //!
-//! [`Gpu`] draws a [`Frame`](crate::shading::Frame) into a texture of any device, with one draw. The constants of triangles
+//! [`Gpu`] draws a [`Frame`](crate::shading::Frame) into a texture, with one draw. The constants of triangles
 //! and edges come from the processor, computed once a frame; the vertex stage hands them to the pixels of its triangle,
 //! where everything is f32, and encodes for the display.
 //!
@@ -16,5 +16,5 @@ mod card;
 mod pack;
 mod pipeline;
 
-pub use card::{Gpu, GpuError, GpuFrame};
+pub use card::{Gpu, GpuError, codes};
 pub use pipeline::WGSL;
