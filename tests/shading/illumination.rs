@@ -73,26 +73,6 @@ fn leaning(degrees: f64) -> DVec3 {
 }
 
 #[test]
-fn standard_lighting_agrees_with_the_sample_of_the_shaders() {
-    // Normals (not of unit length) and lights of the sample's vertices A…F: amb 0.1, kd 0.6, ks 0.3, m 20, L = (0.36,
-    // 0.48, 0.8), V = z; the reference numbers of the shaders' sample, computed by a separate Python program.
-    let sample = [
-        ([0.2, 0.4, 1.0], 0.857501052933336),
-        ([0.6, -0.1, 0.8], 0.582394156271713),
-        ([-0.5, 0.1, 0.9], 0.441064633335311),
-        ([0.3, -0.7, 0.7], 0.292573908617896),
-        ([-0.6, 0.5, 0.7], 0.434093291271656),
-        ([0.9, 0.5, 0.5], 0.605350426372744),
-        ([0.0, 0.0, 1.0], 0.5834587645138),
-    ];
-    let lighting = Lighting::standard();
-    for (normal, expected) in sample {
-        let light = lighting.light(DVec3::ZERO, DVec3::from_array(normal).normalize(), DVec3::Z);
-        assert!((light - expected).abs().max_element() < 1e-12, "{normal:?}: {light}, not {expected}");
-    }
-}
-
-#[test]
 fn highlights_of_microfacets_agree_with_python() {
     let rows = golden("illumination.csv");
     assert_eq!(rows.len(), 192);
@@ -236,57 +216,12 @@ fn refraction_without_direction_is_said_to_be_so() {
 }
 
 #[test]
-fn blinns_angle_is_half_of_phongs_in_the_plane() {
-    for (lamp, viewer) in [(20.0, 10.0), (20.0, -65.0), (50.0, -40.0), (-70.0, 12.0)] {
-        let strength = |specular_model, shininess| {
-            let mut lighting = Lighting::standard().with_direction(leaning(lamp));
-            lighting.material = Material {
-                ambient: 0.0,
-                specular: 1.0,
-                diffuse: 0.0,
-                shininess,
-                specular_model,
-                ..Material::standard()
-            };
-            lighting.light(DVec3::ZERO, DVec3::Z, leaning(viewer)).x
-        };
-        let phong = (lamp + viewer).to_radians();
-        for m in [1.0, 5.0, 80.0] {
-            assert!((strength(Specular::Phong, m) - phong.cos().max(0.0).powf(m)).abs() < 1e-14);
-            assert!((strength(Specular::Blinn, m) - (phong / 2.0).cos().powf(m)).abs() < 1e-14);
-        }
-    }
-}
-
-#[test]
 fn lamps_weaken_with_distance_and_never_strengthen() {
     assert_eq!(attenuation([0.0, 0.0, 1.0], 0.0), 1.0);
     assert_eq!(attenuation([0.0, 0.0, 1.0], 0.5), 1.0);
     assert_eq!(attenuation([0.0, 0.0, 1.0], 4.0), 1.0 / 16.0);
     assert_eq!(attenuation([0.5, 0.25, 0.0], 6.0), 0.5);
     assert_eq!(attenuation([1.0, 0.0, 0.0], 1e9), 1.0);
-    // The same through the whole model: a lamp over a white plane, four times as far, a sixteenth of the diffuse light.
-    let mut lighting = Lighting::standard();
-    lighting.material.specular = 0.0;
-    lighting.material.ambient = 0.0;
-    lighting.lamps = vec![Lamp {
-        place: LampPlace::Point { position: DVec3::ZERO, attenuation: [0.0, 0.0, 1.0] },
-        intensity: DVec3::ONE,
-    }];
-    for (d, share) in [(0.25, 1.0), (1.0, 1.0), (2.0, 0.25), (8.0, 1.0 / 64.0)] {
-        let light = lighting.light(DVec3::new(0.0, 0.0, -d), DVec3::Z, DVec3::Z);
-        assert!((light - 0.6 * share).abs().max_element() < 1e-15, "{d}: {light}");
-    }
-}
-
-#[test]
-fn colors_act_each_for_itself() {
-    let mut lighting = Lighting::standard().with_direction(2.0 * DVec3::Z).with_color(DVec3::new(0.0, 1.0, 0.5));
-    lighting.material.specular_color = DVec3::new(1.0, 0.0, 0.0);
-    lighting.lamps[0].intensity = DVec3::new(1.0, 1.0, 0.0);
-    let [r, g, b] = lighting.light(DVec3::ZERO, DVec3::Z, DVec3::Z).to_array();
-    // Red: only the highlight. Green: ambient and diffuse. Blue: only ambient, for no lamp shines blue.
-    assert!((r - 0.3).abs() < 1e-15 && (g - 0.7).abs() < 1e-15 && (b - 0.05).abs() < 1e-15, "{r} {g} {b}");
 }
 
 #[test]
@@ -328,7 +263,8 @@ fn odd_vectors() -> impl Strategy<Value = DVec3> {
 /// Unit vectors, many of them at a right angle to z or nearly so, and zero.
 fn odd_directions() -> impl Strategy<Value = DVec3> {
     let grazing = (-1e-9..1e-9, 0.0..2.0 * PI).prop_map(|(z, a)| DVec3::new(a.cos(), a.sin(), z).normalize());
-    prop_oneof![directions(), grazing, Just(DVec3::Z), Just(DVec3::NEG_Z), Just(DVec3::X), Just(DVec3::ZERO)]
+    let any = odd_vectors().prop_map(DVec3::normalize_or_zero);
+    prop_oneof![directions(), grazing, any, Just(DVec3::Z), Just(DVec3::NEG_Z), Just(DVec3::X), Just(DVec3::ZERO)]
 }
 
 proptest! {
@@ -397,7 +333,7 @@ proptest! {
     }
 
     #[test]
-    fn light_is_finite_wherever_the_surface_looks(
+    fn light_is_finite_for_any_vectors(
         specular in models(), p in odd_vectors(), n in odd_directions(), v in odd_directions(), l in odd_directions(),
     ) {
         let mut lighting = scene(specular);
@@ -406,19 +342,9 @@ proptest! {
         lighting.lamps.push(Lamp { place, intensity: DVec3::ONE });
         let light = lighting.light(p, n, v);
         prop_assert!(light.is_finite() && light.min_element() >= 0.0, "{light}");
-    }
-
-    #[test]
-    fn light_is_a_number_for_any_vectors(
-        specular in models(), p in odd_vectors(), n in odd_vectors(), v in odd_vectors(),
-    ) {
-        let light = scene(specular).light(p, n.normalize_or_zero(), v.normalize_or_zero());
-        prop_assert!(light.is_finite(), "{light}");
-        let bad = scene(specular).light(p, DVec3::NAN, v);
-        prop_assert_eq!(bad, scene(specular).ambient_light());
-        match Refraction::of(n, v, p.x) {
-            Refraction::Transmitted(t) | Refraction::TotalReflection(t) => prop_assert!(t.is_finite()),
-            Refraction::Undefined => {}
+        prop_assert_eq!(lighting.light(p, DVec3::NAN, v), lighting.ambient_light());
+        if let Refraction::Transmitted(t) | Refraction::TotalReflection(t) = Refraction::of(n, v, p.x) {
+            prop_assert!(t.is_finite());
         }
     }
 }

@@ -1,11 +1,11 @@
 //! The patch shader: fields that it must give back, its smoothness, another implementation.
 
-use crate::plane::{frame, grid, random};
+use crate::plane::{frame, grid};
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::Transfer,
     shading::{
-        Across, Channels, Creases, Frame, Gradients, Lighting, Patches, Scene, Surface, View, crease,
+        Channels, Frame, Gradients, Lighting, Patches, Scene, Surface, View,
         frame::Gradient,
         shaders::{Patch, Spread as _},
         shapes::{self, Shape},
@@ -49,22 +49,6 @@ fn worst(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> f64 
 
 fn given(frame: &Frame, gradient: impl Fn(DVec2) -> DVec2) -> Patches {
     Patches::with_gradients(frame, frame.vertices.iter().map(|v| gray_gradient(gradient(v.screen))).collect())
-}
-
-#[test]
-fn linear_fields_come_out_exactly() {
-    let (places, triangles) = grid(9, 100.0, 0.45, 1);
-    let slope = DVec2::new(0.013, -0.007);
-    let field = |p: DVec2| 0.4 + slope.dot(p);
-    let frame = frame(&places, &triangles, |p| gray(field(p)));
-    for gradients in Gradients::ALL {
-        let patches = Patches::new(&frame, *gradients);
-        assert!(worst(&frame, &patches, field) < 1e-12, "{gradients}");
-        for gradient in &patches.gradients {
-            assert!(gradient[0].distance(slope) < 1e-12 && gradient[2].distance(-2.0 * slope) < 1e-12, "{gradients}");
-        }
-    }
-    assert!(worst(&frame, &given(&frame, |_| slope), field) < 1e-12);
 }
 
 /// Neighbours count by 1/d²: of two along x, one a unit away with a slope of 1, one four units away with none, the slope
@@ -139,60 +123,6 @@ fn smooth_fields_converge_at_third_order() {
         println!("{gradients:?}: {errors:?}, order {order:.2}");
         assert!(order > least, "{gradients:?}: order {order} of {errors:?}");
     }
-}
-
-/// Random lights and gradients on random triangles: nothing but the construction makes it smooth.
-#[test]
-fn slopes_are_continuous_across_edges_at_vertices_and_inside() {
-    for seed in 0..20 {
-        let (places, triangles) = grid(6, 100.0, 0.24, seed);
-        let mut frame = frame(&places, &triangles, |p| gray(random((p.x * 1e3 + p.y * 1e6) as u64)));
-        // A border in the middle: the vertices there still have one gradient each.
-        if let Across::Triangle { triangle, .. } = frame.triangles[20].across[0] {
-            for k in 0..3 {
-                if matches!(frame.triangles[triangle as usize].across[k], Across::Triangle { triangle: 20, .. }) {
-                    frame.triangles[triangle as usize].across[k] = Across::Nothing;
-                }
-            }
-            frame.triangles[20].across[0] = Across::Nothing;
-        }
-        let gradients = (0..places.len() as u64)
-            .map(|v| [0, 1, 2].map(|c| DVec2::new(random(v * 6 + c) - 0.5, random(v * 6 + c + 3) - 0.5) * 0.05));
-        let patches = Patches::with_gradients(&frame, gradients.collect());
-        let light = spread(&frame, &patches);
-        let (own, gouraud) = (Creases::of_field(&frame, &light), Creases::of_gouraud(&frame));
-        assert!(own.max < 1e-6 * gouraud.rms, "seed {seed}: {} beside {}", own.max, gouraud.rms);
-        assert!(own.step_rms < 1e-12);
-        for spread in crease::at_vertices(&frame, &light) {
-            assert!(spread < 1e-6 * gouraud.rms, "seed {seed}: {spread}");
-        }
-        for t in 0..frame.triangles.len() {
-            for k in 0..3 {
-                let (bend, size) = inner_jump(|w| light(t, w), k);
-                assert!(bend < 1e-6 * size, "seed {seed}, triangle {t}, line {k}: {bend} beside {size}");
-            }
-        }
-    }
-}
-
-/// The jump of the slope across the line from corner k to the centroid, at its middle and near its ends, and the slope,
-/// both per weight.
-fn inner_jump(light: impl Fn([f64; 3]) -> DVec3, k: usize) -> (f64, f64) {
-    let (mut worst, mut size) = (0.0_f64, 0.0_f64);
-    for s in [0.02, 0.5, 0.98] {
-        let at = |h: f64| {
-            let mut w = [s / 3.0; 3];
-            w[k] = 1.0 - 2.0 * s / 3.0;
-            w[(k + 1) % 3] += h;
-            w[(k + 2) % 3] -= h;
-            light(w)
-        };
-        let h = 1e-6;
-        let one_sided = |h: f64| (4.0 * at(h) - at(2.0 * h) - 3.0 * at(0.0)) / (2.0 * h);
-        worst = worst.max((one_sided(h) - one_sided(-h)).length());
-        size = size.max(one_sided(h).length());
-    }
-    (worst, size)
 }
 
 #[test]
@@ -346,44 +276,4 @@ fn encoded_lights_have_encoded_gradients() {
         }
     }
     assert!(compared > 50, "{compared}");
-}
-
-#[test]
-fn thin_triangles_give_numbers() {
-    let step = 1.0 / 256.0;
-    let places = [(0.0, 0.0), (100.0, 0.0), (50.0, step), (100.0 + step, step), (100.0, 0.0), (30.0, -80.0)];
-    let places = places.map(|(x, y)| DVec2::new(x, y));
-    let triangles = [[0, 1, 2], [1, 3, 2], [0, 4, 5], [0, 1, 1]];
-    let frame = frame(&places, &triangles, |p| gray(random((p.x * 256.0) as u64)));
-    for gradients in Gradients::ALL {
-        let light = spread(&frame, &Patches::new(&frame, *gradients));
-        for t in 0..frame.triangles.len() {
-            for w in [[1.0 / 3.0; 3], [1.0, 0.0, 0.0], [0.2, 0.5, 0.3]] {
-                assert!(light(t, w).is_finite(), "{gradients}, triangle {t}");
-            }
-        }
-    }
-}
-
-/// Whatever affine change the screen undergoes, the light goes with it.
-#[test]
-fn turning_and_stretching_the_screen_changes_nothing() {
-    let (places, triangles) = grid(5, 60.0, 0.4, 9);
-    let turned: Vec<DVec2> = places.iter().map(|p| DVec2::new(3.0 * p.x - p.y, 0.5 * p.x + 2.0 * p.y)).collect();
-    let value = |v: usize| gray(random(v as u64));
-    let slope = |v: usize| gray_gradient(DVec2::new(random(v as u64 + 99) - 0.5, random(v as u64 + 999) - 0.5) * 0.1);
-    // The inverse's transpose, of determinant 6.5.
-    let turned_slope = |g: DVec2| DVec2::new(2.0 * g.x - 0.5 * g.y, g.x + 3.0 * g.y) / 6.5;
-    let patches = |places: &[DVec2], slope: &dyn Fn(usize) -> Gradient| {
-        let mut frame = frame(places, &triangles, |_| DVec3::ZERO);
-        for (v, vertex) in frame.vertices.iter_mut().enumerate() {
-            vertex.light = value(v);
-        }
-        spread(&frame, &Patches::with_gradients(&frame, (0..places.len()).map(slope).collect()))
-    };
-    let (before, after) = (patches(&places, &slope), patches(&turned, &|v| slope(v).map(turned_slope)));
-    for t in 0..triangles.len() {
-        let w = [0.5, 0.3, 0.2];
-        assert!((before(t, w) - after(t, w)).length() < 1e-12);
-    }
 }

@@ -8,22 +8,11 @@ use machband::shading::{
 };
 use pulp::Arch;
 
-use crate::plane::covers;
-
-/// A number within −1…1 that looks random.
-fn noise(seed: u32) -> f64 {
-    let mut z = seed.wrapping_mul(0x9E37_79B9) ^ 0x5bd1_e995;
-    for _ in 0..3 {
-        z ^= z >> 15;
-        z = z.wrapping_mul(0x85EB_CA6B);
-        z ^= z >> 13;
-    }
-    f64::from(z) / f64::from(u32::MAX) * 2.0 - 1.0
-}
+use crate::plane::{covers, random};
 
 /// Triangles through each other, thin ones among them.
 fn ugly(seed: u32) -> Mesh {
-    let place = |i: u32| DVec3::from_array([0, 1, 2].map(|c| noise(seed * 1000 + 3 * i + c)));
+    let place = |i: u32| DVec3::from_array([0, 1, 2].map(|c| 2.0 * random(u64::from(seed * 1000 + 3 * i + c)) - 1.0));
     let mut places: Vec<DVec3> = (0..90).map(place).collect();
     // Next to another: slivers.
     places.extend((0..30).map(|i| place(i) + 0.01 * place(i + 200)));
