@@ -5,7 +5,7 @@ mod common;
 
 mod analyze;
 mod basics;
-mod calibrate_command;
+mod calibrate;
 mod plan;
 mod predict;
 mod security;

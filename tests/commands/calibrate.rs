@@ -6,18 +6,16 @@ use machband::{
     store::{profile, readings},
 };
 
-use super::common::{machband, text};
+use crate::common::{fails, machband, split, succeeds, text};
 
-fn errors(output: &std::process::Output) -> String {
-    text(&output.stderr)
-}
+/// cd/m² of red, green, blue and gray.
+const RANGES: [f64; 4] = [25.0, 80.0, 10.0, 115.0];
 
 /// Readings without noise of a display with γ 2.2 and a black of 0.3 cd/m².
 fn good(levels: usize) -> Vec<Reading> {
-    let ranges = [25.0, 80.0, 10.0, 115.0];
     let one = |channel: usize, step: usize| {
         let level = step as f64 / (levels - 1) as f64;
-        Reading { channel: Channel::ALL[channel], level, luminance_cd_m2: 0.3 + ranges[channel] * level.powf(2.2) }
+        Reading { channel: Channel::ALL[channel], level, luminance_cd_m2: 0.3 + RANGES[channel] * level.powf(2.2) }
     };
     (0..4).flat_map(|channel| (0..levels).map(move |step| one(channel, step))).collect()
 }
@@ -27,25 +25,24 @@ fn faults(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn a_profile_a_plot_and_a_report_come_of_readings() {
+fn a_profile_a_plot_and_a_report_are_made_of_readings() {
     let folder = tempfile::tempdir().unwrap();
     readings::write(&folder.path().join("r.csv"), &good(9)).unwrap();
-    let line = "calibrate r.csv --out left.toml --name Left --by AB --with LS-150 --on 2026-02-03 --plot left.svg \
-                --report left.json";
-    let output = machband(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
-    assert!(output.status.success(), "{}", errors(&output));
-    let said = String::from_utf8(output.stdout).unwrap();
-    // Both files are what `check` takes them for.
-    let checked = machband(folder.path(), &["check", "r.csv", "left.toml"]);
-    assert!(checked.status.success(), "{}", errors(&checked));
-    let found = String::from_utf8(checked.stdout).unwrap();
-    assert!(found.contains("36 readings of a photometer, red, green, blue, gray"), "{found}");
-    assert!(found.contains("display profile Left (γ 2.200"), "{found}");
+    let measured = "--name Left --by AB --with LS-150 --on 2026-02-03";
+    let line = format!("calibrate r.csv --out left.toml {measured} --plot left.svg --report left.json");
+    let output = machband(folder.path(), &split(&line));
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let output = text(&output.stdout);
     for part in
         ["gamma  green    2.2000", "chosen: gamma", "better by cross-validation: gamma", "additivity", "white 115.30"]
     {
-        assert!(said.contains(part), "{part}: {said}");
+        assert!(output.contains(part), "{part}: {output}");
     }
+    // Both files are what `check` takes them for.
+    let checked = machband(folder.path(), &["check", "r.csv", "left.toml"]);
+    let found = text(&checked.stdout);
+    assert!(found.contains("36 readings of a photometer, red, green, blue, gray"), "{found}");
+    assert!(checked.status.success() && found.contains("display profile Left (γ 2.200"), "{found}");
     let made = profile::open(&folder.path().join("left.toml")).unwrap();
     assert_eq!(made.name, "Left");
     let Some(Transfer::Gamma(gamma)) = made.transfers.uniform() else { panic!("{:?}", made.transfers) };
@@ -60,32 +57,33 @@ fn a_profile_a_plot_and_a_report_come_of_readings() {
         serde_json::from_slice(&std::fs::read(folder.path().join("left.json")).unwrap()).unwrap();
     assert_eq!((report["chosen"].as_str(), report["models"].as_array().map(Vec::len)), (Some("gamma"), Some(4)));
     // The chart as an image, and a table asked for.
-    let table =
-        machband(folder.path(), &["calibrate", "r.csv", "--out", "t.toml", "--model", "table", "--plot", "t.png"]);
-    assert!(table.status.success(), "{}", errors(&table));
+    succeeds(folder.path(), &split("calibrate r.csv --out t.toml --model table --plot t.png"));
     assert!(profile::open(&folder.path().join("t.toml")).unwrap().transfers.has_table());
     assert!(std::fs::read(folder.path().join("t.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
 #[test]
-fn what_was_written_and_replaced_is_named_and_an_old_day_is_warned_of() {
+fn written_files_are_named_and_a_doubtful_day_is_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     readings::write(&folder.path().join("r.csv"), &good(9)).unwrap();
-    let calibrate = |more: &[&str]| {
-        let output = machband(folder.path(), &[&["calibrate", "r.csv", "--out", "left.toml"], more].concat());
-        assert!(output.status.success(), "{}", errors(&output));
-        (String::from_utf8(output.stdout.clone()).unwrap(), errors(&output))
-    };
-    let (said, warned) = calibrate(&["--plot", "left.svg", "--report", "left.json"]);
-    for line in ["wrote left.svg\n", "wrote left.json\n", "wrote left.toml: left (γ 2.200"] {
-        assert!(said.contains(line), "{line}: {said}");
+    for (options, printed, warning) in [
+        (
+            "--plot left.svg --report left.json",
+            &["wrote left.svg\n", "wrote left.json\n", "wrote left.toml: left (γ 2.200"][..],
+            "",
+        ),
+        ("--on 2020-02-29", &["replaced left.toml: left (γ 2.200"], "days ago; after 30 days"),
+        ("--on 2999-01-01", &[], "in the future"),
+    ] {
+        let output = machband(folder.path(), &split(&format!("calibrate r.csv --out left.toml {options}")));
+        let (found, warned) = (text(&output.stdout), text(&output.stderr));
+        assert!(output.status.success() && printed.iter().all(|line| found.contains(line)), "{found}{warned}");
+        assert_eq!(warned.is_empty(), warning.is_empty(), "{warned}");
+        assert!(
+            warned.is_empty() || warned.starts_with("warning: left.toml: ") && warned.contains(warning),
+            "{warned}"
+        );
     }
-    assert_eq!(warned, "");
-    let (said, warned) = calibrate(&["--on", "2020-02-29"]);
-    assert!(said.contains("replaced left.toml: left (γ 2.200"), "{said}");
-    assert!(warned.starts_with("warning: left.toml: ") && warned.contains("days ago; after 30 days"), "{warned}");
-    let (_, warned) = calibrate(&["--on", "2999-01-01"]);
-    assert!(warned.starts_with("warning: left.toml: ") && warned.contains("in the future"), "{warned}");
 }
 
 #[test]
@@ -102,38 +100,23 @@ fn each_bad_file_has_its_own_message_and_no_profile() {
         Channel::Blue => Channel::Red,
         other => other,
     };
-    let cases = [
-        (
-            changed(&|one| {
-                if one.level == 0.5 {
-                    one.luminance_cd_m2 *= 0.2
-                }
-            }),
-            "not monotone",
-        ),
-        (
-            changed(&|one| {
-                if one.level > 0.7 {
-                    one.luminance_cd_m2 = 0.3 + 0.5 * range(one.channel)
-                }
-            }),
-            "saturated",
-        ),
+    let dip = |one: &mut Reading| one.luminance_cd_m2 *= if one.level == 0.5 { 0.2 } else { 1.0 };
+    let clip = |one: &mut Reading| one.luminance_cd_m2 = one.luminance_cd_m2.min(0.3 + 0.5 * range(one.channel));
+    for (readings, expected) in [
+        (changed(&dip), "not monotone"),
+        (changed(&clip), "saturated"),
         (only(Channel::Green), "single channel"),
         (changed(&|one| one.channel = exchange(one.channel)), "are red and blue exchanged?"),
-    ];
-    for (readings, expected) in cases {
+    ] {
         readings::write(&folder.path().join("bad.csv"), &readings).unwrap();
-        let output = machband(folder.path(), &["calibrate", "bad.csv", "--out", "bad.toml"]);
-        assert_eq!(output.status.code(), Some(1), "{expected}: {}", errors(&output));
-        let lines = errors(&output);
-        assert!(lines.lines().all(|line| line.starts_with("error: bad.csv: ") && line.contains(expected)), "{lines}");
+        let error = fails(folder.path(), &split("calibrate bad.csv --out bad.toml"), 1);
+        assert!(error.lines().all(|line| line.starts_with("error: bad.csv: ") && line.contains(expected)), "{error}");
         assert!(!folder.path().join("bad.toml").exists());
     }
 }
 
 fn range(channel: Channel) -> f64 {
-    [25.0, 80.0, 10.0, 115.0][Channel::ALL.iter().position(|one| *one == channel).unwrap()]
+    RANGES[Channel::ALL.iter().position(|one| *one == channel).unwrap()]
 }
 
 #[test]
@@ -142,13 +125,10 @@ fn readings_are_never_overwritten() {
     let path = folder.path().join("r.csv");
     readings::write(&path, &good(6)).unwrap();
     let before = std::fs::read(&path).unwrap();
-    for arguments in [["--out", "r.csv", "--name", "x"], ["--out", "p.toml", "--report", "./r.csv"]] {
-        let output = machband(folder.path(), &[["calibrate", "r.csv"].as_slice(), &arguments].concat());
-        assert_eq!(output.status.code(), Some(2), "{}", errors(&output));
+    for options in ["--out r.csv --name x", "--out p.toml --report ./r.csv", "--out p.toml --plot p.jpg"] {
+        fails(folder.path(), &split(&format!("calibrate r.csv {options}")), 2);
         assert_eq!(std::fs::read(&path).unwrap(), before);
     }
-    let output = machband(folder.path(), &["calibrate", "r.csv", "--out", "p.toml", "--plot", "p.jpg"]);
-    assert_eq!(output.status.code(), Some(2));
 }
 
 #[test]
@@ -197,8 +177,7 @@ fn a_decimal_comma_is_no_reading() {
     let told = readings::open_begun(&path).unwrap_err().to_string();
     assert!(told.contains("r.csv:2:1: 4 fields; expected 3 (a decimal comma?)\n"), "{told}");
     assert!(told.lines().count() == 4 && told.ends_with("r.csv: 6 more rows have a fault; expected none"), "{told}");
-    let output = machband(folder.path(), &["calibrate", "r.csv", "--out", "p.toml"]);
-    assert_eq!(output.status.code(), Some(1));
+    fails(folder.path(), &split("calibrate r.csv --out p.toml"), 1);
     assert!(!folder.path().join("p.toml").exists());
 }
 
