@@ -1,11 +1,22 @@
-//! The files of `tests/golden/ordinal`.
+//! Ordinal models against R's `ordinal` and `statsmodels`; rank tests and agreement against SciPy, `krippendorff` and
+//! scikit-learn. The values and the scripts that made them, with versions, are in `tests/golden/ordinal` and
+//! `scripts/golden_ordinal.*`.
 
-use std::{fs, path::PathBuf};
+use std::{collections::BTreeMap, fs, path::PathBuf};
 
-use machband::analysis::counts::{Counts, MeasuredBuilder};
+use machband::analysis::{
+    Coefficient, Link, Model, ModelSpec, Part, Random,
+    agreement::{Retest, ordinal_alpha},
+    bootstrap::Bootstrap,
+    counts::{Counts, MeasuredBuilder},
+    fit, fit_with_tests,
+    rank_tests::{PMethod, SubjectMeans, friedman, holm, pairs, wilcoxon},
+    scale_tests,
+    terms::{Term, Terms},
+};
 
 /// Header and rows of a file.
-pub fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
+fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/ordinal").join(name);
     let text = fs::read_to_string(&path).unwrap();
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
@@ -15,7 +26,7 @@ pub fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
 }
 
 /// The ratings of a data set: subject, factors, rating and count.
-pub fn counts(name: &str) -> Counts {
+fn counts(name: &str) -> Counts {
     let (header, rows) = read(&format!("data_{name}.csv"));
     let last = header.len() - 2;
     let mut builder = MeasuredBuilder::new(&header[1..last]);
@@ -23,4 +34,355 @@ pub fn counts(name: &str) -> Counts {
         builder.add_counts(&row[0], &row[1..last], &row[last], row[last + 1].parse().unwrap()).unwrap();
     }
     builder.finish().counts
+}
+
+type Record = BTreeMap<String, String>;
+
+/// The records of a file, by the names of its columns.
+fn records(file: &str) -> Vec<Record> {
+    let (header, rows) = read(file);
+    rows.into_iter().map(|row| header.iter().cloned().zip(row).collect()).collect()
+}
+
+fn spec(record: &Record) -> ModelSpec {
+    let nodes: usize = record.get("nodes").map_or(0, |nodes| nodes.parse().unwrap());
+    ModelSpec {
+        terms: Terms::parse(&record["terms"]).unwrap(),
+        scale: Terms::parse(record.get("scale").map_or("", String::as_str)).unwrap(),
+        link: record["link"].parse::<Link>().unwrap(),
+        random: if nodes == 0 { Random::None } else { Random::Subject },
+        quadrature: nodes.max(1),
+    }
+}
+
+fn coefficient(coefficients: &[Coefficient], name: &str, se: bool) -> f64 {
+    let found = coefficients.iter().find(|c| c.name == name).unwrap_or_else(|| panic!("no coefficient {name}"));
+    if se { found.se.unwrap() } else { found.estimate }
+}
+
+fn value(model: &Model, quantity: &str, name: &str) -> f64 {
+    let threshold = || model.thresholds.iter().find(|t| t.name == name).unwrap();
+    let subject = || model.random.as_ref().unwrap().subjects.iter().find(|s| s.subject == name).unwrap();
+    match quantity {
+        "loglik" => model.loglik,
+        "threshold" => threshold().estimate,
+        "threshold_se" => threshold().se.unwrap(),
+        "coefficient" => coefficient(&model.coefficients, name, false),
+        "coefficient_se" => coefficient(&model.coefficients, name, true),
+        "scale" => coefficient(&model.scale, name, false),
+        "scale_se" => coefficient(&model.scale, name, true),
+        "sd" => model.random.as_ref().unwrap().sd,
+        "sd_se" => model.random.as_ref().unwrap().se.unwrap(),
+        "mode" => subject().mode,
+        "mode_sd" => subject().sd,
+        other => panic!("{other}"),
+    }
+}
+
+/// The records of one fit after the other.
+fn fits(records: &[Record]) -> impl Iterator<Item = &[Record]> {
+    let key = |record: &Record| {
+        ["data", "link", "terms", "scale", "nodes"].map(|name| record.get(name).cloned().unwrap_or_default())
+    };
+    records.chunk_by(move |l, r| key(l) == key(r))
+}
+
+/// Compares every value of a file; the greatest differences of every fit go to the test's output.
+fn compare(file: &str, fewest: usize) {
+    let records = records(file);
+    let mut compared = 0;
+    for records in fits(&records) {
+        let first = &records[0];
+        let model = fit(&counts(&first["data"]), &spec(first)).unwrap();
+        let label = format!(
+            "{} {} {:?} {:?} {:?}",
+            first["data"],
+            first["link"],
+            first["terms"],
+            first.get("scale"),
+            first.get("nodes")
+        );
+        let mut worst: BTreeMap<&str, f64> = BTreeMap::new();
+        let mut coefficients = 0;
+        for record in records.iter().filter(|record| record["quantity"] != "gradient") {
+            let expected: f64 = record["value"].parse().unwrap();
+            let quantity = record["quantity"].as_str();
+            let difference = (value(&model, quantity, &record["name"]) - expected).abs();
+            let worst = worst.entry(quantity).or_insert(0.0);
+            *worst = worst.max(difference);
+            coefficients += usize::from(quantity == "coefficient");
+            compared += 1;
+        }
+        let shown: Vec<String> = worst.iter().map(|(quantity, worst)| format!("{quantity} {worst:.1e}")).collect();
+        println!("{label}: {}, gradient {:.0e}, {} iterations", shown.join(", "), model.gradient, model.iterations);
+        assert!(model.gradient < 1e-6, "{label}");
+        assert_eq!(coefficients, model.coefficients.len(), "{label}: {:?}", model.coefficients);
+        for (quantity, difference) in worst {
+            let most = if quantity == "loglik" { 1e-5 } else { 1e-4 };
+            assert!(difference < most, "{label}: {quantity} differs by {difference:e}");
+        }
+    }
+    assert!(compared >= fewest, "only {compared} values");
+}
+
+#[test]
+fn estimates_errors_and_likelihoods_are_those_of_r() {
+    compare("models.csv", 600);
+}
+
+#[test]
+fn estimates_errors_and_likelihoods_are_those_of_statsmodels() {
+    compare("statsmodels.csv", 60);
+}
+
+#[test]
+fn likelihood_ratio_tests_are_those_of_r() {
+    let records = records("tests.csv");
+    for records in fits(&records) {
+        let (counts, spec) = (counts(&records[0]["data"]), spec(&records[0]));
+        let report = fit_with_tests(&counts, &spec).unwrap();
+        let tests = [report.terms, report.proportional_odds, scale_tests(&counts, &spec).unwrap()].concat();
+        let mut worst: f64 = 0.0;
+        for record in records {
+            let location = record["test"] == "location";
+            let part = match record["test"].as_str() {
+                "location" => Part::Location,
+                "nominal" => Part::Nominal,
+                _ => Part::Scale,
+            };
+            let what = format!("{record:?}");
+            let test = tests.iter().find(|test| test.term == record["term"] && test.part == part);
+            let test = test.unwrap_or_else(|| panic!("{what}: {tests:?}"));
+            assert_eq!(test.df.to_string(), record["df"], "{what}");
+            if test.df == 0 {
+                assert_eq!((test.lr, test.p), (None, None), "{what}");
+                continue;
+            }
+            let number = |name: &str| record[name].parse::<f64>().unwrap();
+            let (lr, p) = (test.lr.unwrap() - number("lr"), test.p.unwrap() - number("p"));
+            worst = worst.max(lr.abs());
+            // Without a finite maximum R stops on the way to it.
+            assert!(lr.abs() < 1e-4 * (1.0 + number("lr")) || (!location && lr > 0.0 && lr < 0.05), "{what}: {test:?}");
+            assert!(p.abs() < 1e-4 || (!location && p.abs() < 5e-3), "{what}: {test:?}");
+        }
+        println!("{} {:?}: {worst:.1e}", records[0]["data"], records[0]["terms"]);
+    }
+}
+
+/// With ever more ratings a subject's intercept is known, and the errors are those of a normal sample of the subjects:
+/// sd/√n for the thresholds, sd/√(2n) for the sd.
+#[test]
+fn errors_of_many_ratings_are_those_of_a_sample_of_subjects() {
+    let mut counts = counts("large");
+    for times in [100, 1000] {
+        for row in &mut counts.rows {
+            row.count *= times;
+        }
+        for (link, nodes) in [(Link::Logit, 1), (Link::Probit, 1), (Link::Logit, 8), (Link::Probit, 8)] {
+            let terms = Terms::parse("num:year").unwrap();
+            let spec = ModelSpec { link, random: Random::Subject, quadrature: nodes, ..ModelSpec::new(terms) };
+            let model = fit(&counts, &spec).unwrap();
+            assert!(model.notes.is_empty(), "{:?}", model.notes);
+            let random = model.random.unwrap();
+            let subjects = counts.subjects.len() as f64;
+            let close = |found: f64, expected: f64| {
+                assert!((found / expected - 1.0).abs() < 2e-4, "{link} {nodes} {times}: {found}, expected {expected}");
+            };
+            close(random.se.unwrap(), random.sd / (2.0 * subjects).sqrt());
+            // Thresholds at the mean year: those at year 0 lean on the slope too.
+            let (theta, slope) = (0, model.thresholds.len());
+            let year = 2007.0;
+            let v = |i: usize, j: usize| model.covariance[(i, j)];
+            let error = v(theta, theta) - 2.0 * year * v(theta, slope) + year * year * v(slope, slope);
+            close(error.sqrt(), random.sd / subjects.sqrt());
+        }
+    }
+}
+
+/// The integral is found long before a hundred nodes, and they are no trouble.
+#[test]
+fn many_nodes_change_nothing() {
+    let counts = counts("strong");
+    let loglik = |quadrature| {
+        let terms = Terms::parse("x").unwrap();
+        fit(&counts, &ModelSpec { random: Random::Subject, quadrature, ..ModelSpec::new(terms) }).unwrap().loglik
+    };
+    assert!((loglik(40) - loglik(100)).abs() < 1e-6, "{} {}", loglik(40), loglik(100));
+}
+
+/// A model without terms has the proportions of the ratings, and the binomial error of their mean; one with a term for
+/// location and scale follows the levels.
+#[test]
+fn predictions_are_the_proportions_at_hand() {
+    let mut builder = MeasuredBuilder::new(&["width"]);
+    for (width, tally) in [("0.1", [5, 3, 2, 1]), ("0.4", [2, 4, 6, 3]), ("0.8", [1, 1, 5, 9])] {
+        for (rating, count) in tally.into_iter().enumerate() {
+            builder.add_counts("S1", &[width], &rating.to_string(), count).unwrap();
+        }
+    }
+    let counts = builder.finish().counts;
+    let predictions = |spec: &ModelSpec| fit_with_tests(&counts, spec).unwrap().predictions;
+    for link in [Link::Logit, Link::Probit] {
+        let prediction = &predictions(&ModelSpec { link, ..ModelSpec::new(Terms::default()) })[0];
+        let expected = [8.0, 8.0, 13.0, 13.0].map(|n| n / 42.0);
+        let moment = |power: i32| (0..).zip(expected).map(|(k, p)| f64::from(k).powi(power) * p).sum::<f64>();
+        assert!(prediction.probabilities.iter().zip(expected).all(|(found, p)| (found - p).abs() < 1e-9));
+        assert!((prediction.mean - moment(1)).abs() < 1e-9);
+        let interval = prediction.interval.unwrap();
+        let error = (interval.high - interval.low) / (2.0 * 1.959_963_984_540_054);
+        assert!((error - ((moment(2) - moment(1).powi(2)) / 42.0).sqrt()).abs() < 1e-9, "{error}");
+    }
+    let width = Terms::parse("width").unwrap();
+    let found = predictions(&ModelSpec { scale: width.clone(), ..ModelSpec::new(width) });
+    assert_eq!(found.iter().map(|p| p.names[0].as_str()).collect::<Vec<_>>(), ["0.1", "0.4", "0.8"]);
+    assert!(found.is_sorted_by(|l, r| l.mean < r.mean));
+    for prediction in &found {
+        assert!((prediction.probabilities.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(prediction.interval.is_some_and(|i| i.low < prediction.mean && prediction.mean < i.high));
+    }
+}
+
+#[test]
+fn terms_are_read_in_the_order_of_their_size() {
+    for (text, expected) in [
+        ("width, depth", "width,depth"),
+        ("width:num:inv_n,depth,width", "depth,width,width:num:inv_n"),
+        ("num:inv_n,width:num:inv_n", "num:inv_n,num:inv_n:width"),
+        ("a*b*num:c", "a,b,num:c,a:b,a:num:c,b:num:c,a:b:num:c"),
+        ("a:b,b:a,a:a", "a,a:b"),
+        ("", ""),
+    ] {
+        assert_eq!(Terms::parse(text).unwrap().to_string(), expected);
+    }
+    for text in ["width,,depth", "width:", "num:", ":a", "a*", "num::a"] {
+        assert!(Terms::parse(text).unwrap_err().to_string().contains("an empty name"), "{text}");
+    }
+    let terms = Terms::parse("a*b,c").unwrap();
+    assert!(terms.is_marginal(&Term::factor("a")) && !terms.is_marginal(&Term::factor("c")));
+    assert_eq!(terms.without(&Term::factor("c")).to_string(), "a,b,a:b");
+}
+
+fn close(found: f64, expected: &str, what: &[String]) {
+    let expected: f64 = expected.parse().unwrap();
+    assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{what:?}: {found}");
+}
+
+#[test]
+fn friedman_and_wilcoxon_are_those_of_scipy() {
+    let (_, rows) = read("ranks.csv");
+    let mut compared = 0;
+    for row in rows.iter().filter(|row| ["friedman", "wilcoxon"].contains(&row[0].as_str())) {
+        let counts = counts(&row[1]);
+        let name: Vec<&str> = row[2].split(' ').collect();
+        let means = SubjectMeans::new(&counts, counts.factor(name[0]).unwrap().0);
+        assert!(means.incomplete.is_empty());
+        if row[0] == "friedman" {
+            let test = friedman(&means).unwrap();
+            close(test.chi_squared, &row[3], row);
+            close(test.p, &row[4], row);
+            assert!((test.w - test.chi_squared / (test.subjects * test.df) as f64).abs() < 1e-15);
+        } else {
+            let pairs = pairs(&means).pairs;
+            let pair = pairs.iter().find(|pair| pair.level == name[1] && pair.other == name[2]).unwrap();
+            close(pair.test.v, &row[3], row);
+            close(pair.test.p, &row[4], row);
+        }
+        compared += 1;
+    }
+    assert!(compared > 40, "{compared}");
+}
+
+#[test]
+fn many_differences_are_compared_exactly_and_normally() {
+    let (_, rows) = read("ranks.csv");
+    let row = |name: &str| rows.iter().find(|row| row[0] == name).unwrap();
+    let differences: Vec<f64> = (0..70).map(|i| f64::from((i * 37) % 101 - 45) / 4.0).collect();
+    let test = wilcoxon(&differences);
+    close(test.v, &row("wilcoxon_normal")[3], row("wilcoxon_normal"));
+    close(test.p, &row("wilcoxon_normal")[4], row("wilcoxon_normal"));
+    assert_eq!((test.method, test.n + test.zeros), (PMethod::Normal, 70));
+    let fewer: Vec<f64> = differences.iter().take(45).enumerate().map(|(i, d)| d + i as f64 / 1000.0).collect();
+    let test = wilcoxon(&fewer);
+    close(test.v, &row("wilcoxon_exact")[3], row("wilcoxon_exact"));
+    close(test.p, &row("wilcoxon_exact")[4], row("wilcoxon_exact"));
+    assert_eq!(test.method, PMethod::Exact);
+}
+
+#[test]
+fn agreement_is_that_of_krippendorff_and_scikit_learn() {
+    let (_, rows) = read("ranks.csv");
+    let mut alphas = 0;
+    for row in rows.iter().filter(|row| row[0].starts_with("alpha")) {
+        let alpha = ordinal_alpha(&counts(&row[1]), &Bootstrap { replicates: 200, ..Bootstrap::default() }).unwrap();
+        close(alpha.alpha, &row[3], row);
+        let interval = alpha.interval.unwrap();
+        assert!(interval.low < alpha.alpha && alpha.alpha < interval.high, "{row:?} {interval:?}");
+        alphas += 1;
+    }
+    assert_eq!(alphas, 4);
+    let mut retest = Retest::new(5);
+    for i in 0..60_usize {
+        let first = (i * 7 + i * i) % 5;
+        assert!(retest.add(first, (first + (i * 5) % 3).saturating_sub(1).min(4)));
+    }
+    assert!(!retest.add(5, 0));
+    for row in rows.iter().filter(|row| row[0] == "kappa" && row[2] == "quadratic") {
+        close(retest.kappa().unwrap(), &row[3], row);
+    }
+    assert_eq!(Retest::new(4).kappa(), None);
+}
+
+/// The exact probability, counted over all signs.
+#[test]
+fn the_exact_distribution_is_that_of_all_signs() {
+    for differences in [
+        &[1.0, -2.0, 3.0, 4.0, 5.0, 6.0, -0.5, 8.0][..],
+        &[1.0, 1.0, -1.0, 2.0, 2.0, 0.0, 3.0, -3.0, 0.5],
+        &[0.25; 8],
+        &[-0.1, 0.2, 0.3 - 0.1, 0.1],
+        &[0.0, 0.0],
+        &[],
+    ] {
+        let test = wilcoxon(differences);
+        let sizes: Vec<f64> = differences.iter().filter(|d| **d != 0.0).map(|d| (d.abs() * 1e9).round()).collect();
+        let (mut below, mut above) = (0.0, 0.0);
+        for signs in 0..1_u32 << sizes.len() {
+            let positive = sizes.iter().enumerate().filter(|(i, _)| signs >> i & 1 == 1).map(|(_, size)| size);
+            // Mid-ranks: half a rank for each tie, its own among them.
+            let rank = |size: &f64| {
+                sizes
+                    .iter()
+                    .map(|s| {
+                        if s < size {
+                            1.0
+                        } else if s == size {
+                            0.5
+                        } else {
+                            0.0
+                        }
+                    })
+                    .sum::<f64>()
+                    + 0.5
+            };
+            let sum: f64 = positive.map(rank).sum();
+            below += f64::from(u8::from(sum <= test.v));
+            above += f64::from(u8::from(sum >= test.v));
+        }
+        let expected = (2.0 * f64::min(below, above) / f64::from(1_u32 << sizes.len())).min(1.0);
+        assert!((test.p - expected).abs() < 1e-12, "{differences:?}: {test:?}, expected {expected}");
+    }
+}
+
+#[test]
+fn eight_subjects_and_ten_pairs_cannot_reach_five_per_cent() {
+    let levels = (0..5).map(|level| level.to_string()).collect();
+    let rows = (0..8).map(|s| (s.to_string(), (0..5).map(f64::from).collect())).collect();
+    let found = pairs(&SubjectMeans { levels, rows, incomplete: Vec::new() });
+    assert_eq!((found.pairs.len(), found.least_p), (10, 10.0 * 2.0 / 256.0));
+    assert!(found.cannot_reach(0.05) && !found.cannot_reach(0.1));
+    // All subjects agree: the least that is possible.
+    assert!(found.pairs.iter().all(|pair| pair.p_holm == found.least_p));
+    // `p.adjust(c(0.01, 0.04, 0.03, 0.005), "holm")`, R 4.2.2.
+    let corrected = holm(&[0.01, 0.04, 0.03, 0.005]).into_iter().zip([0.03, 0.06, 0.06, 0.02]);
+    assert!(corrected.map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max) < 1e-15);
 }

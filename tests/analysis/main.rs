@@ -3,8 +3,5 @@
 mod counts;
 mod figures;
 mod golden;
-mod ordinal;
 mod ordinal_faults;
-mod ordinal_recovery;
-mod ranks;
 mod report;
