@@ -7,6 +7,7 @@ use std::{
 
 use machband::{
     analysis::{Options, Results, analyze, counts::MeasuredBuilder, terms::Terms},
+    display::frames::Refresh,
     experiment::RatingRow,
     report::figures::{self, Figure},
 };
@@ -125,13 +126,25 @@ fn named<'a>(figures: &'a [Figure], name: &str) -> &'a Figure {
     figures.iter().find(|figure| figure.name == name).unwrap()
 }
 
-/// Centres of the circles of a color, in the order they are drawn.
-fn circles(figure: &Figure, color: &str) -> Vec<(f64, f64)> {
+/// Attributes of the elements of a kind, in the order they are drawn.
+fn elements(figure: &Figure, kind: &str, fill: &str, names: [&str; 2]) -> Vec<(f64, f64)> {
     let document = roxmltree::Document::parse(&figure.svg).unwrap();
     (document.descendants())
-        .filter(|node| node.has_tag_name("circle") && node.attribute("fill") == Some(color))
-        .map(|node| ["cx", "cy"].map(|name| node.attribute(name).unwrap().parse().unwrap()).into())
+        .filter(|node| node.has_tag_name(kind) && node.attribute("fill").is_some_and(|color| color.contains(fill)))
+        .map(|node| names.map(|name| node.attribute(name).unwrap().parse().unwrap()).into())
         .collect()
+}
+
+/// Centers of the circles of a color.
+fn circles(figure: &Figure, color: &str) -> Vec<(f64, f64)> {
+    elements(figure, "circle", color, ["cx", "cy"])
+}
+
+/// All texts, in the order they are drawn.
+fn texts(figure: &Figure) -> Vec<String> {
+    let document = roxmltree::Document::parse(&figure.svg).unwrap();
+    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
+    texts.map(|node| node.text().unwrap_or_default().trim().to_owned()).collect()
 }
 
 /// Lines of a width.
@@ -148,51 +161,104 @@ const BAR: &str = "2.2";
 const GRID: &str = "1.4";
 const BLUE: &str = "#0072b2";
 
+/// Which charts a study has; of one person there are neither intervals nor effects.
 #[test]
 fn a_study_of_bands_has_every_chart() {
-    let all = figures::all(&bands(6));
-    let names: Vec<&str> = all.iter().map(|figure| figure.name).collect();
-    assert_eq!(names, ["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "times"]);
-    let texts = check(&all);
-    for text in ["Ramp width (proportion of the window)", "Continuity depth n", "∞", "Mean visibility rating", "0.02"]
-    {
-        assert!(texts.contains(text), "{text} is not in {texts:?}");
+    for (people, expected) in [
+        (6, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "times"][..]),
+        (1, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "times"]),
+    ] {
+        let all = figures::all(&bands(people));
+        assert_eq!(all.iter().map(|figure| figure.name).collect::<Vec<_>>(), expected);
+        let texts = check(&all);
+        let title = "Ramp width (proportion of the window)";
+        for text in [title, "Continuity depth n", "∞", "Mean visibility rating", "0.02"] {
+            assert!(texts.contains(text), "{text} is not in {texts:?}");
+        }
+        for figure in ["figure4a", "figure4b", "orientation"].map(|name| named(&all, name)) {
+            assert_eq!(lines(figure, BAR).is_empty(), people == 1, "{}", figure.name);
+            let sample = if people == 1 { "; 1 participant, 72 ratings." } else { "; 6 participants, 432 ratings." };
+            assert!(figure.caption.ends_with(sample), "{}", figure.caption);
+            assert_eq!(figure.caption.contains("one participant, so there are no intervals"), people == 1);
+        }
+        // Four orientations, and two distances from the axes.
+        assert_eq!(circles(named(&all, "orientation"), BLUE).len(), 4 + 2);
     }
-    assert!(named(&all, "figure4a").caption.ends_with("; 6 participants, 432 ratings."));
 }
 
-/// The points of a single factor: at the height of the means, at the place of the logarithm of the level.
+/// Points and intervals of a single factor are at the height of the means, and bars as long as the proportions.
 #[test]
-fn points_are_where_the_table_has_them() {
+fn charts_show_what_the_table_says() {
     let widths: &[&str] = &["0.02", "0.05", "0.1", "0.2", "0.4", "0.8"];
     let results = results(&[("width", widths)], 6, 4, &Options::default(), |subject, levels, repetition| {
-        let rating = match levels[0] {
-            0 => 0,
-            5 => 3,
-            level => (noise(subject * 64 + level * 8 + repetition as usize) % 4).min(level),
-        };
-        Some(rating.to_string())
+        let chance = noise(subject * 64 + levels[0] * 8 + repetition as usize) % 4;
+        Some([0, chance.min(1), chance.min(2), chance.min(3), chance, 3][levels[0]].to_string())
     });
-    let figures = figures::all(&results);
+    let (figures, table) = (figures::all(&results), &results.factors[0].levels);
+    assert!(!figures.iter().any(|figure| figure.name == "figure4b"));
     let figure = named(&figures, "figure4a");
-    let (points, table) = (circles(figure, BLUE), &results.factors[0].levels);
-    assert_eq!((points.len(), table.len()), (6, 6));
+    let (points, bars) = (circles(figure, BLUE), lines(figure, BAR));
+    assert_eq!((points.len(), bars.len(), table.len()), (6, 3 * 6, 6));
     // Lines at the categories 0…3 are the scale; half a unit is what rounding leaves.
     let grid: Vec<f64> = lines(figure, GRID).iter().map(|line| line[0].1).collect();
     assert_eq!(grid.len(), 4);
-    let height = |rating: f64| grid[0] + rating * (grid[3] - grid[0]) / 3.0;
-    let across = |width: f64| points[0].0 + (points[5].0 - points[0].0) * (width / 0.02).ln() / 40_f64.ln();
-    let bars = lines(figure, BAR);
-    for (index, (point, group)) in points.iter().zip(table).enumerate() {
-        assert!((point.1 - height(group.summary.mean)).abs() <= 1.0, "{point:?} {group:?}");
-        assert!((point.0 - across(widths[index].parse().unwrap())).abs() <= 1.0, "{point:?} {group:?}");
+    let is_at = |y: f64, rating: f64| (y - grid[0] - rating * (grid[3] - grid[0]) / 3.0).abs() <= 1.0;
+    for ((point, bar), group) in points.iter().zip(bars.chunks(3)).zip(table) {
         // A bar and its two caps.
-        let interval = group.summary.interval.unwrap();
-        let ends = [bars[3 * index][0], bars[3 * index][1]];
-        assert!((ends[0].1 - height(interval.low)).abs() <= 1.0 && (ends[1].1 - height(interval.high)).abs() <= 1.0);
+        let (interval, ends) = (group.summary.interval.unwrap(), &bar[0]);
+        assert!(is_at(point.1, group.summary.mean), "{point:?} {group:?}");
+        assert!(is_at(ends[0].1, interval.low) && is_at(ends[1].1, interval.high), "{ends:?} {group:?}");
         assert_eq!([ends[0].0, ends[1].0], [point.0, point.0]);
     }
-    assert!(!figures.iter().any(|figure| figure.name == "figure4b"));
+    // After the sheet and the four samples of the legend.
+    let bars = elements(named(&figures, "proportions"), "rect", "#", ["y", "width"]).split_off(5);
+    let shares = table.iter().flat_map(|group| &group.summary.proportions).filter(|share| **share > 0.0);
+    let shares: Vec<f64> = shares.copied().collect();
+    let whole: f64 = bars.iter().filter(|(y, _)| *y == bars[0].0).map(|(_, width)| width).sum();
+    assert_eq!(bars.len(), shares.len());
+    for ((_, width), share) in bars.iter().zip(shares) {
+        assert!((width / whole - share).abs() < 1e-3, "{width} of {whole} for {share}");
+    }
+}
+
+/// Numbers have their places, on a logarithmic axis where they span more than a factor of ten; where some would hide
+/// others, the levels stand evenly, as texts and depths do.
+#[test]
+fn levels_are_where_their_numbers_are() {
+    for (factor, levels, middle) in [
+        ("width", ["0.02", "0.2", "2"], 0.5),
+        ("angle", ["0", "90", "360"], 0.25),
+        ("orientation_deg", ["10", "60", "210"], 0.25),
+        ("depth", ["1", "2", "inf"], 0.5),
+        ("n", ["1", "1.001", "9"], 0.5),
+        ("t", ["a", "b", "c"], 0.5),
+    ] {
+        let results = results(&[(factor, &levels[..])], 3, 2, &no_model(), |subject, levels, _| {
+            Some(((subject + levels[0]) % 4).to_string())
+        });
+        let [a, b, c] = circles(named(&figures::all(&results), "figure4a"), BLUE)[..] else { panic!("{factor}") };
+        assert!(((b.0 - a.0) / (c.0 - a.0) - middle).abs() < 1e-3, "{factor}: {a:?} {b:?} {c:?}");
+    }
+}
+
+/// Every interval is a point at its height, and the axis has a few round numbers, however long the intervals are.
+#[test]
+fn frame_intervals_are_points_over_round_numbers() {
+    for scale in [1, 7, 40, 900, 13_000, 2_000_000] {
+        let figure = figures::intervals(&[scale * 20, scale * 10, scale * 40, scale * 30], Refresh::from_hz(1e6));
+        check(std::slice::from_ref(&figure));
+        let [b, a, d, c] = circles(&figure, BLUE)[..] else { panic!("{}", figure.svg) };
+        for (upper, lower) in [(b, a), (c, b), (d, c)] {
+            assert!(((lower.1 - upper.1) / (a.1 - d.1) - 1.0 / 3.0).abs() < 1e-3, "{scale}: {a:?} {b:?} {c:?} {d:?}");
+        }
+        let ticks: Vec<f64> = texts(&figure).iter().map_while(|text| text.parse().ok()).collect();
+        assert!((3..=7).contains(&ticks.len()) && ticks[0] == 0.0, "{scale}: {ticks:?}");
+        let first = ticks[1] / 10_f64.powf(ticks[1].log10().floor());
+        assert!([1.0, 2.0, 5.0, 10.0].iter().any(|round| (first / round - 1.0).abs() < 1e-6), "{scale}: {ticks:?}");
+        for (index, tick) in ticks.iter().enumerate() {
+            assert!((tick - index as f64 * ticks[1]).abs() <= 1e-6 * tick.abs(), "{scale}: {ticks:?}");
+        }
+    }
 }
 
 /// Of the two factors each is across once; the first line of either is drawn in black circles.
@@ -248,43 +314,6 @@ fn a_perfect_prediction_is_drawn_where_the_ratings_are() {
     }
 }
 
-/// Lengths of the bars of a chart of proportions are the proportions.
-#[test]
-fn bars_are_as_long_as_the_proportions() {
-    let results = results(&[("dose", &["1", "2", "3"])], 4, 5, &Options::default(), |subject, levels, repetition| {
-        Some((noise(subject * 100 + levels[0] * 10 + repetition as usize) % 4).to_string())
-    });
-    let figures = figures::all(&results);
-    let document = roxmltree::Document::parse(&named(&figures, "proportions").svg).unwrap();
-    let number = |node: &roxmltree::Node<'_, '_>, name: &str| node.attribute(name).unwrap().parse::<f64>().unwrap();
-    // After the sheet and the four samples of the legend.
-    let bars: Vec<(f64, f64)> = (document.descendants().filter(|node| node.has_tag_name("rect")).skip(5))
-        .map(|node| (number(&node, "y"), number(&node, "width")))
-        .collect();
-    let expected: Vec<f64> = (results.factors[0].levels.iter())
-        .flat_map(|group| group.summary.proportions.iter().copied().filter(|share| *share > 0.0))
-        .collect();
-    let whole: f64 = bars.iter().filter(|(y, _)| *y == bars[0].0).map(|(_, width)| width).sum();
-    assert_eq!(bars.len(), expected.len());
-    for ((_, width), share) in bars.iter().zip(expected) {
-        assert!((width / whole - share).abs() < 1e-3, "{width} of {whole} for {share}");
-    }
-}
-
-#[test]
-fn one_person_has_no_intervals_and_no_effects() {
-    let all = figures::all(&bands(1));
-    let names: Vec<&str> = all.iter().map(|figure| figure.name).collect();
-    assert_eq!(names, ["figure4a", "figure4b", "proportions", "subjects", "orientation", "times"]);
-    check(&all);
-    for name in ["figure4a", "figure4b", "orientation"] {
-        let figure = named(&all, name);
-        assert_eq!(lines(figure, BAR).len(), 0, "{name}");
-        assert!(figure.caption.contains("one participant"), "{}", figure.caption);
-    }
-    assert!(!lines(named(&figures::all(&bands(2)), "figure4a"), BAR).is_empty());
-}
-
 #[test]
 fn any_name_is_drawn_and_stays_on_the_sheet() {
     let long = "a very long name of a condition that goes on and on, variant ";
@@ -307,6 +336,10 @@ fn any_name_is_drawn_and_stays_on_the_sheet() {
     for text in ["x & y", "<z>", "A & B <tag>", "\"quoted\"", "no ratings"] {
         assert!(texts.contains(text), "{text} is not in {texts:?}");
     }
+    // Of long names both ends are left: they often differ at the end.
+    for end in ["1", "2"] {
+        assert!(texts.iter().any(|text| text.starts_with("a v") && text.contains('…') && text.ends_with(end)), "{end}");
+    }
 }
 
 /// Designs at the edge of what there can be.
@@ -316,12 +349,11 @@ fn odd_studies_are_drawn() {
         Some((noise(subject * 7919 + levels.iter().sum::<usize>() * 31 + repetition as usize) % 4).to_string())
     };
     let same = |_: usize, _: &[usize], _: u32| Some("2".to_owned());
-    let many: Vec<String> = (0..30).map(|level| format!("{}", level * 5)).collect();
-    let many: Vec<&str> = many.iter().map(String::as_str).collect();
-    let words: Vec<String> = (0..40).map(|level| format!("condition number {level}")).collect();
-    let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    let fine: Vec<String> = (0..60).map(|level| format!("{}", 0.5 * f64::from(level))).collect();
-    let fine: Vec<&str> = fine.iter().map(String::as_str).collect();
+    let list = |n: usize, name: &dyn Fn(usize) -> String| (0..n).map(name).collect::<Vec<_>>();
+    let many = list(30, &|level| (level * 5).to_string());
+    let long = list(40, &|level| format!("condition number {level}"));
+    let fine = list(60, &|level| (0.5 * level as f64).to_string());
+    let [many, long, fine] = [&many, &long, &fine].map(|names| names.iter().map(String::as_str).collect::<Vec<_>>());
     let model = Options::default();
     let studies = [
         ("no factor", results(&[], 3, 4, &model, rating), 2),
@@ -330,7 +362,7 @@ fn odd_studies_are_drawn() {
         ("a single level", results(&[("width", WIDTHS), ("depth", &["1"])], 3, 2, &model, rating), 6),
         ("200 subjects", results(&[("a", &["x", "y"])], 200, 2, &no_model(), rating), 4),
         ("30 levels", results(&[("a", &many), ("b", &many)], 3, 1, &no_model(), rating), 5),
-        ("40 words", results(&[("b", &words), ("a", &["1", "2"])], 3, 1, &no_model(), rating), 5),
+        ("40 words", results(&[("b", &long), ("a", &["1", "2"])], 3, 1, &no_model(), rating), 5),
         ("60 angles", results(&[("orientation_deg", &fine)], 3, 1, &no_model(), rating), 5),
         ("nothing", analyze(MeasuredBuilder::new(&["width"]).finish(), &model), 0),
     ];
@@ -340,8 +372,19 @@ fn odd_studies_are_drawn() {
         assert_eq!(names.len(), *expected, "{what}: {names:?}");
         check(&figures);
     }
-    // More lines than can be told apart are thinned, and the caption says so.
-    assert!(named(&figures::all(&studies[5].1), "figure4a").caption.contains("(12 of 30 are drawn)"));
+    // More lines than can be told apart are thinned to both ends, and the caption says so. Of too many numbers some have
+    // no name; too many texts stand upright.
+    let numbers = figures::all(&studies[5].1);
+    let figure = named(&numbers, "figure4a");
+    assert!(figure.caption.contains("(12 of 30 are drawn)"), "{}", figure.caption);
+    let shown = texts(figure);
+    for (name, expected) in [("0", true), ("145", true), ("5", false)] {
+        let lines = shown.iter().skip_while(|text| *text != "b").skip(1);
+        assert_eq!(lines.clone().any(|text| text == name), expected, "{shown:?}");
+    }
+    assert!(!figure.svg.contains("text-anchor=\"end\" transform=\"rotate"));
+    let texts = figures::all(&studies[6].1);
+    assert!(named(&texts, "figure4a").svg.contains("text-anchor=\"end\" transform=\"rotate"));
 }
 
 /// Everyone rates the last level 3 and the first 0: no finite estimate.
@@ -373,23 +416,16 @@ fn effects_are_named_by_their_levels() {
         3,
         &options,
         |subject, levels, repetition| {
-            Some(
-                (noise(subject * 97 + levels[0] * 31 + levels[1] * 7 + levels[2] + 5 * repetition as usize) % 4)
-                    .to_string(),
-            )
+            let seed = subject * 97 + levels[0] * 31 + levels[1] * 7 + levels[2] + 5 * repetition as usize;
+            Some((noise(seed) % 4).to_string())
         },
     );
     let figures = figures::all(&results);
-    let effects = named(&figures, "effects");
-    let document = roxmltree::Document::parse(&effects.svg).unwrap();
-    let texts: Vec<String> = (document.descendants().filter(|node| node.has_tag_name("text")))
-        .map(|node| node.text().unwrap_or_default().trim().to_owned())
-        .skip_while(|text| text != "Shift of the ratings (logit units)")
-        .skip(1)
-        .collect();
+    let texts = texts(named(&figures, "effects"));
+    let start = texts.iter().position(|text| text == "Shift of the ratings (logit units)").unwrap();
     let expected =
         ["kind (against a)", "a:b", "b", "num", "site (against −1)", "∞", "kind × num", "a:b × num", "b × num"];
-    assert_eq!(texts, expected);
+    assert_eq!(texts[start + 1..], expected);
 }
 
 #[test]
@@ -398,28 +434,24 @@ fn images_are_sharp_complete_and_always_the_same() {
     let figures = figures::all(&results);
     assert_eq!(figures::all(&results), figures);
     for figure in &figures {
-        let bytes = figure.png().unwrap();
+        let (name, bytes, pixels) = (figure.name, figure.png().unwrap(), figure.pixels(1600).unwrap());
         assert_eq!(figure.png().unwrap(), bytes);
-        let mut decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
-        decoder.set_transformations(png::Transformations::EXPAND);
-        let mut reader = decoder.read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut pixels).unwrap();
-        assert_eq!(info.width, 1600, "{}", figure.name);
-        assert_eq!(info.color_type, png::ColorType::Rgb);
-        assert_eq!(info.height, (2.0 * tree(figure).size().height()).ceil() as u32, "{}", figure.name);
-        let dark = |index: usize| pixels[3 * index..3 * index + 3].iter().any(|channel| *channel < 160);
-        let (width, height) = (info.width as usize, info.height as usize);
-        let count = (0..width * height).filter(|&index| dark(index)).count() as f64 / (width * height) as f64;
-        assert!((0.005..0.5).contains(&count), "{}: {count} of the pixels are dark", figure.name);
-        // Text at the left, as in the SVG: it needs a font.
-        let label = (0..height).flat_map(|y| (0..130).map(move |x| y * width + x)).filter(|&index| dark(index)).count();
-        assert!(label > 500, "{}: no text at the left, {label}", figure.name);
-        let edge = (0..width * height).filter(|index| {
-            let (x, y) = (index % width, index / width);
-            x < 6 || y < 6 || x + 6 >= width || y + 6 >= height
-        });
-        let cut: Vec<_> = edge.filter(|&index| pixels[3 * index] < 255).map(|i| (i % width, i / width)).collect();
-        assert!(cut.is_empty(), "{}: cut at the edge, {:?}", figure.name, cut[0]);
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+        let mut decoded = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut decoded).unwrap();
+        let height = (2.0 * tree(figure).size().height()).ceil() as u32;
+        assert_eq!((info.width, info.height, info.color_type), (1600, height, png::ColorType::Rgb), "{name}");
+        assert_eq!(decoded, pixels.rgb, "{name}");
+        let (mut dark, mut label) = (0.0, 0);
+        for (index, color) in decoded.chunks_exact(3).enumerate() {
+            let (x, y) = (index as u32 % 1600, index as u32 / 1600);
+            let is_dark = color.iter().any(|channel| *channel < 160);
+            dark += f64::from(u8::from(is_dark));
+            // Text at the left, as in the SVG: it needs a font.
+            label += u32::from(is_dark && x < 130);
+            let is_edge = x < 6 || y < 6 || x + 6 >= 1600 || y + 6 >= height;
+            assert!(!is_edge || color[0] == 255, "{name}: cut at the edge, {x} {y}");
+        }
+        assert!((0.005..0.5).contains(&(3.0 * dark / decoded.len() as f64)) && label > 500, "{name}: {dark} {label}");
     }
 }
