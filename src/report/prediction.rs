@@ -48,7 +48,7 @@ pub struct Comparison {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PredictionError {
     /// The stimuli are not known.
-    #[error("the files bring no definition of an experiment, so nobody knows what was shown")]
+    #[error("the files contain no definition of an experiment, so what was shown is unknown")]
     NoDefinition,
     /// It would take too long for a report.
     #[error(

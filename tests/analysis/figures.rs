@@ -261,57 +261,38 @@ fn frame_intervals_are_points_over_round_numbers() {
     }
 }
 
-/// Of the two factors each is across once; the first line of either is drawn in black circles.
+/// Of the two factors each is across once, and the first line of either is drawn in black circles; the number of ratings
+/// weighs them. Where each condition is predicted as it is rated, the predicted chart is the measured one without bars.
 #[test]
-fn lines_are_the_cells_of_two_factors() {
-    let results = bands(6);
-    let figures = figures::all(&results);
-    for (name, own, other) in [("figure4a", 1, 2), ("figure4b", 2, 1)] {
-        let figure = named(&figures, name);
-        let grid: Vec<f64> = lines(figure, GRID).iter().map(|line| line[0].1).collect();
-        let first = &results.measured.counts.factors[other].levels[0];
-        let points = circles(figure, "#000000");
-        // Three points and the sample in the legend.
-        assert_eq!(points.len(), 4, "{name}");
-        for (point, level) in points.iter().zip(&results.measured.counts.factors[own].levels) {
-            let of: Vec<_> =
-                results.cells.iter().filter(|g| g.names[own] == *level && g.names[other] == *first).collect();
-            let n: u64 = of.iter().map(|g| g.summary.n).sum();
-            let mean = of.iter().map(|g| g.summary.n as f64 * g.summary.mean).sum::<f64>() / n as f64;
-            let height = grid[0] + mean * (grid[3] - grid[0]) / 3.0;
-            assert!((point.1 - height).abs() <= 1.0, "{name} {level}: {point:?} is not at {height}");
-        }
-    }
-}
-
-/// Where each condition is predicted as it is rated, the predicted chart has the measured one's points, without bars; the
-/// number of ratings weighs both alike.
-#[test]
-fn a_perfect_prediction_is_drawn_where_the_ratings_are() {
+fn lines_are_the_cells_of_two_factors_measured_and_predicted() {
     let factors: &[(&str, &[&str])] = &[("orientation_deg", &["0", "45"]), ("width", WIDTHS), ("depth", DEPTHS)];
-    let uneven = results(factors, 3, 4, &no_model(), |subject, levels, repetition| {
+    let results = results(factors, 3, 4, &no_model(), |subject, levels, repetition| {
         let rating = noise(subject * 1000 + levels[0] * 300 + levels[1] * 10 + levels[2] + 7 * repetition as usize) % 4;
         (levels[0] == 0 || repetition == 0).then(|| rating.to_string())
     });
-    let one = results(&factors[1..2], 3, 4, &no_model(), |subject, levels, repetition| {
-        Some((noise(subject * 64 + levels[0] * 8 + repetition as usize) % 4).to_string())
-    });
-    for (results, color, names) in [(&uneven, "#000000", &["figure4a", "figure4b"][..]), (&one, BLUE, &["figure4a"])] {
-        let expected: Vec<Option<f64>> = results.cells.iter().map(|cell| Some(cell.summary.mean)).collect();
-        let (measured, predicted) = (figures::all(results), figures::predicted(results, &expected));
-        assert_eq!(predicted.len(), names.len());
-        check(&predicted);
-        for (name, predicted) in names.iter().zip(&predicted) {
-            let measured = named(&measured, name);
-            assert_eq!(predicted.name, format!("{name}_predicted"));
-            assert_eq!(circles(predicted, color), circles(measured, color), "{name}");
-            assert_eq!(lines(predicted, GRID), lines(measured, GRID), "{name}");
-            assert!(lines(predicted, BAR).is_empty() && predicted.caption.contains("model of vision"));
+    let expected: Vec<Option<f64>> = results.cells.iter().map(|cell| Some(cell.summary.mean)).collect();
+    let (measured, predicted) = (figures::all(&results), figures::predicted(&results, &expected));
+    check(&predicted);
+    for (index, (name, own, other)) in [("figure4a", 1, 2), ("figure4b", 2, 1)].into_iter().enumerate() {
+        let (measured, predicted) = (named(&measured, name), &predicted[index]);
+        let grid: Vec<f64> = lines(measured, GRID).iter().map(|line| line[0].1).collect();
+        let first = &results.measured.counts.factors[other].levels[0];
+        let points = circles(measured, "#000000");
+        // Three points and the sample in the legend.
+        assert_eq!(points.len(), 4, "{name}");
+        for (point, level) in points.iter().zip(&results.measured.counts.factors[own].levels) {
+            let of = || results.cells.iter().filter(|g| g.names[own] == *level && g.names[other] == *first);
+            let n: u64 = of().map(|g| g.summary.n).sum();
+            let mean = of().map(|g| g.summary.n as f64 * g.summary.mean).sum::<f64>() / n as f64;
+            let height = grid[0] + mean * (grid[3] - grid[0]) / 3.0;
+            assert!((point.1 - height).abs() <= 1.0, "{name} {level}: {point:?} is not at {height}");
         }
-        let mut partly = expected.clone();
-        partly[0] = None;
-        assert_ne!(figures::predicted(results, &partly), predicted);
+        assert_eq!(predicted.name, format!("{name}_predicted"));
+        assert_eq!((circles(predicted, "#000000"), lines(predicted, GRID)), (points, lines(measured, GRID)), "{name}");
+        assert!(lines(predicted, BAR).is_empty() && predicted.caption.contains("model of vision"));
     }
+    let partly = [&[None], &expected[1..]].concat();
+    assert_ne!(figures::predicted(&results, &partly), predicted);
 }
 
 #[test]

@@ -106,8 +106,8 @@ fn a_report_says_what_predict_says() {
 
     run("counts results/bangay2003 --out counts.csv");
     let said = run("analyze counts.csv --out bare --replicates 100");
-    assert!(said.contains("no prediction by the model of vision: the files bring no definition"), "{said}");
-    assert!(section("bare").contains("There is no prediction: the files bring no definition"));
+    assert!(said.contains("no prediction by the model of vision: the files contain no definition"), "{said}");
+    assert!(section("bare").contains("There is no prediction: the files contain no definition"));
     assert!(!folder.path().join("bare/figure4a_predicted.svg").exists());
     let tables = run("analyze results/bangay2003 --out tables --tables-only --replicates 100");
     assert!(!tables.contains("model of vision"));

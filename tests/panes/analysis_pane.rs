@@ -23,7 +23,7 @@ use machband::{
 use crate::{
     common::succeeds,
     window::{
-        Role, Window, builder, choose, click, has_graphics, home, press, request, texts, type_into, value, wait_for,
+        Role, Window, builder, choose, click, home, press, request, take_picture, texts, type_into, value, wait_for,
     },
 };
 
@@ -115,14 +115,10 @@ fn assert_has(window: &Window, part: &str) {
     assert!(found, "{part:?} is not in {:#?}", texts(window));
 }
 
-/// Writes a picture of the window, for a person who asks for pictures.
-fn picture(window: &mut Window, name: &str) {
-    if let Some(folder) = std::env::var_os("MACHBAND_PICTURES").filter(|_| has_graphics()) {
-        // Until the figures are drawn.
-        std::thread::sleep(Duration::from_millis(300));
-        window.run_steps(5);
-        window.render().unwrap().save(Path::new(&folder).join(format!("analysis_{name}.png"))).unwrap();
-    }
+/// Clicks a control and waits for what follows.
+fn click_and_rest(window: &mut Window, label: &str) {
+    click(window, label);
+    rest(window);
 }
 
 /// That the window shows the document of these results, section by section.
@@ -131,15 +127,15 @@ fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     let document = document(&study.source, results, Parts { figures: &figures, ..Parts::default() });
     assert!(document.sections.len() > 8 && figures.len() > 4);
     for section in &document.sections {
-        click(window, section.heading);
-        rest(window);
-        picture(window, section.id);
+        click_and_rest(window, section.heading);
+        take_picture(window, &format!("analysis_{}", section.id));
         for block in &section.blocks {
             match block {
-                Block::Heading(text) | Block::Text(text) | Block::Note(text) | Block::Warning(text) => {
-                    assert!(has(window, text), "{text}");
-                }
-                Block::Code(text) => assert!(has(window, text), "{text}"),
+                Block::Heading(text)
+                | Block::Text(text)
+                | Block::Note(text)
+                | Block::Warning(text)
+                | Block::Code(text) => assert!(has(window, text), "{text}"),
                 Block::List(items) => items.iter().for_each(|item| assert!(has(window, item), "{item}")),
                 Block::Table(table) => {
                     let mut tables = window.query_all_by_label(&table.caption);
@@ -153,10 +149,18 @@ fn assert_document(window: &mut Window, study: &Study, results: &Results) {
             }
         }
     }
-    // The rows of the first tables of a section are in view.
+    // The rows of the first tables of a section are in view, and sorted by the numbers of a column, up and then down.
     click(window, "Agreement");
-    for subject in &results.subjects {
-        assert!(has(window, &subject.group.names[0]), "{:?}", subject.group.names);
+    for ascending in [true, false] {
+        click_and_rest(window, "Sort by Weighted κ");
+        let mut rows: Vec<(f32, f64)> = (results.subjects.iter())
+            .map(|subject| {
+                (window.get_by_label(&subject.group.names[0]).rect().top(), subject.kappa.unwrap_or(f64::INFINITY))
+            })
+            .collect();
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // To the two decimals that are shown.
+        assert!(rows.is_sorted_by(|a, b| if ascending { a.1 <= b.1 + 0.01 } else { b.1 <= a.1 + 0.01 }), "{rows:?}");
     }
 }
 
@@ -206,15 +210,11 @@ fn filters_narrow_the_analysis_and_its_export() {
     let (folder, data_set) = study(4);
     let (study, whole) = read(&data_set);
     let mut window = opened(&data_set);
-    click(&mut window, "Participants: 4 of 4");
-    rest(&mut window);
-    click(&mut window, "Participant S002");
-    rest(&mut window);
+    click_and_rest(&mut window, "Participants: 4 of 4");
+    click_and_rest(&mut window, "Participant S002");
     window.get_by_label("54 ratings of 3 participants. Filtered: 3 of 4 participants.");
-    click(&mut window, "width: 3 of 3 levels");
-    rest(&mut window);
-    click(&mut window, "width 0.4");
-    rest(&mut window);
+    click_and_rest(&mut window, "width: 3 of 3 levels");
+    click_and_rest(&mut window, "width 0.4");
     window.get_by_label("36 ratings of 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
     let second = whole.measured.counts.subjects.iter().position(|name| name == "S002").unwrap() as u32;
     let left = study.measured.filtered(|subject| subject != second, |levels| levels[0] != Some(1));
@@ -223,12 +223,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     let out = folder.path().join("out");
     type_into(&mut window, "Export to the folder", out.to_str().unwrap());
     assert_has(&window, "The export has what is shown: 3 of 4 participants; width 0.1, 0.8.");
-    click(&mut window, "Export");
-    rest(&mut window);
+    click_and_rest(&mut window, "Export");
     assert_has(&window, "files written to");
-    if let Some(folder) = std::env::var_os("MACHBAND_PICTURES") {
-        std::fs::copy(out.join("report.html"), Path::new(&folder).join("report.html")).unwrap();
-    }
     for file in ["report.html", "figure4a.svg", "figure4b.png", "by_width.csv", "tests.csv", "model.json"] {
         assert!(out.join(file).is_file(), "{file}");
     }
@@ -240,21 +236,17 @@ fn filters_narrow_the_analysis_and_its_export() {
     // Never over other files without a word.
     click(&mut window, "Export");
     assert_has(&window, "has files in it");
-    click(&mut window, "Write into it");
-    rest(&mut window);
+    click_and_rest(&mut window, "Write into it");
     assert_has(&window, "files written to");
     // Where nothing can be written, the pane says so.
     type_into(&mut window, "Export to the folder", data_set.join("dataset_description.json").to_str().unwrap());
-    click(&mut window, "Export");
-    rest(&mut window);
+    click_and_rest(&mut window, "Export");
     assert_has(&window, "dataset_description.json: ");
     assert!(window.query_by_label_contains("files written to").is_none());
 
-    click(&mut window, "None of participants");
-    rest(&mut window);
+    click_and_rest(&mut window, "None of participants");
     assert_has(&window, "Nothing is left to analyze");
-    click(&mut window, "Everything again");
-    rest(&mut window);
+    click_and_rest(&mut window, "Everything again");
     window.get_by_label("72 ratings of 4 participants.");
 }
 
@@ -276,10 +268,8 @@ fn one_participant_has_no_p_values() {
     rest(&mut window);
     click(&mut window, "Rank tests");
     assert!(has(&window, "Sort by p"));
-    click(&mut window, "Participants: 2 of 2");
-    rest(&mut window);
-    click(&mut window, "Participant S001");
-    rest(&mut window);
+    click_and_rest(&mut window, "Participants: 2 of 2");
+    click_and_rest(&mut window, "Participant S001");
     assert_has(&window, "With one participant there is nothing to test.");
 }
 

@@ -1,5 +1,5 @@
-//! A table of the document: it scrolls sideways, is sorted by a click on a column's name, and draws only the rows that
-//! are seen.
+//! A table of the document: it scrolls sideways, is sorted by a click on a column's name, and draws only its visible
+//! rows.
 
 use eframe::egui::{
     self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2, WidgetInfo,
@@ -52,9 +52,9 @@ impl TableView {
             let clicked = self.header(ui, rect, height);
             let line = rect.top() + height;
             ui.painter().hline(rect.x_range(), line, egui::Stroke::new(1.0, theme::QUIET));
-            let seen = ui.clip_rect();
-            let first = ((seen.top() - line) / height).floor().max(0.0) as usize;
-            let last = ((seen.bottom() - line) / height).ceil().max(0.0) as usize;
+            let visible = ui.clip_rect();
+            let first = ((visible.top() - line) / height).floor().max(0.0) as usize;
+            let last = ((visible.bottom() - line) / height).ceil().max(0.0) as usize;
             for (index, row) in self.table.rows.iter().enumerate().take(last).skip(first) {
                 for (column, text) in row.iter().enumerate() {
                     self.cell(ui, rect, height, (index + 1, column), |ui| ui.add(Label::new(text).extend()));

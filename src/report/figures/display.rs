@@ -43,7 +43,7 @@ pub fn calibration(calibration: &Calibration) -> Figure {
         }
         number_axis(svg, &Panel { top: upper.top, ..lower }, (0.0, 1.0), "Encoded value");
         light.draw(svg, &upper, Some("Luminance (cd/m²)"));
-        codes.draw(svg, &lower, Some("Off (codes)"));
+        codes.draw(svg, &lower, Some("Residual (codes)"));
         for panel in [upper, lower] {
             svg.line(&[(panel.left, panel.y(0.0)), (panel.right, panel.y(0.0))], Stroke { width: 1.4, ..AXIS });
         }

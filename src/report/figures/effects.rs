@@ -70,7 +70,7 @@ fn caption(results: &Results, model: &Model) -> String {
         labels::sample(results)
     );
     if model.coefficients.iter().any(|coefficient| !coefficient.estimate.is_finite()) {
-        text += " An arrow alone: no finite estimate.";
+        text += " An arrow alone means no finite estimate.";
     }
     let all = model.coefficients.len();
     if all > MOST {

@@ -103,7 +103,7 @@ fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &st
         let thing = if levels.ordered { "line" } else { "marker" };
         let (by_name, some) = (labels::in_sentence(&by.name), labels::some_of(lines.len(), by.levels.len()));
         title += &format!(" and {by_name}");
-        caption += &format!(", one {thing} a level of {by_name}{some}");
+        caption += &format!(", one {thing} for each level of {by_name}{some}");
     }
     caption += &format!("; {source}.");
     // Of a single line there is no legend.

@@ -54,7 +54,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     for (factor, (thing, by, drawn)) in counts.factors.iter().zip(drawn) {
         let (name, some) = (labels::in_sentence(&factor.name), labels::some_of(drawn, factor.levels.len()));
         title += &format!("{by}{name}");
-        caption += &format!(", one {thing} a level of {name}{some}");
+        caption += &format!(", one {thing} for each level of {name}{some}");
     }
     caption += &format!("; {}.", labels::sample(results));
     let size = if panels.len() > 1 { SMALL } else { TEXT };

@@ -99,8 +99,8 @@ fn about_model(results: &Results) -> Vec<String> {
     };
     let mut cautions = Vec::new();
     let notes = &report.model.notes;
-    let is_told = notes.iter().any(|note| matches!(note, Note::RunawayVariance | Note::NoMixedModel));
-    if results.is_inferential() && report.model.random.is_none() && !is_told {
+    let is_mentioned = notes.iter().any(|note| matches!(note, Note::RunawayVariance | Note::NoMixedModel));
+    if results.is_inferential() && report.model.random.is_none() && !is_mentioned {
         cautions.push(
             "The model treats all ratings as independent, although the ratings of one person belong together: its \
              intervals are probably too narrow."

@@ -26,9 +26,8 @@ pub(super) fn design(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("design", "Design");
     match &source.protocol {
         Some(protocol) => section.facts("The design, by its definition", definition(source, protocol)),
-        None => section.text(
-            "The files bring no definition of an experiment: this section says what the ratings themselves show.",
-        ),
+        None => section
+            .text("The files contain no definition of an experiment: this section describes the ratings themselves."),
     }
     factors(&mut section, source, results);
     done(&mut section, source, results);
@@ -158,7 +157,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("description", "Description");
     let intervals = if results.is_inferential() {
         format!(
-            "The {} intervals say how far a mean might be off with other participants: they resample participants, {} times.",
+            "The {} intervals show how far a mean might differ with other participants: participants were resampled {} times.",
             percent(results.options.bootstrap.level),
             whole(results.options.bootstrap.replicates as u64)
         )
@@ -166,8 +165,8 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         "With one participant there are no intervals for other people.".to_owned()
     };
     section.text(format!(
-        "A mean of ratings treats the categories as equal steps, which nobody has shown. It describes; the model \
-         does without it. {intervals}"
+        "A mean of ratings treats the categories as equal steps, which nobody has shown. It is a description; the \
+         model does not use it. {intervals}"
     ));
     section.figures(figures, &["figure4a", "figure4b", "proportions", "subjects", "orientation"]);
     for factor in &results.factors {
@@ -214,7 +213,7 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
     }
     section.text(
         "Times run from the onset of the stimulus to the rating, in seconds. They are counted in steps of 5\u{a0}%, so a \
-         quartile is right to 2.5\u{a0}%. They are described and not tested.",
+         quartile is right to 2.5\u{a0}%. They are described, not tested.",
     );
     section.figures(figures, &["times"]);
     let counts = &results.measured.counts;

@@ -49,8 +49,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     if oddities(results).is_empty() {
         section.heading("How participants answered");
         section.text(
-            "As far as is known, nobody used one category only, and neither response times nor repeated ratings stand \
-             out.",
+            "As far as is known, nobody used only one category, and no response times or repeated ratings stand out.",
         );
     }
     section
@@ -113,7 +112,7 @@ fn screens(section: &mut Section, source: &Source) {
         *problems.entry(&note.sentence).or_default() += 1;
     }
     section.text(if checks().next().is_none() {
-        "No check before a session is recorded."
+        "No checks before sessions were recorded."
     } else if problems.is_empty() {
         "No check before a session found a problem."
     } else {

@@ -67,7 +67,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         let tested = !report.proportional_odds.is_empty();
         if tested && !report.proportional_odds.iter().any(|test| test.p.is_some_and(|p| p < ALPHA)) {
             let level = percent(ALPHA);
-            section.text(format!("No term shows a violation at {level}. With few ratings the test sees little."));
+            section.text(format!("No term shows a violation at {level}. With few ratings the test has little power."));
         }
         tests(
             &mut section,
@@ -140,7 +140,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     };
     section.text(format!(
         "Ratings are ordered, but nothing says that the step from one category to the next is always the same size. The \
-         model therefore takes no means of ratings: it places thresholds on a scale of its own, the latent scale, and \
+         model therefore does not average ratings: it places thresholds on a scale of its own, the latent scale, and \
          every condition{who} shifts the ratings along it. A positive shift means higher ratings."
     ));
     section.code(format!("P(rating of condition i{by} ≤ j) = F(θ[j] − x[i]·β{shift}){normal}"));

@@ -3,7 +3,7 @@
 
 use super::{names, sittings};
 use crate::{
-    analysis::{Results, counts::Counts, summary::category_values},
+    analysis::{Results, counts::Counts},
     report::{
         document::{
             Section,
@@ -35,9 +35,9 @@ pub(super) fn section(
     };
     let (counts, comparison) = (&results.measured.counts, &prediction.comparison);
     section.text(format!(
-        "A model of early vision looks at the stimulus of every condition, in a window {} wide on a screen whose white has \
-         {} cd/m². It says how visible the bands are: 0 for none, 1 for what is just seen. It knows no ratings. Only the \
-         criterion is fitted to them: {}.",
+        "A model of early vision is shown the stimulus of every condition, in a window {} wide on a screen whose white has \
+         {} cd/m². It predicts how visible the bands are: 0 for none, 1 for bands that are just visible. It does not use \
+         the ratings; only the criterion is fitted to them: {}.",
         degrees(prediction),
         fixed(prediction.viewing.white_cd_m2, 0),
         criterion(comparison, counts)
@@ -45,7 +45,7 @@ pub(super) fn section(
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
     section.text(order(comparison, counts));
     section.text(ceiling(comparison));
-    furthest(counts, prediction).into_iter().for_each(|text| section.text(text));
+    furthest(results, prediction).into_iter().for_each(|text| section.text(text));
     let is_circular = sittings::all(source)
         .any(|(_, sitting)| sitting.observer.as_ref().is_some_and(|observer| observer["observer"] == "vision"));
     if is_circular {
@@ -123,23 +123,15 @@ fn ceiling(comparison: &Comparison) -> String {
 }
 
 /// The conditions whose mean ratings are furthest from the prediction.
-fn furthest(counts: &Counts, prediction: &StudyPrediction) -> Option<String> {
-    let values = category_values(counts);
-    let mut sums = vec![(0.0, 0.0); counts.conditions.len()];
-    for row in &counts.rows {
-        let (sum, n) = &mut sums[row.condition as usize];
-        *sum += values[usize::from(row.rating)] * row.count as f64;
-        *n += row.count as f64;
-    }
-    let mut far: Vec<(u32, f64, f64)> = ((0..).zip(sums).zip(&prediction.ratings))
-        .filter(|((_, (_, n)), _)| *n > 0.0)
-        .filter_map(|((condition, (sum, n)), expected)| Some((condition, sum / n, (*expected)?)))
+fn furthest(results: &Results, prediction: &StudyPrediction) -> Option<String> {
+    let mut far: Vec<(u32, f64, f64)> = ((0..).zip(&results.cells).zip(&prediction.ratings))
+        .filter_map(|((condition, cell), expected)| Some((condition, cell.summary.mean, (*expected)?)))
         .collect();
     // Of equal distances the first conditions, so that equal ratings give an equal page.
     far.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
     let named: Vec<String> = (far.iter().take(FURTHEST))
         .map(|(condition, rated, expected)| {
-            let name = names::condition(counts, *condition);
+            let name = names::condition(&results.measured.counts, *condition);
             format!("{name} (rated {}, predicted {})", mean(*rated), mean(*expected))
         })
         .collect();
