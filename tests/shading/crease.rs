@@ -1,6 +1,6 @@
 //! The crease metric, and what the shaders leave of Gouraud's creases.
 
-use crate::plane::{frame, grid, random};
+use crate::{frame, grid, random};
 use glam::{DVec2, DVec3};
 use machband::shading::{
     Across, Creases, Frame, Gradients, Reference, Scene, Shade, Shader, Surface, crease,
@@ -159,7 +159,7 @@ fn the_picture_shows_edges_by_their_jump_unless_hidden() {
     // A triangle nearer to the eye, over the edge.
     let mut covered = frame.clone();
     let cover = [DVec2::new(-200.0, -200.0), DVec2::new(400.0, -200.0), DVec2::new(50.0, 600.0)];
-    let own = crate::plane::frame(&cover, &[[0, 1, 2]], |_| DVec3::ONE);
+    let own = crate::frame(&cover, &[[0, 1, 2]], |_| DVec3::ONE);
     covered.vertices.extend(own.vertices.iter().map(|v| machband::shading::FrameVertex { depth: 0.1, ..*v }));
     let triangle = own.triangles[0];
     covered.triangles.push(machband::shading::FrameTriangle { vertices: triangle.vertices.map(|v| v + 4), ..triangle });

@@ -12,6 +12,8 @@ use machband::{
     },
 };
 
+use crate::grid;
+
 /// A device of the best card of `backends`, or nothing where there is none and none is required.
 fn device(
     backends: wgpu::Backends,
@@ -56,22 +58,8 @@ fn card(backend: wgpu::Backends) -> Option<Card> {
 
 /// A wavy sheet: open, both sides seen, folds of it hidden by others.
 fn sheet() -> Mesh {
-    const SIDE: u32 = 15;
-    let noise = |i: u32| {
-        f64::from(i.wrapping_mul(2_654_435_761).rotate_left(13).wrapping_mul(2_246_822_519) >> 8) / 16_777_216.0 - 0.5
-    };
-    let mut places = Vec::new();
-    for i in 0..SIDE * SIDE {
-        let (x, y) = (f64::from(i % SIDE) + 0.7 * noise(2 * i), f64::from(i / SIDE) + 0.7 * noise(2 * i + 1));
-        places.push(DVec3::new(x, y, 2.5 * (0.9 * x).sin() + (0.6 * y).cos()));
-    }
-    let mut triangles = Vec::new();
-    for y in 0..SIDE - 1 {
-        for x in 0..SIDE - 1 {
-            let a = y * SIDE + x;
-            triangles.extend([[a, a + 1, a + SIDE + 1], [a, a + SIDE + 1, a + SIDE]]);
-        }
-    }
+    let (places, triangles) = grid(14, 14.0, 0.35, 3);
+    let places: Vec<DVec3> = places.iter().map(|p| p.extend(2.5 * (0.9 * p.x).sin() + (0.6 * p.y).cos())).collect();
     Mesh::new(&places, &triangles, 180.0).unwrap()
 }
 

@@ -1,4 +1,5 @@
-//! Meshes, lighting and shaders, on the processor and on a graphics card.
+//! Meshes, lighting and shaders, on the processor and on a graphics card; and frames made by hand for them: triangles in
+//! the plane of the screen.
 
 mod crease;
 #[cfg(feature = "window")]
@@ -7,6 +8,107 @@ mod illumination;
 mod meshes;
 mod obj;
 mod patch;
-mod plane;
 mod raster;
 mod shaders;
+
+use std::collections::HashMap;
+
+use glam::{DMat3, DVec2, DVec3};
+use machband::shading::{Across, Frame, FrameTriangle, FrameVertex, Lighting, View};
+
+/// A vertex at `screen`, facing the eye, with the light `light`.
+fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
+    FrameVertex {
+        screen,
+        depth: 0.5,
+        eye: DVec3::new(screen.x / 100.0 - 1.0, 1.0 - screen.y / 100.0, 0.0),
+        normal: DVec3::Z,
+        curvature: DMat3::ZERO,
+        light,
+        ambient: DVec3::splat(0.1),
+    }
+}
+
+/// A frame of 200 × 200 pixels. Edges run between vertices of one index: two triangles at one are smooth neighbors,
+/// more are several.
+fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting) -> Frame {
+    let ends = |t: usize, k: usize| (triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
+    let mut sides: HashMap<[u32; 2], Vec<(usize, usize)>> = HashMap::new();
+    for (t, k) in (0..triangles.len()).flat_map(|t| [(t, 0), (t, 1), (t, 2)]) {
+        let (a, b) = ends(t, k);
+        sides.entry([a.min(b), a.max(b)]).or_default().push((t, k));
+    }
+    let across = |t: usize, k: usize| {
+        let (a, b) = ends(t, k);
+        let others: Vec<_> = sides[&[a.min(b), a.max(b)]].iter().filter(|side| side.0 != t).collect();
+        match others[..] {
+            [] => Across::Nothing,
+            [&(u, l)] if ends(u, l) == (b, a) => Across::Triangle { triangle: u as u32, apex: triangles[u][l] },
+            _ => Across::Several,
+        }
+    };
+    let triangle =
+        |t: usize| FrameTriangle { vertices: triangles[t], normal: DVec3::Z, across: [0, 1, 2].map(|k| across(t, k)) };
+    Frame {
+        width: 200,
+        height: 200,
+        background: DVec3::splat(0.25),
+        vertices,
+        triangles: (0..triangles.len()).map(triangle).collect(),
+        lighting,
+        view: View::square(200),
+        encoding: None,
+    }
+}
+
+/// The frame of `triangles` over `places` in pixels, with the lights given. Its lights are not those of its lighting.
+fn frame(places: &[DVec2], triangles: &[[u32; 3]], light: impl Fn(DVec2) -> DVec3) -> Frame {
+    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| facing(places, *t)).collect();
+    let vertices = places.iter().map(|&screen| vertex(screen, light(screen))).collect();
+    joined(vertices, &triangles, Lighting::standard())
+}
+
+fn facing(places: &[DVec2], t: [u32; 3]) -> [u32; 3] {
+    let [a, b, c] = t.map(|v| places[v as usize]);
+    if Frame::area2(a, b, c) > 0.0 { t } else { [t[0], t[2], t[1]] }
+}
+
+/// A number of 0…1 that depends on `seed` only: the golden ratio's multiples, hashed.
+fn random(seed: u64) -> f64 {
+    let mut x = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (x ^ (x >> 31)) as f64 / u64::MAX as f64
+}
+
+/// A square of `size` pixels in `n` × `n` cells of two triangles, split along either diagonal at random, their corners
+/// moved by up to `jitter` of a cell, except on the border.
+fn grid(n: usize, size: f64, jitter: f64, seed: u64) -> (Vec<DVec2>, Vec<[u32; 3]>) {
+    let at = |i: usize, j: usize| (j * (n + 1) + i) as u32;
+    let mut places = Vec::new();
+    let mut triangles = Vec::new();
+    for j in 0..=n {
+        for i in 0..=n {
+            let shift = |axis: u64| (random(seed * 1_000_003 + u64::from(at(i, j)) * 2 + axis) * 2.0 - 1.0) * jitter;
+            let inside = (1..n).contains(&i) && (1..n).contains(&j);
+            let moved = if inside { DVec2::new(shift(0), shift(1)) } else { DVec2::ZERO };
+            places.push((DVec2::new(i as f64, j as f64) + moved) * size / n as f64);
+            if i < n && j < n {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+                let rising = random(seed * 7_000_003 + u64::from(a)) < 0.5;
+                triangles.extend(if rising { [[a, b, c], [b, d, c]] } else { [[a, b, d], [a, d, c]] });
+            }
+        }
+    }
+    (places, triangles)
+}
+
+/// Whether a triangle holds a place, on a left or top edge too. Exact: places are multiples of 1/256 pixel.
+fn covers(frame: &Frame, triangle: usize, p: DVec2) -> bool {
+    let [a, b, c] = frame.corners(triangle).map(|v| v.screen);
+    [(b, c), (c, a), (a, b)].into_iter().all(|(from, to)| {
+        let owns = to.y > from.y || (to.y == from.y && to.x < from.x);
+        let area = Frame::area2(p, from, to);
+        area > 0.0 || (area == 0.0 && owns)
+    })
+}

@@ -8,7 +8,7 @@ use machband::shading::{
 };
 use pulp::Arch;
 
-use crate::plane::{covers, random};
+use crate::{covers, random};
 
 /// Triangles through each other, thin ones among them.
 fn ugly(seed: u32) -> Mesh {
@@ -47,6 +47,7 @@ fn scenes() -> Vec<(&'static str, Frame)> {
         ("blob", frame(shapes::blob(313), [200, 180], 0.9, &brown(), SKY)),
         ("blob, one pixel", frame(shapes::blob(20), [1, 1], 0.9, &brown(), SKY)),
         ("blob, tiny", frame(shapes::blob(771), [37, 3], 0.9, &brown(), SKY)),
+        ("blob, encoded", frame(shapes::blob(313), [120, 100], 0.9, &brown(), SKY).encoded(&Transfer::Srgb.into())),
     ];
     for seed in 0..4 {
         scenes.push(("ugly", frame(ugly(seed), [150, 101], 1.1, &brown(), SKY)));
@@ -108,15 +109,6 @@ fn light_is_the_references() {
             let error = error(&frame, &shade);
             assert!(error <= 1e-5, "{name}, {shade:?}: {error}");
         }
-    }
-}
-
-#[test]
-fn encoded_light_is_the_references() {
-    let frame = frame(shapes::blob(313), [120, 100], 0.9, &brown(), SKY).encoded(&Transfer::Srgb.into());
-    for shade in Shader::ALL.iter().map(|shader| Shade::new(*shader)) {
-        let error = error(&frame, &shade);
-        assert!(error <= 1e-5, "{shade:?}: {error}");
     }
 }
 
@@ -231,20 +223,14 @@ fn codes_are_the_quantizers() {
         let shade = Shade::new(Shader::Exact);
         let prepared = Prepared::new(&frame, &shade);
         let light = drawn(&frame, &shade);
-        let reference = Reference::new(&frame, &shade).image();
         for transfer in &transfers {
             let encoder = Encoder::new(transfer);
             let mut codes = vec![0; (4 * frame.width * frame.height) as usize];
             prepared.codes(&encoder, &mut codes);
             let code = |light: &f32| encoder.quantizer().code(*light) as u8;
-            for ((pixel, light), truth) in codes.chunks(4).zip(light.data.chunks(3)).zip(reference.data.chunks(3)) {
+            for (pixel, light) in codes.chunks(4).zip(light.data.chunks(3)) {
                 let expected: Vec<u8> = light.iter().map(code).chain([255]).collect();
                 assert_eq!(pixel, expected, "{name}, {transfer}");
-                // Where the curve is not so steep that 1e-5 of light is many codes.
-                if !matches!(transfer, Transfer::Gamma(9.0)) {
-                    let near = pixel.iter().zip(truth).all(|(pixel, truth)| pixel.abs_diff(code(truth)) <= 1);
-                    assert!(near, "{name}, {transfer}: {pixel:?} for {truth:?}");
-                }
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The reference shaders, against numbers computed elsewhere and against what must be true of them.
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use machband::light::Depth;
 use machband::shading::coverage;
 use machband::shading::frame::bends;
@@ -10,7 +10,7 @@ use machband::shading::{
 };
 use proptest::prelude::*;
 
-use crate::plane::{self, joined as frame, vertex};
+use crate::{joined as frame, vertex};
 
 const CORRECTIONS: [Correction; 3] = [Correction::Off, Correction::Printed, Correction::Repaired];
 
@@ -26,9 +26,9 @@ fn only_ambient() -> Lighting {
 
 /// A square of `cells`² cells of two triangles, its inner vertices jittered, with the light that `light` gives a place.
 fn grid(cells: usize, light: impl Fn(DVec2) -> DVec3) -> Frame {
-    let (places, triangles) = plane::grid(cells, 160.0, 0.3, 7);
+    let (places, triangles) = crate::grid(cells, 160.0, 0.3, 7);
     let places: Vec<DVec2> = places.iter().map(|p| ((p + 20.0) * 256.0).round() / 256.0).collect();
-    plane::frame(&places, &triangles, light)
+    crate::frame(&places, &triangles, light)
 }
 
 fn shade(shader: Shader, depth: Depth, boundary: f64) -> Shade {
@@ -430,41 +430,6 @@ fn a_uniform_field_stays_uniform() {
 fn cube(degrees: [f64; 3], lighting: &Lighting) -> Frame {
     let view = View::square(200).rotated(degrees);
     Frame::new(&Surface::new(shapes::cube()), &view, lighting, DVec3::splat(0.25))
-}
-
-#[test]
-fn turning_mesh_and_light_together_changes_nothing() {
-    let toward = DVec3::new(0.36, 0.48, 0.8);
-    let before = cube([25.0, 35.0, 10.0], &lighting(toward));
-    for degrees in [90.0f64, 37.0, 211.5] {
-        let turn = DMat3::from_rotation_z(degrees.to_radians());
-        let after = cube([25.0, 35.0, 10.0 + degrees], &lighting(turn * toward));
-        assert_eq!(before.triangles.len(), after.triangles.len());
-        // The same picture turned; without the rounding of places to 1/256 pixel that differs.
-        let mut turned = after.clone();
-        for (v, vertex) in turned.vertices.iter_mut().enumerate() {
-            assert!((vertex.light - before.vertices[v].light).abs().max_element() < 1e-12);
-            assert!((vertex.normal - turn * before.vertices[v].normal).length() < 1e-12);
-            let from_middle = before.vertices[v].screen - 100.0;
-            let place = DVec2::new(100.0, 100.0) + DVec2::from_angle(-degrees.to_radians()).rotate(from_middle);
-            assert!((place - vertex.screen).length() < 0.01);
-            vertex.screen = place;
-        }
-        for &shader in Shader::ALL {
-            // The slopes of *patch* are differences of lights over small steps, which cancel.
-            let bound = if shader == Shader::Patch { 1e-9 } else { 1e-11 };
-            for (vertex, reweight) in CORRECTIONS.into_iter().zip(CORRECTIONS) {
-                let shade = Shade { vertex, reweight, ..Shade::new(shader) };
-                let (before, after) = (Reference::new(&before, &shade), Reference::new(&turned, &shade));
-                for t in 0..turned.triangles.len() {
-                    for w in all_weights() {
-                        let error = (before.light(t, w) - after.light(t, w)).abs().max_element();
-                        assert!(error < bound, "{shader} {vertex} {t} {w:?}: {error}");
-                    }
-                }
-            }
-        }
-    }
 }
 
 #[test]
