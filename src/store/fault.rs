@@ -70,7 +70,7 @@ impl std::fmt::Display for FileFaults {
 }
 
 /// How many faults in one column of a table are kept.
-const KEPT: usize = 3;
+const KEPT: usize = 5;
 
 /// What is wrong with the rows of a table: of many faults in one column the first are kept, and the others counted.
 #[derive(Clone, Debug, Default)]

@@ -171,15 +171,6 @@ pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
     }
 }
 
-/// Whether what is appended waits for the disk.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sync {
-    /// It is on disk when [`AppendFile::append`] returns.
-    Always,
-    /// A power cut may take the last of it.
-    Never,
-}
-
 /// A file that only grows, locked against a second program while it is open.
 ///
 /// Everything in it is also kept in memory, so that a disk that fails or vanishes takes nothing with it: the next call
@@ -194,13 +185,14 @@ pub(super) struct AppendFile {
     written: usize,
     /// The beginning of a line whose writing was interrupted. The next write cuts it off.
     torn: Option<String>,
-    sync: Sync,
+    /// Whether rows are on disk when [`AppendFile::append`] returns; if not, a power cut may take the last of them.
+    durable: bool,
 }
 
 impl AppendFile {
     /// A file that does not exist yet; the first write makes it, and never touches an existing one.
-    pub fn new(path: &Path, sync: Sync, content: Vec<u8>) -> Self {
-        Self { path: path.to_owned(), file: None, content, written: 0, torn: None, sync }
+    pub fn new(path: &Path, durable: bool, content: Vec<u8>) -> Self {
+        Self { path: path.to_owned(), file: None, content, written: 0, torn: None, durable }
     }
 
     /// Opens and reads a file, and keeps every other program from it. It is not changed until the next write, which
@@ -208,7 +200,7 @@ impl AppendFile {
     ///
     /// # Errors
     /// [`StoreError::InUse`], the system's refusal, or a file without a whole line that begins otherwise.
-    pub fn open(path: &Path, sync: Sync, header: Vec<u8>) -> Result<Self, StoreError> {
+    pub fn open(path: &Path, durable: bool, header: Vec<u8>) -> Result<Self, StoreError> {
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(io(path, "open"))?;
         lock(&file, path)?;
         let mut content = Vec::new();
@@ -216,7 +208,7 @@ impl AppendFile {
         let (whole, torn) = split_torn(content);
         let written = whole.len();
         let content = begun(path, whole, torn.as_deref(), header)?;
-        Ok(Self { path: path.to_owned(), file: Some(file), written, content, torn, sync })
+        Ok(Self { path: path.to_owned(), file: Some(file), written, content, torn, durable })
     }
 
     /// Where the file is, or will be.
@@ -264,7 +256,7 @@ impl AppendFile {
         })?;
         let locked = lock(&made, &self.path);
         self.file = Some(made);
-        let synced = |this: &Self| if this.sync == Sync::Always { sync_folder(&this.path) } else { Ok(()) };
+        let synced = |this: &Self| if this.durable { sync_folder(&this.path) } else { Ok(()) };
         let begun = locked.and_then(|()| self.write()).and_then(|()| synced(self));
         if begun.is_err() {
             // This program has just made it: half a file must not block the next attempt.
@@ -282,7 +274,7 @@ impl AppendFile {
             file.set_len(from)?;
             file.seek(SeekFrom::Start(from))?;
             file.write_all(&self.content[self.written..])?;
-            if self.sync == Sync::Always { file.sync_data() } else { Ok(()) }
+            if self.durable { file.sync_data() } else { Ok(()) }
         };
         write().map_err(io(&self.path, "write"))?;
         self.verify()?;
@@ -307,7 +299,7 @@ impl AppendFile {
     /// # Errors
     /// The new place refuses; the old one is then kept.
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
-        let mut moved = Self::new(path, self.sync, self.content.clone());
+        let mut moved = Self::new(path, self.durable, self.content.clone());
         moved.flush()?;
         *self = moved;
         Ok(())

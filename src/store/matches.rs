@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{
     FileFaults, StoreError,
-    file::{AppendFile, Sync, folder_of, make_folder, read_text},
+    file::{AppendFile, folder_of, make_folder, read_text},
     table::{self, exactly},
 };
 use crate::display::{
@@ -39,7 +39,7 @@ impl MatchFile {
     /// The system's refusal.
     pub fn create(path: &Path, seed: u64) -> Result<Self, StoreError> {
         make_folder(folder_of(path))?;
-        let mut file = AppendFile::new(path, Sync::Always, format!("{COLUMNS}\n").into_bytes());
+        let mut file = AppendFile::new(path, true, format!("{COLUMNS}\n").into_bytes());
         file.flush()?;
         Ok(Self { file, seed })
     }
@@ -49,7 +49,7 @@ impl MatchFile {
     /// # Errors
     /// A file that another program writes, or that is not one of matches.
     pub fn resume(path: &Path) -> Result<(Self, Vec<Match>), StoreError> {
-        let file = AppendFile::open(path, Sync::Always, format!("{COLUMNS}\n").into_bytes())?;
+        let file = AppendFile::open(path, true, format!("{COLUMNS}\n").into_bytes())?;
         let rows = rows(&path.display().to_string(), file.content())?;
         let seed = rows.last().map_or(0, |row| row.seed);
         Ok((Self { file, seed }, counted(rows)))

@@ -56,8 +56,10 @@ fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sittin
     let mut session = Session::new(protocol.clone(), schedule.clone(), resumed, options);
     let context = RowContext { protocol: &protocol, schedule, identity: &identity, sitting };
     let mut rated = 0;
+    // A sitting begins after the one before.
+    let start = 1000.0 * f64::from(sitting - 1);
     for frame in 0.. {
-        let now = Duration::from_secs_f64(f64::from(frame) / 60.0);
+        let now = Duration::from_secs_f64(start + f64::from(frame) / 60.0);
         let event = match session.state() {
             State::Stimulus { .. } => Some(Event::Rate(2)),
             State::PhaseStart(_) | State::Break => Some(Event::Continue),

@@ -97,32 +97,16 @@ fn has_suffix(path: &Path, suffix: &str) -> bool {
 
 /// Natural order of texts: digits within them as whole numbers, so that S2 is before S10.
 pub(super) fn natural(a: &str, b: &str) -> std::cmp::Ordering {
-    let (mut left, mut right) = (a.as_bytes(), b.as_bytes());
-    while let (Some(&l), Some(&r)) = (left.first(), right.first()) {
-        let (digits_l, digits_r) = (digits(left), digits(right));
-        let order = if digits_l > 0 && digits_r > 0 {
-            let (l, r) = (significant(&left[..digits_l]), significant(&right[..digits_r]));
-            (left, right) = (&left[digits_l..], &right[digits_r..]);
-            l.len().cmp(&r.len()).then_with(|| l.cmp(r))
-        } else {
-            (left, right) = (&left[1..], &right[1..]);
-            l.cmp(&r)
-        };
-        if order.is_ne() {
-            return order;
-        }
-    }
     // `S01` and `S1` differ too.
-    left.len().cmp(&right.len()).then_with(|| a.cmp(b))
+    natural_parts(a).cmp(natural_parts(b)).then_with(|| a.cmp(b))
 }
 
-fn digits(text: &[u8]) -> usize {
-    text.iter().take_while(|byte| byte.is_ascii_digit()).count()
-}
-
-fn significant(digits: &[u8]) -> &[u8] {
-    let zeros = digits.iter().take_while(|digit| **digit == b'0').count();
-    &digits[zeros..]
+/// The numbers in a text without their leading zeros, each with its length, and what is between them.
+fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
+    text.as_bytes().chunk_by(|a, b| a.is_ascii_digit() == b.is_ascii_digit()).map(|part| {
+        let zeros = part.iter().take_while(|digit| **digit == b'0').count();
+        if part[0].is_ascii_digit() { (part.len() - zeros, &part[zeros..]) } else { (usize::MAX, part) }
+    })
 }
 
 /// A header row, and the row below it, end within this many bytes.

@@ -10,7 +10,7 @@ use crate::{
     experiment::{Phase, Schedule, Shown, Stretch},
     store::{
         FileFaults, StoreError,
-        file::{AppendFile, Sync, is_there, read_text},
+        file::{AppendFile, is_there, read_text},
         table::{self, CellFault, shortened},
     },
 };
@@ -63,7 +63,7 @@ pub struct FrameFile(pub(in crate::store) AppendFile);
 impl FrameFile {
     /// For a new session.
     pub fn new(path: &Path) -> Self {
-        Self(AppendFile::new(path, Sync::Never, header()))
+        Self(AppendFile::new(path, false, header()))
     }
 
     /// For a session that is resumed: keeps what is there, less a last line that was half written.
@@ -74,7 +74,7 @@ impl FrameFile {
         if !is_there(path)? {
             return Ok(Self::new(path));
         }
-        let file = AppendFile::open(path, Sync::Never, header())?;
+        let file = AppendFile::open(path, false, header())?;
         if !file.content().starts_with(&header()) {
             let message = format!("is not a file of frames; expected the header {HEADER}");
             return Err(FileFaults::whole(path, message).into());

@@ -7,7 +7,7 @@ use crate::{
     store::{
         FileFaults, StoreError,
         fault::io,
-        file::{AppendFile, Sync, begun, split_torn},
+        file::{AppendFile, begun, split_torn},
         table::{self, CellFault, shortened},
     },
 };
@@ -35,7 +35,7 @@ impl ResultFile {
     /// # Errors
     /// [`StoreError::Exists`], or the system's refusal.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
-        let mut file = AppendFile::new(path, Sync::Always, header(columns));
+        let mut file = AppendFile::new(path, true, header(columns));
         file.flush()?;
         Ok(Self { file, width: columns.len() })
     }
@@ -46,7 +46,7 @@ impl ResultFile {
     /// # Errors
     /// [`StoreError::InUse`], the system's refusal, or a file that begins otherwise.
     pub fn open(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
-        let file = AppendFile::open(path, Sync::Always, header(columns))?;
+        let file = AppendFile::open(path, true, header(columns))?;
         let width = columns_of(file.content(), columns).len();
         Ok(Self { file, width })
     }
