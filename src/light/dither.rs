@@ -1,10 +1,10 @@
-//! Dither: which of the two codes that enclose a value a pixel gets, by its place, so that the light of
-//! many pixels is on average the light that was asked for.
+//! Dither: a pixel's place decides which of the two codes that enclose a value it gets, so that the mean light of many
+//! pixels is the requested light.
 //!
 //! Every kind compares in linear light: between the codes c and c + 1, whose relative luminances L(c)
 //! and L(c + 1) enclose v, p = (v − L(c)) / (L(c + 1) − L(c)) is the share of pixels that should have
 //! the upper code, and the pixel at (x, y) has it iff p > t(x, y). The thresholds t are spread evenly
-//! over the open interval (0, 1); they are all that the kinds differ in.
+//! over the open interval (0, 1); the kinds of dither differ in nothing else.
 //!
 //! - A value that is a code's own luminance, to within one unit of f32's last place, gets that code
 //!   everywhere, without noise.
@@ -20,8 +20,8 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::names::{named, serde_as_text};
 
-/// How pixels between two codes are decided. Written `none`, `ordered`, `ordered:MATRIX` with the name
-/// of a [`DitherMatrix`], `blue-noise` or `random`; the seed of the last has no place in the text.
+/// The choice between two codes. Written `none`, `ordered`, `ordered:MATRIX` with the name
+/// of a [`DitherMatrix`], `blue-noise` or `random`; the text does not hold the seed of the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Dither {
     /// The nearest code, in encoded space: no dither.
@@ -47,7 +47,7 @@ pub enum DitherError {
     /// A text that names no dither.
     #[error("dither {0:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random")]
     Unknown(String),
-    /// An ordered dither by a matrix that is not there.
+    /// An ordered dither by a matrix that does not exist.
     #[error(transparent)]
     Matrix(#[from] DitherMatrixError),
 }
@@ -203,8 +203,8 @@ const PLACES: [usize; 4] = [0, 1, 4, 5];
 /// Random words of a tile: 16 jitters, 12 for strata to quarters, 12 for places within quarters, 8
 /// not used.
 const WORDS: u32 = 48;
-/// First stream of the generator; the streams are one for each row of tiles. Any place that other
-/// users of the same seed keep out of will do.
+/// First stream of the generator; the streams are one for each row of tiles. No other
+/// user of the same seed may use them.
 const FIRST_STREAM: u64 = u64::from_be_bytes(*b"dith\0\0\0\0");
 
 /// The tiles of [`Dither::Random`]: ChaCha8 with the seed, stream [`FIRST_STREAM`] + row of tiles, from

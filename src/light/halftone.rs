@@ -1,4 +1,4 @@
-//! Halftone: many levels of light from a device that has few codes. Shoaff §2.1.2.
+//! Halftone: many levels of light from a device with few codes. Shoaff §2.1.2.
 //!
 //! A device of m bits makes 2^m levels on its own and n²·(2^m − 1) + 1 with cells of n × n dots. Level
 //! j = c·n² + r is a cell whose r first dots, in the order of a [`DitherMatrix`], have the code c + 1 and
@@ -16,7 +16,7 @@ use super::image::{CodeImage, LinearImage, Samples};
 use super::names::with_number;
 use super::transfer::{Transfer, Transfers};
 
-/// Most bits of a device that needs a halftone.
+/// Most bits of a code.
 const MAX_BITS: u32 = 8;
 
 /// A device with few codes and the cells drawn on it. Written `clustered3:1`: the matrix and the bits a channel.
@@ -50,7 +50,7 @@ impl FromStr for Screen {
     }
 }
 
-/// A way from light to the codes of a device that has few, whose code c is encoded as c/(2^m − 1).
+/// Light to the cells of a device whose code c is encoded as c/(2^m − 1).
 #[derive(Clone, Debug)]
 pub struct Halftone {
     screen: Screen,

@@ -1,5 +1,5 @@
-//! I_n(u): how a ramp goes from 0 to 1. Bangay eq. 1, labels as corrected in the crate's mathematics
-//! (the scan's are shifted by one).
+//! I_n(u), the course of a ramp from 0 to 1: Bangay eq. 1, with n as corrected in the crate's mathematics (the labels of
+//! the scan are shifted by one).
 //!
 //! For every whole n ≥ 1, I_n is the regularized incomplete beta function I_u(n, n),
 //! `(2n−1)·C(2n−2, n−1)·∫₀ᵘ s^(n−1)(1−s)^(n−1) ds`: n = 1 is `u`, n = 2 is `3u²−2u³`, n = 3 is
@@ -47,10 +47,10 @@ impl Depth {
 /// Why something is not a [`Depth`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DepthError {
-    /// A whole number, but none that is supported.
+    /// A whole number that is not supported.
     #[error("depth {0} is outside 1…32; expected a whole number from 1 to 32, or inf")]
     OutOfRange(String),
-    /// Not a whole number at all.
+    /// Not a whole number.
     #[error("depth {0} is not a whole number; expected a whole number from 1 to 32, or inf")]
     NotWhole(String),
 }
@@ -146,7 +146,7 @@ const fn binomial(n: usize, k: usize) -> u128 {
 /// Coefficients c_j of u^(n+j), j = 0 … n−1, of the polynomial I_N(u) on 0…1: `[3, −2]` for N = 2,
 /// `[10, −15, 6]` for N = 3.
 ///
-/// For shaders and other places that want a plain polynomial. The coefficients cancel, the more the larger N is;
+/// For shaders and other code that needs a plain polynomial. The coefficients cancel, the more the larger N is;
 /// [`Interpolation::value`] does not. Does not compile for N outside 1…32.
 #[must_use]
 pub const fn coefficients<const N: usize>() -> [f64; N] {
@@ -186,8 +186,7 @@ impl Interpolation {
         Self::with_k(depth, TANH_K)
     }
 
-    /// Depth `depth`, of steepness `k` (> 0) if it is infinite; a finite depth does not look at
-    /// `k`.
+    /// Depth `depth`, of steepness `k` (> 0) if it is infinite; a finite depth ignores `k`.
     #[must_use]
     pub fn with_k(depth: Depth, k: f64) -> Self {
         let form = match depth {

@@ -1,8 +1,8 @@
-//! Fewer colors: an image of 8-bit codes reduced to a palette, and how far its light is then off. Shoaff §2.2.10.
+//! Palettes: an image of 8-bit codes in fewer colors, and the error of its light. Shoaff §2.2.10.
 //!
-//! Where colors are counted and boxed, codes are compared; where colors are averaged, or one is near another, light is: a
-//! box's color is that of its mean light, and a pixel gets the palette's nearest in linear light. So of every palette the
-//! error that is reported is the least it allows.
+//! Colors are counted and split into boxes by their codes, and averaged and compared in linear light: the color of a box
+//! is that of its mean light, and a pixel gets the nearest color of the palette. The reported error is therefore the
+//! least that the palette allows.
 //!
 //! Palette and indices are the same on every machine: no threads, no random numbers, ties decided by the codes, sums in
 //! one order, and light rounded to f32 first, so that the last bits of a machine's `powf` do not decide.
@@ -20,7 +20,7 @@ use super::names::{named, with_number};
 use super::quantize::{Bits, Quantizer};
 use super::transfer::Transfers;
 
-/// Most colors that an 8-bit index tells apart.
+/// Most colors that an 8-bit index can tell apart.
 const MOST_COLORS: u32 = 256;
 
 named! {
@@ -35,7 +35,7 @@ named! {
         MedianCut = "median-cut",
         /// K-means in linear light (Celebi 2011, doi:10.1016/j.imavis.2010.10.002), begun from boxes of least variance (Wu
         /// 1992, doi:10.1145/146443.146475, by the crate quantette), from median cut and from the most frequent colors; the
-        /// best of the three. Its rms error is never above the others'.
+        /// best of the three. Its rms error is never above that of the others.
         KMeans = "k-means",
     }
 }
@@ -45,8 +45,8 @@ named! {
 #[error("the image has 16-bit codes; expected 8 bits, which is what palettes hold")]
 pub struct SixteenBits;
 
-/// How far the light of a reduced image is from that of the original, over all pixels and the three channels. Relative
-/// luminances, 0…1.
+/// The difference in light between a reduced image and the original, over all pixels and the three channels, in relative
+/// luminance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightError {
     /// Root of the mean of the squares.
@@ -66,7 +66,7 @@ pub struct IndexedImage {
     pub palette: Vec<[u8; 3]>,
     /// Index into the palette of every pixel, row by row from the top left.
     pub indices: Vec<u8>,
-    /// What the reduction cost.
+    /// The error of the reduction.
     pub error: LightError,
 }
 
@@ -250,7 +250,7 @@ fn median(tallies: &[Tally]) -> usize {
 
 /// Bins a side of Wu's histogram, spread over the range of light that the image has.
 const BINS: usize = 64;
-/// Rounds of k-means after which it is left as it is. It gets better with every round; most images take fewer.
+/// Most rounds of k-means. Every round improves the palette; most images need fewer.
 const MOST_ROUNDS: usize = 64;
 
 fn k_means(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 3]> {
@@ -261,7 +261,7 @@ fn k_means(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 
         light(&median_cut(tallies, colors, quantizer)),
         light(&most_frequent(tallies, colors)),
     ];
-    // Rounding to codes may undo what the last rounds won.
+    // Rounding to codes may undo what the last rounds gained.
     let palettes = starts.into_iter().flat_map(|start| [coded(&start), coded(&settled(start, tallies))]);
     let squares = |palette: &[[u8; 3]]| {
         let centers = light(palette);
@@ -274,7 +274,7 @@ fn k_means(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 
         .map_or(vec![], |best| best.1)
 }
 
-/// The `centers` and, up to `colors`, the colors that they serve worst.
+/// The `centers` and, up to `colors`, the colors with the largest error.
 fn filled_up(mut centers: Vec<[f64; 3]>, tallies: &[Tally], colors: usize) -> Vec<[f64; 3]> {
     let mut distances: Vec<f64> = tallies.iter().map(|tally| nearest(&centers, tally.light).1).collect();
     while centers.len() < colors {

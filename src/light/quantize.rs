@@ -1,6 +1,5 @@
-//! From light to codes: the only place that knows how many codes there are. Rounding is to nearest,
-//! in encoded space; dither, which decides between the two codes that enclose a value, in linear
-//! light.
+//! From light to codes, the only place that knows how many codes there are. Rounding is to the nearest code, in encoded
+//! space; dither decides between the two codes that enclose a value, in linear light.
 
 use std::sync::{Arc, OnceLock};
 
@@ -43,8 +42,7 @@ pub fn reference_code(transfer: &Transfer, bits: Bits, linear: f32) -> u16 {
     scaled.round() as u16
 }
 
-/// Lower bits of an f32 that the first look-up ignores: what is left is the exponent and 7 bits of
-/// the mantissa.
+/// Lower bits of an f32 that the first look-up ignores; the exponent and 7 bits of the mantissa remain.
 const BUCKET_SHIFT: u32 = 16;
 
 /// Light to codes for one channel of a display and one code size, prepared for many pixels.
@@ -56,7 +54,7 @@ pub struct ChannelQuantizer {
     thresholds: Vec<f32>,
     /// Code of the smallest f32 of every bucket, the one that starts at 1 included.
     bucket_codes: Vec<u16>,
-    /// The light of every code, for dither; made when it is first asked for.
+    /// The light of every code, for dither; computed at its first use.
     levels: OnceLock<Levels>,
 }
 

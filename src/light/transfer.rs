@@ -1,5 +1,4 @@
-//! Transfer functions: what light an encoded value makes, and which encoded value makes a light.
-//! Shoaff §2.1.1.
+//! Transfer functions: the light of an encoded value, and the encoded value for a light. Shoaff §2.1.1.
 //!
 //! Both quantities are relative, 0…1. Every function's name says its direction.
 
@@ -42,12 +41,12 @@ pub enum TransferError {
     /// A text that names no transfer function.
     #[error("transfer {0:?} is not known; expected srgb, linear, gamma:G such as gamma:2.2, or gog:GAMMA,GAIN,OFFSET")]
     Unknown(String),
-    /// An exponent no display has.
+    /// An exponent that no display has.
     #[error("gamma {0} is outside 0.1…10; expected the display's exponent, such as 2.2")]
     Gamma(String),
-    /// A gain or an offset no display has.
+    /// A gain or an offset that no display has.
     #[error(
-        "gain {gain} with offset {offset} gives no display; expected a gain above 0 and up to 10, an offset of -1…1, and light at the largest code (gain + offset above 0)"
+        "gain {gain} with offset {offset} describes no display; expected a gain above 0 and up to 10, an offset of -1…1, and light at the largest code (gain + offset above 0)"
     )]
     Gain {
         /// The gain.
@@ -174,13 +173,13 @@ impl FromStr for Transfer {
 /// The model of gain, offset and gamma (Berns, Motta and Gorzynski 1993, doi:10.1002/col.5080180504): the light is
 /// proportional to max(gain·V + offset, 0)^γ, V the encoded value, and lies between the light of V = 0 and that of V = 1.
 ///
-/// As a transfer function it is brought to 0…1; what a display gives at V = 0 is its black, which a profile has in cd/m².
-/// With an offset below 0 the lowest encoded values are all dark; of these, 0 is the one that makes no light.
+/// As a transfer function it is scaled to 0…1; a profile has the light at V = 0, the display's black, in cd/m². With an
+/// offset below 0 the lowest encoded values are all dark; 0 is then the encoded value of no light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gog {
     /// The exponent γ.
     pub gamma: f64,
-    /// The gain; only its ratio to the offset shows in relative light.
+    /// The gain; only its ratio to the offset matters for relative light.
     pub gain: f64,
     /// The offset, in encoded values.
     pub offset: f64,
@@ -193,7 +192,7 @@ impl Gog {
         if drive < 0.0 { 0.0 } else { drive }
     }
 
-    /// The light at encoded 0 and at 1, before it is brought to 0…1.
+    /// The light at encoded 0 and at 1, before it is scaled to 0…1.
     fn ends(&self) -> (f64, f64) {
         (self.drive(0.0).powf(self.gamma), self.drive(1.0).powf(self.gamma))
     }
@@ -277,7 +276,7 @@ fn piecewise(x: &[f64], y: &[f64], at: f64) -> f64 {
     if t >= 1.0 { y[i] } else { y[i - 1] + t * (y[i] - y[i - 1]) }
 }
 
-/// What a display makes of the codes of its three channels. Written as one [`Transfer`] where they are alike, else as
+/// The transfer functions of a display's three channels. Written as one [`Transfer`] where they are alike, else as
 /// three joined by `/`: `gamma:2.2/gamma:2.1/gamma:2.3`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfers([Transfer; 3]);

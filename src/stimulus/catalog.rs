@@ -105,7 +105,7 @@ stimuli! {
     Cornsweet,
     /// Nested squares.
     Vasarely,
-    /// A triangle of which only the corners are hinted at.
+    /// A triangle hinted at by its corners alone.
     Kanizsa,
     /// A mesh under one of the shaders.
     ShadedMesh,
@@ -161,7 +161,7 @@ impl Stimulus {
         }
     }
 
-    /// The light asked at the pixel centers of a row of `size` through the center of the window, along the orientation.
+    /// The requested light at the pixel centers of a row of `size` through the center of the window, along the orientation.
     #[must_use]
     pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
         match self.form() {
@@ -195,16 +195,16 @@ impl Stimulus {
 pub struct Entry {
     /// Name in files and commands.
     pub kind: &'static str,
-    /// Name for people.
+    /// Name shown to people.
     pub title: &'static str,
-    /// What there is to see, and who described it.
+    /// What it shows, and who described it.
     pub about: &'static str,
-    /// Parameter sets worth looking at, beside the defaults: names and values.
+    /// Parameter sets worth showing besides the defaults: names and values.
     pub variants: &'static [&'static [(&'static str, &'static str)]],
 }
 
 impl Entry {
-    /// The entry with its defaults.
+    /// The stimulus with its defaults.
     #[must_use]
     pub fn default_stimulus(&self) -> Stimulus {
         Stimulus::default_of(self.kind).unwrap_or(MachBand::default().into())
@@ -217,7 +217,7 @@ impl Entry {
             let mut stimulus = self.default_stimulus();
             for (name, text) in settings.iter() {
                 let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
-                // A test sets every variant and looks at every error.
+                // A test sets every variant and checks every error.
                 let _ = stimulus.set(name, &value);
             }
             stimulus
@@ -226,7 +226,7 @@ impl Entry {
     }
 }
 
-/// The catalog, in the order in which people should meet it.
+/// Every entry, in the order for a first tour.
 #[must_use]
 pub fn all() -> &'static [Entry] {
     &ENTRIES

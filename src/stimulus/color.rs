@@ -13,7 +13,7 @@ use crate::light::names::serde_as_text;
 /// Weights of red, green and blue, linear in light, each 0…1 and not all 0. A pixel of relative
 /// luminance L lights L times these.
 ///
-/// Written in one of these ways, all of which say the same three weights:
+/// Written in one of these ways:
 ///
 /// - a name: `yellow`, `gray` (also `grey`, `white`), `red`, `green`, `blue`, `cyan`, `magenta`, the corners of the
 ///   screen's RGB cube;
@@ -27,7 +27,7 @@ pub struct StimulusColor {
     rgb: [f64; 3],
 }
 
-/// The colors that have a name. The first of equal ones is the one that is written.
+/// The colors that have a name. Of equal colors the first name is written.
 const NAMED: [(&str, [f64; 3]); 9] = [
     ("yellow", [1.0, 1.0, 0.0]),
     ("gray", [1.0, 1.0, 1.0]),
@@ -40,7 +40,7 @@ const NAMED: [(&str, [f64; 3]); 9] = [
     ("magenta", [1.0, 0.0, 1.0]),
 ];
 
-/// What the parameter `color` means, of every kind.
+/// The meaning of the parameter `color`, for every kind.
 pub(super) const MEANING: &str = "How much of the luminance goes to red, green and blue, linear in light";
 
 /// What a color's text may be, for messages.
@@ -57,7 +57,7 @@ pub struct ColorError {
     pub problem: String,
 }
 
-/// What a quantity of a color may be: the range as text, and its ends.
+/// The range of a quantity: as text, and its ends.
 type Range = (&'static str, f64, f64);
 
 const UNIT: Range = ("0…1", 0.0, 1.0);
@@ -88,13 +88,13 @@ fn from_rgb(rgb: [f64; 3]) -> Result<StimulusColor, String> {
             return Err(outside(name, *value, "0…1"));
         }
     }
-    // −0 is within the range; it must not be written.
+    // Adding 0 takes the sign off −0.
     if rgb == [0.0; 3] { Err("has no light in it".to_owned()) } else { Ok(StimulusColor { rgb: rgb.map(|v| v + 0.0) }) }
 }
 
 /// A light this far outside the gamut counts as its edge.
 const OUTSIDE: f64 = 1e-9;
-/// Closer than this to 0 or 1 a weight is meant to be it: the white point's own xyY is white.
+/// A weight closer than this to 0 or 1 counts as 0 or 1, so that the xyY of the white point is white.
 const ROUNDING: f64 = 1e-12;
 
 fn from_xyz(xyz: [f64; 3]) -> Result<StimulusColor, String> {
@@ -172,7 +172,7 @@ impl StimulusColor {
         models.map(|(model, numbers)| written(model, numbers, 1e3)).into()
     }
 
-    /// The texts that this color may have come from: as `hsv:` and as `xyY:`, with more and more decimals.
+    /// The texts that this color may have been read from: `hsv:` and `xyY:` with more and more decimals.
     fn candidates(self) -> impl Iterator<Item = String> {
         let [_, s, v] = hsv_from_rgb(self.rgb);
         let xyy = xyy_from_xyz(xyz_from_rgb(self.rgb));
@@ -183,7 +183,7 @@ impl StimulusColor {
     }
 }
 
-/// 10 to the number of decimals with which a color is tried as `hsv:` or `xyY:`: more than people write.
+/// 10 to the number of decimals that are tried for `hsv:` and `xyY:`, more than people write.
 const DECIMALS: [f64; 7] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
 
 /// The multiple of 1/`scale` nearest to `number`.

@@ -105,13 +105,13 @@ pub(super) fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quan
     codes
 }
 
-/// How far the arithmetic of a position may be off, in window sides. Far more than it is.
-const DOUBT_X: f64 = 1e-12;
-/// The same of a pixel's place in a row, in pixels.
-const DOUBT_PX: f64 = 1e-6;
-/// How far the arithmetic of a light may be off. Far more than it is.
-const DOUBT_LIGHT: f64 = 1e-12;
-/// Runs are looked for in steps no shorter than this part of a pixel.
+/// Bound on the rounding error of a position, in window sides; far above the real one.
+const ERROR_X: f64 = 1e-12;
+/// The same for a pixel's place in a row, in pixels.
+const ERROR_PX: f64 = 1e-6;
+/// The same for light.
+const ERROR_LIGHT: f64 = 1e-12;
+/// The search for runs stops at this fraction of a pixel.
 const SHORTEST_PX: f64 = 1.0 / 32.0;
 
 /// Positions along a row that have one code.
@@ -137,7 +137,7 @@ impl Runs {
             Search { profile: pixels.profile, quantizer, shortest: SHORTEST_PX / side, level: false, runs: Vec::new() };
         // Around an oblique jump pixels are mixed.
         let mixed = |turn: f64| pixels.jumps.iter().any(|(at, _)| *at == turn);
-        let near = |turn: f64| if mixed(turn) { DOUBT_X + half_extent(grid) / side } else { DOUBT_X };
+        let near = |turn: f64| if mixed(turn) { ERROR_X + half_extent(grid) / side } else { ERROR_X };
         // No pixel is farther from the center line than 1.
         let mut turns: Vec<(f64, f64)> = pixels.profile.turns().into_iter().map(|turn| (turn, near(turn))).collect();
         turns.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -148,10 +148,10 @@ impl Runs {
             search.between(from, to);
         }
         let scale = side / grid.cos;
-        let doubt = DOUBT_X * scale.abs() + DOUBT_PX;
+        let error = ERROR_X * scale.abs() + ERROR_PX;
         let along = |run: Run| {
             let (a, b) = (run.from * scale, run.to * scale);
-            Run { from: a.min(b) + doubt, to: a.max(b) - doubt, codes: run.codes }
+            Run { from: a.min(b) + error, to: a.max(b) - error, codes: run.codes }
         };
         let mut runs: Vec<Run> = search.runs.into_iter().map(along).collect();
         if grid.cos < 0.0 {
@@ -160,10 +160,10 @@ impl Runs {
         Self { runs, middle: 0.5 * f64::from(grid.size - 1), tan: grid.sin / grid.cos }
     }
 
-    /// Draws row `iy`, with the help of `pixel` where a run does not know.
+    /// Draws row `iy`; `pixel` computes the pixels between two runs.
     fn draw(&self, iy: u32, row: &mut [[u8; 3]], pixel: impl Fn(u32) -> [u8; 3]) {
         let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
-        let asked = |row: &mut [[u8; 3]], from: usize, to: usize| {
+        let compute = |row: &mut [[u8; 3]], from: usize, to: usize| {
             (from..to).zip(&mut row[from..to]).for_each(|(ix, to)| *to = pixel(ix as u32));
         };
         let mut done = 0;
@@ -175,16 +175,16 @@ impl Runs {
                 break;
             }
             if first < end {
-                asked(row, done, first);
+                compute(row, done, first);
                 row[first..end].fill(run.codes);
                 done = end;
             }
         }
-        asked(row, done, row.len());
+        compute(row, done, row.len());
     }
 }
 
-/// Looks for runs, from one position on to higher ones.
+/// Searches for runs from lower to higher positions.
 struct Search<'a> {
     profile: &'a dyn Profile,
     quantizer: &'a Quantizer,
@@ -199,13 +199,13 @@ impl Search<'_> {
             return;
         }
         let [least, most] = self.profile.bounds(from, to);
-        let doubt = if self.level { 0.0 } else { DOUBT_LIGHT };
+        let error = if self.level { 0.0 } else { ERROR_LIGHT };
         // An 8-bit code fits.
         let codes = |light: [f64; 3], off: f64| {
             self.quantizer.codes(light.map(|light| (light + off) as f32)).map(|code| code as u8)
         };
-        let lowest = codes(least, -doubt);
-        if lowest == codes(most, doubt) {
+        let lowest = codes(least, -error);
+        if lowest == codes(most, error) {
             match self.runs.last_mut() {
                 Some(last) if last.to == from && last.codes == lowest => last.to = to,
                 _ => self.runs.push(Run { from, to, codes: lowest }),

@@ -18,18 +18,18 @@ kind! {
         squares: u32 = 12, Range::Within(2.0, 256.0), "1", "Number of nested squares", "a whole number of squares", ["6", "12", "24"];
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the squares, counter-clockwise", "an angle in degrees, such as 45", ["0", "45"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the outermost square", "the relative luminance of the outermost square", ["0.1"];
-        high: f64 = 0.9, Range::Within(0.0, 1.0), "1", "Relative luminance of the innermost square", "the relative luminance of the innermost square, at least low's", ["0.9"];
+        high: f64 = 0.9, Range::Within(0.0, 1.0), "1", "Relative luminance of the innermost square", "the relative luminance of the innermost square, not below low", ["0.9"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
 
 impl Vasarely {
-    /// In how many squares beyond the outermost a point at this distance lies.
+    /// How many squares beyond the outermost contain a point at this distance.
     fn inside(&self, distance: f64) -> f64 {
         (f64::from(self.squares) * (1.0 - 2.0 * distance)).floor().clamp(0.0, f64::from(self.squares - 1))
     }
 
-    /// The mean of that over a pixel that lies in at least `least` and at most `most` squares.
+    /// The mean of [`Self::inside`] over a pixel that lies in at least `least` and at most `most` squares.
     fn covered(&self, grid: &Grid, place: Point, least: f64, most: f64) -> f64 {
         let side = f64::from(grid.size);
         // In the frame of the pixel, whose sides run along the axes: the squares are turned.
@@ -45,7 +45,7 @@ impl Vasarely {
         })
     }
 
-    /// The light of a point that lies in so many squares beyond the outermost.
+    /// The light of a point in this many squares beyond the outermost.
     fn light(&self, squares: f64) -> [f32; 3] {
         let luminance = self.low + (self.high - self.low) * squares / f64::from(self.squares - 1);
         self.color.light(luminance).map(|light| light as f32)
@@ -83,7 +83,7 @@ kind! {
         radius: f64 = 0.15, Range::Within(0.01, 0.5), "1", "Radius of the discs as a proportion of the window, at most half the triangle's side", "the radius of the discs as a proportion of the window", ["0.1", "0.15", "0.2"];
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the triangle, counter-clockwise", "an angle in degrees, such as 45", ["0", "30"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the discs", "the relative luminance of the discs", ["0.1"];
-        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the ground", "the relative luminance of the ground, at least low's", ["0.75"];
+        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the ground", "the relative luminance of the ground, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
@@ -103,7 +103,7 @@ impl Kanizsa {
         })
     }
 
-    /// The light of a place of which the share `share` lies in a disc and not in the triangle.
+    /// The light of a pixel whose share `share` lies in a disc but not in the triangle.
     fn light(&self, share: f64) -> [f32; 3] {
         self.color.light(self.high - (self.high - self.low) * share).map(|light| light as f32)
     }
@@ -137,7 +137,7 @@ impl Area for Kanizsa {
     }
 }
 
-/// The share of the pixel around `center` that lies in the disc and not in the triangle.
+/// The share of the pixel around `center` that lies in the disc but not in the triangle.
 fn notched(center: Point, disc: Point, triangle: &[Point; 3], radius: f64) -> f64 {
     let from_disc = |p: Point| [p[0] - disc[0], p[1] - disc[1]];
     let cell = pixel(from_disc(center));

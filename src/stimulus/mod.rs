@@ -1,4 +1,4 @@
-//! Floor 2: what is shown. A specification, validated, becomes light, and with a quantizer codes.
+//! Floor 2: stimuli. A validated specification becomes light, and a quantizer turns the light into codes.
 //!
 //! [`catalog`] lists every kind: the one place that commands, the gallery and the tests take them from.
 

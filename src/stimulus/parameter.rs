@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::color::{ColorError, StimulusColor};
 use crate::light::{Depth, DepthError};
 
-/// What there is to know about one parameter of a stimulus.
+/// One parameter of a stimulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
     /// Name, as files write it.
@@ -18,7 +18,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// What it means, in one sentence without a full stop.
     pub description: &'static str,
-    /// The values it can have, as an error message says it.
+    /// The values it can have, in the words of an error message.
     pub expected: &'static str,
     /// Values worth comparing in an experiment, each as [`ParameterValue`] reads it.
     pub levels_hint: &'static [&'static str],
@@ -71,7 +71,7 @@ impl From<&str> for ParameterValue {
     }
 }
 
-/// A parameter that cannot have the value it was given. Reads as one sentence.
+/// A parameter that cannot have the value it was given; one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{parameter} {value} {problem}; expected {expected}")]
 pub struct ParameterError {
@@ -126,11 +126,11 @@ pub(super) enum Range {
     UpTo(f64),
     /// Any finite number.
     Finite,
-    /// Whatever the type reads.
+    /// Any value of the type.
     Any,
 }
 
-/// A field's type: how it is read from a parameter's value and written as one.
+/// The type of a field, read from a parameter's value and written as one.
 pub(super) trait Field: Sized {
     fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError>;
     fn write(&self) -> ParameterValue;
@@ -190,7 +190,7 @@ impl Field for Depth {
     }
 }
 
-/// Fields that are written as a word.
+/// Fields that are written as text.
 macro_rules! text_field {
     ($($kind:ty),*) => {$(
         impl $crate::stimulus::parameter::Field for $kind {
@@ -220,7 +220,7 @@ impl Field for StimulusColor {
     }
 }
 
-/// The text of a color that is another parameter's.
+/// Stands for the color of another parameter.
 const SAME: &str = "same";
 
 impl Field for Option<StimulusColor> {

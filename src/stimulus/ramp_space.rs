@@ -1,4 +1,4 @@
-//! How a ramp passes from the light of one plateau to that of the other: Shoaff §2.2.9.
+//! The colors of a ramp between two plateaus: Shoaff §2.2.9.
 
 use super::{color::StimulusColor, parameter::text_field};
 use crate::light::color::{
@@ -27,7 +27,7 @@ named! {
 text_field!(RampSpace);
 
 impl RampSpace {
-    /// Whether this is what files leave out.
+    /// Whether files leave it out.
     pub(super) fn is_default(&self) -> bool {
         *self == RampSpace::default()
     }
@@ -39,7 +39,7 @@ pub struct Between {
     low: [f64; 3],
     high: [f64; 3],
     space: RampSpace,
-    /// The low plateau in the space, and the way from there to the high one.
+    /// The low plateau in the space, and the difference to the high one.
     from: [f64; 3],
     way: [f64; 3],
 }

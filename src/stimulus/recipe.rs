@@ -1,5 +1,5 @@
-//! A stimulus and everything that decides how its light becomes codes: what an image file keeps, so that its bytes can
-//! be proved by rendering again.
+//! A stimulus and everything that decides how its light becomes codes. An image file keeps its recipe, so that rendering
+//! it again proves its bytes.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
@@ -15,7 +15,7 @@ pub const SIZE_MAX: u32 = 16_384;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
-    /// What is shown.
+    /// The stimulus.
     pub stimulus: Stimulus,
     /// Side of the square image in pixels, 1…[`SIZE_MAX`].
     pub size: u32,
@@ -26,21 +26,21 @@ pub struct Recipe {
     pub bits: Bits,
     /// How values between two codes are decided.
     pub dither: Dither,
-    /// Seed of a random dither; without meaning for the others.
+    /// Seed of a random dither; ignored by the others.
     pub seed: u64,
-    /// SHA-256 of the display profile that the transfer functions are from; `None` where they were assumed.
+    /// SHA-256 of the display profile with the transfer functions; `None` where they were assumed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub display_sha256: Option<String>,
 }
 
 impl Recipe {
-    /// The light that is asked.
+    /// The requested light.
     #[must_use]
     pub fn linear(&self) -> LinearImage {
         self.stimulus.linear(self.size)
     }
 
-    /// A quantizer for the recipe's display, to be kept for further images.
+    /// A quantizer for the recipe's display; keep it for further images.
     #[must_use]
     pub fn quantizer(&self) -> Quantizer {
         Quantizer::new(&self.transfers, self.bits)
@@ -55,7 +55,7 @@ impl Recipe {
         }
     }
 
-    /// The command that writes this image; a measured table is a file that the command names as `PROFILE.toml`.
+    /// The command that writes this image. A measured table has no short text: the command names a file `PROFILE.toml`.
     #[must_use]
     pub fn command(&self) -> String {
         let mut command = format!("machband stimulus --kind {}", self.stimulus.kind());
@@ -88,12 +88,13 @@ impl Recipe {
     }
 }
 
-/// A transfer function in a file: its text, or the points of a table.
+/// Transfer functions in a file: a text, the points of a table, or one for each channel where they differ.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum TransferForm {
     Text(String),
     Table { encoded: Vec<f64>, linear: Vec<f64> },
+    Each([Box<TransferForm>; 3]),
 }
 
 impl TransferForm {
@@ -106,36 +107,29 @@ impl TransferForm {
         }
     }
 
-    fn transfer(self) -> Result<Transfer, TransferError> {
+    fn transfers(self) -> Result<Transfers, TransferError> {
         match self {
-            Self::Text(text) => text.parse(),
-            Self::Table { encoded, linear } => TransferTable::new(encoded, linear).map(Transfer::Table),
+            Self::Text(text) => text.parse::<Transfer>().map(Transfers::from),
+            Self::Table { encoded, linear } => {
+                TransferTable::new(encoded, linear).map(|table| Transfer::Table(table).into())
+            }
+            Self::Each(channels) => {
+                let [red, green, blue] = channels.map(|channel| channel.transfers());
+                let first = |transfers: Transfers| transfers.channels()[0].clone();
+                Ok(Transfers::new([first(red?), first(green?), first(blue?)]))
+            }
         }
     }
-}
-
-/// The transfer functions of a display in a file: one where the channels are alike, else three.
-#[derive(Serialize, Deserialize)]
-#[serde(untagged)]
-enum TransfersForm {
-    Alike(TransferForm),
-    Each([TransferForm; 3]),
 }
 
 fn write_transfers<S: Serializer>(transfers: &Transfers, serializer: S) -> Result<S::Ok, S::Error> {
-    match transfers.uniform() {
-        Some(transfer) => TransfersForm::Alike(TransferForm::of(transfer)),
-        None => TransfersForm::Each(transfers.channels().each_ref().map(TransferForm::of)),
-    }
-    .serialize(serializer)
+    let form = match transfers.uniform() {
+        Some(transfer) => TransferForm::of(transfer),
+        None => TransferForm::Each(transfers.channels().each_ref().map(|channel| Box::new(TransferForm::of(channel)))),
+    };
+    form.serialize(serializer)
 }
 
 fn read_transfers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Transfers, D::Error> {
-    match TransfersForm::deserialize(deserializer)? {
-        TransfersForm::Alike(form) => form.transfer().map(Transfers::from),
-        TransfersForm::Each([red, green, blue]) => {
-            red.transfer().and_then(|red| Ok(Transfers::new([red, green.transfer()?, blue.transfer()?])))
-        }
-    }
-    .map_err(D::Error::custom)
+    TransferForm::deserialize(deserializer)?.transfers().map_err(D::Error::custom)
 }

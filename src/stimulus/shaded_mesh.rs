@@ -69,7 +69,7 @@ kind! {
         highlight: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Relative luminance that the middle of a highlight adds", "a relative luminance", ["0", "0.2"];
         background: f64 = 0.05, Range::Within(0.0, 1.0), "1", "Relative luminance around the surface", "a relative luminance", ["0.05"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp does not reach", "the relative luminance where the lamp does not reach", ["0.1"];
-        high: f64 = 0.7, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp falls straight on the surface", "a relative luminance, at least low's", ["0.7"];
+        high: f64 = 0.7, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp falls straight on the surface", "a relative luminance, not below low", ["0.7"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }

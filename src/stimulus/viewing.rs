@@ -1,4 +1,4 @@
-//! What the model of vision makes of stimuli and pictures in a window on a screen.
+//! The vision model's prediction for stimuli and pictures in a window on a screen.
 
 use super::catalog::Stimulus;
 use crate::{
@@ -9,20 +9,20 @@ use crate::{
     },
 };
 
-/// An eye is set for no less, cd/m²: a black window is no world.
+/// The eye adapts to no less, cd/m²: some light reaches it even from a black window.
 const LEAST_CD_M2: f64 = 0.01;
 
-/// What is seen of a stimulus.
+/// The prediction for a stimulus.
 #[derive(Clone, Debug)]
 pub enum StimulusPrediction {
-    /// Of one that varies in one direction only.
+    /// For one that varies in one direction only.
     Line(LinePrediction),
-    /// Of any other.
+    /// For any other.
     Picture(Box<PicturePrediction>),
 }
 
 impl StimulusPrediction {
-    /// How strong its bands are.
+    /// How visible its bands are.
     #[must_use]
     pub fn visibility(&self) -> Visibility {
         match self {
@@ -32,38 +32,38 @@ impl StimulusPrediction {
     }
 }
 
-/// A window on a screen, as an eye sees it that is set for the window's mean light.
+/// A window on a screen, viewed by an eye that is adapted to the window's mean light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewingConditions {
-    /// The window's width in the eye's field, degrees; above 0.
+    /// The window's width in degrees of visual angle; above 0.
     pub window_deg: f64,
     /// Luminance of white, cd/m²; above 0.
     pub white_cd_m2: f64,
 }
 
 impl ViewingConditions {
-    /// Luminance of a common screen's white, cd/m².
+    /// White of a typical screen, cd/m².
     pub const WHITE_CD_M2: f64 = 100.0;
-    /// Pixels across that tell enough of a stimulus that varies in one direction.
+    /// Pixels across that are enough for a stimulus that varies in one direction.
     pub const LINE_PX: u32 = 1024;
-    /// Pixels on a side that tell enough of any other: a picture takes time with its area.
+    /// Pixels on a side that are enough for any other: the time grows with the area.
     pub const PICTURE_PX: u32 = 512;
 
-    /// A window of so many degrees on a common screen.
+    /// A window of this many degrees on a typical screen.
     #[must_use]
     pub fn new(window_deg: f64) -> Self {
         Self { window_deg, white_cd_m2: Self::WHITE_CD_M2 }
     }
 
-    /// [`ViewingConditions::LINE_PX`] or [`ViewingConditions::PICTURE_PX`].
+    /// The pixels that are enough for `stimulus`.
     #[must_use]
     pub fn px(stimulus: &Stimulus) -> u32 {
         if stimulus.is_line() { Self::LINE_PX } else { Self::PICTURE_PX }
     }
 
-    /// What is seen of a stimulus that fills the window with `size` pixels on a side. What varies in one direction is
-    /// taken to go on beyond the window as it ends there; of a mesh the outlines are left out, see
-    /// [`ViewingConditions::see_surface`].
+    /// The prediction for a stimulus that fills the window with `size` pixels on a side. A stimulus that varies in one
+    /// direction continues beyond the window as it ends there; of a mesh only the surface counts, see
+    /// [`ViewingConditions::predict_surface`].
     ///
     /// # Errors
     /// [`VisionError`] for a window that is too small, and for one that is all black.
@@ -84,24 +84,23 @@ impl ViewingConditions {
         Ok(StimulusPrediction::Picture(Box::new(view)))
     }
 
-    /// What is seen of an image that fills the window's width.
+    /// The prediction for an image that fills the window's width.
     ///
     /// # Errors
     /// [`VisionError`] for an image that is too small, and for one that is all black.
     pub fn predict_image(&self, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
-        self.see_part(image, None)
+        self.predict_within(image, None)
     }
 
-    /// What is seen of the picture of a surface, on the surface alone: its outlines are left out, where the light has
-    /// every reason to jump.
+    /// The prediction for the picture of a surface, without its outlines, where the light is bound to jump.
     ///
     /// # Errors
     /// [`VisionError`] for a picture of another size than the frame's, one that is too small, and one that is all black.
     pub fn predict_surface(&self, frame: &Frame, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
-        self.see_part(image, Some(&coverage::inside_outlines(frame)))
+        self.predict_within(image, Some(&coverage::inside_outlines(frame)))
     }
 
-    fn see_part(&self, image: &LinearImage, mask: Option<&[bool]>) -> Result<PicturePrediction, VisionError> {
+    fn predict_within(&self, image: &LinearImage, mask: Option<&[bool]>) -> Result<PicturePrediction, VisionError> {
         let light = luminances(image);
         let (width, height) = (image.width as usize, image.height as usize);
         Picture { light: &light, width, height, px_per_deg: self.px_per_deg(image.width), mask }

@@ -13,7 +13,7 @@ pub enum Polarity {
     Dark,
 }
 
-/// A band that the model finds.
+/// A predicted band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     /// Where, degrees from the middle: to the right, and up.
@@ -24,7 +24,7 @@ pub struct Band {
     pub polarity: Polarity,
     /// In multiples of the strength that is just visible: contrast times sensitivity.
     pub strength: f64,
-    /// The channel that finds it, cycles per degree; its scale is the reciprocal.
+    /// The channel that responds to it, cycles per degree; its scale is the reciprocal.
     pub frequency: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct Visibility {
 }
 
 impl Visibility {
-    /// Visibility of the stronger band; 0 for no band.
+    /// Visibility of the stronger band; 0 without a band.
     #[must_use]
     pub fn max(&self) -> f64 {
         self.bright.max(self.dark)
@@ -49,7 +49,7 @@ impl Visibility {
 /// 63°. Morrone & Burr 1988 (Proc. R. Soc. B 235:221): a feature looks like a line or like an edge by its phase.
 pub(super) const ODD: f64 = 0.5;
 /// A peak counts from where the energy falls by the first share on both sides, and in full from the second: the crests
-/// of a grating are no bands.
+/// of a grating are not bands.
 const PROMINENCE: [f64; 2] = [0.3, 0.5];
 /// Share of a peak's energy to which it must fall at least to count at all.
 pub(super) const STANDS_OUT: f64 = 1.0 - PROMINENCE[0];
@@ -105,12 +105,12 @@ pub(super) fn powered(strength: f64) -> f64 {
     strength.powi(POOLING)
 }
 
-/// What a sum of such parts is worth.
+/// The strength behind a sum of such parts.
 pub(super) fn unpowered(sum: f64) -> f64 {
     sum.powf(1.0 / f64::from(POOLING))
 }
 
-/// Over all channels, of the strength that each has.
+/// The strength over all channels of the strengths in each.
 #[must_use]
 pub fn pooled(channels: impl Iterator<Item = f64>) -> f64 {
     unpowered(channels.map(powered).sum::<f64>() / f64::from(PER_OCTAVE))

@@ -1,6 +1,6 @@
-//! Why the model cannot predict.
+//! Why a prediction fails.
 
-/// Why an image cannot be predicted.
+/// Why there is no prediction for an image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VisionError {
     /// Too few pixels.
@@ -13,7 +13,7 @@ pub enum VisionError {
         /// Pixels that a side needs.
         least: usize,
     },
-    /// A sampling that is not possible.
+    /// A sampling that does not exist.
     #[error("{0} pixels per degree; expected a number above 0")]
     Sampling(f64),
     /// A number of samples that does not match the size.
@@ -24,9 +24,9 @@ pub enum VisionError {
         /// How many the size needs.
         expected: usize,
     },
-    /// Light that is not possible.
+    /// Light that does not exist.
     #[error("light {value} in column {x}, row {y}; expected a number that is not negative")]
-    NoLight {
+    Light {
         /// The value found.
         value: f64,
         /// Column, from 0.
@@ -34,7 +34,7 @@ pub enum VisionError {
         /// Row, from 0.
         y: usize,
     },
-    /// No light at all.
+    /// Black everywhere.
     #[error("all black; expected some light")]
     AllBlack,
 }
@@ -48,7 +48,7 @@ pub(super) fn check(light: &[f64], width: usize, height: usize, px_per_deg: f64)
         return Err(VisionError::Count { found: light.len(), expected: width * height });
     }
     if let Some(i) = light.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
-        return Err(VisionError::NoLight { value: light[i], x: i % width, y: i / width });
+        return Err(VisionError::Light { value: light[i], x: i % width, y: i / width });
     }
     if light.iter().all(|value| *value == 0.0) { Err(VisionError::AllBlack) } else { Ok(()) }
 }

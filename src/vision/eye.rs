@@ -27,7 +27,7 @@ impl Eye {
     #[must_use]
     pub fn sensitivity(&self, frequency: f64) -> f64 {
         let u2 = frequency * frequency;
-        // The pupil, and so the blur, is the larger the darker it is.
+        // The darker it is, the larger are the pupil and the blur.
         let optics = (-0.0016 * frequency * frequency * (1.0 + 100.0 / self.luminance).powf(0.08)).exp();
         let field = 1.0 + 144.0 / (self.field_deg * self.field_deg) + 0.64 * u2;
         let photons = 63.0 / self.luminance.powf(0.83);
@@ -47,11 +47,11 @@ pub(super) struct Channel {
 /// σ of a channel on the logarithm of frequency, as the ratio of frequencies: 0.65 is a bandwidth of 1.5 octaves at half
 /// height, the median of cells in V1 (De Valois, Albrecht & Thorell 1982, Vis. Res. 22:545: 1.4).
 const RATIO: f64 = 0.65;
-/// σ of the Gaussian over which the eye takes its mean light, degrees: light adapts in places, not over the whole field.
+/// σ of the Gaussian over which the eye takes its mean light, degrees: the eye adapts locally, not over the whole field.
 pub(super) const ADAPTATION_DEG: f64 = 0.5;
 /// Lowest channel, cycles per degree: half a period is the window of 8°.
 const LOWEST: f64 = 0.0625;
-/// Channels per octave: with fewer, the response to a smooth end depends on where the channels happen to lie.
+/// Channels per octave: with fewer, the response to a smooth edge depends on where the channels happen to lie.
 pub(super) const PER_OCTAVE: u32 = 4;
 /// The highest is 11.3 cycles per degree, above which the eye is hardly sensitive: 7.5 octaves.
 const CHANNELS: u32 = 31;
@@ -84,7 +84,7 @@ pub fn luminances(image: &LinearImage) -> Vec<f64> {
     image.data.chunks_exact(3).map(|pixel| luminance([pixel[0], pixel[1], pixel[2]])).collect()
 }
 
-/// What lies beyond the edges of an image or profile.
+/// What lies beyond the ends of a profile, or the edges of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Border {
     /// It continues as it ends: a ramp between endless plateaus.

@@ -1,4 +1,4 @@
-//! An image, values on grids over it, and how far its places are from where bands do not count.
+//! An image, values on grids over it, and the distance of its pixels from where bands do not count.
 
 /// An image in linear light.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +11,7 @@ pub struct Picture<'a> {
     pub height: usize,
     /// Pixels in a degree.
     pub px_per_deg: f64,
-    /// Where bands count, as long as the light: without it everywhere.
+    /// Pixels where bands count, as many as the light has; without a mask, all.
     pub mask: Option<&'a [bool]>,
 }
 

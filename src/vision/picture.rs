@@ -92,7 +92,8 @@ impl Picture<'_> {
         })
     }
 
-    /// What a period's length of a channel's bands exceeds: a single place, where lines cross or end, does not count.
+    /// The strength that bands exceed over a length of one period: a single place, where lines cross or end, does not
+    /// count.
     fn strongest(&self, ridges: &[Ridge], polarity: Polarity) -> f64 {
         let mut places: Vec<&Ridge> = ridges.iter().filter(|ridge| ridge.polarity == polarity).collect();
         places.sort_by(|a, b| b.strength.total_cmp(&a.strength));

@@ -9,7 +9,7 @@ use super::{
     spectrum::Responses,
 };
 
-/// Energy of a hundredth of what is just seen on black: below there is nothing but rounding.
+/// A hundredth of the energy that is just visible on black: anything below is rounding.
 const FAINTEST: f64 = (0.01 * VEIL) * (0.01 * VEIL);
 
 /// A place of a band.
@@ -28,7 +28,7 @@ pub(super) struct Ridge {
     pub(super) frequency: f64,
 }
 
-/// Where a channel's ridges are looked for.
+/// The search for a channel's ridges.
 pub(super) struct Search<'a> {
     pub(super) responses: &'a Responses,
     pub(super) channel: Channel,
@@ -102,7 +102,7 @@ impl Search<'_> {
                 let here = row * grid.columns + column;
                 let even = self.responses.even[here];
                 let energy = self.responses.energy[here];
-                // What is nearer to an edge than to a line need not be looked at closely, nor what nobody could see.
+                // Skip what is nearer to an edge than to a line, and what nobody could see.
                 if even * even >= 0.1 * energy
                     && energy > FAINTEST
                     && self.distances.at(grid.place(column, row)) >= margin
@@ -150,8 +150,8 @@ impl Search<'_> {
         (strength > 0.0).then_some(Ridge { at, across, length_px, polarity, strength, energy: height, frequency })
     }
 
-    /// The least energy on one side, from a place of the grid on, as far as no edge is near; none at all is as good as no
-    /// fall. Once all of a peak of the height `peak` has been seen to stand out, it does not matter how far it falls.
+    /// The least energy on one side, from a place of the grid on, as far as no edge is near; no
+    /// place at all counts as no fall. Once a peak of the height `peak` stands out in full, it does not matter how far it falls.
     fn lowest(&self, from: [f64; 2], across: [f64; 2], shift: f64, peak: f64) -> f64 {
         let Responses { grid, energy, .. } = self.responses;
         let far = FALL_PERIODS / self.channel.frequency * self.px_per_deg / grid.step[0];

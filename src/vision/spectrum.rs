@@ -1,4 +1,4 @@
-//! An image's spectrum, and what a channel makes of it.
+//! An image's spectrum, and the response of a channel to it.
 
 use std::f64::consts::PI;
 
@@ -13,11 +13,11 @@ use super::{
 
 /// Frequencies of a channel that are computed, times its own: beyond, it passes less than a hundredth.
 const REACH: f64 = 4.0;
-/// The same of coarse channels: their energy has flat peaks, which are found too far off from few samples.
+/// The same for coarse channels: their energy has flat peaks, which few samples place inexactly.
 const COARSE_REACH: f64 = 8.0;
-/// Up to this frequency that is done, cycles a degree: beyond it would take most of the time, and change little.
+/// Highest frequency of [`COARSE_REACH`], cycles per degree: beyond, it takes most of the time and changes little.
 const COARSE_TOP: f64 = 10.0;
-/// Highest frequency of the mean light, cycles a degree.
+/// Highest frequency of the mean light, cycles per degree.
 const MEAN_TOP: f64 = 2.0;
 
 /// A channel's responses on a grid.
@@ -41,14 +41,14 @@ pub(super) struct Spectrum {
     /// Pixels of the image.
     size: [usize; 2],
     px_per_deg: f64,
-    /// For the frequencies to the right and down; those to the left and up mirror them. Row by row.
+    /// The frequencies to the right and down, row by row; those to the left and up mirror them.
     frequencies: Vec<Frequency>,
 }
 
 /// One of a spectrum.
 #[derive(Clone, Copy)]
 struct Frequency {
-    /// The logarithm of cycles a degree.
+    /// The logarithm of cycles per degree.
     log: f64,
     /// Unit vector to the right and down.
     direction: [f64; 2],
@@ -206,8 +206,8 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
 
-/// The image, and beyond it what its edges promise, turned about them, faded from one side to the other: light and slope
-/// go on, where a mere copy of the last pixels would bend every oblique ramp.
+/// The image, continued beyond its edges by point reflection and faded from one side to the other, so that light and slope
+/// continue; a copy of the last pixels would bend every oblique ramp.
 fn periodic(picture: &Picture, columns: usize, rows: usize) -> Vec<Complex64> {
     let (width, height) = (picture.width, picture.height);
     let mut values = vec![Complex64::default(); columns * rows];
@@ -247,7 +247,7 @@ fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
     transpose(&turned, values, rows, 0, [rows, columns], |value| value);
 }
 
-/// The values of which `transformed`, on `grid`, are the transform, where they are wanted.
+/// The inverse transform of `transformed`, which lies on `grid`, within `crop`.
 fn inverse<T: Copy>(
     mut transformed: Vec<Complex64>,
     grid: &Grid,

@@ -3,7 +3,7 @@
 use std::{path::Path, time::Duration};
 
 use machband::{
-    light::{Bits, Dither, Quantizer, Transfer, TransferTable, Transfers},
+    light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::{Stimulus, catalog, recipe::Recipe},
     store::{curve, image},
 };

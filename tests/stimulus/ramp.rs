@@ -291,7 +291,7 @@ fn every_fault_is_reported_in_one_sentence() {
             "depth 0 is outside 1…32; expected a whole number from 1 to 32, or inf",
             "tanh_k 0 is not above 0 and at most 100; expected a steepness above 0 and at most 100, such as 5",
             "orientation_deg NaN is not a finite number; expected an angle in degrees, such as 45",
-            "high 0.2 is below low, which is 0.8; expected the relative luminance of the brighter plateau, at least low's",
+            "high 0.2 is below low, which is 0.8; expected the relative luminance of the brighter plateau, not below low",
         ]
     );
     assert_eq!(MachBand::default().validate(), Ok(()));
