@@ -1,5 +1,5 @@
-//! The bootstrap over subjects: what another sample of people would have given. Ratings of one person belong together,
-//! so people are drawn, not ratings.
+//! The bootstrap over subjects: how results would differ in another sample of people. Ratings of one person belong
+//! together, so people are drawn, not ratings.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,7 +1,7 @@
 //! Analysis: from counts of ratings to description, ordinal models, tests and agreement.
 //!
 //! Everything works on [`counts::Counts`], the sufficient statistic subject × condition × rating, so that its cost does
-//! not grow with the number of rows. Conventions, which are those of R's `ordinal` where it has them:
+//! not grow with the number of rows. The conventions are those of R's `ordinal` where it has them:
 //!
 //! - P(Y ≤ j) = F(θ_j − xβ − σu): a positive coefficient, and a positive intercept of a subject, mean higher ratings.
 //!   `statsmodels` has the same signs; its thresholds are the first one and the logarithms of the differences.
@@ -9,7 +9,7 @@
 //!   level is the baseline of treatment contrasts; coefficients are named as in R (`width0.05`, `width0.05:depth2`).
 //! - Standard errors come from the observed information of the likelihood that was maximized: for a mixed model its
 //!   Laplace or Gauss–Hermite approximation. The log-likelihood has no constant for the order of the ratings.
-//! - What the data cannot answer is a [`Note`] of a model, or a [`ModelError`] where nothing can be said.
+//! - A [`Note`] of a model says what the data cannot answer; a [`ModelError`] says why there is no model.
 //!
 //! Sources: McCullagh (1980), J. R. Stat. Soc. B 42, 109; Pratt (1981), J. Am. Stat. Assoc. 76, 103; Christensen (2022),
 //! `ordinal`, R package 2022.11-16; Liu & Pierce (1994), Biometrika 81, 624; Albert & Anderson (1984), Biometrika 71, 1.

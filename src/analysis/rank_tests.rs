@@ -17,7 +17,7 @@ pub struct SubjectMeans {
     pub levels: Vec<String>,
     /// Subjects with ratings at every level, and their means in the order of the levels.
     pub rows: Vec<(String, Vec<f64>)>,
-    /// Subjects left out because a level has no rating of theirs.
+    /// Subjects left out because they did not rate every level.
     pub incomplete: Vec<String>,
 }
 
@@ -52,12 +52,10 @@ impl SubjectMeans {
     }
 }
 
-/// Friedman's test that all levels are rated alike, and how far subjects agree in ranking them.
+/// Friedman's test that all levels are rated alike, and how well subjects agree in ranking them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Friedman {
-    /// Subjects.
     pub subjects: usize,
-    /// Levels.
     pub levels: usize,
     /// Friedman's χ², corrected for ties.
     pub chi_squared: f64,
@@ -216,11 +214,9 @@ pub fn holm(probabilities: &[f64]) -> Vec<f64> {
 pub struct Pair {
     /// One level.
     pub level: String,
-    /// The other.
     pub other: String,
     /// Mean over subjects of the first level's mean rating less the other's.
     pub difference: f64,
-    /// The test.
     pub test: Wilcoxon,
     /// Its probability corrected for all pairs.
     pub p_holm: f64,
@@ -231,12 +227,12 @@ pub struct Pair {
 pub struct Pairs {
     /// The comparisons.
     pub pairs: Vec<Pair>,
-    /// The least corrected probability that so few subjects and so many pairs can have.
+    /// The smallest corrected probability possible with this number of subjects and pairs.
     pub least_p: f64,
 }
 
 impl Pairs {
-    /// Whether no result whatever could reach a level such as 0.05: a comparison of pairs is then no test at all.
+    /// Whether no result could reach a level such as 0.05: comparing pairs is then no test at all.
     pub fn cannot_reach(&self, alpha: f64) -> bool {
         !self.pairs.is_empty() && self.least_p > alpha
     }

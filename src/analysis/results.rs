@@ -15,14 +15,13 @@ use super::{
     terms::Terms,
 };
 
-/// What is to be computed.
+/// What to compute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Terms of the model; None for the main effects of all factors with two levels or more.
     pub terms: Option<Terms>,
-    /// The link.
     pub link: Link,
-    /// The random part; None for an intercept a subject where there are two subjects or more.
+    /// The random part; None for an intercept per subject if there are two subjects or more.
     pub random: Option<Random>,
     /// Quadrature nodes of a mixed model; 1 is Laplace's approximation.
     pub quadrature: usize,
@@ -48,9 +47,9 @@ impl Default for Options {
 /// Everything that was computed.
 #[derive(Clone, Debug)]
 pub struct Results {
-    /// What it was computed from.
+    /// The ratings.
     pub measured: Measured,
-    /// What was asked for.
+    /// The options.
     pub options: Options,
     /// Every cell of the design.
     pub cells: Vec<Group>,
@@ -58,15 +57,15 @@ pub struct Results {
     pub factors: Vec<FactorResults>,
     /// Every subject.
     pub subjects: Vec<SubjectResults>,
-    /// The model that was asked for.
+    /// The specification of the model.
     pub spec: ModelSpec,
     /// The model with its tests, or why there is none.
     pub model: Result<ModelReport, ModelError>,
-    /// Tests of effects on the spread; empty unless asked for.
+    /// Tests of effects on the spread; empty unless requested.
     pub scale: Vec<TermTest>,
-    /// How far subjects agree with each other; none from one subject.
+    /// How well subjects agree with each other; none with one subject.
     pub alpha: Option<Alpha>,
-    /// How far subjects agree with themselves: mean over subjects of weighted κ, and its bootstrap interval.
+    /// How well subjects agree with themselves: mean over subjects of weighted κ, and its bootstrap interval.
     pub kappa: Option<(f64, Option<Interval>)>,
     /// Response times of each category.
     pub times: Vec<Option<Quartiles>>,
@@ -81,9 +80,9 @@ pub struct FactorResults {
     pub levels: Vec<Group>,
     /// Subjects who did not rate every level, and so are not in the tests.
     pub incomplete: Vec<String>,
-    /// Whether any level differs; none from one subject or level.
+    /// Whether any level differs; none with one subject or level.
     pub friedman: Option<Friedman>,
-    /// Which levels differ; none from one subject or level.
+    /// Which levels differ; none with one subject or level.
     pub pairs: Option<Pairs>,
     /// Response times of each level.
     pub times: Vec<Option<Quartiles>>,
@@ -108,7 +107,7 @@ impl Results {
         self.measured.counts.subjects.len()
     }
 
-    /// Whether anything can be said of other people than those who were measured.
+    /// Whether the results allow inference about other people.
     pub fn is_inferential(&self) -> bool {
         self.people() > 1
     }
@@ -121,7 +120,7 @@ impl Results {
 
 /// Analyzes a study.
 ///
-/// There is always a description; where there is no model, the reason is in its place.
+/// There is always a description; if there is no model, `model` says why.
 pub fn analyze(measured: Measured, options: &Options) -> Results {
     let counts = &measured.counts;
     let people = counts.subjects.len();

@@ -22,7 +22,7 @@ pub struct Summary {
     pub median: f64,
     /// Proportion of each category.
     pub proportions: Vec<f64>,
-    /// Bootstrap interval of the mean over subjects; none from a single subject.
+    /// Bootstrap interval of the mean over subjects; none with a single subject.
     pub interval: Option<Interval>,
 }
 

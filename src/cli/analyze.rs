@@ -20,8 +20,8 @@ use crate::{
 
 /// Analyze ratings: description, ordinal model, tests, figures and a report.
 ///
-/// Reads result files, folders of them, tables of counts, or any CSV whose columns are named. Faults in part of the
-/// input are named, the rest is analyzed, and the exit status is 1.
+/// Reads result files, folders of result files, tables of counts, or any CSV file with column names. If part of the
+/// input has errors, each is reported, the rest is analyzed, and the exit status is 1.
 #[derive(clap::Args)]
 #[command(after_help = "Examples: machband analyze results/bangay2003 --out analysis\n          \
     machband analyze ratings.csv --subject id --response score --terms width,num:inv_n --out analysis")]
@@ -122,7 +122,7 @@ fn is_usage(error: &ModelError) -> bool {
     )
 }
 
-/// What the model of vision says of the ratings, in a line.
+/// The prediction of the vision model in one line.
 fn prediction_line(predicted: &Result<StudyPrediction, PredictionError>, took: Duration) -> String {
     match predicted {
         Ok(StudyPrediction { comparison, .. }) => format!(

@@ -46,7 +46,7 @@ impl ModelOptions {
     }
 }
 
-/// What the display makes of codes.
+/// The light that the display makes of codes.
 #[derive(clap::Args)]
 pub(super) struct TransferOptions {
     /// Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; three joined by / for red,
@@ -88,7 +88,7 @@ pub(super) struct ImageOptions {
     pub(super) size: u32,
     #[command(flatten)]
     transfer: TransferOptions,
-    /// Bits a channel.
+    /// Bits per channel.
     #[arg(long, default_value = "8", value_parser = named::<Bits>(&["8", "16"]))]
     bits: Bits,
     /// none, ordered, blue-noise or random; ordered:bayer2, 4, 8, 16 and ordered:clustered2, 3 name the matrix.
@@ -100,8 +100,8 @@ pub(super) struct ImageOptions {
 }
 
 impl ImageOptions {
-    /// The complete description of an image of this stimulus. Reads the display profile: to be called once, since it
-    /// says what is doubtful about that.
+    /// The complete description of an image of this stimulus. To be called once: it reads the display profile and prints
+    /// its warning.
     pub(super) fn recipe(&self, stimulus: Stimulus) -> anyhow::Result<Recipe> {
         let (transfers, display_sha256) = self.transfer.transfers()?;
         Ok(Recipe {

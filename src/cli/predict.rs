@@ -51,7 +51,7 @@ pub(super) struct Arguments {
     /// Luminance of white in cd/m² [default: the display profile's, or 100].
     #[arg(long, value_name = "CD")]
     white: Option<f64>,
-    /// Compare the prediction with these ratings: result files or folders.
+    /// Compare the prediction with these ratings, from result files or folders.
     #[arg(long, value_name = "FILE|DIR", num_args = 1.., requires = "experiment")]
     fit: Vec<PathBuf>,
     /// Thresholds between ratings: written with --fit, otherwise read.

@@ -34,10 +34,10 @@ pub(super) struct Arguments {
     /// Display profile [default: sRGB].
     #[arg(long, value_name = "PROFILE.toml")]
     display: Option<PathBuf>,
-    /// In gray instead of color, for someone with a color deficiency; the experiment's name then ends in -gray.
+    /// Show gray instead of color, for a participant with a color vision deficiency; the experiment's name then ends in -gray.
     #[arg(long)]
     gray: bool,
-    /// In a window instead of the full screen.
+    /// Use a window instead of the full screen.
     #[arg(long)]
     windowed: bool,
     /// Resume an interrupted session.

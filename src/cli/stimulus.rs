@@ -59,7 +59,7 @@ pub(super) fn stimulus(arguments: &StimulusArguments) -> anyhow::Result<()> {
     }
     match (&arguments.out, reduction) {
         (Some(_), Some(_)) if recipe.bits == Bits::Sixteen => {
-            return Err(UsageError("--palette: a palette has 8 bits a channel; expected --bits 8".to_owned()).into());
+            return Err(UsageError("--palette: a palette has 8 bits per channel; expected --bits 8".to_owned()).into());
         }
         (Some(out), Some(reduction)) => {
             let image = store::image::write_reduced(out, &recipe, &quantizer, reduction)?;

@@ -9,7 +9,7 @@ use crate::{
     store,
 };
 
-/// Measure how evenly frames come.
+/// Measure how regular the intervals between frames are.
 ///
 /// Opens a window that changes with every frame, and reports the intervals between frames, their percentiles, dropped
 /// frames (intervals above 1.5 refreshes) and missed refreshes, and whether the frames follow a steady refresh at all. The
@@ -22,10 +22,10 @@ pub(super) struct Arguments {
     /// Frames to measure.
     #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u32).range(2..=10_000_000))]
     frames: u32,
-    /// On the whole screen.
+    /// Use the full screen.
     #[arg(long, conflicts_with = "windowed")]
     fullscreen: bool,
-    /// In a window; this is the default.
+    /// Use a window; this is the default.
     #[arg(long)]
     windowed: bool,
     /// What is drawn: a patch that flickers, or the screen of a trial.
@@ -34,13 +34,13 @@ pub(super) struct Arguments {
     /// Side of the patch in pixels.
     #[arg(long, value_name = "PX", default_value_t = Patch::default().size_px, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
-    /// Where the patch is.
+    /// Position of the patch.
     #[arg(long, default_value = "corner")]
     place: Place,
     /// Every interval as CSV.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
-    /// The intervals as a picture.
+    /// Chart of the intervals.
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
 }

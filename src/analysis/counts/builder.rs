@@ -1,4 +1,4 @@
-//! From trials, or counts of them, to what is kept. Memory grows with the distinct combinations of subject and
+//! Reduces trials to counts. Memory grows with the distinct combinations of subject and
 //! condition, not with the rows.
 
 use std::{
@@ -14,7 +14,7 @@ use crate::{analysis::levels, experiment::RatingRow};
 pub struct MeasuredBuilder {
     factors: Vec<String>,
     declared: Option<Vec<String>>,
-    /// Drops the factors that have one level only.
+    /// Whether factors that have one level only are dropped.
     only_varied: bool,
     /// Texts of ratings in order of first appearance.
     ratings: Vec<String>,
@@ -23,7 +23,7 @@ pub struct MeasuredBuilder {
     key: Vec<u8>,
 }
 
-/// A subject and a condition, as they are written.
+/// A subject and a condition, as in the file.
 #[derive(Clone, Debug)]
 struct Cell {
     /// Subject and values, each followed by [`END`].
@@ -80,7 +80,7 @@ impl MeasuredBuilder {
         self
     }
 
-    /// Adds a trial, or some alike; nothing for a count of 0.
+    /// Adds a row: one rating, or several equal ones; nothing for a count of 0.
     ///
     /// # Errors
     /// A wrong number of values, an empty subject or rating, a rating that was not declared.
@@ -127,7 +127,7 @@ impl MeasuredBuilder {
         self.add(&RatingRow { subject, values: &values, rating, count, place: None, response_time_s: None })
     }
 
-    /// The cell of `self.key`, a new one if need be.
+    /// The cell of `self.key`, new if there is none yet.
     fn cell(&mut self) -> &mut Cell {
         let Self { index, cells, key, .. } = self;
         let number = index.get(&key[..]).copied().unwrap_or_else(|| {
@@ -169,7 +169,7 @@ impl MeasuredBuilder {
         self.cells.len()
     }
 
-    /// Takes over what another part has collected with the same factors and categories.
+    /// Adds what another builder has collected with the same factors and categories.
     ///
     /// # Errors
     /// More different ratings than a scale has.

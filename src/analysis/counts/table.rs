@@ -125,11 +125,11 @@ pub struct RetestPair {
     pub condition: u32,
     /// Index into [`Counts::categories`] of the first rating.
     pub first: u8,
-    /// Of the second.
+    /// Index into [`Counts::categories`] of the second rating.
     pub second: u8,
 }
 
-/// How many answers took about as long.
+/// The number of ratings whose response times fall into one bin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeCount {
     /// Index into [`Counts::subjects`].
@@ -154,7 +154,7 @@ impl Measured {
         times
     }
 
-    /// What is left of some subjects and some conditions. Levels and subjects without ratings are gone; categories
+    /// The ratings of some subjects and some conditions. Levels and subjects without ratings are left out; categories
     /// stay.
     #[must_use]
     pub fn filtered(&self, subject: impl Fn(u32) -> bool, condition: impl Fn(&[Option<u32>]) -> bool) -> Self {
@@ -223,17 +223,17 @@ impl Kept {
     }
 }
 
-/// Upper end of a bin over its lower end: quantiles are right to 2.5 %.
+/// Upper end of a bin divided by its lower end: quantiles are correct to 2.5 %.
 const GROWTH: f64 = 1.05;
 /// Lower end of bin 0, seconds.
 const SHORTEST_S: f64 = 0.01;
-/// Bins; the last begins at some three hours.
+/// Bins; the last begins at about three hours.
 const BINS: u16 = 280;
 
 /// The bin that a time falls into.
 pub(super) fn time_bin(seconds: f64) -> u16 {
     let bin = (seconds / SHORTEST_S).ln() / GROWTH.ln();
-    // Times below the first bin, 0 s among them, are in it.
+    // Shorter times, 0 s among them, are in the first bin.
     bin.clamp(0.0, f64::from(BINS - 1)) as u16
 }
 
@@ -242,13 +242,13 @@ fn middle(bin: u16) -> f64 {
     SHORTEST_S * GROWTH.powf(f64::from(bin) + 0.5)
 }
 
-/// How long some answers took.
+/// A histogram of response times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Times {
     counts: Vec<u64>,
 }
 
-/// Quartiles of response times, seconds; each within 2.5 % of that of the times themselves.
+/// Quartiles of response times in seconds, each within 2.5 % of the exact one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Quartiles {
     /// Times.
@@ -273,7 +273,7 @@ impl Times {
         self.counts.iter().sum()
     }
 
-    /// The time that a proportion of them do not exceed, seconds; none of none.
+    /// The quantile of a proportion, seconds; none if there are no times.
     pub fn quantile(&self, proportion: f64) -> Option<f64> {
         let wanted = (proportion * self.n() as f64).ceil().max(1.0) as u64;
         let mut below = 0;
@@ -283,7 +283,7 @@ impl Times {
         })
     }
 
-    /// The quartiles; none of none.
+    /// The quartiles; none if there are no times.
     pub fn quartiles(&self) -> Option<Quartiles> {
         let [lower, median, upper] = [0.25, 0.5, 0.75].map(|proportion| self.quantile(proportion));
         Some(Quartiles { n: self.n(), lower: lower?, median: median?, upper: upper? })

@@ -1,4 +1,4 @@
-//! The design matrix of some terms, without an intercept: the thresholds stand for it.
+//! The design matrix of some terms, without an intercept: the thresholds take its place.
 //!
 //! Columns are coded and named as R's `model.matrix` does with treatment contrasts. A factor's column is called by the
 //! factor and the level (`width0.05`); within an interaction a factor has contrasts where the term without it is in
@@ -28,7 +28,7 @@ pub(crate) struct Column {
 pub(crate) struct Design {
     pub terms: Terms,
     pub columns: Vec<Column>,
-    /// Columns that were left out because others say the same.
+    /// Columns that were left out because they follow from others.
     pub dropped: Vec<Column>,
 }
 

@@ -28,7 +28,6 @@ pub enum Part {
 /// A likelihood-ratio test of one term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TermTest {
-    /// The term.
     pub term: String,
     /// Where it is, or would be.
     pub part: Part,
@@ -43,7 +42,6 @@ pub struct TermTest {
 /// A model with its tests.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelReport {
-    /// The model.
     pub model: Model,
     /// Likelihood ratios against the model without each term.
     pub terms: Vec<TermTest>,

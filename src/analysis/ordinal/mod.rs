@@ -6,7 +6,7 @@
 //! | `link`, `clm` | the likelihood without a random intercept, and its maximum |
 //! | `clmm`, `search` | the likelihood with one, and its maximum |
 //! | `fitting` | from counts to the maxima |
-//! | `estimates`, `likelihood_ratios` | what they mean, on the scale of the data |
+//! | `estimates`, `likelihood_ratios` | estimates, tests and predictions, on the scale of the data |
 //! | `model` | a fitted model, its notes, and why there may be none |
 
 mod clm;

@@ -14,19 +14,18 @@ named! {
         /// All ratings are independent: a cumulative-link model.
         #[default]
         None = "none",
-        /// One normal intercept a subject: a cumulative-link mixed model.
+        /// One normal intercept per subject: a cumulative-link mixed model.
         Subject = "subject",
     }
 }
 
-/// What to fit.
+/// A model to fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelSpec {
     /// Location: what shifts the ratings.
     pub terms: Terms,
     /// What spreads the ratings; without a random intercept only.
     pub scale: Terms,
-    /// The link.
     pub link: Link,
     /// The random part.
     pub random: Random,
@@ -85,7 +84,6 @@ pub struct RandomEffect {
 /// A subject's intercept given their ratings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SubjectMode {
-    /// The subject.
     pub subject: String,
     /// The most probable intercept: positive gives higher ratings.
     pub mode: f64,
@@ -96,23 +94,19 @@ pub struct SubjectMode {
 /// A fitted model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Model {
-    /// The link.
     pub link: Link,
     /// `clm`, or `clmm` with its approximation: `clmm-laplace`, `clmm-aghq-10`.
     pub method: String,
     /// Ratings.
     pub nobs: u64,
-    /// Subjects.
     pub subjects: usize,
     /// Log-likelihood, or its approximation; without constants of the counts, as in R.
     pub loglik: f64,
     /// Largest absolute element of the gradient at the estimates.
     pub gradient: f64,
-    /// Iterations.
     pub iterations: usize,
     /// Parameters that were estimated, the standard deviation of a mixed model among them.
     pub parameters: usize,
-    /// Thresholds.
     pub thresholds: Vec<Threshold>,
     /// Coefficients of the location.
     pub coefficients: Vec<Coefficient>,
@@ -154,18 +148,14 @@ pub enum Note {
     /// Ratings without a value of a factor that the model needs.
     #[error("{ratings} ratings without a {factor} are left out")]
     MissingValues {
-        /// The factor.
         factor: String,
         /// Ratings left out.
         ratings: u64,
     },
-    /// A category that nobody used: it has no probability to estimate and is merged with its neighbors.
+    /// A category that nobody used: it has no probability to estimate and is left out.
     #[error("no rating is {category}, so this category is left out of the scale")]
-    EmptyCategory {
-        /// The category.
-        category: String,
-    },
-    /// A column that other columns already say: dropped, as R does.
+    EmptyCategory { category: String },
+    /// A column that follows from other columns: dropped, as in R.
     #[error("{column} follows from the terms before it and is left out")]
     Aliased {
         /// The coefficient's name.
@@ -173,10 +163,7 @@ pub enum Note {
     },
     /// A term of which no column is left.
     #[error("the term {term} adds nothing to the terms before it and is left out")]
-    AliasedTerm {
-        /// The term.
-        term: String,
-    },
+    AliasedTerm { term: String },
     /// Ratings that a term predicts perfectly: its coefficient has no finite estimate.
     #[error("{coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
             if *.positive { "" } else { "minus " })]
@@ -199,13 +186,11 @@ pub enum Note {
         "{factor} is compared with {baseline}, because all ratings at {separated} are {category}: a comparison with it would have no finite estimate"
     )]
     Rebased {
-        /// The factor.
         factor: String,
         /// The level that all others are compared with now.
         baseline: String,
         /// The level whose ratings are all the same.
         separated: String,
-        /// Their category.
         category: String,
     },
     /// One subject: nothing can be said about other people.
@@ -247,26 +232,17 @@ pub enum ModelError {
     NoRatings,
     /// Every rating is the same.
     #[error("every rating is {category}; expected at least two different ones")]
-    NoVariation {
-        /// The category.
-        category: String,
-    },
+    NoVariation { category: String },
     /// A term names no factor of the table.
     #[error("--terms {name}: no such factor; {}", expected_one_of(.name, .known))]
     UnknownFactor {
-        /// The name.
         name: String,
         /// All factors.
         known: Vec<String>,
     },
     /// A factor used as a number has a level that is none.
     #[error("--terms num:{factor}: the level {level} is not a finite number; expected numbers, or the factor {factor}")]
-    NotANumber {
-        /// The factor.
-        factor: String,
-        /// The level.
-        level: String,
-    },
+    NotANumber { factor: String, level: String },
     /// The depth as a number, with `inf` among its levels.
     #[error(
         "--terms num:{name}: the depth inf is not a finite number; expected num:inv_n (1/depth, 0 for inf), or the factor {name}"

@@ -12,7 +12,7 @@ use crate::analysis::{
     },
 };
 
-/// How an effect is looked for.
+/// How an effect is tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Test {
@@ -22,7 +22,7 @@ pub enum Test {
     Friedman,
 }
 
-/// An effect that is there: the most that the term moves the observer's linear predictor between two conditions.
+/// An effect that exists: the most that the term moves the observer's linear predictor between two conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
     /// The difference, logits, positive; none where a level has no band at all and the predictor no finite value.
@@ -38,17 +38,16 @@ pub struct Effect {
 pub struct Hypothesis {
     /// The term, or the factor of Friedman's test.
     pub term: String,
-    /// The test.
     pub test: Test,
-    /// What there is to be found; none where the term has no effect, and finding one is a false alarm.
+    /// The true effect; none if the term has no effect, so that finding one is a false alarm.
     pub effect: Option<Effect>,
     /// Index of the factor of Friedman's test.
     pub(super) factor: Option<usize>,
-    /// What the fitted predictor is multiplied with, condition by condition, to give the estimate of the effect.
+    /// Weights of the fitted predictor, one per condition, whose sum is the estimate of the effect.
     pub(super) contrast: Option<DVector<f64>>,
 }
 
-/// How far below every other predictor one stands that is −∞: no rating but 0 has a probability worth the name.
+/// How far below every other predictor one stands that is −∞: ratings other than 0 have next to no probability.
 const NO_BAND: f64 = 30.0;
 
 /// Lays out the tests of some terms.
@@ -112,7 +111,7 @@ impl<'a> Layout<'a> {
         Ok(factors)
     }
 
-    /// The part of the predictor that only this term of the model can say.
+    /// The part of the predictor that only this term of the model can express.
     fn of_term(&self, term: &Term) -> Result<Hypothesis, PlanError> {
         let whole = self.span(self.terms)?;
         let rest = self.span(&self.terms.without(term))?;
@@ -157,7 +156,7 @@ impl<'a> Layout<'a> {
         })
     }
 
-    /// What a constant and these terms can say.
+    /// What a constant and these terms can express.
     fn span(&self, terms: &Terms) -> Result<Span, PlanError> {
         let design = Design::new(self.frame, terms)?.matrix(&self.scenario.conditions());
         let mut span = Span::with_constant(design.nrows());
@@ -167,7 +166,7 @@ impl<'a> Layout<'a> {
 
     /// The conditions where a part of the predictor is largest and smallest; none where it is the same everywhere.
     fn extremes(&self, part: &DVector<f64>) -> Option<(usize, usize)> {
-        // Differences of rounding are none.
+        // Rounding makes no difference.
         let slack = 1e-9 * (1.0 + self.predictors.amax());
         let first = |better: &dyn Fn(f64, f64) -> bool| {
             (0..part.len()).fold(0, |best, place| if better(part[place], part[best]) { place } else { best })

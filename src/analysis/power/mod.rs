@@ -2,12 +2,12 @@
 //! observer does.
 //!
 //! A study is simulated as counts, fitted once, and every term is tested against the model without it; Friedman's test
-//! of each factor goes with it. The share of studies that find an effect that is there is the power; the share that
-//! find one that is not there is the rate of false alarms, which should be α. Subjects of the observer differ by a normal
-//! intercept and by nothing else: where real people differ in the size of an effect too, power is less than found here.
+//! is applied to each factor. The share of studies that find an existing effect is the power; the share that find one that
+//! does not exist is the rate of false alarms, which should be α. Subjects of the observer differ by a normal
+//! intercept and by nothing else: if real people also differ in the size of an effect, power is lower.
 //!
 //! Random numbers: ChaCha8 seeded with the seed, and a stream for each subject of each study. Results depend neither on
-//! the number of threads nor on what else is planned along, and a study of 12 is the study of 8 with four more people,
+//! the number of threads nor on what else is planned, and a study of 12 is the study of 8 with four more people,
 //! so that numbers of participants are compared on the same people.
 
 mod hypothesis;

@@ -24,13 +24,12 @@ use crate::{
 pub struct ModelChoice {
     /// Terms of the model; None for the main effects of all factors with two levels or more.
     pub terms: Option<Terms>,
-    /// The link.
     pub link: Link,
     /// Quadrature nodes; 1 is Laplace's approximation.
     pub quadrature: usize,
 }
 
-/// How much is simulated, and what counts as found.
+/// How much is simulated, and when an effect counts as found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Studies for each number of participants.
@@ -47,7 +46,7 @@ impl Default for Sampling {
     }
 }
 
-/// A definition, an observer and a model: everything but how many people.
+/// A definition, an observer and a model: everything but the number of people.
 #[derive(Clone, Debug)]
 pub struct Plan {
     scenario: Scenario,
@@ -62,7 +61,6 @@ pub struct Power {
     pub participants: u32,
     /// Index into [`Plan::hypotheses`].
     pub hypothesis: usize,
-    /// Studies.
     pub studies: usize,
     /// Studies in which p is below α.
     pub found: usize,
@@ -123,12 +121,10 @@ impl Plan {
         &self.hypotheses
     }
 
-    /// The model.
     pub fn spec(&self) -> &ModelSpec {
         &self.spec
     }
 
-    /// The observer.
     pub fn observer(&self) -> &OrderedLogit {
         self.scenario.observer()
     }

@@ -1,4 +1,4 @@
-//! Who rates what: the cells of a definition, and how visible each of them is to the observer.
+//! What is rated: the conditions of a definition, and how visible each of them is to the observer.
 
 use std::collections::HashMap;
 
@@ -29,7 +29,6 @@ pub enum PlanError {
     /// An effect of a factor that is not in the definition.
     #[error("--effect {name}: no such factor; {}", expected_one_of(name, known))]
     UnknownFactor {
-        /// The name.
         name: String,
         /// The definition's factors.
         known: Vec<String>,
@@ -37,7 +36,6 @@ pub enum PlanError {
     /// An effect of a level that the factor does not have.
     #[error("--effect {factor}:{level}: no such level; {}", expected_one_of(level, known))]
     UnknownLevel {
-        /// The factor.
         factor: String,
         /// The level as it was given.
         level: String,
@@ -46,10 +44,7 @@ pub enum PlanError {
     },
     /// A term without a column of its own.
     #[error("--terms {term}: the term adds nothing to the other terms; expected terms that each add something")]
-    Untestable {
-        /// The term.
-        term: String,
-    },
+    Untestable { term: String },
     /// No term.
     #[error("nothing to test; expected a definition with a factor of two levels or more, and a term in --terms")]
     NothingVaries,

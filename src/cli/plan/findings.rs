@@ -93,7 +93,7 @@ impl Findings<'_> {
         for power in self.powers {
             if let Some(least) = self.plan.least_p(power).filter(|least| *least >= self.sampling.alpha) {
                 sentences.push(format!(
-                    "With {}, Friedman's test of {} cannot find anything: the least p that it can have is {least:.3}.",
+                    "With {}, Friedman's test of {} cannot find anything: its smallest possible p is {least:.3}.",
                     people(power.participants),
                     self.hypothesis(power).term
                 ));
@@ -188,7 +188,7 @@ impl Findings<'_> {
         let alike = if sd > 0.0 {
             format!("differ only in their intercepts (sd {sd} logits)")
         } else {
-            "are all alike".to_owned()
+            "are identical".to_owned()
         };
         remarks.push(format!(
             "The simulated participants {alike}. If real ones also differ in the size of the effects, power is lower."

@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     /// An effect is found if p is below this.
     #[arg(long, value_name = "P", default_value_t = 0.05, value_parser = proportion)]
     alpha: f64,
-    /// The power that is enough.
+    /// The power to reach.
     #[arg(long, value_name = "P", default_value_t = 0.8, value_parser = proportion)]
     target: f64,
     /// Seed of the simulated ratings.
