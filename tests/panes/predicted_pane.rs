@@ -5,13 +5,15 @@ use eframe::egui::{Vec2, accesskit::Role};
 use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 use machband::{
     app::explore::shading::Comparison,
-    light::LinearImage,
-    shading::{Reference, Surface},
+    shading::Surface,
     stimulus::{MachBand, Renderer, Stimulus, ViewingConditions, catalog},
     vision::{Criterion, Visibility},
 };
 
-use crate::window::{Window, choose, click, home, wait_for};
+use crate::{
+    shading::await_numbers,
+    window::{Window, choose, click, home, wait_for},
+};
 
 fn open(page: &str, size: [f32; 2]) -> Window {
     let mut window = home(size, 1.0 / 60.0);
@@ -24,13 +26,6 @@ fn open(page: &str, size: [f32; 2]) -> Window {
 fn text(window: &Window, beginning: &str) -> String {
     let node = window.get_by_label_contains(beginning);
     node.accesskit_node().label().or_else(|| node.value()).unwrap()
-}
-
-/// Sets a slider's number.
-fn set(window: &mut Window, name: &str, value: f64) {
-    let slider = window.query_all_by_label(name).find(|node| node.value().is_some()).unwrap();
-    slider.set_value_accesskit(value);
-    window.run_steps(3);
 }
 
 /// The sentence that belongs to a stimulus in a window of 10°.
@@ -59,7 +54,8 @@ fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
         let place: f64 = place.trim_start_matches(" at ").parse().unwrap();
         assert!((place - end).abs() < 0.015, "{word}: {marks}");
     }
-    set(&mut window, "width", 0.0);
+    window.query_all_by_label("width").find(|node| node.value().is_some()).unwrap().set_value_accesskit(0.0);
+    window.run_steps(3);
     assert_eq!(text(&window, "Plot: light, "), "Plot: light, no predicted band");
     assert_eq!(text(&window, "Predicted visibility"), sentence(&ramp(0.0), 512));
 }
@@ -77,23 +73,15 @@ fn an_image_of_the_gallery_is_predicted() {
     assert_eq!(window.query_all_by_label_contains("Predicted visibility").count(), 1);
 }
 
-/// Light of a side as the screen sends it, seen as the pane says that it sees.
+/// How visible the bands of a side are by the library, in a picture as large as the page says.
 fn expected_visibility(compared: &Comparison, side: &Renderer, size: [u32; 2]) -> f64 {
     let shorter = size[0].min(size[1]);
     let scale = f64::from(shorter.min(512)) / f64::from(shorter);
     let [width, height] = size.map(|side| (f64::from(side) * scale).round() as u32);
     let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap()), width, height);
-    let image = match side.naive {
-        false => Reference::new(&frame, &side.shade).image(),
-        true => {
-            let encoded = frame.clone().encoded(&(&compared.transfer).into());
-            let codes = Reference::new(&encoded, &side.shade).image();
-            let light = |code: f32| compared.transfer.linear_from_encoded(f64::from(code).clamp(0.0, 1.0)) as f32;
-            LinearImage::from_fn(width, height, |x, y| codes.pixel(x, y).map(light))
-        }
-    };
     let viewing = ViewingConditions::new(10.0 * f64::from(width) / f64::from(width.min(height)));
-    viewing.predict_surface(&frame, &image).unwrap().visibility.max()
+    let shot = compared.shot(side, &frame);
+    viewing.predict_surface(&frame, &shot.emitted()).unwrap().visibility.max()
 }
 
 /// The cells of the row `predicted visibility`, left and right.
@@ -110,12 +98,7 @@ fn visibilities(window: &Window) -> Vec<String> {
 }
 
 fn predicted(window: &mut Window) -> [f64; 2] {
-    let begun = std::time::Instant::now();
-    while visibilities(window).iter().any(|text| text == "…") {
-        assert!(begun.elapsed().as_secs() < 240, "no prediction came");
-        std::thread::sleep(std::time::Duration::from_millis(20));
-        window.step();
-    }
+    await_numbers(window);
     let numbers: Vec<f64> = visibilities(window).iter().map(|text| text.parse().unwrap()).collect();
     numbers.try_into().unwrap()
 }

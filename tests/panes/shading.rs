@@ -248,7 +248,7 @@ fn read(path: &Path) -> (u32, Vec<[u8; 3]>, serde_json::Value) {
 }
 
 /// Steps until no number is missing.
-fn await_prediction(window: &mut Window) {
+pub fn await_numbers(window: &mut Window) {
     let begun = std::time::Instant::now();
     while window.query_all_by_label("…").count() > 0 {
         assert!(begun.elapsed().as_secs() < 240, "no prediction came");
@@ -264,7 +264,7 @@ fn the_exported_file_is_the_view() {
     let Some(mut window) = open_with_pixels(1.0) else { return };
     for (i, show) in ["Split", "Difference", "Creases", "Predicted bands"].into_iter().enumerate() {
         click(&mut window, show);
-        await_prediction(&mut window);
+        await_numbers(&mut window);
         take_picture(&mut window, &format!("shading {show}"));
         let shown = pixels(&mut window);
         let path = folder.path().join(format!("view-{i}.png"));

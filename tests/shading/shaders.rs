@@ -132,46 +132,6 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
     close("flat", Reference::new(&pair, &Shade::new(Shader::Flat)).light(0, [0.2, 0.3, 0.5]), face.x);
 }
 
-#[test]
-fn printed_corrections_have_the_faults_they_are_known_for() {
-    // A uniform surface gets a dark ring around its vertices under vertex shading: 0.979 and 0.944 at n = 2.
-    let places = [DVec2::new(0.0, 0.0), DVec2::new(0.0, 90.0), DVec2::new(90.0, 0.0)];
-    let uniform = frame(places.map(|place| vertex(place, DVec3::ONE)).to_vec(), &[[0, 1, 2]], only_ambient());
-    for (b, expected) in [(0.2, 0.979), (0.33, 0.944)] {
-        let shade = Shade { vertex: Correction::Printed, ..shade(Shader::Gouraud, Depth::Finite(2), b) };
-        let reference = Reference::new(&uniform, &shade);
-        let along = (0..=1000).map(|i| f64::from(i) / 1000.0).map(|s| reference.light(0, [1.0 - s, s, 0.0]).x);
-        let darkest = along.fold(1.0, f64::min);
-        assert!((darkest - expected).abs() < 1.5e-3, "{b}: {darkest}");
-    }
-    // Reweighting scales the ambient light: 0.1 → 0.141 in the middle of an edge between normals at 90°.
-    let mut bent = uniform.clone();
-    (bent.vertices[1].normal, bent.vertices[2].normal) = (DVec3::X, DVec3::Y);
-    bent.vertices.iter_mut().for_each(|vertex| vertex.light = vertex.ambient);
-    for (reweight, expected) in [(Correction::Printed, 0.1 * 2f64.sqrt()), (Correction::Repaired, 0.1)] {
-        let shade = Shade { reweight, ..shade(Shader::Gouraud, Depth::Finite(2), 0.2) };
-        let value = Reference::new(&bent, &shade).light(0, [0.0, 0.5, 0.5]).x;
-        assert!((value - expected).abs() < 1e-15, "{value}");
-    }
-    // The gradient as printed leaves half of Gouraud's bend in the middle of a parallelogram's edge; repaired, none.
-    let pair = frame(
-        [(0.0, 0.0, 0.9), (0.0, 80.0, 0.5), (80.0, 0.0, 0.3), (80.0, 80.0, 0.2)]
-            .map(|(x, y, light)| vertex(DVec2::new(x, y), DVec3::splat(light)))
-            .to_vec(),
-        &[[0, 1, 2], [3, 2, 1]],
-        only_ambient(),
-    );
-    let bend = |shader| {
-        let reference = Reference::new(&pair, &shade(shader, Depth::Finite(3), 0.2));
-        let h = 1e-5;
-        let w = [h, (1.0 - h) / 2.0, (1.0 - h) / 2.0];
-        ((reference.light(0, w) + reference.light(1, w)) - 2.0 * reference.light(0, [0.0, 0.5, 0.5])).x / h
-    };
-    let (gouraud, printed, repaired) = (bend(Shader::Gouraud), bend(Shader::Gradient), bend(Shader::GradientRepaired));
-    assert!((printed / gouraud - 0.5).abs() < 1e-3, "{printed} of {gouraud}");
-    assert!((repaired / gouraud).abs() < 1e-3, "{repaired} of {gouraud}");
-}
-
 // ---- edges ----
 
 #[test]
