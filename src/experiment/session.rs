@@ -301,16 +301,7 @@ impl Session {
                 self.page_left = matches!(self.state, State::Recovery { .. });
                 self.recover(now);
             }
-            (
-                Event::Pause,
-                State::Recovery { .. }
-                | State::Stimulus { .. }
-                | State::Response { .. }
-                | State::Closing { .. }
-                | State::Break
-                | State::PhaseStart(_)
-                | State::Instructions(_),
-            ) => {
+            (Event::Pause, state) if !matches!(state, State::Paused(_) | State::Done | State::Left) => {
                 let held = std::mem::replace(&mut self.state, State::Done);
                 self.state = State::Paused(Box::new(held));
             }

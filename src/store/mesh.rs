@@ -61,25 +61,13 @@ const MOST_FAULTS: usize = 20;
 /// # Errors
 /// The first faults, each with its line and column.
 fn polygons(file: &str, content: &[u8]) -> Result<(Vec<DVec3>, Polygons), FileFaults> {
-    let lines = lines(content).map_err(|number| {
-        FileFaults(vec![fault(file, ((number, 1), "is not text; expected an OBJ file".to_owned()))])
-    })?;
+    let lines = lines(content)
+        .map_err(|number| FileFaults(vec![FileFault::at(file, (number, 1), "is not text; expected an OBJ file")]))?;
     let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
     let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
-    let faults = lines.iter().filter_map(|(number, line)| reader.line(*number, line).err());
-    let faults: Vec<FileFault> = faults.take(MOST_FAULTS).map(|found| fault(file, found)).collect();
-    FileFaults::none(faults)?;
+    let faults = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
+    FileFaults::none(faults.take(MOST_FAULTS).collect())?;
     Ok(reader.polygons())
-}
-
-/// Line and column, from 1.
-type Position = (usize, usize);
-
-/// What is wrong, and where.
-type Fault = (Position, String);
-
-fn fault(file: &str, (position, message): Fault) -> FileFault {
-    FileFault::at(file, position, message)
 }
 
 /// A line of a file and its number, from 1.
@@ -134,16 +122,16 @@ struct Reader {
 }
 
 impl Reader {
-    fn line(&mut self, number: usize, line: &[u8]) -> Result<(), Fault> {
+    fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileFault> {
         let keyword = keyword(line);
         if !matches!(keyword, b"v" | b"vn" | b"f") {
             return Ok(());
         }
         let text = std::str::from_utf8(line).map_err(|error| {
             let column = String::from_utf8_lossy(&line[..error.valid_up_to()]).chars().count() + 1;
-            ((number, column), "is not UTF-8 text; expected numbers".to_owned())
+            FileFault::at(file, (number, column), "is not UTF-8 text; expected numbers")
         })?;
-        let statement = Statement { number, text };
+        let statement = Statement { file, number, text };
         // A comment may follow.
         let words = text.split_ascii_whitespace().skip(1).take_while(|word| !word.starts_with('#'));
         let words: Vec<&str> = words.take(MOST_CORNERS + 1).collect();
@@ -163,11 +151,11 @@ impl Reader {
         }
     }
 
-    fn face(&mut self, statement: &Statement<'_>, words: &[&str]) -> Result<(), Fault> {
+    fn face(&mut self, statement: &Statement<'_>, words: &[&str]) -> Result<(), FileFault> {
         if !(3..=MOST_CORNERS).contains(&words.len()) {
             let more = if words.len() > MOST_CORNERS { "or more " } else { "" };
             let message = format!("a face has {} {more}corners; expected 3…{MOST_CORNERS}", words.len());
-            return Err((statement.position(statement.text.trim_ascii_start()), message));
+            return Err(statement.fault(statement.text.trim_ascii_start(), message));
         }
         for word in words {
             let mut parts = word.split('/');
@@ -185,7 +173,7 @@ impl Reader {
     }
 
     /// The index, from 0, that `text`, a part of `word`, means.
-    fn index(&self, statement: &Statement<'_>, word: &str, kind: usize, text: &str) -> Result<usize, Fault> {
+    fn index(&self, statement: &Statement<'_>, word: &str, kind: usize, text: &str) -> Result<usize, FileFault> {
         let given: i64 = text.parse().map_err(|_| statement.not_a_corner(word))?;
         let (above, count) = ([self.vertices.len(), self.normals.len()][kind], self.counts[kind]);
         // Indices count from 1, or back from -1.
@@ -199,7 +187,7 @@ impl Reader {
             _ => format!("; expected 1…{count}"),
         };
         let name = ["vertex", "normal"][kind];
-        Err((statement.position(word), format!("{name} {given} does not exist{problem}")))
+        Err(statement.fault(word, format!("{name} {given} does not exist{problem}")))
     }
 
     /// Vertices in exactly one position are one.
@@ -226,52 +214,55 @@ impl Reader {
 
 /// One statement.
 struct Statement<'a> {
+    file: &'a str,
     number: usize,
     text: &'a str,
 }
 
 impl Statement<'_> {
-    /// Where `word`, a part of the text, begins.
-    fn position(&self, word: &str) -> Position {
+    /// What is wrong with `word`, a part of the text.
+    fn fault(&self, word: &str, message: String) -> FileFault {
         let offset = (word.as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize);
-        (self.number, self.text.get(..offset).unwrap_or_default().chars().count() + 1)
+        let column = self.text.get(..offset).unwrap_or_default().chars().count() + 1;
+        FileFault::at(self.file, (self.number, column), message)
     }
 
     /// `x y z`, `x y z w` or `x y z red green blue`.
-    fn vertex(&self, words: &[&str]) -> Result<DVec3, Fault> {
+    fn vertex(&self, words: &[&str]) -> Result<DVec3, FileFault> {
         let mut vertex = self.three_numbers(words)?;
         if let [_, _, _, weight] = words {
             let w = self.number(weight)?;
             if w == 0.0 || !w.is_finite() {
                 let message =
                     format!("{:?} is not a weight; expected a finite number that is not 0", shortened(weight));
-                return Err((self.position(weight), message));
+                return Err(self.fault(weight, message));
             }
             vertex /= w;
         }
         match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > LARGEST_COORDINATE) {
-            Some(k) => Err((
-                self.position(words[k]),
-                format!("{:?} is not a finite coordinate; expected one within ±1e30", shortened(words[k])),
-            )),
+            Some(k) => {
+                let message =
+                    format!("{:?} is not a finite coordinate; expected one within ±1e30", shortened(words[k]));
+                Err(self.fault(words[k], message))
+            }
             None => Ok(vertex),
         }
     }
 
-    fn three_numbers(&self, words: &[&str]) -> Result<DVec3, Fault> {
+    fn three_numbers(&self, words: &[&str]) -> Result<DVec3, FileFault> {
         let [x, y, z, ..] = words else {
-            let start = self.position(self.text.trim_ascii_start());
-            return Err((start, format!("has {} numbers; expected three", words.len())));
+            let message = format!("has {} numbers; expected three", words.len());
+            return Err(self.fault(self.text.trim_ascii_start(), message));
         };
         Ok(DVec3::new(self.number(x)?, self.number(y)?, self.number(z)?))
     }
 
-    fn number(&self, word: &str) -> Result<f64, Fault> {
-        word.parse().map_err(|_| (self.position(word), format!("{:?} is not a number; expected one", shortened(word))))
+    fn number(&self, word: &str) -> Result<f64, FileFault> {
+        word.parse().map_err(|_| self.fault(word, format!("{:?} is not a number; expected one", shortened(word))))
     }
 
-    fn not_a_corner(&self, word: &str) -> Fault {
+    fn not_a_corner(&self, word: &str) -> FileFault {
         let message = format!("{:?} is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1", shortened(word));
-        (self.position(word), message)
+        self.fault(word, message)
     }
 }
