@@ -1,13 +1,13 @@
 //! Color: CIE spaces and the rearrangements of RGB against other implementations and against themselves; a stimulus'
 //! color as text; ramps between two colors.
 
-use super::{Draw as _, golden};
+use super::{golden, ramp::band};
+use machband::light::Depth;
 use machband::light::color::{
     cmy_from_rgb, cmyk_from_rgb, hls_from_rgb, hsv_from_rgb, hue, lab_from_xyz, luv_from_xyz, rgb_from_cmyk,
     rgb_from_hls, rgb_from_hsv, rgb_from_xyz, wrapped_deg, xyy_from_xyz, xyz_from_lab, xyz_from_luv, xyz_from_rgb,
     xyz_from_xyy,
 };
-use machband::light::{Bits, Depth, Quantizer, Transfer, Transfers};
 use machband::stimulus::{MachBand, ParameterValue, RampSpace, StimulusColor};
 use proptest::prelude::*;
 
@@ -292,42 +292,11 @@ fn hues_take_the_shorter_arc() {
     assert_near(&at("blue", "red", 0.0, 0.0), &color("hsv:300,1,0.5").rgb(), 1e-6, "from black");
 }
 
-fn quantizers() -> [Quantizer; 2] {
-    let differing = Transfers::new([Transfer::Gamma(2.0), Transfer::Gamma(0.45), Transfer::Srgb]);
-    [Transfer::Srgb.into(), differing].map(|transfers| Quantizer::new(transfers, Bits::Eight))
-}
-
-fn space() -> impl Strategy<Value = RampSpace> {
-    prop_oneof![Just(RampSpace::Rgb), Just(RampSpace::Hsv), Just(RampSpace::Lab)]
-}
-
-fn some_color() -> impl Strategy<Value = StimulusColor> {
-    prop_oneof![
-        Just(StimulusColor::YELLOW),
-        Just(StimulusColor::GRAY),
-        Just(color("red")),
-        Just(color("cyan")),
-        rgb().prop_filter("dark", |rgb| *rgb != [0.0; 3]).prop_map(color_of),
-    ]
-}
-
-prop_compose! {
-    fn two_colors()(
-        width in prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0f64],
-        depth in prop_oneof![Just(Depth::Infinite), (1..=5u32).prop_map(|n| Depth::finite(n).unwrap())],
-        orientation_deg in prop_oneof![Just(0.0), Just(90.0), Just(270.0), Just(45.0), 0.0..360.0f64],
-        a in unit(), b in unit(), color in some_color(), color_high in prop::option::of(some_color()), space in space(),
-    ) -> MachBand {
-        let (low, high) = (a.min(b), a.max(b));
-        MachBand { width, depth, orientation_deg, low, high, color, color_high, space, ..MachBand::default() }
-    }
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]
-    fn every_ramp_is_within_the_gamut_and_ends_at_its_plateaus(band in two_colors(), x in -0.5..=0.5f64) {
+    fn every_ramp_is_within_the_gamut_and_ends_at_its_plateaus(band in band(), x in -0.5..=0.5f64) {
         prop_assert_eq!(band.validate(), Ok(()));
         prop_assert!(band.ramp().light_at(x).iter().all(|light| (0.0..=1.0).contains(light)));
         let plateau = |color: StimulusColor, level: f64| color.rgb().map(|weight| weight * level);
@@ -348,24 +317,9 @@ proptest! {
         }
     }
 
-    #[test]
-    fn codes_are_those_of_the_light(band in two_colors(), size in prop_oneof![8 => 1u32..80, 1 => 256..300u32]) {
-        let linear = band.linear(size);
-        for quantizer in quantizers() {
-            let codes = band.codes(size, &quantizer);
-            prop_assert!(codes == quantizer.quantize(&linear));
-        }
-        if band.orientation_deg == 0.0 {
-            for ix in 0..size {
-                let x = (2.0 * f64::from(ix) + 1.0 - f64::from(size)) / (2.0 * f64::from(size));
-                prop_assert_eq!(linear.pixel(ix, 0), band.ramp().light_at(x).map(|light| light as f32));
-            }
-        }
-    }
-
     /// One color, straight in RGB or HSV, changes in luminance only.
     #[test]
-    fn one_color_changes_in_luminance_only(mut band in two_colors(), x in -0.5..=0.5f64, named in any::<bool>()) {
+    fn one_color_changes_in_luminance_only(mut band in band(), x in -0.5..=0.5f64, named in any::<bool>()) {
         band.color_high = named.then_some(band.color);
         if band.space != RampSpace::Lab {
             let luminance = band.ramp().luminance_at(x);
