@@ -20,7 +20,7 @@ use crate::{
     disk,
     run::{self, DEFINITIONS, Report},
     shim::{self, Fault, Hit, Log},
-    table::{Line, Table},
+    table::{Counts, Table},
 };
 
 /// What can go wrong with each call, the common ones more often.
@@ -133,8 +133,8 @@ impl Sweep {
             }
         });
         let (mut table, mut wrong) = (Table::default(), Vec::new());
-        for (number, (case, hits, line, faults)) in found.into_inner().unwrap() {
-            table.add(&case.faults, &hits, line);
+        for (number, (case, hits, counts, faults)) in found.into_inner().unwrap() {
+            table.add(&case.faults, &hits, counts);
             let seed = self.seed;
             wrong.extend(faults.iter().map(|what| format!("seed {seed}, case {number}: {what}\n    {case:?}")));
         }
@@ -225,8 +225,8 @@ impl Sweep {
         shim::run_with(&mut command, &case.faults, under, &folder.join("log"))
     }
 
-    /// One case: its line of the table, and what must not have been.
-    fn one(&self, number: usize) -> (Case, Vec<Hit>, Line, Vec<String>) {
+    /// One case: what the table counts, and what must not have been.
+    fn one(&self, number: usize) -> (Case, Vec<Hit>, Counts, Vec<String>) {
         let case = self.case(number);
         let folder = folder();
         let mut recorded = self.prepare(&case, folder.path());
@@ -235,8 +235,6 @@ impl Sweep {
         recorded.extend(report.rows.iter().cloned());
         let results = report.moved.clone().unwrap_or_else(|| folder.path().join("first"));
         let csv = disk::paths(&results, case.definition).csv;
-        let mut line =
-            Line { acknowledged: report.rows.len(), errors: usize::from(!report.errors.is_empty()), ..Line::default() };
         let mut wrong = Vec::new();
 
         wrong.extend(unreported(&ended, &report, &log, folder.path()));
@@ -244,14 +242,14 @@ impl Sweep {
             let faults = disk::faults_of_ended(&results, case.definition, &self.planned[case.definition]);
             wrong.extend(faults.into_iter().map(|fault| format!("called complete, but {fault}")));
         }
-        line.silent = wrong.len();
+        let silent = wrong.len();
         let lost = |when: &str| -> Vec<String> {
             let kept = disk::lines(&csv);
             recorded.iter().filter(|row| !kept.contains(row)).map(|row| format!("lost {when}: {row}")).collect()
         };
         let unparsable = disk::unparsable(folder.path(), case.definition);
         let gone = lost("by the fault");
-        (line.unparsable, line.lost) = (unparsable.len(), gone.len());
+        let (files, mut rows_lost) = (unparsable.len(), gone.len());
         wrong.extend(unparsable.into_iter().chain(gone));
 
         // A while later, undisturbed.
@@ -266,7 +264,7 @@ impl Sweep {
         }
         faults.extend(disk::faults_of_ended(&results, case.definition, &self.planned[case.definition]));
         let gone = lost("by resume");
-        line.lost += gone.len();
+        rows_lost += gone.len();
         faults.extend(gone);
         faults.extend(disk::unparsable(folder.path(), case.definition));
         let undeletable = log.hits.iter().any(|hit| hit.op == "unlink");
@@ -274,9 +272,16 @@ impl Sweep {
         if !undeletable && !left.is_empty() {
             faults.push(format!("left behind: {left:?}"));
         }
-        line.resumed = usize::from(faults.is_empty());
+        let counts = vec![
+            ("showed an error", usize::from(!report.errors.is_empty())),
+            ("rows reported", report.rows.len()),
+            ("rows lost", rows_lost),
+            ("files unparsable", files),
+            ("silent", silent),
+            ("resumed", usize::from(faults.is_empty())),
+        ];
         wrong.extend(faults);
-        (case, log.hits, line, wrong)
+        (case, log.hits, counts, wrong)
     }
 }
 

@@ -299,11 +299,6 @@ impl Harness {
         self.xdotool(&["key", key]);
     }
 
-    pub fn window_found(&self) -> bool {
-        let arguments = ["search", "--onlyvisible", "--name", "^machband$"];
-        self.command("xdotool").args(arguments).output().unwrap().status.success()
-    }
-
     /// From whatever page there is to a stimulus. Space only continues, so it can be pressed until it has had its effect.
     pub fn stimulus(&mut self) {
         let mut pressed = Instant::now();

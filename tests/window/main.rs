@@ -250,29 +250,6 @@ fn a_lost_results_folder_loses_no_answer() {
     );
 }
 
-/// A stimulus larger than the window is found before anything is recorded.
-#[test]
-fn a_window_too_small_for_the_stimulus_is_refused() {
-    let Some(mut harness) = Harness::new() else { return };
-    // At 50 cm and 96 pixels an inch 40° are 1376 pixels.
-    let text = SWIFT.replace("swift", "large").replace("[recovery]", "[viewing]\nwindow_deg = 40.0\n[recovery]");
-    let definition = harness.definition("large", &text);
-    harness.run(&definition, &["--seed", "7", "--windowed"]);
-    harness.until("the window", |harness| harness.window_found());
-    harness.at_rest();
-    let findings = harness.screen();
-    harness.press("space");
-    harness.press("Return");
-    harness.at_rest();
-    assert!(!harness.csv("large").exists(), "a session began");
-    assert!(harness.ended().is_none());
-    assert!(harness.screen() == findings, "the page changed");
-    // Esc leaves, with nothing written.
-    harness.press("Escape");
-    assert!(harness.wait_for_end().success());
-    assert!(!harness.dir.path().join("results").exists());
-}
-
 /// Without a display the program says what to do, in one sentence; no display server is needed to see that.
 #[test]
 fn without_a_display_there_is_one_sentence() {
