@@ -14,7 +14,7 @@ const CARD_ASPECT: f32 = 53.98 / 85.60;
 const PADDING: f32 = 24.0;
 /// Least room between the dialog and the window's edge, points.
 const AROUND: f32 = 8.0;
-/// Room for the number beside the slider, points.
+/// Room for the slider's number, points.
 const NUMBER: f32 = 80.0;
 /// Smallest outline, physical pixels.
 const LEAST_PX: f32 = 100.0;

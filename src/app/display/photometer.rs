@@ -22,7 +22,7 @@ use crate::{
 const READING_S: f64 = 5.0;
 /// Steps of a curve in the plot.
 const STEPS: usize = 100;
-/// Room for the numbers beside a plot, points: the same for all, so that their encoded values line up.
+/// Room for the numbers of a plot's axis, points: the same for all, so that their encoded values line up.
 const AXIS_ROOM: f32 = 80.0;
 
 /// The settings.

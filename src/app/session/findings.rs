@@ -84,7 +84,7 @@ pub fn all(
     let name = monitor.name.as_ref().map_or_else(|| "without a name".to_owned(), |name| format!("{name:?}"));
     let [width, height] = [monitor.width_px, monitor.height_px];
     let scale = format!("The system's scale is {scale}. Stimuli are drawn in physical pixels all the same.");
-    // The mode's own timing is exact; what the window is told is rounded.
+    // The mode's own timing is exact; the window system rounds it.
     let reported = platform.refresh_hz.or(monitor.refresh_hz);
     let refresh = match reported {
         Some(hz) => format!("The system reports {hz:.3} Hz."),

@@ -25,7 +25,7 @@ use crate::{
     store::{StoreError, sidecar::PreflightNote},
 };
 
-/// Textures kept: the stimulus on the screen and the one that comes next.
+/// Number of textures in memory: the stimulus on the screen and the one that comes next.
 const TEXTURES_KEPT: usize = 2;
 /// How long the cursor stays after the mouse moved, where the scale can be clicked, seconds.
 const CURSOR_S: f64 = 2.0;
@@ -239,7 +239,7 @@ impl Trials {
             Ok(()) => {
                 self.trouble = None;
                 self.session.step(Event::Stored, now);
-                // The eye has looked at this page and not at the field: the field starts anew.
+                // The participant has looked at this page and not at the field, so the recovery starts over.
                 self.session.step(Event::Pause, now);
                 self.session.step(Event::Resume, now);
             }

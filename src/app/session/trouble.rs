@@ -1,4 +1,4 @@
-//! The page that stands while an answer could not be saved. The answer is kept in memory until it is on disk.
+//! The page that is shown while an answer could not be saved. The answer stays in memory until it is on disk.
 
 use std::path::PathBuf;
 
@@ -44,7 +44,7 @@ impl Trouble {
             let mut remedy = Remedy::None;
             ui.heading("The last answer could not be saved");
             ui::fault(ui, &self.what);
-            ui.label("Nothing is lost: every answer of this session is kept in memory. Please call the experimenter. The session resumes when the answers are saved.");
+            ui.label("Nothing is lost: every answer of this session is still in memory. Please call the experimenter. The session continues when the answers are saved.");
             ui.add_space(12.0);
             if ui::primary(ui, "Try again", true, "") {
                 remedy = Remedy::Retry;

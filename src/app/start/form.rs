@@ -207,7 +207,7 @@ impl Form {
     }
 }
 
-/// Why results cannot go there, as far as one can tell without writing.
+/// Why results cannot be saved there, as far as this can be known without writing.
 fn results_fault(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
         return Some("no folder is given; expected a path".to_owned());

@@ -17,7 +17,7 @@ use crate::{
     store::definition::BUILT_IN,
 };
 
-/// Side of the picture beside the form, physical pixels.
+/// Side of the example below the form, physical pixels.
 const PICTURE_PX: u32 = 180;
 
 /// Where Home leads.
@@ -261,7 +261,9 @@ impl Home {
             ui.checkbox(&mut self.full_screen, "Full screen");
             if self.form.gray || has_color {
                 let gray = ui.checkbox(&mut self.form.gray, "In gray");
-                gray.on_hover_text("For someone with a color deficiency. The experiment's name then ends in -gray.");
+                gray.on_hover_text(
+                    "For participants with a color vision deficiency. The experiment's name then ends in -gray.",
+                );
             }
         };
         let field = Field::new("Screen").column(LABELS);
@@ -296,7 +298,7 @@ impl Home {
 
     fn other_pages(&mut self, ui: &mut egui::Ui, checked: &Checked) -> Option<Destination> {
         let buttons = |ui: &mut egui::Ui| {
-            // Three beside each other, so that the example below needs no scrolling.
+            // All three in one line, so that the example below needs no scrolling.
             ui.spacing_mut().button_padding.x = 8.0;
             let [gallery, shading, analysis] =
                 ["Gallery of stimuli…", "Shading demo…", "Analyze results…"].map(|text| ui.button(text).clicked());
@@ -312,7 +314,7 @@ impl Home {
         Field::new("").column(LABELS).show(ui, |ui, _| ui.horizontal_wrapped(buttons).inner)
     }
 
-    /// A Mach band to look at while deciding.
+    /// A Mach band as an example.
     fn example(&mut self, ui: &mut egui::Ui) {
         let texture = self.picture.get_or_insert_with(|| {
             let stimulus = Stimulus::MachBand(MachBand::default());

@@ -1,7 +1,7 @@
 //! Pictures put on the screen pixel for pixel, by a shader that does nothing else.
 //!
-//! egui's own shader filters, tints and dithers whatever it draws, and where the graphics card is the processor it takes
-//! ten times as long for the same codes.
+//! egui's own shader filters, tints and dithers whatever it draws. Where the processor does the work of a graphics card,
+//! it takes ten times as long for the same codes.
 
 use std::sync::{Arc, OnceLock};
 
@@ -26,7 +26,7 @@ struct Corner { @builtin(position) at: vec4<f32>, @location(0) texel: vec2<f32> 
 /// Four corners of four numbers.
 const CORNERS: u64 = 4 * 4 * 4;
 
-/// Where egui keeps its textures, and how they get there.
+/// egui's textures, and what is needed to upload one.
 #[derive(Clone)]
 struct Textures {
     renderer: Arc<RwLock<Renderer>>,
@@ -34,10 +34,10 @@ struct Textures {
     queue: wgpu::Queue,
 }
 
-/// The shader, kept with egui's own.
+/// The shader, stored with egui's own.
 struct Pipeline(wgpu::RenderPipeline);
 
-/// Makes the shader. Where there is no graphics, or the screen's format would change codes, egui draws.
+/// Makes the shader. Without graphics, or where the screen's format would change codes, egui draws instead.
 pub fn install(cc: &CreationContext<'_>) {
     let Some(state) = cc.wgpu_render_state.as_ref().filter(|state| !state.target_format.is_srgb()) else { return };
     let pipeline = pipeline(state);
@@ -116,8 +116,8 @@ pub struct Part {
     pub size: [f32; 2],
 }
 
-/// Brings a new picture to the graphics at once: egui does so only when the frame is drawn, and the frame that shows a
-/// picture first is the one that counts. `false` where there are no graphics.
+/// Uploads a new picture at once: egui does so only when the frame is drawn, and the first frame that shows a picture is
+/// the one that counts. `false` without graphics.
 pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::ImageDelta) -> bool {
     let found: Option<Textures> = ctx.data(|data| data.get_temp(Id::NULL));
     let Some(Textures { renderer, device, queue }) = found else { return false };
@@ -125,8 +125,8 @@ pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::Ima
     true
 }
 
-/// Draws a part of a picture pixel for pixel; `false` where egui has to, since the picture has not reached the graphics
-/// yet or there are none.
+/// Draws a part of a picture pixel for pixel; `false` where egui has to, because the picture is not uploaded yet or there
+/// are no graphics.
 pub fn draw(ui: &egui::Ui, texture: TextureId, part: Part) -> bool {
     let Some(Textures { renderer, .. }) = ui.ctx().data(|data| data.get_temp(Id::NULL)) else { return false };
     let Some(codes) = renderer.read().texture(&texture).map(|texture| texture.bind_group.clone()) else {
@@ -178,7 +178,7 @@ impl CallbackTrait for Blit {
         let (Some(Pipeline(pipeline)), Some(corners)) = (resources.get::<Pipeline>(), self.corners.get()) else {
             return;
         };
-        // The whole window: a picture that reaches beyond its edge is not squeezed.
+        // The whole window, so that a picture that reaches beyond its edge is not squeezed.
         let [width, height] = info.screen_size_px.map(|side| side as f32);
         pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
         pass.set_pipeline(pipeline);

@@ -1,4 +1,4 @@
-//! The desktop's own file dialogs, on a thread of their own so that the window goes on drawing.
+//! The desktop's own file dialogs, on a thread of their own so that the window is still drawn.
 
 use std::{
     path::PathBuf,
@@ -31,8 +31,8 @@ pub struct Dialog {
 }
 
 impl Dialog {
-    /// The button that opens the dialog, called `name` for someone who does not see it. Puts what is chosen into `path`,
-    /// and gives whether that has happened.
+    /// The button that opens the dialog, called `name` for a screen reader. Puts what is chosen into `path`, and gives
+    /// whether anything was.
     pub fn browse(&mut self, ui: &mut egui::Ui, ask: Ask, name: &str, path: &mut String) -> bool {
         let button = ui.button("Browse…");
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));

@@ -11,7 +11,7 @@ use super::text;
 
 /// A page narrower than this many widths of its label column has the labels above the controls.
 const NARROW: f32 = 2.7;
-/// Room for the number beside a slider, points.
+/// Room for a slider's number, points.
 const NUMBER: f32 = 62.0;
 /// Least room for a slider and its number on a line that has begun, points.
 const SLIDER: f32 = 190.0;
@@ -39,7 +39,7 @@ impl<'a> Field<'a> {
         Self { column: Some(width), ..self }
     }
 
-    /// Another name than the label for someone who does not see the page.
+    /// Another name than the label, for screen readers.
     pub fn named(self, name: &'a str) -> Self {
         Self { name: Some(name), ..self }
     }

@@ -10,7 +10,7 @@
 //! | [`plot`] | plots that do not drag; tables |
 //! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
 //! | [`screen`], [`platform`] | the monitor, and what the window system knows of it |
-//! | [`work`] | what is computed while the window goes on drawing |
+//! | [`work`] | long computations, while the window is still drawn |
 
 pub mod blit;
 pub mod dialog;

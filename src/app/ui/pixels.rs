@@ -75,8 +75,8 @@ pub fn field(quantizer: &Quantizer, light: [f32; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// Reserves room for a picture in a page and draws it there, pixel for pixel. `label` tells what it shows to someone who
-/// does not see it.
+/// Reserves room for a picture in a page and draws it there, pixel for pixel. `label` says what it shows, for screen
+/// readers.
 pub fn picture(ui: &mut egui::Ui, texture: &TextureHandle, label: &str) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(texture.size_vec2() / ui.ctx().pixels_per_point(), Sense::hover());
     describe(&response, label);

@@ -1,6 +1,6 @@
-//! What the window system knows of the screen beyond what the window is told: whether codes reach it unchanged.
+//! What the window system knows about the screen: above all, whether codes reach it unchanged.
 //!
-//! X11 tells most of it by RandR. Where nothing tells, a question to the person at the screen takes its place.
+//! X11 reports most of it through RandR. What no system reports, the preflight asks the person at the screen.
 
 use serde::Serialize;
 use x11rb::{
@@ -14,7 +14,7 @@ use x11rb::{
 
 use super::screen::Monitor;
 
-/// What is known; `None` where the system does not tell.
+/// What is known; `None` where the system does not report it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Platform {
     /// `X11`, `Wayland`, or the system's name.
@@ -58,7 +58,7 @@ impl Platform {
         }
     }
 
-    /// Adds what the X server tells; `None` where it does not answer.
+    /// Adds what the X server reports; `None` where it does not answer.
     fn ask_x11(mut self, monitor: &Monitor) -> Option<Self> {
         let (x, number) = RustConnection::connect(None).ok()?;
         let root = x.setup().roots.get(number)?.root;

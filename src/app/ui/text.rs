@@ -24,7 +24,7 @@ pub fn note(ui: &mut Ui, text: impl Into<String>) {
     small(ui, text, NOTE);
 }
 
-/// What is wrong, beside the field or button that it is about.
+/// What is wrong, next to the field or button concerned.
 pub fn fault(ui: &mut Ui, text: impl Into<String>) {
     small(ui, text, FAULT);
 }
@@ -38,7 +38,7 @@ fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
     paragraph(ui, RichText::new(text).small().color(color));
 }
 
-/// What came of something that was asked for, if anything was.
+/// The outcome of an action, where there was one.
 pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
     match outcome {
         Some(Ok(done)) => hint(ui, done),
@@ -71,12 +71,12 @@ pub fn signed(number: &str) -> String {
     number.replace('-', "−")
 }
 
-/// Tells someone who does not see a picture or a plot what it shows.
+/// Describes a picture or a plot for screen readers.
 pub fn describe(response: &Response, text: &str) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, text));
 }
 
-/// Gives a control a name of its own for someone who does not see it.
+/// Gives a control a name of its own for screen readers.
 pub fn name(ui: &Ui, response: &Response, name: &str) {
     let ctx: &egui::Context = ui.ctx();
     ctx.accesskit_node_builder(response.id, |node| node.set_label(name));

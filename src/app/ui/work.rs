@@ -1,4 +1,4 @@
-//! What takes its time is computed on a thread of its own, so that the window goes on drawing.
+//! Long computations on threads of their own, so that the window is still drawn.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 

@@ -78,7 +78,7 @@ struct Handler<'a> {
     polled: Option<Instant>,
     /// When the last round was over.
     idle_since: Option<Instant>,
-    /// Since when nobody has looked at what arrives.
+    /// Since when no event has been read.
     unseen_since: Instant,
 }
 
@@ -95,8 +95,8 @@ impl<'a> Handler<'a> {
         }
     }
 
-    /// A round begins: what it finds has arrived since the one before looked, or, where that went to sleep with nothing
-    /// to do, has just woken it.
+    /// A round begins: its events have arrived since the round before read them, or, where that went to sleep with nothing
+    /// to do, have just woken it.
     fn wake(&mut self, now: Instant) {
         let slept = self.idle_since.is_some_and(|since| now.saturating_duration_since(since) > SLEPT);
         self.unseen_since = if slept { now } else { self.polled.take().unwrap_or(now) };

@@ -1,6 +1,6 @@
 //! Keys and clicks, stamped when the window system hands them over and not when the frame comes that answers them.
 //!
-//! The event loop stamps ([`Stamps::press`]); the session asks for the stamp of a key that egui tells it of
+//! The event loop stamps ([`Stamps::press`]); the session asks for the stamp of a key that egui reports
 //! ([`Input::key`]). Without an event loop of our own, as in tests, nothing is stamped and the frame's time stands in.
 
 use std::{
@@ -34,7 +34,7 @@ struct Press {
 pub struct Stamps(Arc<Mutex<Vec<Press>>>);
 
 impl Stamps {
-    /// Something was pressed, and nobody had looked for `unseen` before.
+    /// Something was pressed, and events had last been read `unseen` before.
     pub fn press(&self, what: Pressed, at: Instant, unseen: Duration) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(Press { what, at, unseen });
     }
@@ -143,4 +143,4 @@ impl InputReport {
 }
 
 /// What a stamp means.
-const STAMPED: &str = "A rating is stamped when the window system hands over the key or click, before the frame that answers it. It may have waited since the program last looked, which it does not do while it draws: at most response_uncertainty_s. What keyboard, cable and window system need before is not in it.";
+const STAMPED: &str = "A rating is stamped when the window system hands over the key or click, before the frame that answers it. It may have waited since the program last read events, which it does not do while it draws: at most response_uncertainty_s. The delays of keyboard, cable and window system are not included.";

@@ -36,14 +36,14 @@ pub enum WindowError {
 }
 
 fn lost(reason: &str, rows: Option<&Path>) -> String {
-    let (place, kept) = match rows {
+    let (place, expected) = match rows {
         Some(rows) => (
             rows.display().to_string(),
             "every answer that was saved is there; expected the same command with --resume, or Home with the same participant and session, to resume it",
         ),
         None => ("display".to_owned(), "expected a window system and graphics that stay"),
     };
-    format!("{place}: the window was lost ({reason}); {kept}")
+    format!("{place}: the window was lost ({reason}); {expected}")
 }
 
 /// What runs in the window.

@@ -128,7 +128,7 @@ impl Matching {
         }
     }
 
-    /// Accepts the patch as it is, and goes on to the next picture.
+    /// Accepts the patch as it is, and shows the next picture.
     pub fn accept(&mut self) -> Option<Match> {
         let accepted = self.shown?;
         self.done.push(accepted);
@@ -136,7 +136,7 @@ impl Matching {
         Some(accepted)
     }
 
-    /// Takes the last match back and shows it again as it was accepted. Gives the match that no longer counts.
+    /// Takes back the last match and shows it again as it was accepted. Gives the match that no longer counts.
     pub fn undo(&mut self) -> Option<Match> {
         self.shown = Some(self.done.pop()?);
         self.shown
