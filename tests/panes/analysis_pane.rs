@@ -121,6 +121,12 @@ fn click_and_rest(window: &mut Window, label: &str) {
     rest(window);
 }
 
+fn enter_terms(window: &mut Window, terms: &str) {
+    type_into(window, "Terms", terms);
+    window.key_press(Key::Enter);
+    rest(window);
+}
+
 /// That the window shows the document of these results, section by section.
 fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     let figures = figures::all(results);
@@ -184,21 +190,18 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     rest(&mut window);
     click(&mut window, "Model");
     assert_has(&window, "probit link");
-    let enter = |window: &mut Window, terms: &str| {
-        type_into(window, "Terms", terms);
-        window.key_press(Key::Enter);
-        rest(window);
-    };
-    enter(&mut window, "width,nothing");
-    window.get_by_label("nothing: no such factor; expected one of width, depth");
-    enter(&mut window, "width,,depth");
-    assert_has(&window, "an empty name");
-    enter(&mut window, "num:width");
-    assert_has(&window, "probit link, terms num:width");
+    for (terms, expected) in [
+        ("width,nothing", "nothing: no such factor; expected one of width, depth"),
+        ("width,,depth", "an empty name"),
+        ("num:width", "probit link, terms num:width"),
+    ] {
+        enter_terms(&mut window, terms);
+        assert_has(&window, expected);
+    }
     click(&mut window, "Copy as command");
     assert_has(&window, "--terms num:width --link probit");
     // A column that is no factor of the design becomes one when the model needs it.
-    enter(&mut window, "width,repetition");
+    enter_terms(&mut window, "width,repetition");
     wait_for(&mut window, "repetition: 3 of 3 levels");
     rest(&mut window);
     assert_has(&window, "probit link, terms width, repetition");
@@ -250,27 +253,18 @@ fn filters_narrow_the_analysis_and_its_export() {
     window.get_by_label("72 ratings of 4 participants.");
 }
 
-/// One person is described, not tested.
+/// Where one participant is left of several, the ratings are described and not tested.
 #[test]
 fn one_participant_has_no_p_values() {
-    let (_folder, data_set) = study(1);
-    let mut window = opened(&data_set);
-    assert_has(&window, "nothing follows from them for other people");
-    for tab in ["Model", "Rank tests"] {
-        click(&mut window, tab);
-        assert!(!has(&window, "Sort by p") && !has(&window, "Does each term matter?"), "{tab}");
-    }
-    assert_has(&window, "With one participant there is nothing to test.");
-    // And the same where one is left of several.
     let (_folder, data_set) = study(2);
-    drop_on(&mut window, &[&data_set]);
-    wait_for(&mut window, "Participants: 2 of 2");
-    rest(&mut window);
+    let mut window = opened(&data_set);
     click(&mut window, "Rank tests");
     assert!(has(&window, "Sort by p"));
     click_and_rest(&mut window, "Participants: 2 of 2");
     click_and_rest(&mut window, "Participant S001");
     assert_has(&window, "With one participant there is nothing to test.");
+    click(&mut window, "Model");
+    assert!(!has(&window, "Sort by p") && !has(&window, "Does each term matter?"));
 }
 
 /// Nothing to show, something that is not there, a file with a fault in it, and what the results folder has.
