@@ -4,7 +4,7 @@ use super::{
     axes::{EDGE, TEXT},
     figure::Figure,
     labels,
-    palette::{AXIS, Stroke, WHITE, category},
+    palette::{AXIS, Rgb, Stroke, WHITE, category},
     regroup::{by_interest, evenly, project},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
@@ -83,25 +83,26 @@ fn tallies(counts: &Counts) -> Vec<Vec<Vec<u64>>> {
 }
 
 impl Chart<'_> {
-    fn factor(&self, index: usize) -> Option<&Factor> {
-        self.counts.factors.get(index)
-    }
-
     fn figure(&self, title: String, caption: String) -> Figure {
         let size = self.size;
         let abreast =
             if self.panels.len() <= ABREAST { self.panels.len() } else { self.panels.len().div_ceil(2).min(ABREAST) };
-        let left = EDGE + if self.factor(0).is_some() { 1.5 * size + self.label + 10.0 } else { 0.0 };
+        let left = EDGE + if self.counts.factors.first().is_some() { 1.5 * size + self.label + 10.0 } else { 0.0 };
         let (right, gap) = (WIDTH - 1.5 * size, 1.2 * size);
         let width = (right - left + gap) / abreast as f64 - gap;
-        let legend = self.legend_places();
-        let lines = legend.last().map_or(1.0, |(_, (_, line))| line + 1.0);
-        let heading = if self.factor(1).is_some() { 1.7 * size } else { 0.3 * size };
+        let legend = self.legend();
+        let lines = legend.last().map_or(1.0, |(.., line)| line + 1.0);
+        let heading = if self.counts.factors.get(1).is_some() { 1.7 * size } else { 0.3 * size };
         let top = EDGE + (1.5 * lines + 0.3) * size;
         let block = heading + self.pitch * self.bars.len() as f64 + 2.3 * size;
         let bottom = top + block * self.panels.len().div_ceil(abreast) as f64;
         Figure::draw("proportions", title, caption, bottom + 1.6 * size + EDGE, |svg| {
-            self.legend(svg, &legend);
+            svg.text("Rating", (EDGE, EDGE + 0.5 * size), Font::new(size, Anchor::Start).bold());
+            for (color, name, x, line) in legend {
+                let y = EDGE + (0.5 + 1.5 * line) * size;
+                svg.rectangle((x, y - 0.45 * size), (x + 1.2 * size, y + 0.45 * size), color);
+                svg.text(&name, (x + 1.5 * size, y), Font::new(size, Anchor::Start));
+            }
             let tallies = tallies(self.counts);
             for (index, (level, name)) in self.panels.iter().enumerate() {
                 let (row, column) = (index / abreast, index % abreast);
@@ -119,7 +120,7 @@ impl Chart<'_> {
     /// A panel's heading and bars, with the axis below.
     fn panel(&self, svg: &mut Svg, name: &str, tallies: &[Vec<u64>], (left, top): Point, width: f64) {
         let (size, pitch) = (self.size, self.pitch);
-        if let Some(factor) = self.factor(1) {
+        if let Some(factor) = self.counts.factors.get(1) {
             // A text says what it is; a number does not.
             let heading = match factor.name.as_str() {
                 "depth" => format!("n = {name}"),
@@ -167,7 +168,7 @@ impl Chart<'_> {
 
     /// Names of the bars, and of their factor.
     fn names(&self, svg: &mut Svg, (left, top): Point) {
-        let Some(factor) = self.factor(0) else { return };
+        let Some(factor) = self.counts.factors.first() else { return };
         let (size, pitch) = (self.size, self.pitch);
         for (index, (_, name)) in self.bars.iter().enumerate() {
             let at = (left - 10.0, top + pitch * (index as f64 + 0.5));
@@ -179,35 +180,20 @@ impl Chart<'_> {
         svg.text(&title, at, Font::new(size, Anchor::Middle).upright());
     }
 
-    /// Entries of the legend: category, left end, and line.
-    fn legend_places(&self) -> Vec<(usize, Point)> {
-        let size = self.size;
+    /// Entries of the legend: color, name, left end and line.
+    fn legend(&self) -> Vec<(Rgb, String, f64, f64)> {
+        let (size, categories) = (self.size, &self.counts.categories);
         let first = EDGE + labels::width("Rating", 1.2 * size) + size;
         let (mut x, mut line) = (first, 0.0);
-        let mut places = Vec::new();
-        for index in evenly(self.counts.categories.len(), MOST_NAMED) {
-            let width = 2.6 * size + labels::width(&self.category(index), size);
+        let entry = |index: usize| {
+            let name = labels::fit(&labels::level(&categories[index]), 16.0 * size, size);
+            let width = 2.6 * size + labels::width(&name, size);
             if x + width > WIDTH - EDGE && x > first {
                 (x, line) = (first, line + 1.0);
             }
-            places.push((index, (x, line)));
             x += width;
-        }
-        places
-    }
-
-    fn category(&self, index: usize) -> String {
-        labels::fit(&labels::level(&self.counts.categories[index]), 16.0 * self.size, self.size)
-    }
-
-    fn legend(&self, svg: &mut Svg, places: &[(usize, Point)]) {
-        let size = self.size;
-        svg.text("Rating", (EDGE, EDGE + 0.5 * size), Font::new(size, Anchor::Start).bold());
-        for &(index, (x, line)) in places {
-            let y = EDGE + (0.5 + 1.5 * line) * size;
-            let color = category(index, self.counts.categories.len());
-            svg.rectangle((x, y - 0.45 * size), (x + 1.2 * size, y + 0.45 * size), color);
-            svg.text(&self.category(index), (x + 1.5 * size, y), Font::new(size, Anchor::Start));
-        }
+            (category(index, categories.len()), name, x - width, line)
+        };
+        evenly(categories.len(), MOST_NAMED).into_iter().map(entry).collect()
     }
 }
