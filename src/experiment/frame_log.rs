@@ -30,7 +30,7 @@ pub struct Stretch {
     pub attempt: u32,
     /// What was on the screen.
     pub shown: Shown,
-    /// The refresh that they were compared with, if known.
+    /// The refresh interval that they were compared with, if known.
     pub refresh: Option<Refresh>,
     /// How long each of them was shown, microseconds.
     pub intervals_us: Vec<u32>,

@@ -398,7 +398,7 @@ impl Protocol {
                     format!("key {key:?} cannot be an answer; expected a digit or a letter A–Z other than S"),
                 );
             } else if categories[..i].iter().any(|other| other.key.eq_ignore_ascii_case(&key)) {
-                faults.add(path, format!("key {key:?} appears twice; expected a key of its own for each answer"));
+                faults.add(path, format!("key {key:?} appears twice; expected a different key for each answer"));
             }
             if category.label.trim().is_empty() {
                 faults.add(format!("response.labels.{i}"), "the label is empty; expected what the answer means");
@@ -425,7 +425,7 @@ pub fn name_fault(name: &str) -> Option<String> {
             "name {name:?} is not allowed; expected lower-case letters, digits and hyphens, no hyphen first, at most 64, such as \"bangay2003\""
         ))
     } else if reserved {
-        Some(format!("name {name:?} is reserved by Windows; expected another"))
+        Some(format!("name {name:?} is reserved by Windows; expected another name"))
     } else {
         None
     }

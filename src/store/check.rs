@@ -1,4 +1,4 @@
-//! Is this file what it should be? Finds every fault, not the first only.
+//! Checks what a file is, and finds every fault in it, not only the first.
 
 use std::{collections::HashMap, path::Path};
 
@@ -16,7 +16,7 @@ use crate::{
 pub struct Checked {
     /// What it is.
     pub sentence: String,
-    /// The display profile, where it is one: what speaks against relying on it depends on the day.
+    /// The display profile, if it is one: whether it can be relied on depends on the day.
     pub profile: Option<DisplayProfile>,
 }
 
@@ -26,8 +26,8 @@ impl From<String> for Checked {
     }
 }
 
-/// Checks a definition, a display profile, an observer (`.toml`), a result file, a photometer's readings or the answers of a
-/// nulling (`.csv`), an image (`.png`), or a built-in definition by its name, and says in one sentence what it is.
+/// Checks a definition, a display profile, an observer (`.toml`), a result file, a photometer's readings or matches by eye
+/// (`.csv`), an image (`.png`), or a built-in definition by its name, and says in one sentence what it is.
 ///
 /// # Errors
 /// Every fault.
@@ -56,7 +56,7 @@ pub fn check(name_or_path: &str) -> Result<Checked, FileFaults> {
     sentence.map(Checked::from)
 }
 
-/// The kinds of TOML file differ in a key that each must have.
+/// Each kind of TOML file has a required key that the others lack.
 fn check_toml(file: &str, text: &str) -> Result<Checked, FileFaults> {
     let document = Document::parse(file, text)?;
     if document.has("transfer") || document.has("channels") {

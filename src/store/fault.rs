@@ -164,7 +164,7 @@ impl StoreError {
         }
     }
 
-    /// The system refused to do something with a path.
+    /// An I/O error, with the path and what was tried.
     pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
         Self::Io { path: path.to_owned(), action, source }
     }

@@ -173,12 +173,12 @@ pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
 
 /// A file that only grows, locked against a second program while it is open.
 ///
-/// Everything in it is also kept in memory, so that a disk that fails or vanishes takes nothing with it: the next call
-/// tries again, and [`AppendFile::move_to`] goes elsewhere.
+/// Its whole content is also kept in memory, so that nothing is lost if the disk fails or disappears: the next call tries
+/// again, and [`AppendFile::move_to`] continues in another place.
 #[derive(Debug)]
 pub(super) struct AppendFile {
     path: PathBuf,
-    /// None until the first write.
+    /// `None` until the first write.
     file: Option<File>,
     content: Vec<u8>,
     /// How much of the content is known to be in the file.
@@ -195,7 +195,7 @@ impl AppendFile {
         Self { path: path.to_owned(), file: None, content, written: 0, torn: None, durable }
     }
 
-    /// Opens and reads a file, and keeps every other program from it. It is not changed until the next write, which
+    /// Opens, locks and reads a file. It is not changed until the next write, which
     /// begins an empty file with `header`.
     ///
     /// # Errors

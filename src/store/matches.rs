@@ -33,7 +33,7 @@ struct Row {
 }
 
 impl MatchFile {
-    /// Creates the file, and the folder where there is none. No file is ever replaced.
+    /// Creates the file, and its folder if necessary. An existing file is never replaced.
     ///
     /// # Errors
     /// The system's refusal.
@@ -69,7 +69,7 @@ impl MatchFile {
         self.event("answer", number, found, time_s)
     }
 
-    /// Says that a match no longer counts.
+    /// Records that a match no longer counts.
     ///
     /// # Errors
     /// As [`MatchFile::accept`].
@@ -128,7 +128,10 @@ fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
     let channel: Channel = channel.parse().map_err(|error| (2, format!("{error}")))?;
     let rows = Rows { lit: number(5, lit)?, period: number(6, period)?, row_px: number(7, row_px)? };
     if rows.lit == 0 || rows.lit >= rows.period || rows.row_px == 0 {
-        return Err((5, format!("{lit} of {period} rows of {row_px} pixels; expected at least one lit and one not")));
+        return Err((
+            5,
+            format!("{lit} of {period} rows of {row_px} pixels; expected at least one lit row and one dark row"),
+        ));
     }
     let found = Match { channel, rows, code: number(10, patch)? };
     let is_match = judgement == "matched" && (lo, hi) == ("0", "255");
@@ -136,5 +139,5 @@ fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
 }
 
 fn number<T: std::str::FromStr>(cell: usize, text: &str) -> Result<T, (usize, String)> {
-    text.parse().map_err(|_| (cell, format!("{text:?} is not a whole number of its range; expected one")))
+    text.parse().map_err(|_| (cell, format!("{text:?} is not a whole number in range; expected one")))
 }

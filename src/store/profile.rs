@@ -222,9 +222,8 @@ fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<Luminanc
         [Some(black_cd_m2), Some(white_cd_m2)] if black_cd_m2 < white_cd_m2 => {
             return Some(LuminanceRange { black_cd_m2, white_cd_m2 });
         }
-        [Some(black), Some(white)] => {
-            document.fault(names[1], format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected more"))
-        }
+        [Some(black), Some(white)] => document
+            .fault(names[1], format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected a larger number")),
         [black, white] => {
             for (given, (name, other)) in [black, white].iter().zip([(names[0], names[1]), (names[1], names[0])]) {
                 if given.is_some() {

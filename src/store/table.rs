@@ -160,7 +160,7 @@ fn cell_start(row: &[u8], separator: u8, cell: usize) -> usize {
     at
 }
 
-/// Hands on every row, the header first. A quote that is never closed costs its own line only.
+/// Passes on every row, the header first. A quote that is never closed affects its own line only.
 ///
 /// # Errors
 /// The content cannot be read.
@@ -183,8 +183,8 @@ pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut
     Ok(())
 }
 
-/// Reads the rows of a small table. `header` looks at the first row; where it finds fault with the first cell, the table
-/// is of another kind and its rows are left alone.
+/// Reads the rows of a small table. `header` checks the first row; if it finds a fault in the first cell, the table is of
+/// another kind and its rows are not read.
 ///
 /// # Errors
 /// Every fault with its line and column.
@@ -233,15 +233,15 @@ pub(super) fn parse<T>(
     if faults.is_empty() { Ok(rows) } else { Err(FileFaults(faults)) }
 }
 
-/// Faults a header that is not just this one.
+/// Checks that a header is exactly this one.
 ///
 /// # Errors
-/// That it is another.
+/// It is different.
 pub(super) fn exactly(header: &[&str], expected: &str) -> Result<(), CellFault> {
     if header.iter().copied().eq(expected.split(',')) {
         return Ok(());
     }
-    Err((0, format!("the header is another; expected {expected}")))
+    Err((0, format!("the header is different; expected {expected}")))
 }
 
 /// One line of CSV. A line break within a cell becomes a space, so that a line is a row.

@@ -89,7 +89,7 @@ impl<'t> Document<'t> {
     /// Reports a number at the top that is outside `least…most`.
     pub(super) fn check_range(&mut self, key: &str, value: f64, least: f64, most: f64) {
         if !(least..=most).contains(&value) {
-            self.fault(key, format!("{key} {value} is outside {least}…{most}; expected a number within"));
+            self.fault(key, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
         }
     }
 
@@ -166,7 +166,7 @@ fn remove(value: &mut Value, path: &str) -> bool {
     keys.get_mut(first).is_some_and(|inner| remove(inner, rest)) || keys.shift_remove(first).is_some()
 }
 
-/// What serde says of the value at `path`, as messages of this program say it.
+/// Rephrases serde's message about the value at `path` as this program's messages are phrased.
 fn explained(path: &str, error: &str) -> String {
     let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
     if error.starts_with("unknown field") {
@@ -197,7 +197,7 @@ fn explained(path: &str, error: &str) -> String {
     format!("{path} is {found}; expected {expected}")
 }
 
-/// That a table has no such key, and which it may have.
+/// The message that a table has no such key, with the keys that it may have.
 pub(super) fn unknown_key(table: &str, key: &str, known: &[&str]) -> String {
     let place = if table.is_empty() { String::new() } else { format!(" in [{table}]") };
     format!("unknown key {key:?}{place}; {}", expected_one_of(key, known))

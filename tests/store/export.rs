@@ -232,7 +232,7 @@ fn what_cannot_be_exported_is_named_and_nothing_is_written() {
     }
     let error = export(&results, &at("out"), Format::PsychDs, false).unwrap_err().to_string();
     assert!(error.contains("S001_session") && error.contains("S002_session"), "{error}");
-    assert!(error.contains("take for a formula") && error.contains("is not planned"), "{error}");
+    assert!(error.contains("treat as a formula") && error.contains("is not planned"), "{error}");
     assert!(!at("out").exists());
     for (path, text) in files.iter().zip(&before) {
         fs::write(path, text).unwrap();

@@ -461,7 +461,7 @@ mod faults {
             |column: &'static str, cell: &'static str| -> Damage { Box::new(move |file| set(file, 18, column, cell)) };
         let text = |change: fn(String) -> String| -> Damage { Box::new(move |file| edit(file, change)) };
         let bytes = |bytes: &'static [u8]| -> Damage { Box::new(move |file| fs::write(file, bytes).unwrap()) };
-        let interrupted = "as after an interrupted writing; expected a whole row (it is left out)";
+        let interrupted = "as after an interrupted write; expected a complete row (this one is left out)";
         let names = "expected one of row_id, experiment, subject_id, session_id, phase, block,";
         let latin: Damage = Box::new(|file| {
             let mut bytes = fs::read(file).unwrap();
@@ -539,7 +539,7 @@ mod faults {
         assert_eq!(
             said,
             [
-                "z_data.csv: all its 18 rows already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected every session once (it is left out)"
+                "z_data.csv: all its 18 rows already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected every session once (this file is left out)"
             ]
         );
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
@@ -570,7 +570,7 @@ mod faults {
         assert_eq!(
             source.faults[0].message,
             format!(
-                "is of the experiment small-one (definition {}) and is left out; expected of the experiment small-one (definition {}) as the other 2 files: only one is analyzed at a time",
+                "is a session of the experiment small-one (definition {}) and is left out; expected a session of the experiment small-one (definition {}) like the other 2 files: only one experiment is analyzed at a time",
                 hash(&other),
                 hash(&small()),
             )
@@ -582,8 +582,9 @@ mod faults {
         let said = super::faults(&[folder.path()], &ReadOptions::default());
         assert_eq!(said.len(), 1, "{said:?}");
         assert!(
-            said[0]
-                .contains("expected of the experiment third (no sidecar; further columns tanh_k) as the other 2 files"),
+            said[0].contains(
+                "expected a session of the experiment third (no sidecar; further columns tanh_k) like the other 2 files"
+            ),
             "{said:?}"
         );
     }
@@ -611,7 +612,7 @@ mod faults {
         assert_eq!(
             super::faults(&[&path, &more], &ReadOptions::default())[7..],
             [
-                "more.csv:1:1: is a table of counts by depth and is left out; expected a table of counts by width as the other file: only one is analyzed at a time"
+                "more.csv:1:1: is a table of counts by depth and is left out; expected a table of counts by width like the other file: only one experiment is analyzed at a time"
             ]
         );
     }

@@ -55,7 +55,7 @@ fn faults(session: &Recorded) -> Vec<FileFault> {
     for (row, line) in session.rows.iter().zip(2..) {
         for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
             let message = format!(
-                "{} is {cell:?}, which spreadsheets take for a formula; expected a text that begins otherwise",
+                "{} is {cell:?}, which spreadsheets treat as a formula; expected text that begins with another character",
                 column.name
             );
             faults.push(FileFault::at(&session.csv, (line, 1), message));
@@ -91,7 +91,7 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
         let known = subjects.entry(subject.to_ascii_lowercase()).or_insert(subject);
         if *known != subject {
             let message = format!(
-                "participant {subject} and participant {known} differ in upper and lower case only; expected names that differ otherwise"
+                "participant {subject} and participant {known} differ only in upper and lower case; expected IDs that differ in more than that"
             );
             faults.push(FileFault::whole(&session.csv, message));
         }

@@ -137,7 +137,7 @@ fn parse(name: &str, content: &[u8]) -> Result<ReadBack, FileFaults> {
     let (image, info) = decode(name, content, side_max)?;
     if let Some(parameters) = text(&info, SHADED_KEYWORD) {
         return Err(fail(format!(
-            "is a shaded mesh, which cannot be proved; expected an image of `stimulus` or `stimuli`. It was made with {parameters}"
+            "is a shaded mesh, which cannot be verified; expected an image of `stimulus` or `stimuli`. It was made with {parameters}"
         )));
     }
     let recipe = text(&info, KEYWORD)
@@ -184,7 +184,7 @@ pub fn prove_content(name: &str, content: &[u8]) -> Result<String, FileFaults> {
     }
     let expected = read.expected().map_err(&fail)?;
     if std::mem::discriminant(&expected.samples) != std::mem::discriminant(&image.samples) {
-        return Err(fail(format!("has another depth than its recipe; expected {} bits", recipe.bits)));
+        return Err(fail(format!("has a different bit depth than its recipe; expected {} bits", recipe.bits)));
     }
     let mut differing = (0..image.height)
         .flat_map(|y| (0..image.width).map(move |x| (x, y)))

@@ -70,8 +70,8 @@ fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
         let entries = std::fs::read_dir(&folder)
             .map_err(|error| format!("the folder {shown} cannot be read: {error}; expected a readable folder"))?;
         for entry in entries {
-            let entry =
-                entry.map_err(|error| format!("the folder {shown} cannot be read: {error}; expected all of it"))?;
+            let entry = entry
+                .map_err(|error| format!("the folder {shown} cannot be read: {error}; expected a readable folder"))?;
             // Hidden files are other programs': `._name.csv` beside every file that a Mac put on a foreign disk.
             if entry.file_name().to_string_lossy().starts_with('.') {
                 continue;

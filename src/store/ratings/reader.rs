@@ -126,7 +126,7 @@ fn trials(selection: &Selection) -> Trials {
     all
 }
 
-/// Hands on every row below the header, with its cells or what is wrong with them.
+/// Passes on every row below the header, with its cells or what is wrong with them.
 fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowFault>)) -> std::io::Result<()> {
     let (header, mut is_header) = (&input.header, true);
     table::each_row(header.content(&input.path), header.separator, |row| {
@@ -280,13 +280,14 @@ impl FileReader<'_> {
         self.read.sha256 = sha256(self.input);
         let mut faults = Vec::new();
         if let Some(error) = error {
-            let message = format!("cannot be read to its end: {error}; expected a readable file");
+            let message = format!("cannot be read completely: {error}; expected a readable file");
             faults.push(FileFault::whole(name, message));
         }
         if rows > 0 && self.elsewhere.0 == rows {
             let other = &self.selection.inputs[self.elsewhere.1].name;
-            let message =
-                format!("all its {rows} rows already appear in {other}; expected every session once (it is left out)");
+            let message = format!(
+                "all its {rows} rows already appear in {other}; expected every session once (this file is left out)"
+            );
             faults.push(FileFault::whole(name, message));
         } else {
             faults.extend(self.faults.finish(name, &self.input.header.names));
@@ -312,7 +313,7 @@ fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
         return None;
     };
     let message =
-        format!("the last row {what}, as after an interrupted writing; expected a whole row (it is left out)");
+        format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)");
     Some(RowFault { cell: None, message })
 }
 

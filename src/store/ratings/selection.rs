@@ -191,7 +191,7 @@ impl Input {
         let like = read.iter().find(|other| other.is_results() == self.is_results()).or(read.first());
         let expected = like.map_or("another", |other| &other.kind);
         let message = format!(
-            "is {} and is left out; expected {expected} as {others}: only one is analyzed at a time",
+            "is {} and is left out; expected {expected} like {others}: only one experiment is analyzed at a time",
             self.kind
         );
         self.fault(1, message)
@@ -221,7 +221,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
         Layout::Results => Ok(match (&file.sidecar, file.experiment()) {
             (Some(Sidecar { definition_sha256: hash, .. }), name) => {
                 let name = name.unwrap_or("without a name");
-                format!("of the experiment {name} (definition {})", hash.get(..12).unwrap_or(hash))
+                format!("a session of the experiment {name} (definition {})", hash.get(..12).unwrap_or(hash))
             }
             (None, None) => UNKNOWN.to_owned(),
             (None, Some(name)) => {
@@ -231,7 +231,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
                 } else {
                     format!("; further columns {}", further.join(", "))
                 };
-                format!("of the experiment {name} (no sidecar{further})")
+                format!("a session of the experiment {name} (no sidecar{further})")
             }
         }),
         Layout::Counts if options.factors.is_none() => {

@@ -99,7 +99,7 @@ pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
 pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
-    let stem = name.strip_suffix(DATA_FILE).ok_or_else(|| format!("is named otherwise; {expected}"))?;
+    let stem = name.strip_suffix(DATA_FILE).ok_or_else(|| format!("is not named like a data file; {expected}"))?;
     let part = |key: &str| stem.split('_').find_map(|part| part.strip_prefix(key)?.strip_prefix('-'));
     let (Some(subject), Some(session)) = (part("subject"), part("session")) else {
         return Err(format!("its name has no subject or session; {expected}"));

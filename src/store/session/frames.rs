@@ -33,7 +33,7 @@ pub struct FrameRow {
     pub attempt: u32,
     /// What the frames showed.
     pub shown: Shown,
-    /// The refresh that they were compared with; `None` if it was not known.
+    /// The refresh interval that they were compared with; `None` if it was not known.
     pub refresh: Option<Refresh>,
     /// How long each of them was shown, microseconds.
     pub intervals_us: Vec<u32>,

@@ -40,7 +40,7 @@ impl ResultFile {
         Ok(Self { file, width: columns.len() })
     }
 
-    /// Opens an interrupted session's file, and keeps every other program from it. A last line that was half written is
+    /// Opens and locks an interrupted session's file. A last line that was half written is
     /// cut off by the next write; until then the file is as it was.
     ///
     /// # Errors

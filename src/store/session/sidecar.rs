@@ -144,7 +144,7 @@ pub struct PreflightNote {
     pub check: String,
     /// Whether it is as it should be.
     pub ok: bool,
-    /// In words.
+    /// The finding as a sentence.
     pub sentence: String,
 }
 

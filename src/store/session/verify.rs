@@ -1,5 +1,5 @@
-//! Proves recorded sessions: what the rows say follows from definition and seed, the pictures are rendered again and
-//! hashed, and nothing was changed since the session ended.
+//! Verifies recorded sessions: that the rows follow from definition and seed, that the pictures rendered again have the
+//! recorded hashes, and that nothing was changed after the session ended.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
@@ -23,7 +23,7 @@ use crate::{
     },
 };
 
-/// What was found of one session.
+/// The findings about one session.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verified {
     /// Rows in the file.
@@ -32,11 +32,11 @@ pub struct Verified {
     pub rated: (usize, usize),
     /// Pictures rendered again, all of them equal unless `faults` says otherwise.
     pub pictures: usize,
-    /// Whether the session was ended, so that touching its files shows.
+    /// Whether the session was ended, so that later changes to its files can be detected.
     pub sealed: bool,
     /// What is wrong.
     pub faults: Vec<FileFault>,
-    /// What is worth knowing and not wrong.
+    /// Other information.
     pub notes: Vec<String>,
 }
 
@@ -69,7 +69,7 @@ impl Renderer {
     }
 }
 
-/// Proves one session by the path of its data file.
+/// Verifies one session, given the path of its data file.
 pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
     let mut found = Verified::default();
     match Recorded::open(csv) {
@@ -101,7 +101,7 @@ fn check_definition(recorded: &Recorded, found: &mut Verified) {
     }
 }
 
-/// Whether everything is there, up to the last row.
+/// Checks that all rows are there.
 fn check_end(recorded: &Recorded, found: &mut Verified) {
     let ((rated, planned), is_complete) = (found.rated, recorded.sidecar.complete);
     if is_complete && rated < planned {
@@ -128,7 +128,7 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
     }
 }
 
-/// Whether the files are those that the session left.
+/// Checks that the files are those that the session left.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
     let Some(seal) = &recorded.sidecar.seal else {
         let ended = recorded.sidecar.complete;
@@ -166,7 +166,7 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
     }
 }
 
-/// Renders what each sitting showed, and names what differs from it.
+/// Renders the pictures of each sitting again, and reports those that differ from what was shown.
 pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Vec<FileFault> {
     let (path, conditions) = (&recorded.sidecar_path, &recorded.schedule.conditions);
     let mut faults = Vec::new();
@@ -209,7 +209,7 @@ pub fn leftovers(dataset: &Path) -> Vec<FileFault> {
             } else if let Some(stem) = name.strip_suffix(SIDECAR_SUFFIX)
                 && !path.with_file_name(format!("{stem}{DATA_FILE}")).exists()
             {
-                faults.push(FileFault::whole(&path, "has no data file beside it; expected the rows of its session"));
+                faults.push(FileFault::whole(&path, "has no data file next to it; expected the rows of its session"));
             }
         }
     }
