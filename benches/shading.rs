@@ -40,7 +40,9 @@ fn grid(columns: usize, rows: usize, color: DVec3) -> Frame {
     let mesh = mesh.with_normals(|p| DVec3::new(0.5 * (4.0 * p.x).sin(), 0.5 * (3.0 * p.y + p.x).sin(), 1.0));
     // The square's corners are on the bounding sphere.
     let view = View { fill: std::f64::consts::SQRT_2, ..View::square(SIZE) };
-    Frame::new(&Surface::new(mesh), &view, &Lighting::standard().with_color(color), DVec3::ZERO)
+    let mut lighting = Lighting::standard();
+    lighting.material.color = color;
+    Frame::new(&Surface::new(mesh), &view, &lighting, DVec3::ZERO)
 }
 
 const GRAY: DVec3 = DVec3::ONE;

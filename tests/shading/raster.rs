@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use machband::light::{Depth, LinearImage, Transfer};
 use machband::shading::{
-    Correction, Encoder, Frame, Gradients, Lamp, LampPlace, Lighting, Mesh, Prepared, Reference, Shade, Shader,
-    Specular, Surface, View, coverage, shapes,
+    Correction, Encoder, Frame, Gradients, Lamp, LampPlace, Lighting, Material, Mesh, Prepared, Reference, Shade,
+    Shader, Specular, Surface, View, coverage, shapes,
 };
 use pulp::Arch;
 
@@ -29,13 +29,17 @@ fn frame(mesh: Mesh, [width, height]: [u32; 2], fill: f64, lighting: &Lighting, 
     Frame::new(&Surface::new(mesh), &view, lighting, background)
 }
 
+fn colored(color: DVec3) -> Lighting {
+    Lighting { material: Material { color, ..Material::standard() }, ..Lighting::standard() }
+}
+
 fn brown() -> Lighting {
-    Lighting::standard().with_color(DVec3::new(0.9, 0.6, 0.3))
+    colored(DVec3::new(0.9, 0.6, 0.3))
 }
 
 /// Meshes of every kind, wholly, partly and hardly within windows of awkward sizes, in gray, yellow and more colors.
 fn scenes() -> Vec<(&'static str, Frame)> {
-    let yellow = Lighting::standard().with_color(DVec3::new(1.0, 1.0, 0.0));
+    let yellow = colored(DVec3::new(1.0, 1.0, 0.0));
     let mut yellow_dull = yellow.clone();
     yellow_dull.material.specular = 0.0;
     let mut scenes = vec![

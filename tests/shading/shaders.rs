@@ -6,7 +6,7 @@ use machband::shading::coverage;
 use machband::shading::frame::bends;
 use machband::shading::shaders::Curve;
 use machband::shading::{
-    Across, Correction, Frame, FrameVertex, Gradients, Lighting, Reference, Shade, Shader, Surface, View, shapes,
+    Across, Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Reference, Shade, Shader, Surface, View, shapes,
 };
 use proptest::prelude::*;
 
@@ -17,7 +17,7 @@ const CORRECTIONS: [Correction; 3] = [Correction::Off, Correction::Printed, Corr
 // ---- frames ----
 
 fn lighting(toward: DVec3) -> Lighting {
-    Lighting::standard().with_direction(toward)
+    Lighting { lamps: vec![Lamp::directional(toward)], ..Lighting::standard() }
 }
 
 fn only_ambient() -> Lighting {

@@ -49,9 +49,19 @@ impl Encoder {
         &self.quantizer
     }
 
+    /// Writes opaque RGBA codes, row by row; where one channel stands for others, `light` has it first.
+    #[inline(always)]
+    pub(super) fn write(&self, light: [&[f32]; 3], channels: Channels, samples: &mut [u8]) {
+        let pixels = samples.as_chunks_mut().0;
+        match channels {
+            Channels::Gray(lit) => self.encode_gray(light[0], lit, pixels),
+            Channels::Color => self.encode_color(light, pixels),
+        }
+    }
+
     /// RGBA codes, opaque, of gray light in the channels that are `lit` and darkness in the others.
     #[inline(always)]
-    pub(super) fn encode_gray(&self, light: &[f32], lit: [bool; 3], pixels: &mut [[u8; 4]]) {
+    fn encode_gray(&self, light: &[f32], lit: [bool; 3], pixels: &mut [[u8; 4]]) {
         let spread = u32::from_le_bytes([u8::from(lit[0]), u8::from(lit[1]), u8::from(lit[2]), 0]);
         let mut codes = [0; BLOCK];
         for (light, pixels) in light.chunks(BLOCK).zip(pixels.chunks_mut(BLOCK)) {
@@ -64,7 +74,7 @@ impl Encoder {
 
     /// RGBA codes, opaque, of red, green and blue light.
     #[inline(always)]
-    pub(super) fn encode_color(&self, [r, g, b]: [&[f32]; 3], pixels: &mut [[u8; 4]]) {
+    fn encode_color(&self, [r, g, b]: [&[f32]; 3], pixels: &mut [[u8; 4]]) {
         let (mut red, mut green, mut blue) = ([0; BLOCK], [0; BLOCK], [0; BLOCK]);
         let light = r.chunks(BLOCK).zip(g.chunks(BLOCK)).zip(b.chunks(BLOCK));
         for (((r, g), b), pixels) in light.zip(pixels.chunks_mut(BLOCK)) {
@@ -141,52 +151,21 @@ impl Table {
 
 const LOWER_BITS: u32 = (1 << LOWER) - 1;
 
-/// A picture in the making: its samples are written row by row, three or four a pixel.
-pub(super) trait Target: Sync {
-    type Sample: Send;
-    /// Samples a pixel.
-    const SAMPLES: usize;
-
-    /// Writes pixels: where one channel stands for others, `light` has it first.
-    fn write(&self, light: [&[f32]; 3], channels: Channels, samples: &mut [Self::Sample]);
-}
-
-/// Linear light, red green blue.
-pub(super) struct Linear;
-
-impl Target for Linear {
-    type Sample = f32;
-    const SAMPLES: usize = 3;
-
-    #[inline(always)]
-    fn write(&self, [r, g, b]: [&[f32]; 3], channels: Channels, samples: &mut [f32]) {
-        let pixels = samples.as_chunks_mut::<3>().0;
-        match channels {
-            Channels::Gray(lit) => {
-                let lit = lit.map(|lit| if lit { 1.0 } else { 0.0 });
-                for (pixel, light) in pixels.iter_mut().zip(r) {
-                    *pixel = lit.map(|lit| light * lit);
-                }
-            }
-            Channels::Color => {
-                for (pixel, ((r, g), b)) in pixels.iter_mut().zip(r.iter().zip(g).zip(b)) {
-                    *pixel = [*r, *g, *b];
-                }
+/// Writes linear light, red green blue, as [`Encoder::write`] does codes.
+#[inline(always)]
+pub(super) fn write_linear([r, g, b]: [&[f32]; 3], channels: Channels, samples: &mut [f32]) {
+    let pixels = samples.as_chunks_mut::<3>().0;
+    match channels {
+        Channels::Gray(lit) => {
+            let lit = lit.map(|lit| if lit { 1.0 } else { 0.0 });
+            for (pixel, light) in pixels.iter_mut().zip(r) {
+                *pixel = lit.map(|lit| light * lit);
             }
         }
-    }
-}
-
-impl Target for Encoder {
-    type Sample = u8;
-    const SAMPLES: usize = 4;
-
-    #[inline(always)]
-    fn write(&self, light: [&[f32]; 3], channels: Channels, samples: &mut [u8]) {
-        let pixels = samples.as_chunks_mut().0;
-        match channels {
-            Channels::Gray(lit) => self.encode_gray(light[0], lit, pixels),
-            Channels::Color => self.encode_color(light, pixels),
+        Channels::Color => {
+            for (pixel, ((r, g), b)) in pixels.iter_mut().zip(r.iter().zip(g).zip(b)) {
+                *pixel = [*r, *g, *b];
+            }
         }
     }
 }

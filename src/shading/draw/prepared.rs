@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{
     band::{Band, Corners, Scratch},
-    encoder::{Encoder, Linear, Target},
+    encoder::{Encoder, write_linear},
 };
 use crate::{
     light::LinearImage,
@@ -72,18 +72,29 @@ impl<'f> Prepared<'f> {
     #[must_use]
     pub fn image_on(&self, arch: Arch) -> LinearImage {
         let mut image = LinearImage::new(self.frame.width, self.frame.height);
-        self.draw(arch, &Linear, &mut image.data);
+        self.draw::<3, _>(arch, &mut image.data, write_linear);
         image
     }
 
     /// Draws codes into `pixels`: red, green, blue and an opaque alpha of every pixel, row by row from the top left,
     /// 4 · width · height bytes. A shorter slice gets the rows that fit; bytes beyond the picture stay unchanged.
     pub fn codes(&self, encoder: &Encoder, pixels: &mut [u8]) {
-        self.draw(Arch::new(), encoder, pixels);
+        self.draw::<4, _>(
+            Arch::new(),
+            pixels,
+            #[inline(always)]
+            |light, channels, samples| encoder.write(light, channels, samples),
+        );
     }
 
-    fn draw<T: Target>(&self, arch: Arch, target: &T, samples: &mut [T::Sample]) {
-        let row = self.frame.width as usize * T::SAMPLES;
+    /// Draws into `samples`, of which a pixel has `N`.
+    fn draw<const N: usize, T: Send>(
+        &self,
+        arch: Arch,
+        samples: &mut [T],
+        write: impl Fn([&[f32]; 3], Channels, &mut [T]) + Sync,
+    ) {
+        let row = self.frame.width as usize * N;
         if row == 0 {
             return;
         }
@@ -91,10 +102,10 @@ impl<'f> Prepared<'f> {
         let bands = samples[..rows * row].par_chunks_mut(row * BAND_ROWS as usize).zip(&self.bands).enumerate();
         bands.for_each_init(Scratch::default, |scratch, (index, (samples, triangles))| {
             self.paint(index as u32, triangles, scratch, arch);
-            let light = scratch.light.each_ref().map(|light| &light[..light.len().min(samples.len() / T::SAMPLES)]);
+            let light = scratch.light.each_ref().map(|light| &light[..light.len().min(samples.len() / N)]);
             arch.dispatch(
                 #[inline(always)]
-                || target.write(light, self.channels, samples),
+                || write(light, self.channels, samples),
             );
         });
     }

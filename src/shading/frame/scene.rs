@@ -6,7 +6,7 @@ use super::projected::{Frame, View};
 use crate::{
     light::names::named,
     shading::{
-        lighting::{Facets, Lamp, LampPlace, Lighting, Microfacets, Specular},
+        lighting::{Facets, Lamp, LampPlace, Lighting, Material, Microfacets, Specular},
         mesh::Surface,
     },
 };
@@ -78,18 +78,18 @@ impl Scene {
     /// What lights the surface.
     #[must_use]
     pub fn lighting(&self) -> Lighting {
-        let mut lighting = Lighting::standard();
-        lighting.material.color = self.color;
-        // The highlight too has the color: a yellow stimulus has no blue anywhere.
-        lighting.material.specular_color = self.color;
-        lighting.material.ambient = self.ambient;
-        lighting.material.diffuse = self.diffuse;
-        lighting.material.specular = self.specular;
-        lighting.material.shininess = self.shininess;
-        lighting.material.specular_model = self.specular_model();
-        lighting.ambient = DVec3::ONE;
-        lighting.lamps = vec![Lamp { place: LampPlace::Direction(direction(self.light)), intensity: DVec3::ONE }];
-        lighting
+        let material = Material {
+            color: self.color,
+            // The highlight too has the color: a yellow stimulus has no blue anywhere.
+            specular_color: self.color,
+            ambient: self.ambient,
+            diffuse: self.diffuse,
+            specular: self.specular,
+            shininess: self.shininess,
+            specular_model: self.specular_model(),
+        };
+        let lamp = Lamp { place: LampPlace::Direction(direction(self.light)), intensity: DVec3::ONE };
+        Lighting { material, ambient: DVec3::ONE, lamps: vec![lamp] }
     }
 
     fn specular_model(&self) -> Specular {

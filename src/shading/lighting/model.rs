@@ -105,20 +105,6 @@ impl Lighting {
         Lighting { material: Material::standard(), ambient: DVec3::ONE, lamps: vec![lamp] }
     }
 
-    /// The same with one white lamp far away in the direction `toward`, of any length above 0, in place of all lamps.
-    #[must_use]
-    pub fn with_direction(mut self, toward: DVec3) -> Lighting {
-        self.lamps = vec![Lamp::directional(toward)];
-        self
-    }
-
-    /// The same with the diffuse color O_d.
-    #[must_use]
-    pub fn with_color(mut self, color: DVec3) -> Lighting {
-        self.material.color = color;
-        self
-    }
-
     /// The part of the light that comes from everywhere: k_a·I_a·O_d. Shoaff §3.1.
     #[must_use]
     pub fn ambient_light(&self) -> DVec3 {

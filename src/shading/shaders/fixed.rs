@@ -18,9 +18,11 @@ use crate::{
 /// pseudo-code takes the first below b, which jumps), and Gouraud's light elsewhere.
 #[derive(Clone, Debug)]
 pub struct Fixed<T, const C: usize> {
-    lights: Vec<[[T; C]; 3]>,
+    /// Of the corners of each triangle.
+    pub(super) lights: Vec<[[T; C]; 3]>,
     strip: T,
-    step: Curve<T>,
+    /// I_n as printed.
+    pub(super) step: Curve<T>,
 }
 
 /// A point in the strip opposite a corner.
@@ -38,16 +40,6 @@ impl<T: Constant, const C: usize> Fixed<T, C> {
     pub fn new(frame: &Frame, channels: Channels, b: f64, depth: Depth) -> Self {
         let lights = frame.each_triangle(|t| frame.corners(t).map(|v| channels.pick(v.light)));
         Fixed { lights, strip: T::of(b), step: Curve::printed(depth) }
-    }
-
-    /// The lights of the corners of `triangle`.
-    pub(super) fn lights(&self, triangle: usize) -> &[[T; C]; 3] {
-        &self.lights[triangle]
-    }
-
-    /// I_n as printed.
-    pub(super) fn step(&self) -> &Curve<T> {
-        &self.step
     }
 
     /// `strip(k)` in the strip opposite corner k, Gouraud's light elsewhere.

@@ -44,14 +44,14 @@ impl<T: Constant, const C: usize> Gradient<T, C> {
         let strip = self.fixed.in_strip(triangle, k, w);
         let Some(apex) = &self.apexes[triangle][k] else { return strip.light };
         let (i, j) = OTHERS[k];
-        let (lights, zero, one) = (self.fixed.lights(triangle), w[k].of(0.0), w[k].of(1.0));
+        let (lights, zero, one) = (&self.fixed.lights[triangle], w[k].of(0.0), w[k].of(1.0));
         // I_F, the light on the neighbor's far edge, Bangay eqs. 5 and 6: with f = 2a/(1+a) from B, or −2a/(1−a) from C if
         // a = 2w_B/(w_B+w_C) − 1 is negative. Exact only where D mirrors A in the middle of the edge.
         let a = w[i] * w[i].of(2.0) / (w[i] + w[j]) - one;
         let nearer_j = a.below(zero);
         let size = a.max(zero - a);
         let f = size * size.of(2.0) / (size + one);
-        let fall = w[k] * self.fixed.step().value(one - strip.across) * w[k].of(0.5);
+        let fall = w[k] * self.fixed.step.value(one - strip.across) * w[k].of(0.5);
         let mut light = strip.light;
         for c in 0..C {
             let near = N::select(nearer_j, one.all(lights[j][c]), one.all(lights[i][c]));
