@@ -218,22 +218,20 @@ fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
 /// Describes what a file is.
 fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
     match file.layout {
-        Layout::Results => Ok(match (&file.sidecar, file.experiment()) {
-            (Some(Sidecar { definition_sha256: hash, .. }), name) => {
-                let name = name.unwrap_or("without a name");
-                format!("a session of the experiment {name} (definition {})", hash.get(..12).unwrap_or(hash))
-            }
-            (None, None) => UNKNOWN.to_owned(),
-            (None, Some(name)) => {
-                let further = file.further(options.response());
-                let further = if further.is_empty() {
-                    String::new()
-                } else {
-                    format!("; further columns {}", further.join(", "))
-                };
-                format!("a session of the experiment {name} (no sidecar{further})")
-            }
-        }),
+        Layout::Results => {
+            let details = match &file.sidecar {
+                Some(Sidecar { definition_sha256: hash, .. }) => {
+                    format!("definition {}", hash.get(..12).unwrap_or(hash))
+                }
+                None if file.experiment().is_none() => return Ok(UNKNOWN.to_owned()),
+                None => match file.further(options.response()).join(", ") {
+                    further if further.is_empty() => "no sidecar".to_owned(),
+                    further => format!("no sidecar; further columns {further}"),
+                },
+            };
+            let name = file.experiment().unwrap_or("without a name");
+            Ok(format!("a session of the experiment {name} ({details})"))
+        }
         Layout::Counts if options.factors.is_none() => {
             let mut factors = file.factors(options);
             factors.sort();
