@@ -338,87 +338,54 @@ fn every_bad_set_has_its_own_message() {
     let kept = |keep: &dyn Fn(&Reading) -> bool| good().into_iter().filter(|one| keep(one)).collect::<Vec<_>>();
     let exchanged = |a: Channel, b: Channel| {
         changed(&move |one| {
-            one.channel = if one.channel == a {
-                b
-            } else if one.channel == b {
-                a
-            } else {
-                one.channel
-            };
+            let other = [(a, b), (b, a)].into_iter().find(|(from, _)| one.channel == *from);
+            one.channel = other.map_or(one.channel, |(_, to)| to);
         })
     };
-    let cases: [(&str, Vec<Reading>, &str); 16] = [
-        ("empty", Vec::new(), "there are no readings"),
-        ("codes", changed(&|one| one.level = (one.level * 255.0).round()), "looks like a code"),
-        ("level", changed(&|one| one.level *= 1.5), "outside 0…1"),
-        ("negative", changed(&|one| one.luminance_cd_m2 -= 1.0), "is not a luminance"),
-        ("nan", changed(&|one| one.luminance_cd_m2 = f64::NAN), "is not a luminance"),
-        ("dark", changed(&|one| one.luminance_cd_m2 = 0.0), "every reading is 0"),
-        ("single", kept(&|one| one.channel == Channel::Red), "single channel: only red"),
-        ("two", kept(&|one| matches!(one.channel, Channel::Red | Channel::Blue)), "channel green is missing"),
-        ("few", kept(&|one| [0.0, 0.5, 1.0].contains(&one.level)), "too few levels: 3"),
-        ("no black", kept(&|one| one.level > 0.0), "no reading at level 0"),
-        ("no white", kept(&|one| one.channel != Channel::Blue || one.level < 1.0), "blue: no reading at level 1"),
+    let raised = |channel: Channel, least: f64, to: &dyn Fn(&Reading) -> f64, mut readings: Vec<Reading>| {
+        for one in readings.iter_mut().filter(|one| one.channel == channel && one.level > least) {
+            one.luminance_cd_m2 = to(one);
+        }
+        readings
+    };
+    let dip = |one: &mut Reading| {
+        if one.channel == Channel::Green && one.level == 0.5 {
+            one.luminance_cd_m2 *= 0.4;
+        }
+    };
+    let stuck = display.cd_m2(1, 31.0 / 32.0);
+    // Readings, what every message has, and what one of them has.
+    let cases: [(Vec<Reading>, &str, &str); 16] = [
+        (Vec::new(), "there are no readings", ""),
+        (changed(&|one| one.level = (one.level * 255.0).round()), "looks like a code", ""),
+        (changed(&|one| one.level *= 1.5), "outside 0…1", ""),
+        (changed(&|one| one.luminance_cd_m2 -= 1.0), "is not a luminance", ""),
+        (changed(&|one| one.luminance_cd_m2 = f64::NAN), "is not a luminance", ""),
+        (changed(&|one| one.luminance_cd_m2 = 0.0), "every reading is 0", ""),
+        (kept(&|one| one.channel == Channel::Red), "single channel", "only red"),
+        (kept(&|one| matches!(one.channel, Channel::Red | Channel::Blue)), "is missing", "channel green"),
+        (kept(&|one| [0.0, 0.5, 1.0].contains(&one.level)), "too few levels", ": 3"),
+        (kept(&|one| one.level > 0.0), "level 0;", "no reading at level 0"),
+        (kept(&|one| one.channel != Channel::Blue || one.level < 1.0), "no reading at level 1", "blue"),
+        (changed(&dip), "not monotone", "green: not monotone: level 0.5"),
         (
-            "not monotone",
-            changed(&|one| {
-                if one.channel == Channel::Green && one.level == 0.5 {
-                    one.luminance_cd_m2 *= 0.4;
-                }
-            }),
-            "green: not monotone: level 0.5",
-        ),
-        (
+            raised(Channel::Gray, 0.7, &|one| 61.0 + one.level, good()),
             "saturated",
-            changed(&|one| {
-                if one.channel == Channel::Gray && one.level > 0.7 {
-                    one.luminance_cd_m2 = 61.0 + one.level;
-                }
-            }),
             "gray: saturated: the light stops rising at level 0.75",
         ),
         (
-            "stuck at the last step",
-            {
-                let mut readings = display.read(33, 0.01, 7);
-                let stuck = display.cd_m2(1, 31.0 / 32.0);
-                for one in readings.iter_mut().filter(|one| one.channel == Channel::Green && one.level > 0.95) {
-                    one.luminance_cd_m2 = stuck;
-                }
-                readings
-            },
+            raised(Channel::Green, 0.95, &|_| stuck, display.read(33, 0.01, 7)),
+            "saturated",
             "green: saturated: the light stops rising at level 0.96875",
         ),
-        ("swapped", exchanged(Channel::Red, Channel::Green), "are green and red exchanged?"),
-        ("swapped gray", exchanged(Channel::Gray, Channel::Green), "are gray and green exchanged?"),
+        (exchanged(Channel::Red, Channel::Green), "swapped", "are green and red exchanged?"),
+        (exchanged(Channel::Gray, Channel::Green), "swapped", "are gray and green exchanged?"),
     ];
-    for (name, readings, expected) in cases {
-        let told: Vec<String> = faults(readings).iter().map(ToString::to_string).collect();
-        assert!(told.iter().any(|message| message.contains(expected)), "{name}: {told:?}");
-        // One cause, one kind of message.
-        let kinds: std::collections::BTreeSet<_> = told.iter().map(|message| expected_kind(message)).collect();
-        assert_eq!(kinds.len(), 1, "{name}: {told:?}");
+    for (readings, kind, detail) in cases {
+        let messages: Vec<String> = faults(readings).iter().map(ToString::to_string).collect();
+        assert!(messages.iter().all(|message| message.contains(kind)), "{kind}: {messages:?}");
+        assert!(messages.iter().any(|message| message.contains(detail)), "{kind}, {detail}: {messages:?}");
     }
-}
-
-/// The part of a message that names its kind.
-fn expected_kind(message: &str) -> &'static str {
-    let kinds = [
-        "no readings",
-        "looks like a code",
-        "outside 0…1",
-        "not a luminance",
-        "every reading is 0",
-        "single channel",
-        "is missing",
-        "too few levels",
-        "level 0;",
-        "no reading at level 1",
-        "not monotone",
-        "saturated",
-        "swapped",
-    ];
-    kinds.into_iter().find(|kind| message.contains(kind)).unwrap_or("another")
 }
 
 /// Good readings are never refused, however noisy within 2 %.

@@ -62,13 +62,11 @@ fn a_steady_screen_drops_nothing_however_long() {
 
 #[test]
 fn jitter_of_a_fifth_drops_nothing_and_a_drop_among_it_is_one() {
-    for hz in [59.94, 60.0, 120.0] {
-        let mut screen = Screen::new(hz);
-        for (i, jitter) in noise(7).take(100_001).enumerate() {
-            screen.frame(if i % 1000 == 500 { 2 } else { 1 }, 0.2 * jitter);
-        }
-        assert_eq!(screen.counted(), (100_000, 100, 100), "{hz}");
+    let mut screen = Screen::new(59.94);
+    for (i, jitter) in noise(7).take(100_001).enumerate() {
+        screen.frame(if i % 1000 == 500 { 2 } else { 1 }, 0.2 * jitter);
     }
+    assert_eq!(screen.counted(), (100_000, 100, 100));
 }
 
 #[test]
