@@ -30,7 +30,7 @@ fn light_is_that_of_the_independent_script() {
         assert!((f64::from(light) - expected).abs() < tolerance, "{line}: {light}");
         seen += 1;
     }
-    // The shaded mesh has references of its own: tests/shaders.rs.
+    // The shaded mesh has references of its own: tests/shading.
     assert_eq!(seen, 40 * 3 * (catalog::all().len() - 1));
 }
 

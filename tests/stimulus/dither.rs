@@ -1,7 +1,7 @@
-//! Dither and halftone: against the published matrices and algorithm, and against what must be true of
-//! them: the two enclosing codes only, the right mean of light, no noise where none is needed.
+//! Dither and halftone against the published matrices and algorithm, and against their defining properties: only the two
+//! enclosing codes, the right mean light, no noise where none is needed.
 //!
-//! `cargo test --test dither -- --nocapture` prints the figures.
+//! `cargo test --test stimulus dither -- --nocapture` prints the figures.
 
 use super::{Draw as _, transfers};
 use std::sync::LazyLock;

@@ -1,11 +1,11 @@
-//! The interpolation, the transfer functions and the way from light to codes, against other
-//! implementations and against what must be true of them.
+//! Interpolation, transfer functions and the way from light to codes, against other implementations and against their
+//! defining properties.
 
 use machband::light::interpolation::{TANH_K, coefficients};
 use machband::light::quantize::reference_code;
 use machband::light::transfer::{equal_brightness_levels, nearest_equal_brightness_level};
 use machband::light::{
-    Bits, Depth, DepthError, Dither, Interpolation, LinearImage, Quantizer, Samples, Transfer, TransferTable, Transfers,
+    Bits, Depth, DepthError, Interpolation, LinearImage, Quantizer, Samples, Transfer, TransferTable, Transfers,
 };
 use proptest::prelude::*;
 
@@ -208,18 +208,14 @@ fn channels_that_differ_are_quantized_each_by_its_own() {
     assert_eq!((transfers.to_string().as_str(), transfers.uniform()), (text, None));
     assert_eq!("gamma:2/gamma:2/gamma:2".parse::<Transfers>().unwrap().to_string(), "gamma:2");
     assert!("srgb/srgb".parse::<Transfers>().unwrap_err().to_string().contains("expected one, or three"));
-    let image = LinearImage::from_fn(64, 3, |x, y| {
-        let light = (x * 3 + y) as f32 / 192.0;
-        [light, light, if y == 1 { light } else { 1.0 - light }]
-    });
-    for dither in [Dither::None, Dither::BlueNoise, Dither::Random { seed: 3 }] {
-        let together = Quantizer::new(&transfers, Bits::Eight).quantize_with(&image, &dither);
-        let apart =
-            transfers.channels().each_ref().map(|t| Quantizer::new(t, Bits::Eight).quantize_with(&image, &dither));
-        for (x, y) in (0..64).flat_map(|x| (0..3).map(move |y| (x, y))) {
-            let expected: [u16; 3] = std::array::from_fn(|channel| apart[channel].pixel(x, y)[channel]);
-            assert_eq!(together.pixel(x, y), expected, "{dither} {x} {y}");
-        }
+    let (together, apart) = (
+        Quantizer::new(&transfers, Bits::Eight),
+        transfers.channels().each_ref().map(|transfer| Quantizer::new(transfer, Bits::Eight)),
+    );
+    for light in (0..=1000).map(|i| i as f32 / 1000.0) {
+        let lights = [light, 1.0 - light, light * light];
+        let expected: [u16; 3] = std::array::from_fn(|channel| apart[channel].codes(lights)[channel]);
+        assert_eq!(together.codes(lights), expected);
     }
 }
 

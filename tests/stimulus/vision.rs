@@ -1,4 +1,4 @@
-//! The model of vision against what is known of Mach bands, each fact with its source; and against itself.
+//! The vision model against known facts about Mach bands, each with its source, and against itself.
 
 use super::Draw as _;
 use machband::{
@@ -7,7 +7,7 @@ use machband::{
     vision::{Border, Eye, Line, LinePrediction, Picture, Polarity, VisionError, luminance, luminances},
 };
 
-/// Windows, degrees, and pixels in a degree, in which the facts are to hold.
+/// Windows, in degrees, and pixels per degree in which the facts must hold.
 const WINDOWS: [f64; 3] = [2.0, 5.0, 10.0];
 const SAMPLINGS: [f64; 3] = [32.0, 64.0, 128.0];
 const DEPTHS: [Depth; 4] = [Depth::Finite(1), Depth::Finite(2), Depth::Finite(3), Depth::Finite(4)];
@@ -270,25 +270,23 @@ fn what_is_masked_is_not_seen() {
 }
 
 #[test]
-fn what_cannot_be_seen_is_said() {
+fn images_without_a_prediction_are_refused() {
     let eye = Eye::default();
-    let of = |light: &[f64], width: usize, height: usize, px_per_deg: f64| {
-        Picture { light, width, height, px_per_deg, mask: None }.predict(&eye).map(|_| ()).unwrap_err()
+    let of = |light: &[f64], side: usize, px_per_deg: f64| {
+        Picture { light, width: side, height: side, px_per_deg, mask: None }.predict(&eye).map(|_| ())
     };
-    assert!(matches!(of(&[0.5], 1, 1, 50.0), VisionError::TooSmall { width: 1, height: 1, .. }));
-    assert!(matches!(of(&[0.5; 400], 20, 20, 200.0), VisionError::TooSmall { .. }), "smaller than the smallest filter");
-    let VisionError::TooSmall { least, .. } = of(&[0.5; 400], 20, 20, 200.0) else { unreachable!("it is too small") };
-    let see = |side: usize| {
-        let light = vec![0.5; side * side];
-        Picture { light: &light, width: side, height: side, px_per_deg: 200.0, mask: None }.predict(&eye).map(|_| ())
+    assert!(matches!(of(&[0.5], 1, 50.0), Err(VisionError::TooSmall { width: 1, height: 1, .. })));
+    let Err(VisionError::TooSmall { least, .. }) = of(&[0.5; 400], 20, 200.0) else {
+        panic!("smaller than the smallest filter")
     };
-    assert_eq!((see(least), see(least - 1).is_err()), (Ok(()), true), "{least} pixels are what it says");
-    assert_eq!(of(&[0.0; 10_000], 100, 100, 50.0), VisionError::AllBlack);
+    let gray = |side: usize| of(&vec![0.5; side * side], side, 200.0);
+    assert_eq!((gray(least), gray(least - 1).is_err()), (Ok(()), true), "{least} pixels are enough");
+    assert_eq!(of(&[0.0; 10_000], 100, 50.0), Err(VisionError::AllBlack));
     let mut nan = vec![0.5; 10_000];
     nan[205] = f64::NAN;
-    assert!(of(&nan, 100, 100, 50.0).to_string().contains("column 5, row 2"));
-    assert!(matches!(of(&nan[..50], 100, 100, 50.0), VisionError::Count { found: 50, expected: 10_000 }));
-    assert_eq!(of(&[0.5; 10_000], 100, 100, 0.0), VisionError::Sampling(0.0));
+    assert!(of(&nan, 100, 50.0).unwrap_err().to_string().contains("column 5, row 2"));
+    assert_eq!(of(&nan[..50], 100, 50.0), Err(VisionError::Count { found: 50, expected: 10_000 }));
+    assert_eq!(of(&[0.5; 10_000], 100, 0.0), Err(VisionError::Sampling(0.0)));
     assert!(Line { light: &[0.5], px_per_deg: 50.0, border: Border::Cut }.predict(&eye).is_err());
     assert!((luminance([1.0; 3]) - 1.0).abs() < 1e-12);
 }
