@@ -5,7 +5,7 @@ use std::path::Path;
 
 use machband::{
     analysis::{
-        power::{ModelChoice, Plan, Power, Sampling, Shift, Test, clopper_pearson},
+        power::{Effect, ModelChoice, Plan, Power, Sampling, Shift, Test, clopper_pearson},
         terms::Terms,
     },
     experiment::{OrderedLogit, Protocol},
@@ -29,27 +29,31 @@ fn plan(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift], terms: O
     Plan::new(protocol, observer, shifts, &ModelChoice { terms, quadrature: 1, ..ModelChoice::default() }).unwrap()
 }
 
-/// The powers of one test of one term, by number of participants.
-fn powers(plan: &Plan, term: &str, test: Test, participants: &[u32], sampling: &Sampling) -> Vec<Power> {
-    let mut powers = plan.run(participants, sampling, &|_| ());
-    powers.retain(|power| {
-        let hypothesis = &plan.hypotheses()[power.hypothesis];
-        hypothesis.term == term && hypothesis.test == test
-    });
-    powers
+/// The powers of both tests of the orientation, each by number of participants.
+fn powers(plan: &Plan, participants: &[u32], sampling: &Sampling) -> [Vec<Power>; 2] {
+    let powers = plan.run(participants, sampling, &|_| ());
+    [Test::LikelihoodRatio, Test::Friedman].map(|test| {
+        let is_asked = |power: &&Power| {
+            let hypothesis = &plan.hypotheses()[power.hypothesis];
+            hypothesis.term == "orientation_deg" && hypothesis.test == test
+        };
+        powers.iter().filter(is_asked).cloned().collect()
+    })
 }
 
 /// `tests/golden/power.csv`: another program, other random numbers, the same power.
 #[test]
 fn power_is_that_of_r() {
     let plan = plan(&design(), &oblique(0.6), &[], None);
-    let sampling = Sampling { studies: 1000, ..Sampling::default() };
-    let mut compared = 0;
-    for line in include_str!("../golden/power.csv").lines().skip(2) {
+    let [likelihood_ratio, friedman] = powers(&plan, &[3, 6], &Sampling { studies: 1000, ..Sampling::default() });
+    let lines: Vec<&str> = include_str!("../golden/power.csv").lines().skip(2).collect();
+    assert_eq!(lines.len(), 4);
+    for line in lines {
         let cells: Vec<&str> = line.split(',').collect();
         let number = |place: usize| cells[place].parse::<f64>().unwrap();
-        let test = if cells[1] == "friedman" { Test::Friedman } else { Test::LikelihoodRatio };
-        let ours = &powers(&plan, "orientation_deg", test, &[number(0) as u32], &sampling)[0];
+        // Three people may well have tied means, and then there is no test by Friedman.
+        let (ours, most) = if cells[1] == "friedman" { (&friedman, 5) } else { (&likelihood_ratio, 0) };
+        let ours = ours.iter().find(|power| f64::from(power.participants) == number(0)).unwrap();
         let (share, theirs) = (ours.share(), number(3) / number(2));
         let both = (share + theirs) / 2.0;
         let error = (both * (1.0 - both) * (1.0 / 1000.0 + 1.0 / number(2))).sqrt();
@@ -58,12 +62,8 @@ fn power_is_that_of_r() {
             // The median of a thousand estimates, whose standard errors are some 0.4 and 0.3.
             assert!((estimate - number(4)).abs() < 0.08, "{line}: {estimate}");
         }
-        // Three people may well have tied means, and then there is no test by Friedman.
-        let most = if test == Test::Friedman { 5 } else { 0 };
         assert!(ours.studies == 1000 && ours.untested <= most, "{ours:?}");
-        compared += 1;
     }
-    assert_eq!(compared, 4);
 }
 
 /// Whitehead (1993), Statistics in Medicine 12, 2257: two groups of n/2 ordered ratings with the log odds ratio θ are
@@ -79,7 +79,7 @@ fn power_is_that_of_whiteheads_formula() {
     let observer = OrderedLogit { subject_sd: 0.0, lapse: 0.0, ..oblique(0.5) };
     let sampling = Sampling { studies: 2000, ..Sampling::default() };
     let plan = plan(&protocol, &observer, &[], None);
-    let found = powers(&plan, "orientation_deg", Test::LikelihoodRatio, &[1], &sampling)[0].share();
+    let found = powers(&plan, &[1], &sampling)[0][0].share();
 
     // 6/2 − 0.7 log₂(0.1/0.05) = 2.3 against the thresholds 0, 1.5, 3.5.
     let below = |threshold: f64, predictor: f64| 1.0 / (1.0 + (predictor - threshold).exp());
@@ -125,7 +125,7 @@ fn without_an_effect_the_rate_is_alpha() {
     assert!(plan.hypotheses().iter().all(|h| h.effect.is_some() == (h.term != "orientation_deg")));
     for alpha in [0.05, 0.3] {
         let sampling = Sampling { studies: 1000, alpha, ..Sampling::default() };
-        let found = powers(&plan, "orientation_deg", Test::LikelihoodRatio, &[4], &sampling)[0].found as f64;
+        let found = powers(&plan, &[4], &sampling)[0][0].found as f64;
         let sd = (1000.0 * alpha * (1.0 - alpha)).sqrt();
         assert!((found - 1000.0 * alpha).abs() < 4.0 * sd, "alpha {alpha}: {found} of 1000");
     }
@@ -133,20 +133,18 @@ fn without_an_effect_the_rate_is_alpha() {
 
 #[test]
 fn power_grows_with_people_and_with_the_effect() {
-    let sampling = Sampling { studies: 200, ..Sampling::default() };
-    let found = |effect: f64, test: Test| -> Vec<usize> {
-        let plan = plan(&design(), &oblique(effect), &[], None);
-        let powers = powers(&plan, "orientation_deg", test, &[2, 5, 10, 20], &sampling);
-        powers.iter().map(|power| power.found).collect()
+    let found = |effect: f64| {
+        let sampling = Sampling { studies: 200, ..Sampling::default() };
+        let powers = powers(&plan(&design(), &oblique(effect), &[], None), &[2, 5, 10, 20], &sampling);
+        powers.map(|powers| powers.iter().map(|power| power.found).collect::<Vec<_>>())
     };
-    let (small, large) = (found(0.3, Test::LikelihoodRatio), found(0.8, Test::LikelihoodRatio));
+    let ([small, few], [large, many]) = (found(0.3), found(0.8));
     assert!(small.is_sorted() && large.is_sorted(), "{small:?} {large:?}");
     assert!(large[1] > large[0] + 20 && large[3] > 190, "{large:?}");
     assert!(small.iter().zip(&large).all(|(small, large)| small + 10 < *large), "{small:?} {large:?}");
     // Two people cannot convince Friedman of anything. Beyond them its p has few values, and its power goes up and down.
-    let (small, large) = (found(0.3, Test::Friedman), found(0.8, Test::Friedman));
-    assert!(large[0] == 0 && large[3] > large[1] && large[3] > 170, "{large:?}");
-    assert!(small[1..].iter().zip(&large[1..]).all(|(small, large)| small + 10 < *large), "{small:?} {large:?}");
+    assert!(many[0] == 0 && many[3] > many[1] && many[3] > 170, "{many:?}");
+    assert!(few[1..].iter().zip(&many[1..]).all(|(few, many)| few + 10 < *many), "{few:?} {many:?}");
 }
 
 /// A shift of one level is the effect that a parameter of the observer makes, to the last rating.
@@ -173,23 +171,16 @@ fn the_truth_is_what_the_term_adds_to_the_predictor() {
     let bangay = definition::open("bangay2003").unwrap();
     let truths = |protocol: &Protocol, terms: Option<&str>| -> Vec<_> {
         let plan = plan(protocol, &OrderedLogit::default(), &[], terms);
-        let tell = |h: &machband::analysis::power::Hypothesis| {
-            (
-                h.term.clone(),
-                h.effect.as_ref().map(|effect| (effect.logits, format!("{}>{}", effect.above, effect.below))),
-            )
-        };
-        plan.hypotheses().iter().filter(|h| h.test == Test::LikelihoodRatio).map(tell).collect()
+        let tests = plan.hypotheses().iter().filter(|hypothesis| hypothesis.test == Test::LikelihoodRatio);
+        let levels = |effect: &Effect| (effect.logits, format!("{}>{}", effect.above, effect.below));
+        tests.map(|hypothesis| (hypothesis.term.clone(), hypothesis.effect.as_ref().map(levels))).collect()
     };
-    let named = |term: &str, logits: Option<f64>, levels: &str| (term.to_owned(), Some((logits, levels.to_owned())));
-    assert_eq!(
-        truths(&bangay, None),
-        [
-            named("width", Some(2.8), "0.05>0.8"),
-            named("depth", Some(4.8), "1>inf"),
-            ("orientation_deg".to_owned(), None)
-        ]
-    );
+    let term = |name: &str, effect: Option<(f64, &str)>| {
+        (name.to_owned(), effect.map(|(logits, levels)| (Some(logits), levels.to_owned())))
+    };
+    let expected =
+        [term("width", Some((2.8, "0.05>0.8"))), term("depth", Some((4.8, "1>inf"))), term("orientation_deg", None)];
+    assert_eq!(truths(&bangay, None), expected);
     // The straight line through 6/n, and 6/5 at n = ∞ where 1/n is 0.
     let (x, y) = ([1.0, 0.5, 1.0 / 3.0, 0.25, 0.0], [6.0, 3.0, 2.0, 1.5, 1.2]);
     let mean = |values: &[f64; 5]| values.iter().sum::<f64>() / 5.0;
@@ -200,7 +191,7 @@ fn the_truth_is_what_the_term_adds_to_the_predictor() {
     assert_eq!(line[0].1.as_ref().unwrap().1, "1>inf");
     assert!((line[0].1.as_ref().unwrap().0.unwrap() - slope).abs() < 1e-8, "{line:?}, expected {slope}");
     // Parameters add up: no interaction. A step has no band whatever its depth: one without a size.
-    assert_eq!(truths(&bangay, Some("width*depth")), [("width:depth".to_owned(), None)]);
+    assert_eq!(truths(&bangay, Some("width*depth")), [term("width:depth", None)]);
     let steps = definition::parse("steps.toml", &DESIGN.replace("[0.1, 0.4]", "[0, 0.4]")).unwrap();
     let step = &truths(&steps, Some("width*depth"))[0];
     assert!(step.1.as_ref().is_some_and(|(logits, _)| logits.is_none()), "{step:?}");
