@@ -27,25 +27,25 @@ use crate::{
 
 /// Shade a mesh: write its picture, measure how far its edges are from smooth, and predict how visible its bands are.
 ///
-/// Bands are predicted as by `machband predict`, on the surface within its outlines, from light not yet rounded to codes:
-/// 0 for no band, 1 for one that is just visible. Whatever --size is, the picture predicted from has 512 × 512 pixels and
-/// is --window degrees wide; the eye is adapted to its mean light.
+/// Bands are predicted as in `machband predict`, on the surface inside its outlines, from light that is not rounded to
+/// codes: 0 means no band, 1 a band that is just visible. The prediction always uses a picture of 512 × 512 pixels that is
+/// --window degrees wide, whatever --size is; the eye is adapted to its mean light.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
     after_help = "Example: machband shade --mesh blob --vertices 313 --shader exact --depth 3 --boundary 0.2 --out exact.png --metrics exact.json"
 )]
 pub(super) struct Arguments {
-    /// cube, pyramid, sphere, torus, blob, or an OBJ file.
+    /// Mesh: cube, pyramid, sphere, torus, blob, or the path of an OBJ file.
     #[arg(long, value_name = "MESH", default_value = "blob")]
     mesh: String,
-    /// Number of vertices of a blob; about so many of a sphere or torus.
+    /// Number of vertices of a blob; approximate for a sphere or torus.
     #[arg(long, value_name = "N", default_value_t = 313)]
     vertices: usize,
-    /// Faces of an OBJ file that meet at more than this many degrees make a crease.
+    /// Angle in degrees above which two faces of an OBJ file meet in a crease.
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
     crease: f64,
-    /// How light is spread over the triangles.
+    /// Shader: how light is interpolated over each triangle.
     #[arg(long, value_parser = named::<Shader>(Shader::NAMES))]
     shader: Shader,
     /// Continuity depth n of the strips at the edges, 1 to 32 or inf; for fixed, gradient, exact, cut and corrections.
@@ -64,7 +64,7 @@ pub(super) struct Arguments {
     /// Where patch takes its slopes from.
     #[arg(long, default_value = "curvature", value_parser = named::<Gradients>(Gradients::NAMES))]
     gradients: Gradients,
-    /// Degrees by which the mesh is turned about x, then y, then z.
+    /// Rotation of the mesh about x, then y, then z, in degrees.
     #[arg(long, value_name = "X,Y,Z", default_value = "25,-35,0", allow_hyphen_values = true)]
     rotate: Triple,
     /// Direction toward the lamp: right, up, toward the viewer.
@@ -76,7 +76,7 @@ pub(super) struct Arguments {
     /// Light where the lamp does not reach, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().ambient, value_parser = within(0.0, 1.0))]
     ambient: f64,
-    /// Light that the lamp adds where it falls straight on the surface, 0 to 1.
+    /// Light that the lamp adds where it strikes the surface at a right angle, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().diffuse, value_parser = within(0.0, 1.0))]
     diffuse: f64,
     /// Light that the middle of a highlight adds, 0 to 1.
@@ -94,7 +94,7 @@ pub(super) struct Arguments {
     /// Distance of the eye in radii of the mesh, 1.05 to 1e6; inf for a parallel projection.
     #[arg(long, value_name = "R", default_value_t = f64::INFINITY, value_parser = distance)]
     distance: f64,
-    /// Interpolate encoded values, as a renderer that ignores gamma does.
+    /// Interpolate encoded values, like a renderer that ignores gamma.
     #[arg(long)]
     naive: bool,
     /// Side of the image in pixels.
@@ -105,14 +105,14 @@ pub(super) struct Arguments {
     /// Bits per channel.
     #[arg(long, default_value = "8", value_parser = named::<Bits>(&["8", "16"]))]
     bits: Bits,
-    /// Image to write.
+    /// Where to write the image.
     #[arg(long, value_name = "FILE.png")]
     out: Option<PathBuf>,
-    /// Measurements to write: the jump of the slope across the edges, in linear light per pixel, and how visible and how
-    /// dense the bands are; each next to Gouraud's.
+    /// Where to write the measurements: the jump of the slope across the edges, in linear light per pixel, and the
+    /// visibility and density of the bands, each compared with Gouraud's.
     #[arg(long, value_name = "FILE.json")]
     metrics: Option<PathBuf>,
-    /// Picture of those jumps to write, edge by edge.
+    /// Where to write a picture of those jumps, edge by edge.
     #[arg(long, value_name = "FILE.png")]
     creases: Option<PathBuf>,
     /// Width of the picture in degrees of visual angle, for the visibility of bands, 0.5 to 170.
@@ -140,7 +140,7 @@ fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone
     }
 }
 
-/// Of the eye, in radii of the mesh.
+/// The distance of the eye, in radii of the mesh.
 fn distance(text: &str) -> Result<f64, String> {
     match text {
         "inf" => Ok(f64::INFINITY),
@@ -160,7 +160,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let several = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
     if several > 0 {
         note(&format!(
-            "{}: {several} edges have more than two triangles, or two wound against each other; light is not joined across them",
+            "{}: {several} edges belong to more than two triangles, or to two with opposite windings; light is not smoothed across them",
             arguments.mesh
         ));
     }
@@ -170,7 +170,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let image = shot.image();
         let clipped = image.data.chunks_exact(3).filter(|pixel| pixel.iter().any(|light| *light > 1.0)).count();
         if clipped > 0 {
-            note(&format!("{clipped} pixels are brighter than white and are clipped, which makes edges of its own"));
+            note(&format!("{clipped} pixels are brighter than white and are clipped, which creates edges"));
         }
         let codes = Quantizer::new(shot.transfers.clone(), arguments.bits).quantize(&image);
         store::image::write_shaded(out, &codes, &transfers, &description)?;

@@ -61,7 +61,7 @@ kind! {
         boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; above 1/3 only cut differs", ["0.05", "0.2", "0.33"];
         vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
         reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
-        gradients: Gradients = Gradients::Curvature, Range::Any, "", "Where patch has its slopes from: curvature, ring or quadric", "curvature, ring or quadric", ["curvature", "ring"];
+        gradients: Gradients = Gradients::Curvature, Range::Any, "", "Where patch takes its slopes from: curvature, ring or quadric", "curvature, ring or quadric", ["curvature", "ring"];
         mesh: Shape = Shape::Blob, Range::Any, "", "Which mesh: cube, pyramid, sphere, torus or blob", "cube, pyramid, sphere, torus or blob", ["cube", "sphere", "blob"];
         vertices: u32 = 313, Range::Within(4.0, 20_000.0), "1", "Number of vertices of a blob; about so many of a sphere or torus", "a whole number from 4 to 20000", ["313", "771"];
         rotate: Triple = Triple([25.0, -35.0, 0.0]), Range::Any, "°", "Turned about x, then y, then z", "three angles in degrees, such as 25,-35,0", ["25,-35,0"];
@@ -90,7 +90,7 @@ impl ShadedMesh {
         if let Some((name, correction)) = corrected.into_iter().find(|(_, correction)| *correction != Correction::Off)
             && !self.shader.interpolates_light()
         {
-            let problem = format!("corrects interpolated light, which {} has not", self.shader);
+            let problem = format!("corrects interpolated light, which {} does not have", self.shader);
             return Some(parameter(name)?.error(correction, problem));
         }
         if self.high + self.highlight > 1.0 {

@@ -321,7 +321,7 @@ fn plot(
     ui::still_plot(id)
         .width(width)
         .height(200.0)
-        // A nearly uniform light is shown as one: not every rounding as a cliff.
+        // Nearly uniform light is shown as uniform: rounding is not magnified.
         .include_y(lowest - 0.02)
         .include_y(lowest + 0.02)
         .x_axis_label("position, window sides")

@@ -1,5 +1,5 @@
-//! What the vision model predicts: of a stimulus of the gallery, at once where it varies along a line and on a thread of its
-//! own where it does not; and how predictions are shown, as marks along a line, pictures of band maps, numbers.
+//! What the vision model predicts: of a stimulus in the gallery, at once if it varies along a line and otherwise on a thread of
+//! its own; and how predictions are shown: as marks along a line, pictures of band maps, and numbers.
 
 use eframe::egui::{self, TextureHandle};
 
@@ -11,7 +11,7 @@ use crate::{
     vision::{Band, BandMap, Criterion, LinePrediction, Polarity, Visibility, luminances, pooled},
 };
 
-/// Degrees that the window takes where nothing is known of the screen's size: as `machband predict` has it.
+/// Degrees that the window takes where nothing is known of the screen's size: as in `machband predict`.
 const WINDOW_DEG: f64 = 10.0;
 
 /// How far away and how bright the stimulus is.
@@ -183,7 +183,7 @@ pub struct Mark {
     pub strength: f64,
 }
 
-/// The visible bands of a line, each once. Fine channels locate a band exactly and coarse channels a little beside it, so
+/// The visible bands of a line, each once. Fine channels locate a band exactly and coarse channels a little off, so
 /// each peak joins the nearest band that finer channels have found.
 fn marks(view: &LinePrediction, window_deg: f64) -> Vec<Mark> {
     let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= LEAST).collect();
@@ -223,7 +223,7 @@ fn over_channels(bands: &[&Band]) -> f64 {
     pooled((0..bands.len()).filter(first).map(|i| bands[i].strength))
 }
 
-/// The strongest place of a map.
+/// The largest strength in a map.
 pub fn strongest(map: &BandMap) -> f64 {
     map.bright.iter().chain(&map.dark).copied().fold(0.0, f64::max)
 }

@@ -1,5 +1,5 @@
-//! Every shader in f64, one pixel at a time: the truth that the fast ways of drawing are held against, and the bytes of
-//! every stimulus.
+//! Every shader in f64, one pixel at a time: the reference for the fast ways of drawing, and the source of the bytes
+//! of every stimulus.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;

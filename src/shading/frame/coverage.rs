@@ -41,7 +41,7 @@ pub fn depths(frame: &Frame, triangle: usize) -> Planes<1> {
     Planes::new(corners.map(|v| v.screen), corners.map(|v| [v.depth]))
 }
 
-/// Whether each pixel shows the surface and lies on none of its outlines: beside the background, or where a nearer part
+/// Whether each pixel shows the surface and lies on none of its outlines: next to the background, or where a nearer part
 /// of the surface hides a farther one.
 #[must_use]
 pub fn inside_outlines(frame: &Frame) -> Vec<bool> {
@@ -126,7 +126,7 @@ fn first_center(place: f64, count: u32) -> u32 {
 }
 
 impl Outline {
-    /// The triangle with these corners in a window of `width` × `height` pixels; `None` if it looks away, or holds no
+    /// The triangle with these corners in a window of `width` × `height` pixels; `None` if it faces away, or holds no
     /// pixel's center for a simple reason.
     pub fn new(corners: [DVec2; 3], width: u32, height: u32) -> Option<Outline> {
         let [a, b, c] = corners;

@@ -33,7 +33,7 @@ pub(super) fn of(frame: &Frame, gradients: Gradients) -> Vec<Gradient> {
     (0..frame.vertices.len()).into_par_iter().map(gradient).collect()
 }
 
-/// Weight of the ring beside the chain rule's. Where the surface turns away by the angle θ, a step on it shortens on
+/// Weight of the ring relative to the chain rule's. Where the surface turns away by the angle θ, a step on it shortens on
 /// the screen by cos θ, and the chain rule's weight along it by cos² θ: it says less and less, and its slope grows
 /// without bound where the picture's cannot. Of 0 … 0.5, this gave the least error of light and slope against spheres,
 /// tori and bumpy surfaces traced pixel by pixel; 0.05 and 0.1 are within a few percent of it.
@@ -74,7 +74,7 @@ fn steps(frame: &Frame, vertex: &FrameVertex) -> impl Iterator<Item = (DVec2, DV
     let (here, _) = frame.view.project(vertex.eye);
     let sideways = toward.any_orthonormal_vector();
     let scale = (frame.view.project(vertex.eye + STEP * sideways).0 - here).length() / STEP;
-    // A vertex that looks away knows only of the direction along the silhouette.
+    // A vertex that faces away has only the direction along the silhouette.
     [Some(across), (facing > 0.0).then_some(away)].into_iter().flatten().map(move |tangent| {
         let ahead = moved(frame, vertex, tangent * STEP);
         let behind = moved(frame, vertex, tangent * -STEP);

@@ -1,5 +1,5 @@
-//! A surface seen and lit: where its triangles are on the screen, which of them each pixel shows, how its light bends at
-//! edges and slopes at vertices.
+//! A surface on the screen: where its triangles are, which of them each pixel shows, how its light bends at edges and
+//! slopes at vertices.
 
 mod bends;
 pub mod coverage;

@@ -30,7 +30,7 @@ pub fn newell(corners: &[DVec3]) -> DVec3 {
 
 /// The mesh of `triangles` with averaged normals, split where faces meet at more than `crease_deg` degrees. For each
 /// triangle `faces` has the face that it is a part of, and `normals` that face's unit normal, zero without an area; the
-/// triangles of a face follow each other. A face counts once at each of its corners, as Shoaff has it, however it is cut.
+/// triangles of a face follow each other. A face counts once at each of its corners, as in Shoaff, however it is cut.
 pub(super) fn averaged(
     positions: &[DVec3],
     triangles: &[[u32; 3]],

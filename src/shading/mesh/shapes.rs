@@ -131,15 +131,15 @@ fn subdivisions(vertices: usize) -> usize {
     ((vertices.saturating_sub(2) as f64 / 10.0).sqrt().round() as usize).max(1)
 }
 
-/// The unit sphere: an icosahedron whose edges are cut into `subdivisions` parts (at least 1), thrown onto the sphere:
+/// The unit sphere: an icosahedron whose edges are cut into `subdivisions` parts (at least 1), projected onto the sphere:
 /// 10·s² + 2 vertices and 20·s² triangles, all of nearly one size and shape.
 #[must_use]
 pub fn sphere(subdivisions: usize) -> Mesh {
     let s = subdivisions.max(1);
     let (corners, faces) = icosahedron();
     let mut positions: Vec<DVec3> = Vec::with_capacity(10 * s * s + 2);
-    // A place on a face by the whole weights of the face's corners, those without weight left out: faces that share it
-    // name it alike.
+    // A place is identified by the integer weights of the face's corners, zero weights left out, so that all faces
+    // that share it agree.
     let mut index: HashMap<[(usize, usize); 3], u32> = HashMap::with_capacity(10 * s * s + 2);
     let mut triangles = Vec::with_capacity(20 * s * s);
     for face in faces {
@@ -235,8 +235,8 @@ fn closed(positions: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
 /// A tetrahedron.
 const LEAST_BLOB: usize = 4;
 
-/// `count` points spread evenly over the unit sphere: the i-th is at z = 1 − (2i + 1)/`count`, turned on by the golden
-/// angle from the last.
+/// `count` points spread evenly over the unit sphere: the i-th is at z = 1 − (2i + 1)/`count`, rotated from the last by the
+/// golden angle.
 #[must_use]
 pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
     let golden = f64::midpoint(1.0, 5f64.sqrt());
@@ -251,7 +251,7 @@ pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
 }
 
 /// A closed surface over `count` Fibonacci points, at least 4: the triangles of their convex hull, 2·`count` − 4, each
-/// place then moved in or out by a smooth function of its direction, so that the surface is round but no ball: it has
+/// place then moved in or out by a smooth function of its direction, so that the surface is round but not a sphere: it has
 /// hollows, and no symmetry.
 #[must_use]
 pub fn blob(count: usize) -> Mesh {

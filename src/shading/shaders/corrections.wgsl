@@ -65,7 +65,7 @@ fn vertex_repaired(value: vec3f, corners: vec3u, w: vec3f, b: f32) -> vec3f {
         if rho < radius {
             let neighbors = mix(a.j, a.i, mixed);
             let arc = neighbors + (a.own - neighbors) * (1.0 - far);
-            // Beyond the opposite edge, which wide angles reach, nobody goes on with it: it ends there.
+            // Beyond the opposite edge, which wide angles reach, no neighbor continues it: it ends there.
             corrected += (arc - value) * (smoothstep(0.0, 0.25, w[k]) * (1.0 - blend(rho / radius)));
         }
     }

@@ -14,7 +14,7 @@ use crate::{
     },
 };
 
-/// Bangay eq. 4, J(t) = t·I_n(t/b')·(I_A − I_E) + I_E, in the strip of the smallest weight t (as the text has it; the
+/// Bangay eq. 4, J(t) = t·I_n(t/b')·(I_A − I_E) + I_E, in the strip of the smallest weight t (as in the text; the
 /// pseudo-code takes the first below b, which jumps), and Gouraud's light elsewhere.
 #[derive(Clone, Debug)]
 pub struct Fixed<T, const C: usize> {

@@ -2,7 +2,7 @@
 //! of the corners on the screen and their lights I_A, I_B, I_C.
 //!
 //! Each is written once, for any `Number`: as f64 it is the reference, and as several pixels of
-//! f32 it draws. Its WGSL, for graphics cards, is beside it.
+//! f32 it draws. Its WGSL, for graphics cards, is next to it.
 
 mod corrections;
 mod cut;

@@ -82,7 +82,7 @@ pub fn whole_pixels(ctx: &egui::Context, area: Rect) -> (Rect, [u32; 2]) {
     (rect, [size.x as u32, size.y as u32])
 }
 
-/// Lets the pointer and the keys move the target; gives whether a drag is going on.
+/// Lets the pointer and the keys move the target; returns whether a drag is in progress.
 pub fn interact(
     ui: &egui::Ui,
     rect: Rect,
@@ -155,7 +155,7 @@ fn arrows(ui: &egui::Ui, response: &Response) -> [f64; 2] {
     [pressed(Key::ArrowRight) - pressed(Key::ArrowLeft), pressed(Key::ArrowDown) - pressed(Key::ArrowUp)]
 }
 
-/// The divider's handle; gives whether it is being dragged.
+/// The divider's handle; returns whether it is being dragged.
 fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
     let x = rect.left() + rect.width() * settings.divider as f32;
     let strip = Rect::from_x_y_ranges(x - 9.0..=x + 9.0, rect.y_range());
@@ -194,7 +194,7 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &V
     }
     if settings.scan {
         let [from, to] = settings.line.map(|end| rect.lerp_inside(end.to_vec2()));
-        // Dark beside light: visible on any picture.
+        // Dark next to light, to be visible on any picture.
         painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(120)));
         painter.line_segment([from, to], Stroke::new(1.0, Color32::from_gray(0xe0)));
         painter.circle(from, 4.0, Color32::from_gray(0x20), Stroke::new(1.5, Color32::from_gray(0xe0)));

@@ -109,7 +109,7 @@ impl Comparison {
 }
 
 impl MeshChoice {
-    /// As a reader knows it: a file by its name.
+    /// Its name on the page: of a file without the folder.
     #[must_use]
     pub fn title(&self) -> String {
         match self {
@@ -132,7 +132,7 @@ impl MeshChoice {
     }
 }
 
-/// A renderer as a reader knows it, with the options that change something.
+/// The name of a renderer on the page, with the options that have an effect.
 #[must_use]
 pub fn title(renderer: &Renderer) -> String {
     let shade = renderer.shade;
@@ -155,7 +155,7 @@ pub fn title(renderer: &Renderer) -> String {
     text
 }
 
-/// A shader as a reader knows it.
+/// The name of a shader on the page.
 pub fn shader_title(shader: Shader) -> &'static str {
     match shader {
         Shader::Flat => "Flat",
@@ -171,7 +171,7 @@ pub fn shader_title(shader: Shader) -> &'static str {
     }
 }
 
-/// The continuity depth as a reader knows it.
+/// The continuity depth on the page.
 pub fn depth_title(depth: Depth) -> String {
     if depth == Depth::Infinite { "∞".to_owned() } else { depth.to_string() }
 }

@@ -72,7 +72,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
         field("reweight", &name("reweight")).choice(ui, &mut shade.reweight, Correction::ALL, title);
     }
     if shade.shader != Shader::Phong {
-        let response = ui.checkbox(&mut side.naive, "ignore gamma, blend codes");
+        let response = ui.checkbox(&mut side.naive, "ignore gamma: interpolate codes");
         text::name(ui, &response, &name("ignores gamma"));
     }
 }

@@ -24,7 +24,7 @@ use crate::{
 
 /// Longest shorter side of the picture that bands are predicted from, pixels: more would change little, and take longer.
 const LONGEST_PX: u32 = 512;
-/// What the shorter side of the picture is taken to be, degrees.
+/// Assumed size of the shorter side of the picture, degrees.
 pub const SHORTER_SIDE_DEG: f64 = 10.0;
 
 /// What was measured of both sides.
@@ -50,7 +50,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Sees that the pictures are measured by `measure`.
+    /// Starts measuring the pictures by `measure`, unless that is done or under way.
     pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures, measure: Measure) {
         self.latest.want(ctx, pictures.edition, || {
             let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
@@ -174,7 +174,7 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// The curves along the scan line, or `before` where they are still right.
+    /// The curves along the scan line, or `before` if they are up to date.
     pub fn updated(before: Option<Scan>, pictures: &Pictures, line: [Pos2; 2]) -> Scan {
         if let Some(before) = before.filter(|before| before.edition == pictures.edition && before.line == line) {
             return before;
@@ -210,7 +210,7 @@ impl Scan {
 }
 
 fn plot(ui: &mut egui::Ui, what: &str, titles: &[String; 2], curves: &[Curve; 2]) {
-    hint(ui, format!("{what}, along the scan line from its ring"));
+    hint(ui, format!("{what}, along the scan line, starting at its ring"));
     let plot = still_plot(what).width(ui.available_width()).height(ui.available_height()).y_axis_min_width(44.0);
     let plot = plot.show(ui, |plot| {
         for ((pieces, color), title) in curves.iter().zip(SIDES).zip(titles) {

@@ -146,7 +146,7 @@ impl ShadingPage {
         }
     }
 
-    /// Shows another mesh, if it can be made; otherwise the one before stays.
+    /// Shows another mesh; if it cannot be made, the current one stays.
     fn load(&mut self, choice: MeshChoice) {
         self.file.fault = match choice.mesh() {
             Ok(mesh) => {
@@ -239,7 +239,7 @@ impl ShadingPage {
         });
     }
 
-    /// Computes what has changed.
+    /// Draws and measures again what has changed.
     fn update(&mut self, ctx: &egui::Context, size: [u32; 2]) {
         if self.surface.as_ref().is_none_or(|(choice, _)| *choice != self.compared.mesh) {
             self.load(self.compared.mesh.clone());

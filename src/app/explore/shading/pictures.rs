@@ -39,8 +39,8 @@ pub struct Drawer {
 }
 
 impl Drawer {
-    /// The window's graphics card, if it has one. A card that is a program is no faster than the processor, which then
-    /// goes first.
+    /// The window's graphics card, if it has one. A software adapter is no faster than the processor, which is then
+    /// preferred.
     pub fn new(state: Option<&RenderState>) -> Drawer {
         let gpu = match state {
             Some(state) => WindowGpu::new(state).map_err(|error| error.to_string()),
@@ -106,7 +106,7 @@ enum Image {
 }
 
 impl Picture {
-    /// The name that egui knows it by.
+    /// Its texture in egui.
     pub fn id(&self) -> TextureId {
         match &self.image {
             Image::Cpu(_, texture) => texture.id(),
@@ -114,7 +114,7 @@ impl Picture {
         }
     }
 
-    /// Its codes; `None` where the graphics card does not give them back.
+    /// Its codes; `None` where they cannot be read back from the graphics card.
     pub fn codes(&self) -> Option<CodeImage> {
         match &self.image {
             Image::Cpu(pixels, _) => {
@@ -145,7 +145,7 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// The pictures of `compared`; those of `before` if they are still right.
+    /// The pictures of `compared`; those of `before` if they are up to date.
     pub fn updated(
         ctx: &egui::Context,
         before: Option<Pictures>,
@@ -183,8 +183,8 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// That of `pictures` times `factor`, or `before` where it is still right; `None` where the graphics card does not
-    /// give pictures back.
+    /// That of `pictures` times `factor`, or `before` if it is up to date; `None` where a picture cannot be read back from
+    /// the graphics card.
     pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures, factor: u8) -> Option<Difference> {
         if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
             return Some(before);

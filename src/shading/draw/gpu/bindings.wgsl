@@ -52,7 +52,7 @@ struct Triangle {
 @group(0) @binding(0) var<uniform> globals: Globals;
 @group(0) @binding(1) var<storage, read> vertices: array<Vertex>;
 @group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
-// What the shader needs of each triangle beside its vertices.
+// What the shader needs of each triangle in addition to its vertices.
 @group(0) @binding(3) var<storage, read> constants: array<vec4f>;
 // The transfer table: light, what a display makes it from, slope to the next.
 @group(0) @binding(4) var<storage, read> table: array<vec4f>;

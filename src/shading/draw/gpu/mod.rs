@@ -9,7 +9,7 @@
 //! codes are closer together than f32 tells apart. Where a shader jumps (printed vertex shading with b > ¼), a pixel
 //! on the very jump may fall on either side.
 //!
-//! The WGSL of each shader is beside its Rust, in `shaders/`, and what is around the shaders is here. *exact* and *cut*, with
+//! The WGSL of each shader is next to its Rust, in `shaders/`, and what is around the shaders is here. *exact* and *cut*, with
 //! `strips`, and *patch* can be taken as they are.
 
 mod card;
