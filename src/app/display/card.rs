@@ -3,7 +3,7 @@
 use eframe::egui::{self, Color32, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Stroke, Vec2};
 
 use crate::{
-    app::ui::{fault, primary, quiet, theme::COLUMN},
+    app::ui::{Step, fault, primary, quiet, theme::COLUMN},
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
 };
 
@@ -26,16 +26,6 @@ pub struct CardHelper {
     slider: Option<Id>,
 }
 
-/// How the helper was left.
-pub enum CardOutcome {
-    /// Still open.
-    Open,
-    /// Closed without a measurement.
-    Closed,
-    /// The screen's width in cm.
-    Measured(f64),
-}
-
 impl CardHelper {
     /// Starts from the outline that the present width would give.
     pub fn new(screen_width_cm: f64, screen_width_px: u32) -> Self {
@@ -43,8 +33,8 @@ impl CardHelper {
         Self { card_px: (px_per_cm * CARD_WIDTH_CM) as f32, slider: None }
     }
 
-    /// Draws it; physical pixels on both sides of the conversion.
-    pub fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> CardOutcome {
+    /// Draws it; gives the screen's width in cm.
+    pub fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> Step<f64> {
         // Enter in the number's field ends the typing, and on a button it is the button's.
         let free = ctx.memory(|memory| memory.focused()).is_none_or(|focused| self.slider == Some(focused));
         let accepted = free && self.slider.is_some() && ctx.input(|input| input.key_pressed(Key::Enter));
@@ -57,7 +47,7 @@ impl CardHelper {
             scrolling.show(ui, |ui| self.content(ui, screen_width_px, accepted)).inner
         });
         match shown.inner {
-            CardOutcome::Open if shown.should_close() => CardOutcome::Closed,
+            Step::Stay if shown.should_close() => Step::Back,
             outcome => outcome,
         }
     }
@@ -67,7 +57,7 @@ impl CardHelper {
         Vec2::new(self.card_px, self.card_px * CARD_ASPECT) / ctx.pixels_per_point()
     }
 
-    fn content(&mut self, ui: &mut egui::Ui, screen_width_px: u32, accepted: bool) -> CardOutcome {
+    fn content(&mut self, ui: &mut egui::Ui, screen_width_px: u32, accepted: bool) -> Step<f64> {
         ui.heading("Measure the screen with a card");
         ui.label("Hold a bank card (8.56 cm wide) against the screen and make the outline equally wide with the left and right arrow keys. Enter accepts.");
         self.slider(ui, screen_width_px);
@@ -76,7 +66,7 @@ impl CardHelper {
             Ok(width) => buttons(ui, width, accepted),
             Err(error) => {
                 fault(ui, error.to_string());
-                CardOutcome::Open
+                Step::Stay
             }
         }
     }
@@ -108,14 +98,14 @@ impl CardHelper {
 }
 
 /// The screen's width in cm, and the ways out.
-fn buttons(ui: &mut egui::Ui, width: f64, accepted: bool) -> CardOutcome {
+fn buttons(ui: &mut egui::Ui, width: f64, accepted: bool) -> Step<f64> {
     ui.label(format!("The screen is {width:.1} cm wide."));
     ui.horizontal_wrapped(|ui| {
         let used = primary(ui, "Use this width", true, "");
         if ui.button("Cancel").clicked() {
-            return CardOutcome::Closed;
+            return Step::Back;
         }
-        if used || accepted { CardOutcome::Measured((width * 10.0).round() / 10.0) } else { CardOutcome::Open }
+        if used || accepted { Step::Next((width * 10.0).round() / 10.0) } else { Step::Stay }
     })
     .inner
 }

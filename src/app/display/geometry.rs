@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Color32, Stroke, TextEdit, Vec2};
 
-use super::card::{CardHelper, CardOutcome};
+use super::card::CardHelper;
 use crate::{
     app::ui::{
         Field, Monitor, ScreenFields, Step, describe, fault, note, number, platform::Platform, quiet, theme::QUIET,
@@ -43,12 +43,14 @@ impl GeometryPage {
                 Err(error) => fault(ui, error.to_string()),
             }
         });
-        let outcome = self.card.as_mut().map(|card| card.show(ui.ctx(), monitor.width_px));
-        if let Some(CardOutcome::Measured(width)) = &outcome {
-            fields.screen_width_cm = width.to_string();
-        }
-        if !matches!(outcome, Some(CardOutcome::Open)) {
-            self.card = None;
+        if let Some(card) = &mut self.card {
+            let step = card.show(ui.ctx(), monitor.width_px);
+            if let Step::Next(width) = step {
+                fields.screen_width_cm = width.to_string();
+            }
+            if step != Step::Stay {
+                self.card = None;
+            }
         }
         Step::back_if(back)
     }

@@ -23,5 +23,5 @@ mod steps;
 pub mod timing;
 mod tools;
 
-pub use card::{CardHelper, CardOutcome};
+pub use card::CardHelper;
 pub use tools::Display;

@@ -1,24 +1,13 @@
-//! What a participant reads between trials.
+//! What a participant reads between trials. Each page leads on, or, from the pause, out of the session.
 
 use eframe::egui::{self, Key, ProgressBar, TextureHandle};
 
 use crate::{
-    app::ui::{self, pixels, theme},
+    app::ui::{self, Step, pixels, theme},
     experiment::{Phase, Progress, Protocol, Texts},
     light::{Depth, Quantizer},
     stimulus::{ParameterValue, Stimulus},
 };
-
-/// What a page was answered with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
-    /// Nothing yet.
-    None,
-    /// Go on.
-    Next,
-    /// Leave the session.
-    Leave,
-}
 
 /// Pages before the first trial: the task, and the categories.
 pub const INSTRUCTION_PAGES: usize = 2;
@@ -78,7 +67,7 @@ pub fn instructions(
     resumed: Option<Progress>,
     pictures: &mut CategoryPictures,
     quantizer: &Quantizer,
-) -> Answer {
+) -> Step<()> {
     let texts = &protocol.instructions;
     ui::page(ui, |ui| {
         if page == 0 {
@@ -119,7 +108,7 @@ pub fn instructions(
 }
 
 /// Before practice, or before the main trials.
-pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Answer {
+pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Step<()> {
     ui::page(ui, |ui| {
         ui.label(match phase {
             Phase::Practice => &texts.practice,
@@ -131,7 +120,7 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Answer {
 }
 
 /// A break.
-pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Answer {
+pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Step<()> {
     ui::page(ui, |ui| {
         ui.heading(&texts.pause_heading);
         ui.label(fill(&texts.break_progress, progress));
@@ -142,7 +131,7 @@ pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Answer {
 }
 
 /// Paused by the participant, or because the window became too small (`why`).
-pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Answer {
+pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Step<()> {
     ui::page(ui, |ui| {
         ui.heading(&texts.paused);
         ui.label(&texts.paused_text);
@@ -152,16 +141,16 @@ pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Answer {
         ui.add_space(16.0);
         let next = next(ui, texts);
         ui.add_space(8.0);
-        if ui.button(&texts.leave).clicked() { Answer::Leave } else { next }
+        if ui.button(&texts.leave).clicked() { Step::Back } else { next }
     })
 }
 
-fn next(ui: &mut egui::Ui, texts: &Texts) -> Answer {
+fn next(ui: &mut egui::Ui, texts: &Texts) -> Step<()> {
     // A control that has the keyboard's focus takes Space and Enter for itself.
     let focused = ui.ctx().memory(|memory| memory.focused().is_some());
     let key = !focused && ui.input(|input| input.key_pressed(Key::Space) || input.key_pressed(Key::Enter));
     let clicked = ui::primary(ui, &texts.next, true, &texts.next_key);
-    if clicked || key { Answer::Next } else { Answer::None }
+    if clicked || key { Step::Next(()) } else { Step::Stay }
 }
 
 fn fill(text: &str, progress: &Progress) -> String {

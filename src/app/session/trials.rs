@@ -10,7 +10,7 @@ use eframe::egui::{
 use super::{
     finish::Finish,
     frames::ScreenRefresh,
-    instructions::{self, Answer, CategoryPictures},
+    instructions::{self, CategoryPictures},
     recording::Recording,
     request::{Prepared, Request},
     trouble::{Remedy, Trouble},
@@ -231,9 +231,9 @@ impl Trials {
     fn remedy(&mut self, ui: &mut egui::Ui, now: Duration) {
         let Some(trouble) = &mut self.trouble else { return };
         let tried = match trouble.show(ui) {
-            Remedy::None => return,
-            Remedy::Retry => self.recording.store.retry(),
-            Remedy::MoveTo(folder) => self.recording.store.move_to(&folder),
+            None => return,
+            Some(Remedy::Retry) => self.recording.store.retry(),
+            Some(Remedy::MoveTo(folder)) => self.recording.store.move_to(&folder),
         };
         match tried {
             Ok(()) => {
@@ -287,7 +287,7 @@ impl Trials {
         let answer = match self.session.state() {
             State::Recovery { .. } | State::Stimulus { .. } | State::Response { .. } | State::Closing { .. } => {
                 self.draw_trial(ui, window_s, input);
-                Answer::None
+                Step::Stay
             }
             State::Instructions(page) => {
                 let resumed = self.resumed.then(|| self.session.progress());
@@ -305,7 +305,7 @@ impl Trials {
             State::Paused(_) => {
                 let why = self.too_small(ui.ctx());
                 match instructions::paused(ui, texts, why.as_deref()) {
-                    Answer::Next if why.is_some() => Answer::None,
+                    Step::Next(()) if why.is_some() => Step::Stay,
                     answer => answer,
                 }
             }
@@ -313,9 +313,9 @@ impl Trials {
         };
         let paused = matches!(self.session.state(), State::Paused(_));
         match answer {
-            Answer::None => return Step::Stay,
-            Answer::Next => self.step(if paused { Event::Resume } else { Event::Continue }, now),
-            Answer::Leave => self.step(Event::Leave, now),
+            Step::Stay => return Step::Stay,
+            Step::Next(()) => self.step(if paused { Event::Resume } else { Event::Continue }, now),
+            Step::Back => self.step(Event::Leave, now),
         }
         ui.ctx().request_repaint();
         Step::Stay

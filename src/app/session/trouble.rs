@@ -15,8 +15,6 @@ pub struct Trouble {
 
 /// What to try.
 pub enum Remedy {
-    /// Nothing yet.
-    None,
     /// The same place again.
     Retry,
     /// Another results folder.
@@ -36,30 +34,25 @@ impl Trouble {
     }
 
     /// Draws the page.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Remedy {
-        if let Some(path) = self.dialog.take() {
-            self.folder = path.display().to_string();
-        }
+    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Remedy> {
         ui::page(ui, |ui| {
-            let mut remedy = Remedy::None;
+            let mut remedy = None;
             ui.heading("The last answer could not be saved");
             ui::fault(ui, &self.what);
             ui.label("Nothing is lost: every answer of this session is still in memory. Please call the experimenter. The session continues when the answers are saved.");
             ui.add_space(12.0);
             if ui::primary(ui, "Try again", true, "") {
-                remedy = Remedy::Retry;
+                remedy = Some(Remedy::Retry);
             }
             ui.add_space(12.0);
             let label = ui.label("Or save the whole session in another folder:");
             ui.horizontal_wrapped(|ui| {
                 ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(380.0)).labelled_by(label.id);
-                if ui.button("Browse…").clicked() {
-                    self.dialog.open(ui.ctx(), Ask::Folder);
-                }
+                self.dialog.browse(ui, Ask::Folder, "Choose a folder…", &mut self.folder);
             });
             let usable = !self.folder.trim().is_empty();
             if ui.add_enabled(usable, egui::Button::new("Save there and continue")).clicked() {
-                remedy = Remedy::MoveTo(PathBuf::from(self.folder.trim()));
+                remedy = Some(Remedy::MoveTo(self.folder.trim().into()));
             }
             remedy
         })

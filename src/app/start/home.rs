@@ -7,7 +7,7 @@ use eframe::egui::{self, Button, ComboBox, Key, RichText, TextEdit, TextureHandl
 use super::form::{Checked, Form, LABELS, Part};
 use crate::{
     app::{
-        display::{CardHelper, CardOutcome},
+        display::CardHelper,
         session::Request,
         ui::{self, Ask, Dialog, Field, Monitor, Step, number, pixels, today},
     },
@@ -336,9 +336,9 @@ impl Home {
     fn measure_with_card(&mut self, ctx: &egui::Context, monitor: &Monitor) {
         let Some(card) = &mut self.card else { return };
         match card.show(ctx, monitor.width_px) {
-            CardOutcome::Open => return,
-            CardOutcome::Closed => {}
-            CardOutcome::Measured(width) => self.set_width(width, "Measured with a card"),
+            Step::Stay => return,
+            Step::Back => {}
+            Step::Next(width) => self.set_width(width, "Measured with a card"),
         }
         self.card = None;
     }
