@@ -170,7 +170,7 @@ fn a_killed_session_resumes_without_loss() {
     let refused = harness.machband(&["run", &definition, "--participant", "S001", "--results", &harness.results()]);
     assert_eq!(refused.status.code(), Some(1), "{refused:?}");
 
-    let pixels = (SCREEN.0 * SCREEN.1) as f64;
+    let pixels = f64::from(SCREEN.0) * f64::from(SCREEN.1);
     harness.set_mode(SCREEN, (59.94 * pixels).round() as u32);
     harness.set_ramps(0.8);
     harness.run(&definition, &["--resume"]);
