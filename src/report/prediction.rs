@@ -17,8 +17,8 @@ use crate::{
     vision::{Criterion, Visibility, VisionError},
 };
 
-/// Lesser visibilities count as this one when they are compared with ratings: below half of what is just seen there is
-/// nothing to tell apart, and some who see nothing press another key than 0.
+/// Lower visibilities count as this one when they are compared with ratings: below half of what is just visible there is
+/// nothing to distinguish, and some participants who see nothing press a key other than 0.
 pub const LEAST: f64 = 0.5;
 
 /// Most conditions that a report predicts: each takes about a millisecond.
@@ -85,7 +85,7 @@ pub enum PredictionError {
 /// What the model of vision says of a study's conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyPrediction {
-    /// How the conditions were looked at.
+    /// The conditions of viewing.
     pub viewing: ViewingConditions,
     /// How the prediction compares with the ratings.
     pub comparison: Comparison,
@@ -95,8 +95,8 @@ pub struct StudyPrediction {
 }
 
 impl StudyPrediction {
-    /// Predicts every condition of the definition beside the ratings, in the window of their sessions, and compares that
-    /// with the ratings.
+    /// Predicts every condition of the definition, in the window of its sessions, and compares the predictions with the
+    /// ratings.
     ///
     /// # Errors
     /// Why that cannot be done.

@@ -12,11 +12,11 @@ use crate::report::{
 const STYLE: &str = include_str!("style.css");
 /// Longest title that tabs and search results show.
 const TITLE_CHARACTERS: usize = 60;
-/// Most rows that a page shows of one table; all of them are in the CSV files beside it.
+/// Most rows that a page shows of one table; all of them are in the CSV files.
 const MOST_ROWS: usize = 2000;
-/// Above so many rows, a table waits behind its caption until it is asked for.
+/// A table with more rows is folded under its caption.
 const MANY_ROWS: usize = 24;
-/// And text to be copied above so many lines.
+/// So is text to be copied with more lines.
 const MANY_LINES: usize = 12;
 
 /// A document as a page.
@@ -69,7 +69,7 @@ fn shortened(title: &str) -> String {
         return title.to_owned();
     }
     let start: String = title.chars().take(TITLE_CHARACTERS).collect();
-    format!("{}…", start.rsplit_once(' ').map_or(start.as_str(), |(words, _)| words))
+    format!("{}…", start.rsplit_once(' ').map_or(start.as_str(), |(kept, _)| kept))
 }
 
 fn is_figure(block: &Block) -> bool {
@@ -100,7 +100,7 @@ fn linked(text: &str) -> Markup {
     }
 }
 
-/// Something long waits behind a line until it is asked for.
+/// Something long, folded under a line.
 fn folded(is_long: bool, line: &str, content: Markup) -> Markup {
     if is_long {
         markup! { details { summary { (line) } (content) } }

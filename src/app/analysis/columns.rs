@@ -1,4 +1,4 @@
-//! What the columns of somebody else's CSV file mean.
+//! What the columns of a CSV file from elsewhere mean.
 
 use std::path::{Path, PathBuf};
 

@@ -34,7 +34,7 @@ const MOST_FAULTS: usize = 200;
 const NARROW: f32 = 700.0;
 /// The view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");
-/// The section that is computed when it is looked at, since it takes its time.
+/// The section that is computed when it is opened, since that takes a while.
 const VISION: (&str, &str) = ("vision", "What the model of vision predicts");
 
 /// Something that only the page can do.
@@ -50,7 +50,8 @@ pub enum Request {
 /// The data and its analysis.
 pub struct OpenStudy {
     study: Arc<Study>,
-    read_options: ReadOptions,
+    /// How it was read.
+    pub read_options: ReadOptions,
     filters: Filters,
     settings: Settings,
     /// What was analyzed last, finished or not.
@@ -63,7 +64,7 @@ pub struct OpenStudy {
     fault: Option<String>,
     /// Why the files could not be read in another way.
     not_reread: Option<String>,
-    /// The address of the section that is looked at.
+    /// The address of the open section.
     section: &'static str,
     export: Export,
     request: Option<Request>,
@@ -121,11 +122,6 @@ impl OpenStudy {
         // Not to be asked for again and again.
         self.read_options.also.clone_from(&read_options.also);
         self.not_reread = Some(fault);
-    }
-
-    /// How it was read.
-    pub fn read_options(&self) -> &ReadOptions {
-        &self.read_options
     }
 
     /// Draws everything; gives what only the page can do.

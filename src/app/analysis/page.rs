@@ -145,7 +145,7 @@ impl Analysis {
         match request {
             Request::OtherData => self.open = None,
             Request::Columns => {
-                self.columns = self.open.as_ref().and_then(|open| Columns::of(&self.paths, open.read_options()));
+                self.columns = self.open.as_ref().and_then(|open| Columns::of(&self.paths, &open.read_options));
             }
             Request::Read(read_options) => self.read(ctx, self.paths.clone(), read_options, true),
         }

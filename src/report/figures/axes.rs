@@ -20,7 +20,7 @@ pub(super) const PANEL: f64 = 380.0;
 pub(super) const EDGE: f64 = 16.0;
 /// Length of a tick.
 const TICK: f64 = 8.0;
-/// Longest name of a category beside its tick.
+/// Longest name of a category at its tick.
 const LONGEST_VALUE: f64 = 170.0;
 /// Longest name of a level that stands upright below its tick.
 const LONGEST_UPRIGHT: f64 = 250.0;
@@ -99,7 +99,7 @@ impl Values {
         widths.fold(0.0, f64::max)
     }
 
-    /// Lines across the panel, ticks, and a title; without a title no values, since they stand beside another panel.
+    /// Lines across the panel, ticks, and a title; without a title no values, since another panel on the left shows them.
     pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: Option<&str>) {
         for (value, name) in &self.ticks {
             let y = panel.y(*value);
@@ -234,7 +234,7 @@ fn spread(numbers: &[f64], always_linear: bool) -> Option<Vec<f64>> {
     at.windows(2).all(|pair| pair[1] - pair[0] >= least).then_some(at)
 }
 
-/// Least and greatest; none of none.
+/// Least and greatest, if there are any values.
 pub(super) fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     values.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }

@@ -27,7 +27,7 @@ pub struct Figure {
     pub wide: bool,
     /// Its height where it is 800 wide.
     pub height: f64,
-    /// The chart, 800 units wide. Text is text; it needs no file besides.
+    /// The chart, 800 units wide. Its text is text; it needs no other file.
     pub svg: String,
 }
 

@@ -175,18 +175,18 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
         Some(vec![distances.iter().position(|d| *d == distance)? as u32])
     });
     // Few orientations have fewer distances.
-    let beside = (2..angles.len()).contains(&distances.len());
+    let is_folded = (2..angles.len()).contains(&distances.len());
     let (what, bars) = (labels::rating(results), labels::bars(results));
-    let more = if beside { ", on the right by the angle to the nearest horizontal or vertical" } else { "" };
+    let more = if is_folded { ", on the right by the angle to the nearest horizontal or vertical" } else { "" };
     let caption = format!("{what} by orientation{more}; {bars}.");
     let values = Values::ratings(&by_angle);
     let (left, right) = (values.margin(), WIDTH - EDGE);
-    let middle = if beside { left + 0.62 * (right - left) } else { right };
+    let middle = if is_folded { left + 0.62 * (right - left) } else { right };
     let all = [
         (by_angle, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis("orientation_deg")),
         (by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)"),
     ];
-    let parts: Vec<_> = all.into_iter().take(1 + usize::from(beside)).collect();
+    let parts: Vec<_> = all.into_iter().take(1 + usize::from(is_folded)).collect();
     let height = EDGE + PANEL + super::axes::below(TEXT);
     Some(Figure::draw("orientation", format!("{what} by orientation"), caption, height, |svg| {
         for (counts, panel, up, across) in parts {

@@ -1,6 +1,6 @@
 //! Charts of a study's results, for print and for the window: SVG, and pixels of the same drawing.
 //!
-//! Colors are those of Okabe & Ito (2008), which color-blind readers can tell apart too; markers, dashes and lightness
+//! Colors are those of Okabe & Ito (2008), which color-blind readers can distinguish too; markers, dashes and lightness
 //! say the same without any color. Text is 8 pt where a chart is set 8 cm wide, `proportions` of two factors at 12 cm.
 
 mod axes;

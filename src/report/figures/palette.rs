@@ -1,5 +1,5 @@
-//! The colors of every chart, on paper and in the window, and what else tells series apart: markers and dashes, for
-//! readers who do not see colors.
+//! The colors of every chart, on paper and in the window, and the markers and dashes that distinguish series for readers
+//! who do not see colors.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ impl fmt::Display for Rgb {
 pub const BLACK: Rgb = Rgb(0, 0, 0);
 pub const WHITE: Rgb = Rgb(255, 255, 255);
 pub const GRAY: Rgb = Rgb(120, 120, 120);
-// The palette of Okabe & Ito (2008, jfly.uni-koeln.de/color), which color-blind readers can tell apart.
+// The palette of Okabe & Ito (2008, jfly.uni-koeln.de/color), which color-blind readers can distinguish.
 pub const ORANGE: Rgb = Rgb(230, 159, 0);
 pub const SKY: Rgb = Rgb(86, 180, 233);
 pub const GREEN: Rgb = Rgb(0, 158, 115);
@@ -31,7 +31,7 @@ pub const ON_WHITE: [Rgb; 7] = [BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE, S
 /// Colors of series on a dark page.
 pub const ON_DARK: [Rgb; 7] = [ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE];
 
-/// Most series that one chart can tell apart.
+/// Most series that can be distinguished in one chart.
 pub const MOST_SERIES: usize = 12;
 
 /// Shape of a marker.
@@ -73,7 +73,7 @@ pub const AXIS: Stroke = Stroke::new(Rgb(60, 60, 60), 2.0);
 /// Lines across a panel at its ticks.
 pub const GRID: Stroke = Stroke::new(Rgb(222, 222, 222), 1.4);
 
-/// What tells a series from the others.
+/// What distinguishes a series from the others.
 #[derive(Clone, Copy, Debug)]
 pub struct Series {
     pub color: Rgb,

@@ -87,12 +87,12 @@ impl Chart<'_> {
         let size = self.size;
         let abreast =
             if self.panels.len() <= ABREAST { self.panels.len() } else { self.panels.len().div_ceil(2).min(ABREAST) };
-        let left = EDGE + if self.counts.factors.first().is_some() { 1.5 * size + self.label + 10.0 } else { 0.0 };
+        let left = EDGE + if !self.counts.factors.is_empty() { 1.5 * size + self.label + 10.0 } else { 0.0 };
         let (right, gap) = (WIDTH - 1.5 * size, 1.2 * size);
         let width = (right - left + gap) / abreast as f64 - gap;
         let legend = self.legend();
         let lines = legend.last().map_or(1.0, |(.., line)| line + 1.0);
-        let heading = if self.counts.factors.get(1).is_some() { 1.7 * size } else { 0.3 * size };
+        let heading = if self.counts.factors.len() > 1 { 1.7 * size } else { 0.3 * size };
         let top = EDGE + (1.5 * lines + 0.3) * size;
         let block = heading + self.pitch * self.bars.len() as f64 + 2.3 * size;
         let bottom = top + block * self.panels.len().div_ceil(abreast) as f64;

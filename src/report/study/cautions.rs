@@ -1,4 +1,4 @@
-//! What the reader must bear in mind, in sentences: of the data, of the model, and of how participants answered.
+//! Cautions for the reader, in sentences: about the data, the model, and how participants answered.
 
 use super::{
     findings::{self, ALPHA},
@@ -16,13 +16,13 @@ use crate::{
 
 /// Cohen's κ up to which agreement is "slight" at most, Landis & Koch (1977).
 pub(super) const LOW_KAPPA: f64 = 0.2;
-/// Proportion of one category from which a participant is said to have used hardly another.
+/// From this proportion of one category, a participant counts as having used hardly any other.
 const NEARLY_ALL: f64 = 0.9;
-/// Fewer ratings say nothing about how somebody uses the scale.
+/// Fewer ratings do not show how a participant uses the scale.
 const FEW_RATINGS: u64 = 10;
-/// Median response time, seconds, in which nobody looks and decides.
+/// A median response time, in seconds, too short to look and decide.
 const HASTY_S: f64 = 0.3;
-/// A participant's median time is odd where it is so many times longer or shorter than the middle one.
+/// A participant's median time is odd if it is this many times longer or shorter than the middle one.
 const ODD_TIMES: f64 = 3.0;
 /// Most names in one sentence.
 const MOST_NAMES: usize = 6;
@@ -91,7 +91,7 @@ fn nothing_found(results: &Results) -> Option<String> {
     })
 }
 
-/// What the reader must know of the model before its numbers.
+/// What the reader must know about the model before its numbers.
 fn about_model(results: &Results) -> Vec<String> {
     let report = match &results.model {
         Ok(report) => report,
@@ -120,7 +120,7 @@ fn about_model(results: &Results) -> Vec<String> {
     cautions
 }
 
-/// Whether a note is a caution; of one participant more is said than the model's note.
+/// Whether a note is a caution. For one participant there is a caution of its own.
 pub(super) fn is_serious(note: &Note) -> bool {
     matches!(
         note,
@@ -134,7 +134,7 @@ pub(super) fn is_serious(note: &Note) -> bool {
     )
 }
 
-/// Where no ratings whatever could tell a pair of levels apart.
+/// Where no ratings whatsoever could distinguish a pair of levels.
 fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<String> {
     let pairs = factor.pairs.as_ref().filter(|pairs| results.is_inferential() && pairs.cannot_reach(ALPHA))?;
     let people = count((results.people() - factor.incomplete.len()) as u64, "participant");
@@ -152,7 +152,7 @@ fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<Stri
     })
 }
 
-/// What participants did that a reader should look at: one category only, hasty answers, ratings not repeated.
+/// What participants did that a reader should check: one category only, hasty answers, ratings not repeated.
 pub(super) fn oddities(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences: Vec<String> = subjects.iter().filter_map(|subject| one_category(results, subject)).collect();

@@ -11,7 +11,7 @@ use crate::{
     report::document::numbers::{fixed, list, mean, p_is, range, ratio, short_list},
 };
 
-/// Probability below which a difference is told apart from chance.
+/// Significance level: below this probability a difference counts as more than chance.
 pub(super) const ALPHA: f64 = 0.05;
 /// Kendall's τ of means and levels from which a course is called a tendency.
 const TENDENCY: f64 = 0.7;
@@ -47,7 +47,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let found = evidence.p < ALPHA;
     let name = names::factor(&factor.name);
     let mut text = if found {
-        // What a small probability means, said correctly.
+        // What a small probability means.
         let how = match evidence.p {
             p if p < 0.001 => "hardly ever",
             p if p < 0.01 => "rarely",
@@ -71,14 +71,14 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         let p = p_is(evidence.p);
         format!("By {name}, {span}, and this study cannot tell the levels apart ({}, {p}).", evidence.name)
     };
-    // Of many levels that no test tells apart, the two most different ones would look different by themselves.
+    // Among many levels that no test distinguishes, the two most different ones look different by chance alone.
     let contrast = contrast(results, factor).filter(|contrast| found || !contrast.chosen);
     text.extend(contrast.map(|contrast| size(results, &contrast, found)));
     text.extend(second_opinion(results, factor, &evidence));
     text
 }
 
-/// The means in words, without the full stop; of one participant they are those of these ratings and no more.
+/// The means in a sentence without its full stop. For one participant they describe these ratings and nothing more.
 fn means(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(&factor.name);
     let (the_mean, of_these) = if results.is_inferential() {

@@ -1,8 +1,8 @@
-//! A study as a document: which sections it has, and what they say of its results, from a summary in plain words down to
-//! what is needed to repeat the analysis.
+//! A study as a document: its sections and their sentences, from a plain-language summary down to what is needed to repeat
+//! the analysis.
 //!
-//! No sentence is fixed that could be false of some results: each is computed. Of one participant nothing is said that
-//! would hold for another: no test, no interval, no probability.
+//! No fixed sentence may be false for some results; such sentences are computed. For a single participant there is no
+//! inference: no test, no interval, no probability.
 
 mod cautions;
 mod description;

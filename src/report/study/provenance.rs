@@ -41,9 +41,9 @@ impl Provenance {
 
 /// This program with arguments, as a POSIX shell takes them.
 pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
-    let words: Vec<String> = std::iter::once(env!("CARGO_PKG_NAME").to_owned()).chain(arguments).collect();
-    // A shell has no words with a zero byte, so nobody passed one.
-    shlex::try_join(words.iter().map(String::as_str)).unwrap_or_default()
+    let command: Vec<String> = std::iter::once(env!("CARGO_PKG_NAME").to_owned()).chain(arguments).collect();
+    // A shell passes no argument with a zero byte, which is all that could fail.
+    shlex::try_join(command.iter().map(String::as_str)).unwrap_or_default()
 }
 
 /// The section.

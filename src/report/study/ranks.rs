@@ -14,7 +14,7 @@ use crate::{
     },
 };
 
-/// Participants below which the χ² distribution is a rough guide to Friedman's statistic.
+/// With fewer participants, the χ² distribution is only a rough guide to Friedman's statistic.
 const FEW_PARTICIPANTS: usize = 6;
 
 /// Rank tests.

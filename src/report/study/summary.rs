@@ -1,4 +1,4 @@
-//! The summary in plain language. Every sentence is computed: nothing is said that cannot be said of these results.
+//! The summary in plain language. Every sentence is computed from the results.
 
 use super::{cautions::cautions, findings, health, names};
 use crate::{
