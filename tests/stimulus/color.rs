@@ -232,7 +232,7 @@ proptest! {
     }
 
     #[test]
-    fn what_hsv_asks_is_written_no_longer_than_it_was(h in 0u16..360, s in 1u8..=20, v in 1u8..=20) {
+    fn hsv_texts_are_written_no_longer_than_they_were(h in 0u16..360, s in 1u8..=20, v in 1u8..=20) {
         let text = format!("hsv:{h},{},{}", f64::from(s) / 20.0, f64::from(v) / 20.0);
         let color = color(&text);
         prop_assert!(color.to_string().len() <= text.len(), "{} {}", text, color);

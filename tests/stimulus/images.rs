@@ -30,7 +30,7 @@ fn table() -> Transfer {
 
 /// Every kind, transfer, depth and dither: what is written reads back as the codes that were rendered, and proves itself.
 #[test]
-fn what_is_written_reads_back_and_proves_itself() {
+fn images_read_back_and_prove_themselves() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     for entry in catalog::all() {
@@ -60,7 +60,7 @@ fn what_is_written_reads_back_and_proves_itself() {
 }
 
 #[test]
-fn an_image_says_what_its_codes_mean() {
+fn an_image_describes_its_codes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     let info = |recipe: &Recipe| {

@@ -73,7 +73,7 @@ fn gamma_is_recovered_within_five_minutes() {
 }
 
 #[test]
-fn an_observer_who_does_not_look_is_told_to_match_again() {
+fn careless_matches_bring_a_warning() {
     let mut warned = 0;
     for seed in 0..50 {
         let matches = run(&MatchSettings::default(), &power([2.2; 3]), 1.0, seed);
@@ -84,7 +84,7 @@ fn an_observer_who_does_not_look_is_told_to_match_again() {
 }
 
 #[test]
-fn matches_that_tell_no_gamma_say_why() {
+fn matches_without_a_gamma_are_explained() {
     let rows = MatchSettings::default().rows();
     let one = |channel, code| Match { channel, rows, code };
     let error = |matches: &[Match]| estimate(matches)[0].1.unwrap_err();
@@ -128,7 +128,7 @@ fn a_match_taken_back_comes_again_and_a_run_is_resumed() {
 }
 
 #[test]
-fn settings_that_cannot_be_run_say_why() {
+fn settings_that_cannot_run_are_explained() {
     let with = |change: &dyn Fn(&mut MatchSettings)| {
         let mut settings = MatchSettings::default();
         change(&mut settings);

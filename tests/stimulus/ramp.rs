@@ -33,7 +33,7 @@ fn assert_codes_are_right(stimulus: &Stimulus, size: u32, quantizer: &Quantizer)
 /// Steps and jumps on pixel centers, in rows whose shifts are whole or nearly whole; a plateau a hair below a threshold,
 /// and a ramp so flat at its foot that L's rounding decides where it crosses; whole windows.
 #[test]
-fn codes_are_those_of_the_light_where_it_is_hard() {
+fn codes_are_those_of_the_light_in_hard_cases() {
     let [linear, srgb] = [Transfer::Linear, Transfer::Srgb].map(|transfer| Quantizer::new(transfer, Bits::Eight));
     for size in [16, 51, 255, 256] {
         let pixel = 1.0 / f64::from(size);

@@ -107,7 +107,7 @@ fn a_screen_that_changes_is_judged_anew_from_its_first_frame_on() {
 }
 
 #[test]
-fn what_is_judged_against_no_refresh_is_measured_and_not_judged() {
+fn without_a_refresh_frames_are_measured_but_not_judged() {
     let mut times = FrameTimes::default();
     assert_eq!((times.quantile(0.5), times.dropped()), (None, None));
     for i in 0..100 {
@@ -247,20 +247,20 @@ mod report {
             assert_eq!(row(&found, name), "unknown");
         }
         assert!(found.csv().lines().skip(1).all(|line| line.ends_with(',')));
-        let said = found.verdict();
+        let verdict = found.verdict();
         assert!(
-            said.starts_with("The frames follow no steady refresh, so no frame can be judged as dropped"),
-            "{said}"
+            verdict.starts_with("The frames follow no steady refresh, so no frame can be judged as dropped"),
+            "{verdict}"
         );
-        // A refresh that the system reports stays, and that the frames do not follow it is told.
+        // A refresh that the system reports stays, with the note that the frames do not follow it.
         let found = report(scattered(), Some(60.0));
         assert_eq!((found.source, found.is_one_by_one()), ("reported", Some(false)));
-        let said = found.verdict();
-        assert!(said.contains("no steady refresh, not even the 60.00 Hz that the system reports"), "{said}");
+        let verdict = found.verdict();
+        assert!(verdict.contains("no steady refresh, not even the 60.00 Hz that the system reports"), "{verdict}");
     }
 
     #[test]
-    fn a_steady_refresh_is_told_with_what_was_dropped() {
+    fn a_steady_refresh_is_reported_with_the_drops() {
         let mut intervals = vec![16_667; 600];
         let found = report(intervals.clone(), None);
         assert_eq!((found.source, found.is_one_by_one()), ("measured", Some(true)));
@@ -269,8 +269,8 @@ mod report {
         for reported in [None, Some(60.0)] {
             let found = report(intervals.clone(), reported);
             assert_eq!((row(&found, "dropped frames").as_str(), found.is_one_by_one()), ("12", Some(false)));
-            let said = found.verdict();
-            assert!(said.contains("of 60.00 Hz, but 12 of 600 (2.0 %) were dropped"), "{said}");
+            let verdict = found.verdict();
+            assert!(verdict.contains("of 60.00 Hz, but 12 of 600 (2.0 %) were dropped"), "{verdict}");
         }
         let found = report(vec![16_667; 29], Some(60.0));
         assert_eq!(found.is_one_by_one(), None);
@@ -521,7 +521,7 @@ mod session {
     }
 
     #[test]
-    fn a_definition_says_how_long_a_stimulus_stands_and_nothing_else() {
+    fn a_definition_sets_how_long_a_stimulus_is_shown() {
         let text = |presentation: &str| {
             format!("schema = 1\nname = \"t\"\n[stimulus]\nkind = \"mach-band\"\n[presentation]\n{presentation}\n")
         };

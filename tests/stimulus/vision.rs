@@ -22,16 +22,16 @@ fn light(band: &MachBand, window: f64, px_per_deg: f64) -> Vec<f64> {
     (0..size).map(|i| band.ramp().luminance_at(place(i, size))).collect()
 }
 
-fn see_light(light: &[f64], px_per_deg: f64, border: Border) -> LinePrediction {
+fn predict_light(light: &[f64], px_per_deg: f64, border: Border) -> LinePrediction {
     Line { light, px_per_deg, border }.predict(&Eye::default()).unwrap()
 }
 
-fn see(width: f64, depth: Depth, window: f64, px_per_deg: f64) -> LinePrediction {
-    see_light(&light(&band(width, depth, window), window, px_per_deg), px_per_deg, Border::Continues)
+fn predict(width: f64, depth: Depth, window: f64, px_per_deg: f64) -> LinePrediction {
+    predict_light(&light(&band(width, depth, window), window, px_per_deg), px_per_deg, Border::Continues)
 }
 
 fn visibility(width: f64, depth: Depth, window: f64, px_per_deg: f64) -> f64 {
-    see(width, depth, window, px_per_deg).visibility.max()
+    predict(width, depth, window, px_per_deg).visibility.max()
 }
 
 /// Widths from a hundredth of a degree to four fifths of the window, in steps of a quarter.
@@ -47,7 +47,7 @@ fn each_condition(mut check: impl FnMut(f64, f64, f64)) {
                 .into_iter()
                 .map(|width| visibility(width, Depth::Finite(1), window, px_per_deg))
                 .fold(0.0, f64::max);
-            assert!(most > 10.0, "{window}° at {px_per_deg}: nothing is seen");
+            assert!(most > 10.0, "{window}° at {px_per_deg}: nothing is predicted");
             check(window, px_per_deg, most);
         }
     }
@@ -71,22 +71,22 @@ fn a_step_has_no_band_and_a_very_narrow_ramp_hardly_one() {
 fn visibility_has_one_optimum_of_width() {
     each_condition(|window, px, most| {
         let widths = widths(0.02, window);
-        let seen: Vec<f64> = widths.iter().map(|width| visibility(*width, Depth::Finite(1), window, px)).collect();
-        let best = (0..seen.len()).max_by(|a, b| seen[*a].total_cmp(&seen[*b])).unwrap();
-        assert!(0 < best && best < seen.len() - 1, "{window}° at {px}: best at {}°", widths[best]);
-        for i in 1..seen.len() {
-            let change = if i <= best { seen[i] - seen[i - 1] } else { seen[i - 1] - seen[i] };
+        let predicted: Vec<f64> = widths.iter().map(|width| visibility(*width, Depth::Finite(1), window, px)).collect();
+        let best = (0..predicted.len()).max_by(|a, b| predicted[*a].total_cmp(&predicted[*b])).unwrap();
+        assert!(0 < best && best < predicted.len() - 1, "{window}° at {px}: best at {}°", widths[best]);
+        for i in 1..predicted.len() {
+            let change = if i <= best { predicted[i] - predicted[i - 1] } else { predicted[i - 1] - predicted[i] };
             // Ramps a few pixels wide are drawn by chance.
             let least = if widths[i] * px < 8.0 { 0.2 } else { 0.05 };
-            assert!(change > -least * most, "{window}° at {px}, {}°: {:?}", widths[i], &seen[i - 1..=i]);
+            assert!(change > -least * most, "{window}° at {px}, {}°: {:?}", widths[i], &predicted[i - 1..=i]);
             assert!(
                 i <= best + 2 || change > -0.01 * most,
                 "{window}° at {px}, {}°: {:?}",
                 widths[i],
-                &seen[i - 1..=i]
+                &predicted[i - 1..=i]
             );
         }
-        assert!(seen[seen.len() - 1] < 0.75 * most, "{window}° at {px}: it falls with width");
+        assert!(predicted[predicted.len() - 1] < 0.75 * most, "{window}° at {px}: it falls with width");
     });
 }
 
@@ -96,15 +96,23 @@ fn visibility_falls_with_depth() {
     each_condition(|window, px, most| {
         let mut sums = [0.0; 4];
         for width in widths((12.0 / px).max(0.15), window) {
-            let seen = DEPTHS.map(|depth| visibility(width, depth, window, px));
+            let predicted = DEPTHS.map(|depth| visibility(width, depth, window, px));
             let infinite = visibility(width, Depth::Infinite, window, px);
-            for (lower, higher) in [(seen[0], seen[1]), (seen[1], seen[2]), (seen[2], seen[3]), (seen[2], infinite)] {
-                assert!(higher <= lower + 0.06 * most, "{window}° at {px}, {width}°: {seen:?}, ∞ {infinite} of {most}");
+            for (lower, higher) in [
+                (predicted[0], predicted[1]),
+                (predicted[1], predicted[2]),
+                (predicted[2], predicted[3]),
+                (predicted[2], infinite),
+            ] {
+                assert!(
+                    higher <= lower + 0.06 * most,
+                    "{window}° at {px}, {width}°: {predicted:?}, ∞ {infinite} of {most}"
+                );
             }
-            sums = std::array::from_fn(|i| sums[i] + seen[i]);
+            sums = std::array::from_fn(|i| sums[i] + predicted[i]);
         }
         assert!(sums.windows(2).all(|pair| pair[1] < 0.8 * pair[0]), "{window}° at {px}: {sums:?}");
-        assert!(sums[3] > 0.0, "n = 4 is still to be seen");
+        assert!(sums[3] > 0.0, "n = 4 is still visible");
     });
 }
 
@@ -115,18 +123,18 @@ fn order_survives_size_and_contrast() {
         .into_iter()
         .flat_map(|width| DEPTHS.into_iter().chain([Depth::Infinite]).map(move |depth| (width, depth)))
         .collect();
-    let seen = |scale: f64| -> Vec<f64> {
+    let predicted = |scale: f64| -> Vec<f64> {
         conditions.iter().map(|(width, depth)| visibility(scale * width, *depth, scale * 10.0, 64.0)).collect()
     };
-    let rho = machband::report::prediction::rank_correlation(&seen(1.0), &seen(2.0)).unwrap();
+    let rho = machband::report::prediction::rank_correlation(&predicted(1.0), &predicted(2.0)).unwrap();
     assert!(rho >= 0.95, "sizes doubled: {rho}");
     let with_contrast = |contrast: f64| -> Vec<f64> {
-        let seen = |(width, depth): &(f64, Depth)| {
+        let predicted = |(width, depth): &(f64, Depth)| {
             let band =
                 MachBand { low: 0.5 * (1.0 - contrast), high: 0.5 * (1.0 + contrast), ..band(*width, *depth, 10.0) };
-            see_light(&light(&band, 10.0, 64.0), 64.0, Border::Continues).visibility.bright
+            predict_light(&light(&band, 10.0, 64.0), 64.0, Border::Continues).visibility.bright
         };
-        conditions.iter().map(seen).collect()
+        conditions.iter().map(predicted).collect()
     };
     let middle = with_contrast(0.5);
     for contrast in [0.2, 0.8] {
@@ -141,19 +149,19 @@ fn uniform_fields_gratings_and_blurred_edges_have_none() {
     each_condition(|window, px, most| {
         let n = (window * px) as usize;
         let x = |i: usize| (i as f64 + 0.5) / px - window / 2.0;
-        let seen = |value: &dyn Fn(f64) -> f64, border: Border| {
+        let predicted = |value: &dyn Fn(f64) -> f64, border: Border| {
             let light: Vec<f64> = (0..n).map(|i| value(x(i))).collect();
-            see_light(&light, px, border).visibility.max()
+            predict_light(&light, px, border).visibility.max()
         };
-        assert_eq!(seen(&|_| 0.5, Border::Cut), 0.0, "a uniform field");
+        assert_eq!(predicted(&|_| 0.5, Border::Cut), 0.0, "a uniform field");
         for sigma in [0.02, 0.05, 0.1, 0.2, 0.5, 1.0].into_iter().filter(|s| s * px >= 3.0 && *s < window / 6.0) {
-            let blurred = seen(&|x| 0.5 + 0.25 * erf(x / sigma / 2.0_f64.sqrt()), Border::Continues);
+            let blurred = predicted(&|x| 0.5 + 0.25 * erf(x / sigma / 2.0_f64.sqrt()), Border::Continues);
             assert!(blurred <= 0.01 * most, "{window}° at {px}: an edge blurred by {sigma}° has {blurred} of {most}");
         }
         for (frequency, phase) in [0.5, 1.0, 2.0, 4.0].into_iter().flat_map(|f| [0.0, 0.8, 1.6, 2.4].map(|p| (f, p))) {
             let grating = |i: usize| 0.5 + 0.25 * (std::f64::consts::TAU * frequency * x(i) + phase).sin();
             let light: Vec<f64> = (0..n).map(grating).collect();
-            let crests = see_light(&light, px, Border::Cut).visibility.max();
+            let crests = predict_light(&light, px, Border::Cut).visibility.max();
             assert!(crests <= 0.01 * most, "{window}° at {px}: {frequency} c/deg, phase {phase}: {crests} of {most}");
         }
     });
@@ -172,7 +180,7 @@ fn erf(x: f64) -> f64 {
 fn bands_lie_at_the_ends_of_the_ramp_and_have_the_right_sign() {
     each_condition(|window, px, most| {
         for width in widths(0.2, window) {
-            let view = see(width, Depth::Finite(1), window, px);
+            let view = predict(width, Depth::Finite(1), window, px);
             for (polarity, end) in [(Polarity::Bright, 0.5 * width), (Polarity::Dark, -0.5 * width)] {
                 let band = view.bands.iter().find(|band| band.polarity == polarity).unwrap();
                 let away = (band.at_deg[0] - end).abs();
@@ -211,13 +219,13 @@ fn picture(width: f64, depth: Depth, orientation_deg: f64) -> (Vec<f64>, f64) {
     (luminances(&band.linear(512)), 51.2)
 }
 
-fn seen(light: &[f64], px_per_deg: f64) -> machband::vision::PicturePrediction {
+fn predicted(light: &[f64], px_per_deg: f64) -> machband::vision::PicturePrediction {
     Picture { light, width: 512, height: 512, px_per_deg, mask: None }.predict(&Eye::default()).unwrap()
 }
 
-/// Along a line and in an image the same is seen, whatever the orientation: Bangay §3.2.
+/// A line and an image have the same prediction at every orientation: Bangay §3.2.
 #[test]
-fn an_image_of_a_ramp_is_seen_as_the_ramp_at_every_orientation() {
+fn images_and_lines_agree_at_every_orientation() {
     for (width, depth) in [
         (0.3, Depth::Finite(1)),
         (0.5, Depth::Finite(1)),
@@ -226,10 +234,10 @@ fn an_image_of_a_ramp_is_seen_as_the_ramp_at_every_orientation() {
         (1.0, Depth::Finite(2)),
     ] {
         let (flat, px) = picture(width, depth, 0.0);
-        let line = see_light(&flat[256 * 512..][..512], px, Border::Cut).visibility.max();
+        let line = predict_light(&flat[256 * 512..][..512], px, Border::Cut).visibility.max();
         for orientation in [0.0, 90.0, 45.0, 135.0, 30.0, 200.0] {
             let (light, px) = picture(width, depth, orientation);
-            let view = seen(&light, px);
+            let view = predicted(&light, px);
             let away = (view.visibility.max() / line - 1.0).abs();
             let most = if orientation % 90.0 == 0.0 { 0.02 } else { 0.035 };
             assert!(away <= most, "{width}°, {depth:?} at {orientation}°: {away} off {line}");
@@ -247,7 +255,7 @@ fn the_map_turns_with_the_image() {
     let squares = luminances(&mesh.linear(512));
     for light in [band, squares] {
         let turned: Vec<f64> = (0..512 * 512).map(|i| light[(i % 512) * 512 + 511 - i / 512]).collect();
-        let (view, other) = (seen(&light, 51.2), seen(&turned, 51.2));
+        let (view, other) = (predicted(&light, 51.2), predicted(&turned, 51.2));
         let most = view.map.bright.iter().chain(&view.map.dark).copied().fold(0.0, f64::max);
         assert!(most > 1.0);
         assert!((view.visibility.max() - other.visibility.max()).abs() <= 1e-6 * most);
@@ -260,13 +268,13 @@ fn the_map_turns_with_the_image() {
 
 /// A mask hides what is behind it, and what is near it.
 #[test]
-fn what_is_masked_is_not_seen() {
+fn masked_bands_are_not_predicted() {
     let (light, px_per_deg) = picture(0.5, Depth::Finite(1), 0.0);
     let mask: Vec<bool> = (0..512 * 512).map(|i| i % 512 < 150).collect();
     let masked = Picture { light: &light, width: 512, height: 512, px_per_deg, mask: Some(&mask) };
     let view = masked.predict(&Eye::default()).unwrap();
     assert!(view.bands.iter().all(|band| band.at_deg[0] < -2.0), "{:?}", view.bands.first());
-    assert!(view.visibility.max() < 0.05 * seen(&light, px_per_deg).visibility.max());
+    assert!(view.visibility.max() < 0.05 * predicted(&light, px_per_deg).visibility.max());
 }
 
 #[test]
