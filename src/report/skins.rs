@@ -10,8 +10,6 @@ use crate::report::{
 };
 
 const STYLE: &str = include_str!("style.css");
-/// Longest title that tabs and search results show.
-const TITLE_CHARACTERS: usize = 60;
 /// Most rows that a page shows of one table; all of them are in the CSV files.
 const MOST_ROWS: usize = 2000;
 /// A table with more rows is folded under its caption.
@@ -30,7 +28,7 @@ pub fn html(document: &Document, provenance: &Provenance) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light";
                 meta name="generator" content={ "machband " (provenance.version) };
-                title { (shortened(title)) }
+                title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
             body {
@@ -62,14 +60,6 @@ pub fn html(document: &Document, provenance: &Provenance) -> String {
         }
     };
     page.into_string()
-}
-
-fn shortened(title: &str) -> String {
-    if title.chars().count() <= TITLE_CHARACTERS {
-        return title.to_owned();
-    }
-    let start: String = title.chars().take(TITLE_CHARACTERS).collect();
-    format!("{}…", start.rsplit_once(' ').map_or(start.as_str(), |(kept, _)| kept))
 }
 
 fn is_figure(block: &Block) -> bool {

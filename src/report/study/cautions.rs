@@ -1,5 +1,7 @@
 //! Cautions for the reader, in sentences: about the data, the model, and how participants answered.
 
+use std::collections::BTreeSet;
+
 use super::{
     findings::{self, ALPHA},
     names::{self, participant},
@@ -70,9 +72,7 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
 }
 
 fn faults(source: &Source) -> Option<String> {
-    let mut files: Vec<&str> = source.faults.iter().map(|fault| fault.file.as_str()).collect();
-    files.sort_unstable();
-    files.dedup();
+    let files: BTreeSet<&str> = source.faults.iter().map(|fault| fault.file.as_str()).collect();
     let (messages, files) = (count(source.faults.len() as u64, "fault"), count(files.len() as u64, "file"));
     (!source.faults.is_empty()).then(|| format!("Reading found {messages} in {files}: see the health of the data."))
 }

@@ -158,45 +158,39 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     }
 }
 
-/// A column of a table of coefficients.
-type Column = (&'static str, fn(&Coefficient) -> String);
-
 fn coefficients(section: &mut Section, results: &Results, model: &Model) {
-    let inferential = results.is_inferential();
-    let mut columns: Vec<Column> = vec![("Estimate", |c| fixed(c.estimate, 3))];
-    if inferential {
-        columns.push(("SE", |c| fixed(c.se, 3)));
-        columns.push(("z", |c| fixed(c.z, 2)));
-        columns.push(("p", |c| probability(c.p)));
-        columns.push(("95\u{a0}% interval", |c| range(Interval::wald(c.estimate, c.se), |x| fixed(x, 2))));
-    }
-    let own = columns.len();
-    if model.link == Link::Logit {
-        columns.push(("Odds ratio", |c| ratio(c.estimate.exp())));
-        if inferential {
-            columns.push(("95\u{a0}% interval of the odds ratio", |c| {
-                range(Interval::wald(c.estimate, c.se), |x| ratio(x.exp()))
-            }));
-        }
-    }
     section.heading("Coefficients");
     if model.coefficients.is_empty() {
         section.text("The model has no terms: it describes all ratings alike.");
     } else {
         section.text(meaning(results, model));
-        coefficient_table(section, "Coefficients of the model", &columns, &model.coefficients);
+        let odds = model.link == Link::Logit;
+        coefficient_table(section, results, "Coefficients of the model", &model.coefficients, odds);
     }
     if !model.scale.is_empty() {
         let caption = "Effects on the spread of the ratings (log scale)";
-        coefficient_table(section, caption, &columns[..own], &model.scale);
+        coefficient_table(section, results, caption, &model.scale, false);
     }
 }
 
-fn coefficient_table(section: &mut Section, caption: &str, columns: &[Column], coefficients: &[Coefficient]) {
-    let row =
-        |c: &Coefficient| std::iter::once(c.name.clone()).chain(columns.iter().map(|(_, cell)| cell(c))).collect();
-    let numbers: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-    section.table(caption, &["Coefficient"], &numbers, coefficients.iter().map(row).collect());
+/// A table of coefficients, with odds ratios if asked for.
+fn coefficient_table(section: &mut Section, results: &Results, caption: &str, all: &[Coefficient], odds: bool) {
+    let inferential = results.is_inferential();
+    let mut numbers = vec!["Estimate"];
+    numbers.extend(inferential.then_some(["SE", "z", "p", "95\u{a0}% interval"]).into_iter().flatten());
+    numbers.extend(odds.then_some("Odds ratio"));
+    numbers.extend((odds && inferential).then_some("95\u{a0}% interval of the odds ratio"));
+    let row = |c: &Coefficient| {
+        let interval = Interval::wald(c.estimate, c.se);
+        let mut cells = vec![c.name.clone(), fixed(c.estimate, 3)];
+        if inferential {
+            cells.extend([fixed(c.se, 3), fixed(c.z, 2), probability(c.p), range(interval, |x| fixed(x, 2))]);
+        }
+        cells.extend(odds.then(|| ratio(c.estimate.exp())));
+        cells.extend((odds && inferential).then(|| range(interval, |x| ratio(x.exp()))));
+        cells
+    };
+    section.table(caption, &["Coefficient"], &numbers, all.iter().map(row).collect());
 }
 
 fn meaning(results: &Results, model: &Model) -> String {
