@@ -14,7 +14,10 @@ mod shaders;
 use std::collections::HashMap;
 
 use glam::{DMat3, DVec2, DVec3};
-use machband::shading::{Across, Frame, FrameTriangle, FrameVertex, Lighting, View};
+use machband::{
+    light::Depth,
+    shading::{Across, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Shade, Shader, View},
+};
 
 /// A vertex at `screen`, facing the eye, with the light `light`.
 fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
@@ -71,6 +74,20 @@ fn frame(places: &[DVec2], triangles: &[[u32; 3]], light: impl Fn(DVec2) -> DVec
 fn facing(places: &[DVec2], t: [u32; 3]) -> [u32; 3] {
     let [a, b, c] = t.map(|v| places[v as usize]);
     if Frame::area2(a, b, c) > 0.0 { t } else { [t[0], t[2], t[1]] }
+}
+
+/// Every shader: with its defaults, with these depths (0 for ∞) and widths of its strips, with slopes from everywhere.
+fn shades(strips: &[(u8, f64)]) -> Vec<Shade> {
+    let depth = |n| if n == 0 { Depth::Infinite } else { Depth::Finite(n) };
+    let with_options = |&shader: &Shader| {
+        let plain = Shade::new(shader);
+        let strips = strips.iter().filter(|_| plain.has_strip());
+        let strips = strips.map(|&(n, boundary)| Shade { depth: depth(n), boundary, ..plain });
+        let slopes = Gradients::ALL.iter().filter(|_| shader == Shader::Patch);
+        let slopes = slopes.map(|&gradients| Shade { gradients, ..plain });
+        [plain].into_iter().chain(strips).chain(slopes).collect::<Vec<_>>()
+    };
+    Shader::ALL.iter().flat_map(with_options).collect()
 }
 
 /// A number of 0…1 that depends on `seed` only: the golden ratio's multiples, hashed.

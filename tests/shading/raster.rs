@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use machband::light::{Depth, LinearImage, Transfer};
 use machband::shading::{
-    Correction, Encoder, Frame, Gradients, Lamp, LampPlace, Lighting, Material, Mesh, Prepared, Reference, Shade,
-    Shader, Specular, Surface, View, coverage, shapes,
+    Correction, Encoder, Frame, Lamp, LampPlace, Lighting, Material, Mesh, Prepared, Reference, Shade, Shader,
+    Specular, Surface, View, coverage, shapes,
 };
 use pulp::Arch;
 
@@ -62,28 +62,10 @@ fn scenes() -> Vec<(&'static str, Frame)> {
 
 /// Every shader, with depths and widths that take different ways through the lanes.
 fn shades() -> Vec<Shade> {
-    let mut shades = Vec::new();
-    for &shader in Shader::ALL {
-        let plain = Shade::new(shader);
-        shades.push(plain);
-        match shader {
-            Shader::Fixed | Shader::Gradient | Shader::GradientRepaired | Shader::Exact | Shader::Cut => {
-                for n in [1, 2, 3, 4, 5, 32] {
-                    for boundary in [0.05, 1.0 / 3.0, 1.0] {
-                        shades.push(Shade { depth: Depth::Finite(n), boundary, ..plain });
-                    }
-                }
-                shades.push(Shade { depth: Depth::Infinite, ..plain });
-                shades.push(Shade { boundary: 0.0, ..plain });
-                shades.push(Shade { boundary: f64::NAN, ..plain });
-            }
-            Shader::Patch => {
-                shades.push(Shade { gradients: Gradients::Ring, ..plain });
-                shades.push(Shade { gradients: Gradients::Quadric, ..plain });
-            }
-            _ => {}
-        }
-    }
+    let widths = [0.05, 1.0 / 3.0, 1.0];
+    let mut strips: Vec<_> = [1, 2, 3, 4, 5, 32].into_iter().flat_map(|n| widths.map(|width| (n, width))).collect();
+    strips.extend([(0, 0.2), (3, 0.0), (3, f64::NAN)]);
+    let mut shades = crate::shades(&strips);
     shades.push(Shade { vertex: Correction::Repaired, ..Shade::new(Shader::Exact) });
     shades.push(Shade { vertex: Correction::Printed, reweight: Correction::Printed, ..Shade::new(Shader::Fixed) });
     shades.push(Shade { reweight: Correction::Repaired, ..Shade::new(Shader::Gouraud) });
