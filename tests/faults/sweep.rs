@@ -1,13 +1,10 @@
 //! A thousand sessions, each with calls of the disk or the clock that go wrong.
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::HashMap,
     fs,
     path::{Path, PathBuf},
-    sync::{
-        Mutex,
-        atomic::{AtomicUsize, Ordering},
-    },
+    sync::Mutex,
     time::{Duration, SystemTime},
 };
 
@@ -15,6 +12,7 @@ use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng as _, SeedableRng as _},
 };
+use rayon::prelude::*;
 
 use crate::{
     disk,
@@ -116,24 +114,9 @@ impl Sweep {
 
     /// Runs so many cases, some at a time, and gives the table and what must not have been.
     pub fn run(&self, cases: usize) -> (Table, Vec<String>) {
-        let (next, found) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
-        let threads = std::thread::available_parallelism().map_or(2, |n| n.get().clamp(2, 8));
-        std::thread::scope(|scope| {
-            for _ in 0..threads {
-                scope.spawn(|| {
-                    loop {
-                        let number = next.fetch_add(1, Ordering::Relaxed);
-                        if number >= cases {
-                            return;
-                        }
-                        let done = self.one(number);
-                        found.lock().unwrap().insert(number, done);
-                    }
-                });
-            }
-        });
+        let found: Vec<_> = (0..cases).into_par_iter().map(|number| self.one(number)).collect();
         let (mut table, mut wrong) = (Table::default(), Vec::new());
-        for (number, (case, hits, counts, faults)) in found.into_inner().unwrap() {
+        for (number, (case, hits, counts, faults)) in found.into_iter().enumerate() {
             table.add(&case.faults, &hits, counts);
             let seed = self.seed;
             wrong.extend(faults.iter().map(|what| format!("seed {seed}, case {number}: {what}\n    {case:?}")));
