@@ -7,7 +7,7 @@ use egui_plot::{Corner, GridMark, Legend, Line, Points};
 
 use crate::{
     app::ui::{self, Step, still_plot, theme},
-    experiment::{Phase, Protocol, RATING_MAX, TrialRecord},
+    experiment::{Factor, Phase, Protocol, RATING_MAX, TrialRecord},
 };
 
 /// The page.
@@ -16,22 +16,16 @@ pub struct Finish {
     path: PathBuf,
     /// Every planned trial is rated.
     complete: bool,
-    lines: Vec<MeanLine>,
-    /// Labels along the horizontal axis, and what they are.
-    levels: Vec<String>,
-    axis: String,
-    by: Option<String>,
+    /// The factor along the horizontal axis, and the one that has a line for each level.
+    along: Option<Factor>,
+    by: Option<Factor>,
+    /// Name and points of each line.
+    lines: Vec<(String, Vec<[f64; 2]>)>,
     opened: Option<String>,
     /// The frames in one sentence, where there were any.
     frames: Option<String>,
     /// What of the sitting's end could not be written.
     fault: Option<String>,
-}
-
-/// Mean rating along the first factor, for one level of the second.
-struct MeanLine {
-    name: String,
-    points: Vec<[f64; 2]>,
 }
 
 impl Finish {
@@ -44,28 +38,14 @@ impl Finish {
         frames: Option<String>,
         fault: Option<String>,
     ) -> Self {
-        let name = |wanted: &str, other: usize| {
-            let found = protocol.factors.iter().position(|factor| factor.name == wanted);
-            found.or((protocol.factors.len() > other).then_some(other))
+        let factors = &protocol.factors;
+        let factor = |wanted: &str, other: usize| {
+            factors.iter().find(|factor| factor.name == wanted).or_else(|| factors.get(other)).cloned()
         };
-        let along = name("width", 0);
-        let by = name("depth", 1).filter(|by| Some(*by) != along);
-        let factor = |index: Option<usize>| index.map(|index| &protocol.factors[index]);
-        let lines = factor(along).map_or_else(Vec::new, |along| {
-            mean_lines(&protocol, rows, &along.name, factor(by).map(|f| f.name.as_str()))
-        });
-        Self {
-            levels: factor(along).map_or_else(Vec::new, |f| f.levels.iter().map(ToString::to_string).collect()),
-            axis: factor(along).map_or_else(String::new, |f| f.name.clone()),
-            by: factor(by).map(|f| f.name.clone()),
-            lines,
-            protocol,
-            path,
-            complete,
-            opened: None,
-            frames,
-            fault,
-        }
+        let along = factor("width", 0);
+        let by = factor("depth", 1).filter(|by| along.as_ref().is_none_or(|along| along.name != by.name));
+        let lines = along.as_ref().map(|along| mean_lines(&protocol, rows, along, by.as_ref())).unwrap_or_default();
+        Self { protocol, path, complete, along, by, lines, opened: None, frames, fault }
     }
 
     /// Whether every planned trial is rated.
@@ -130,9 +110,10 @@ impl Finish {
     }
 
     fn plot(&self, ui: &mut egui::Ui) {
-        let lines = self.by.as_deref().unwrap_or("experiment");
-        ui.label(self.protocol.instructions.ratings.replace("{x}", &self.axis).replace("{lines}", lines));
-        let labels = self.levels.clone();
+        let Some(along) = &self.along else { return };
+        let lines = self.by.as_ref().map_or("experiment", |by| &by.name);
+        ui.label(self.protocol.instructions.ratings.replace("{x}", &along.name).replace("{lines}", lines));
+        let labels: Vec<String> = along.levels.iter().map(ToString::to_string).collect();
         let last = labels.len().saturating_sub(1) as f64;
         still_plot("ratings")
             .height(280.0)
@@ -140,7 +121,7 @@ impl Finish {
             .include_x(last + 1.0)
             .include_y(-0.1)
             .include_y(f64::from(RATING_MAX) + 0.1)
-            .x_axis_label(self.axis.clone())
+            .x_axis_label(along.name.clone())
             .y_axis_label("mean rating")
             .legend(Legend::default().position(Corner::RightTop))
             .x_grid_spacer(move |_| (0..=last as i64).map(|i| GridMark { value: i as f64, step_size: 1.0 }).collect())
@@ -150,42 +131,39 @@ impl Finish {
                 if index < 0.0 { String::new() } else { labels.get(index as usize).cloned().unwrap_or_default() }
             })
             .show(ui, |plot| {
-                for (i, line) in self.lines.iter().enumerate() {
+                for (i, (name, points)) in self.lines.iter().enumerate() {
                     let (color, marker) = theme::series(i);
-                    plot.line(Line::new(line.name.clone(), line.points.clone()).color(color).width(2.0));
-                    plot.points(
-                        Points::new(line.name.clone(), line.points.clone()).shape(marker).radius(5.0).color(color),
-                    );
+                    plot.line(Line::new(name, points.clone()).color(color).width(2.0));
+                    plot.points(Points::new(name, points.clone()).shape(marker).radius(5.0).color(color));
                 }
             });
     }
 }
 
 /// Means over the main trials, last attempts only; the horizontal place of a level is its index.
-fn mean_lines(protocol: &Protocol, rows: &[TrialRecord], along: &str, by: Option<&str>) -> Vec<MeanLine> {
+fn mean_lines(
+    protocol: &Protocol,
+    rows: &[TrialRecord],
+    along: &Factor,
+    by: Option<&Factor>,
+) -> Vec<(String, Vec<[f64; 2]>)> {
     // Later attempts overwrite earlier ones: rows come in the order in which they were given.
     let last: BTreeMap<u32, &TrialRecord> =
         rows.iter().filter(|row| row.phase == Phase::Main).map(|row| (row.trial, row)).collect();
-    let level = |row: &TrialRecord, name: &str| {
-        let text = row.level(protocol, name)?;
-        let factor = protocol.factors.iter().find(|factor| factor.name == name)?;
+    let index = |row: &TrialRecord, factor: &Factor| {
+        let text = row.level(protocol, &factor.name)?;
         factor.levels.iter().position(|level| level.to_string() == text)
     };
-    let mut sums: BTreeMap<(usize, usize), (f64, f64)> = BTreeMap::new();
+    let mut ratings: BTreeMap<usize, BTreeMap<usize, Vec<f64>>> = BTreeMap::new();
     for row in last.values() {
-        let Some(x) = level(row, along) else { continue };
-        let line = by.and_then(|by| level(row, by)).unwrap_or(0);
-        let sum = sums.entry((line, x)).or_default();
-        sum.0 += f64::from(row.rating.0);
-        sum.1 += 1.0;
+        let Some(x) = index(row, along) else { continue };
+        let line = by.and_then(|by| index(row, by)).unwrap_or(0);
+        ratings.entry(line).or_default().entry(x).or_default().push(row.rating.0.into());
     }
-    let mut lines: BTreeMap<usize, MeanLine> = BTreeMap::new();
-    for ((line, x), (sum, n)) in sums {
-        let name = by
-            .and_then(|by| protocol.factors.iter().find(|factor| factor.name == by))
-            .and_then(|factor| factor.levels.get(line))
-            .map_or_else(|| "rating".to_owned(), |level| format!("{} {level}", by.unwrap_or_default()));
-        lines.entry(line).or_insert_with(|| MeanLine { name, points: Vec::new() }).points.push([x as f64, sum / n]);
-    }
-    lines.into_values().collect()
+    let lines = ratings.into_iter().map(|(line, points)| {
+        let name = by.map_or_else(|| "rating".to_owned(), |by| format!("{} {}", by.name, by.levels[line]));
+        let mean = |(x, ratings): (usize, Vec<f64>)| [x as f64, ratings.iter().sum::<f64>() / ratings.len() as f64];
+        (name, points.into_iter().map(mean).collect())
+    });
+    lines.collect()
 }
