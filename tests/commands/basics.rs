@@ -14,7 +14,7 @@ use machband::{
     store::definition,
 };
 
-use crate::common::{command, everything, fails, machband, rows, session_csv, split, succeeds, text};
+use crate::common::{command, everything, fails, machband, pixels, rows, session_csv, split, succeeds, text};
 
 fn csv(folder: &Path, protocol: &Protocol, number: usize) -> PathBuf {
     session_csv(folder, &protocol.name, &format!("S{number:03}"))
@@ -305,13 +305,6 @@ fn a_closed_pipe_or_a_full_disk_is_no_panic() {
         assert_eq!(output.status.code(), Some(1), "{error}");
         assert!(error.starts_with("error: standard output: cannot write"), "{error}");
     }
-}
-
-fn pixels(path: &Path) -> (png::Info<'static>, Vec<u8>) {
-    let mut reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap())).read_info().unwrap();
-    let mut data = vec![0; reader.output_buffer_size().unwrap()];
-    reader.next_frame(&mut data).unwrap();
-    (reader.info().clone(), data)
 }
 
 /// sRGB codes of the plateaus, from IEC 61966-2-1 by hand: ¼ → 0.537099 · 255 = 136.96, ¾ → 0.880825 · 255 = 224.61.

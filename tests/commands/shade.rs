@@ -7,7 +7,7 @@ use machband::{
     shading::{Reference, Scene, Shade, Shader, Surface, picture, shapes},
 };
 
-use crate::common::{machband, succeeds};
+use crate::common::{machband, pixels, succeeds};
 
 fn shade(folder: &Path, arguments: &[&str]) -> Output {
     machband(folder, &[&["shade"], arguments].concat())
@@ -17,15 +17,6 @@ fn metrics(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     let output = shade(folder, &[arguments, &["--metrics", "m.json"]].concat());
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&fs::read(folder.join("m.json")).unwrap()).unwrap()
-}
-
-fn pixels(path: &Path) -> (png::Info<'static>, Vec<u8>) {
-    let mut decoder = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap()));
-    decoder.set_transformations(png::Transformations::IDENTITY);
-    let mut reader = decoder.read_info().unwrap();
-    let mut raw = vec![0; reader.output_buffer_size().unwrap()];
-    reader.next_frame(&mut raw).unwrap();
-    (reader.info().clone(), raw)
 }
 
 /// The picture is the library's, within a code of the reference's, and says how it was made.

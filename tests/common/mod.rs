@@ -37,6 +37,14 @@ pub fn machband<S: AsRef<OsStr>>(folder: &Path, arguments: &[S]) -> Output {
     command(folder, arguments).output().unwrap()
 }
 
+/// What a PNG says of itself, and its samples.
+pub fn pixels(path: &Path) -> (png::Info<'static>, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap())).read_info().unwrap();
+    let mut samples = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut samples).unwrap();
+    (reader.info().clone(), samples)
+}
+
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
