@@ -177,9 +177,11 @@ impl Field for u32 {
 
 impl Field for Depth {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
-        value.to_string().parse().map_err(|error| match error {
-            DepthError::OutOfRange(_) => parameter.error(value, "is outside 1…32"),
-            DepthError::NotWhole(_) => parameter.error(value, "is not a whole number"),
+        let text = value.to_string();
+        let shown = if let ParameterValue::Text(text) = value { format!("{text:?}") } else { text.clone() };
+        text.parse().map_err(|error| match error {
+            DepthError::OutOfRange(_) => parameter.error(shown, "is outside 1…32"),
+            DepthError::NotWhole(_) => parameter.error(shown, "is not a whole number"),
         })
     }
     fn write(&self) -> ParameterValue {

@@ -211,7 +211,7 @@ fn every_pixel_follows_the_definition() {
     let (width, height) = (131, 71);
     let image = LinearImage::from_fn(width, height, |x, y| {
         let level = (x as f32 + 0.37 * y as f32) / 160.0;
-        [level, 0.9 * level, 1.0 - level]
+        [level, 0.9 * level, level * level]
     });
     let gamma = Transfer::Gamma(2.2);
     let differing = Transfers::new([Transfer::Srgb, Transfer::Linear, gamma.clone()]);
