@@ -190,18 +190,19 @@ fn random_thresholds_prefer_no_place() {
 
 // Decisions.
 
-/// The definition, of the public parts only: the upper of the enclosing codes iff p > t.
+/// The definition, of the public parts only: the upper of the enclosing codes iff p > t; light a rounding away from a
+/// code's own gets that code.
 fn by_definition(quantizer: &Quantizer, channel: usize, linear: f32, threshold: f64) -> u16 {
     let channel = quantizer.channel(channel);
-    let level = |code: u16| f64::from(channel.linear(code) as f32);
-    let linear = f64::from(linear);
-    let near = channel.code(linear as f32);
+    let level = |code: u16| channel.linear(code) as f32;
+    let near = channel.code(linear);
     let lower = if level(near) > linear { near - 1 } else { near };
-    if lower == quantizer.bits().max_code() {
+    if lower == quantizer.bits().max_code() || linear <= level(lower).next_up() {
         return lower;
     }
-    let p = (linear - level(lower)) / (level(lower + 1) - level(lower));
-    lower + u16::from(p > threshold)
+    let (low, high, light) = (f64::from(level(lower)), f64::from(level(lower + 1)), f64::from(linear));
+    let is_upper = linear >= level(lower + 1).next_down() || (light - low) / (high - low) > threshold;
+    lower + u16::from(is_upper)
 }
 
 /// Red, green and blue share a pixel's threshold; each has its own transfer function.

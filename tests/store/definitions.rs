@@ -114,7 +114,7 @@ width = [0.1, 0.4] => width = [0.1, 1.5] => 12:15 => width 1.5 | 0…1
 depth = [1, 2, "inf"] => depth = [0] => 13:10 => depth 0 | 1 to 32
 depth = [1, 2, "inf"] => depth = [1, 33] => 13:13 => depth 33 | 1 to 32
 depth = [1, 2, "inf"] => depth = [1.5] => 13:10 => 1.5 | is not a whole number
-depth = [1, 2, "inf"] => depth = ["infinite"] => 13:10 => depth infinite | or inf
+depth = [1, 2, "inf"] => depth = ["infinite"] => 13:10 => depth "infinite" | or inf
 depth = [1, 2, "inf"] => depth = [-inf] => 13:10 => -inf
 depth = [1, 2, "inf"] => depth = [] => 13:1 => factor depth is empty | at least one level
 depth = [1, 2, "inf"] => orientation_deg = [0, nan] => 13:23 => orientation_deg "NaN" is not a number
