@@ -84,7 +84,7 @@ pub fn apply(ctx: &egui::Context) {
     });
 }
 
-/// Smaller than on other pages: there is much to set and to see.
+/// Smaller than on other pages: these pages have many controls.
 pub fn compact(ui: &mut egui::Ui) {
     let style = ui.style_mut();
     for (name, size) in [(TextStyle::Body, 15.0), (TextStyle::Button, 15.0), (TextStyle::Small, 13.0)] {

@@ -37,10 +37,10 @@ pub enum GammaError {
     #[error("{0} matches; expected at least 2")]
     TooFew(usize),
     /// Matches of different fields.
-    #[error("the matches are of different rows; expected those of one run")]
+    #[error("the matches have different rows; expected matches of one run")]
     Mixed,
     /// Matches so far apart, or so near to black or white, that γ could be anything.
-    #[error("the matches leave γ open; expected codes that agree with each other")]
+    #[error("the matches do not determine γ; expected codes that agree with each other")]
     Open,
 }
 
