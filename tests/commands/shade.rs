@@ -21,7 +21,7 @@ fn metrics(folder: &Path, arguments: &[&str]) -> serde_json::Value {
 
 /// The picture is the library's, within a code of the reference's, and says how it was made.
 #[test]
-fn the_picture_is_the_references() {
+fn the_picture_matches_the_reference() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["--mesh", "torus", "--vertices", "120", "--shader", "cut", "--size", "90", "--out", "a.png"];
     assert!(shade(folder.path(), &arguments).status.success());
@@ -83,7 +83,7 @@ fn metrics_have_the_contracts_fields_and_ours_have_no_creases() {
 /// How visible the bands are: as `predict` says of the same surface, whatever the size of the picture; Gouraud's are its
 /// own measure, and patch has less.
 #[test]
-fn metrics_say_how_visible_the_bands_are() {
+fn metrics_have_the_visibility_of_bands() {
     let folder = tempfile::tempdir().unwrap();
     let number = |found: &serde_json::Value, field: &str| found[field].as_f64().unwrap_or_else(|| panic!("{field}"));
     let fields = ["visibility", "visibility_bright", "visibility_dark", "band_density"];

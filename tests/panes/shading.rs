@@ -207,7 +207,7 @@ fn presets_set_the_values() {
 }
 
 #[test]
-fn a_file_that_is_no_mesh_says_so_and_leaves_the_mesh() {
+fn a_file_without_a_mesh_is_explained_and_the_mesh_stays() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open();
     let mesh = value(&window, "Mesh");

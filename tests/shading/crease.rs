@@ -94,7 +94,7 @@ fn a_smooth_field_has_no_crease() {
 }
 
 #[test]
-fn shares_go_by_length() {
+fn percentiles_are_weighted_by_length() {
     let creases = Creases::of_gouraud(&scenes()[0].1);
     let total: f64 = creases.edges.iter().map(|e| e.length).sum();
     for (level, share) in [(creases.median, 0.5), (creases.p95, 0.95)] {

@@ -204,7 +204,7 @@ fn refraction_obeys_snell_up_to_the_critical_angle() {
 }
 
 #[test]
-fn refraction_without_direction_is_said_to_be_so() {
+fn refraction_of_invalid_vectors_is_undefined() {
     let (l, n) = (leaning(30.0), DVec3::Z);
     for ratio in [0.0, -1.5, f64::NAN, f64::INFINITY] {
         assert_eq!(Refraction::of(l, n, ratio), Refraction::Undefined);
@@ -225,7 +225,7 @@ fn lamps_weaken_with_distance_and_never_strengthen() {
 }
 
 #[test]
-fn what_is_behind_shows_through() {
+fn transparent_surfaces_show_what_is_behind() {
     let (front, behind) = (DVec3::new(0.2, 0.4, 0.6), DVec3::new(1.0, 0.5, 0.0));
     let color = DVec3::new(1.0, 0.5, 0.0);
     let interpolated = |k_t| Transparency::Interpolated { k_t }.through(front, behind);
@@ -314,7 +314,7 @@ proptest! {
     }
 
     #[test]
-    fn refraction_can_be_gone_back(l in directions(), n in directions(), ratio in 0.3..3.0f64) {
+    fn refraction_is_reversible(l in directions(), n in directions(), ratio in 0.3..3.0f64) {
         match Refraction::of(l, n, ratio) {
             Refraction::Transmitted(t) => {
                 // In the plane of L and N, of unit length; and light from there comes out where it went in. Near

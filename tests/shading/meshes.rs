@@ -124,7 +124,7 @@ fn kinds(mesh: &Mesh) -> Vec<([u32; 2], EdgeKind)> {
 }
 
 #[test]
-fn edges_are_told_apart() {
+fn edges_are_classified() {
     use EdgeKind::{Border, Crease, NonManifold, Smooth};
     // A roof over the edge 0–1, at 90°, and a third wing.
     let places =
@@ -216,7 +216,7 @@ proptest! {
 
     /// Whatever the polygon: two triangles fewer than corners, of its own corners.
     #[test]
-    fn hopeless_polygons_become_triangles_too(corners in prop::collection::vec((0..4i32, 0..4i32, 0..2i32), 0..12)) {
+    fn degenerate_polygons_become_triangles(corners in prop::collection::vec((0..4i32, 0..4i32, 0..2i32), 0..12)) {
         let corners: Vec<DVec3> = corners.iter().map(|(x, y, z)| DVec3::from([*x, *y, *z].map(f64::from))).collect();
         let triangles = triangulated(&corners);
         prop_assert_eq!(triangles.len(), corners.len().saturating_sub(2));

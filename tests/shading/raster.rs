@@ -89,7 +89,7 @@ fn error(frame: &Frame, shade: &Shade) -> f32 {
 }
 
 #[test]
-fn light_is_the_references() {
+fn light_matches_the_reference() {
     for (name, frame) in scenes() {
         for shade in shades() {
             let error = error(&frame, &shade);
@@ -99,7 +99,7 @@ fn light_is_the_references() {
 }
 
 #[test]
-fn phong_is_the_references_under_any_lamps() {
+fn phong_matches_the_reference_under_any_lamps() {
     let near = Lamp {
         place: LampPlace::Point { position: DVec3::new(0.5, 0.8, 1.5), attenuation: [0.2, 0.3, 0.4] },
         intensity: DVec3::new(0.8, 0.7, 0.2),
@@ -125,7 +125,7 @@ fn phong_is_the_references_under_any_lamps() {
 }
 
 #[test]
-fn every_pixel_shows_the_triangle_that_is_seen_there() {
+fn every_pixel_shows_the_nearest_triangle() {
     for (name, mut frame) in scenes() {
         // Every triangle on its own, its light its number.
         let corners = frame.triangles.iter().flat_map(|t| t.vertices).map(|v| frame.vertices[v as usize]);
@@ -162,7 +162,7 @@ fn every_pixel_shows_the_triangle_that_is_seen_there() {
 }
 
 #[test]
-fn threads_do_not_show() {
+fn pictures_do_not_depend_on_the_number_of_threads() {
     for (name, frame) in scenes() {
         for shader in [Shader::Gouraud, Shader::Exact, Shader::Cut, Shader::Patch, Shader::Phong] {
             let shade = Shade::new(shader);
@@ -196,7 +196,7 @@ fn vectors_of_any_width_make_the_same_picture() {
 }
 
 #[test]
-fn codes_are_the_quantizers() {
+fn codes_match_the_quantizer() {
     let transfers = [
         Transfer::Srgb,
         Transfer::Linear,
@@ -241,7 +241,7 @@ fn every_code_begins_at_its_threshold() {
 }
 
 #[test]
-fn pictures_of_another_size_are_no_trouble() {
+fn buffers_of_another_size_get_the_rows_that_fit() {
     let frame = frame(shapes::cube(), [33, 20], 0.9, &brown(), SKY);
     let prepared = Prepared::new(&frame, &Shade::new(Shader::Gouraud));
     let encoder = Encoder::new(&Transfer::Srgb);
