@@ -270,7 +270,7 @@ pub struct Thresholds {
 enum Source {
     /// A square of `size` pixels a side, repeated.
     Periodic { size: usize, thresholds: Vec<f64> },
-    /// Tiles, and the thresholds of the row of tiles that was asked for last.
+    /// Tiles, and the thresholds of the last row of tiles.
     Tiled { tiles: Box<Tiles>, at: Option<u32>, band: Vec<[f64; STRATA]> },
 }
 

@@ -62,7 +62,7 @@ pub struct IndexedImage {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Red, green and blue codes; at most as many as were asked for, in rising order, none twice.
+    /// Red, green and blue codes; at most as many as requested, in rising order, none twice.
     pub palette: Vec<[u8; 3]>,
     /// Index into the palette of every pixel, row by row from the top left.
     pub indices: Vec<u8>,

@@ -58,7 +58,7 @@ impl Picture<'_> {
         let channels: Vec<Channel> =
             sampled().filter(|channel| margins(channel) < side as f64 / self.px_per_deg).collect();
         if side < LEAST || channels.is_empty() {
-            let finest = sampled().last().map_or(0.0, |channel| margins(&channel) * self.px_per_deg);
+            let finest = sampled().next_back().map_or(0.0, |channel| margins(&channel) * self.px_per_deg);
             let least = (finest.floor() as usize + 1).max(LEAST);
             return Err(VisionError::TooSmall { width: self.width, height: self.height, least });
         }
