@@ -42,19 +42,6 @@ fn the_picture_matches_the_reference() {
     assert_eq!(parameters["mesh"], "torus");
 }
 
-/// Gouraud that knows nothing of gamma is another picture between the vertices, and the same at a uniform light.
-#[test]
-fn naive_shading_differs_where_light_changes_and_only_there() {
-    let folder = tempfile::tempdir().unwrap();
-    for (options, same) in [(&["--diffuse", "0", "--specular", "0"][..], true), (&[][..], false)] {
-        let base = ["--mesh", "cube", "--shader", "gouraud", "--size", "64"];
-        assert!(shade(folder.path(), &[&base[..], options, &["--out", "a.png"]].concat()).status.success());
-        assert!(shade(folder.path(), &[&base[..], options, &["--out", "b.png", "--naive"]].concat()).status.success());
-        let (a, b) = (pixels(&folder.path().join("a.png")).1, pixels(&folder.path().join("b.png")).1);
-        assert_eq!(a == b, same, "{options:?}");
-    }
-}
-
 /// The contract's fields; 622 and 1538 triangles; exact, cut and patch without creases, whatever n and b.
 #[test]
 fn metrics_have_the_contracts_fields_and_ours_have_no_creases() {
