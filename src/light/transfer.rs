@@ -62,7 +62,7 @@ pub enum TransferError {
     Table(String),
     /// Steps of equal brightness that no display has.
     #[error(
-        "{n} steps of equal brightness above {i0}; expected 1 or more, above a lowest intensity between 0 and 1, relative to the highest"
+        "lowest intensity {i0} for {n} steps; expected one between 0 and 1, relative to the highest, and 1 step or more"
     )]
     EqualSteps {
         /// Number of steps.
