@@ -71,14 +71,17 @@ impl TableView {
     fn header(&self, ui: &mut egui::Ui, rect: Rect, height: f32) -> Option<usize> {
         let mut clicked = None;
         for (column, text) in self.table.header.iter().enumerate() {
-            let arrow = match self.sorted {
-                Some((sorted, true)) if sorted == column => " ⏷",
-                Some((sorted, false)) if sorted == column => " ⏶",
-                _ => "",
-            };
-            let button = Button::new(RichText::new(format!("{text}{arrow}")).color(theme::QUIET)).frame(false);
+            let button = Button::new(RichText::new(text).color(theme::QUIET)).frame(false);
             let response = self.cell(ui, rect, height, (0, column), |ui| ui.add(button));
             name(ui, &response, &format!("Sort by {text}"));
+            if let Some((_, down)) = self.sorted.filter(|(sorted, _)| *sorted == column) {
+                // An arrow on the side where there is room. Painted, since the font has none.
+                let is_text = column < self.table.texts;
+                let x = if is_text { response.rect.right() + 6.0 } else { response.rect.left() - 6.0 };
+                let (y, tip) = (response.rect.center().y, if down { 3.0 } else { -3.0 });
+                let corners = [(x - 4.0, y - tip), (x + 4.0, y - tip), (x, y + tip)].map(egui::Pos2::from);
+                ui.painter().add(egui::Shape::convex_polygon(corners.to_vec(), theme::QUIET, egui::Stroke::NONE));
+            }
             clicked = if response.clicked() { Some(column) } else { clicked };
         }
         clicked
