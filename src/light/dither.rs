@@ -36,7 +36,7 @@ pub enum Dither {
     /// where in its share a threshold lies, is random. Plain white noise misses the mean of 16 × 16
     /// pixels by up to 0.14 code; this, by less than 0.1.
     Random {
-        /// Which of the patterns.
+        /// Seed of the pattern.
         seed: u64,
     },
 }
@@ -128,7 +128,7 @@ named! {
 }
 
 impl DitherMatrix {
-    /// Dots n a side.
+    /// Dots per side, n.
     #[must_use]
     pub const fn size(self) -> u32 {
         match self {
@@ -140,7 +140,7 @@ impl DitherMatrix {
         }
     }
 
-    /// The rank, 0…n²−1, of the dot in column `x` and row `y`; the tile repeats for ever.
+    /// The rank, 0…n²−1, of the dot in column `x` and row `y`; the tile repeats forever.
     ///
     /// Shoaff indexes D\[i\]\[j\] with i = x mod n, j = y mod n, so his printed rows are columns here.
     #[must_use]
@@ -326,7 +326,7 @@ pub(super) struct Levels(Vec<f32>);
 
 impl Levels {
     /// The device whose code c makes `levels[c]`, from 0 to 1, rising. They are rounded to f32, as images
-    /// are: what a machine's powers differ in goes.
+    /// are, so that the last bits of a machine's `powf` do not matter.
     pub(super) fn new(levels: impl Iterator<Item = f64>) -> Self {
         Self(levels.map(|level| level as f32).collect())
     }

@@ -191,7 +191,7 @@ impl Quantizer {
     /// The codes of a whole image, each one of the two that enclose its value, chosen by `dither` such
     /// that the mean light is right; without dither, the nearest.
     ///
-    /// Red, green and blue of a pixel share a threshold. See [`dither`](super::dither) for what holds of every kind.
+    /// Red, green and blue of a pixel share a threshold. [`dither`](super::dither) lists the properties of every kind.
     #[must_use]
     pub fn quantize_with(&self, image: &LinearImage, dither: &Dither) -> CodeImage {
         let samples = match self.bits {
@@ -208,7 +208,7 @@ impl Quantizer {
         dither: &Dither,
         sample: impl Fn(u16) -> T + Sync,
     ) -> Vec<T> {
-        /// Rows at once, whole tiles of a random dither.
+        /// Rows in a block: whole tiles of a random dither.
         const ROWS: usize = 16;
         let width = 3 * image.width.max(1) as usize;
         let mut samples = vec![T::default(); image.data.len() / 3 * 3];
@@ -246,7 +246,7 @@ fn find_threshold(transfer: &Transfer, bits: Bits, code: u16) -> f32 {
     let reached = |at: u32| reference_code(transfer, bits, f32::from_bits(at)) >= code;
     let half_way = (f64::from(code) - 0.5) / f64::from(bits.max_code());
     let guess = (transfer.linear_from_encoded(half_way) as f32).to_bits();
-    // Not reached (0 has code 0), and reached (1 has the largest); nearly always a few numbers around the guess.
+    // `low` is not reached (0 has code 0), `high` is (1 has the largest); nearly always they are close to the guess.
     let whole = (0, 1f32.to_bits());
     let near = (guess.saturating_sub(8), (guess + 8).min(whole.1));
     let (mut low, mut high) = if !reached(near.0) && reached(near.1) { near } else { whole };

@@ -206,7 +206,7 @@ impl Gog {
     fn encoded_from_linear(&self, linear: f64) -> f64 {
         let (black, white) = self.ends();
         let drive = (black + linear * (white - black)).powf(self.gamma.recip());
-        // Of the encoded values that are all dark, 0; and 1 without a rounding.
+        // The ends are exact, and no light is encoded as 0.
         if linear <= 0.0 || linear >= 1.0 { linear } else { ((drive - self.offset) / self.gain).clamp(0.0, 1.0) }
     }
 }
@@ -360,7 +360,7 @@ impl FromStr for Transfers {
     }
 }
 
-/// n + 1 levels that look equally far apart: I_j = r^j·I₀, r = (1/I₀)^(1/n), j = 0…n. Shoaff §2.1.1.
+/// n + 1 levels at equal steps of brightness: I_j = r^j·I₀, r = (1/I₀)^(1/n), j = 0…n. Shoaff §2.1.1.
 ///
 /// `i0` is the lowest level relative to the highest, so 1/`i0` is the display's dynamic range.
 ///

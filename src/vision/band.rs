@@ -16,7 +16,7 @@ pub enum Polarity {
 /// A predicted band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
-    /// Where, degrees from the middle: to the right, and up.
+    /// Position in degrees from the middle: to the right, and up.
     pub at_deg: [f64; 2],
     /// Direction across the band, degrees counter-clockwise from the right, 0…180: a stimulus's `orientation_deg`.
     pub orientation_deg: f64,
@@ -45,25 +45,25 @@ impl Visibility {
     }
 }
 
-/// Part of the odd response that the even one has to exceed: at 1 a band's phase is within 45° of a line's, at ½ within
+/// Share of the odd response that the even one must exceed: at 1 a band's phase is within 45° of a line's, at ½ within
 /// 63°. Morrone & Burr 1988 (Proc. R. Soc. B 235:221): a feature looks like a line or like an edge by its phase.
 pub(super) const ODD: f64 = 0.5;
-/// A peak counts from where the energy falls by the first share on both sides, and in full from the second: the crests
+/// A peak counts if the energy falls by the first share on both sides, and in full from the second share on: the crests
 /// of a grating are not bands.
 const PROMINENCE: [f64; 2] = [0.3, 0.5];
-/// Share of a peak's energy to which it must fall at least to count at all.
+/// Share of a peak's energy to which it must fall to count at all.
 pub(super) const STANDS_OUT: f64 = 1.0 - PROMINENCE[0];
 /// Share to which it must fall to count in full.
 pub(super) const FALLEN: f64 = 1.0 - PROMINENCE[1];
-/// Within how many periods of the channel it must fall.
+/// Periods of the channel within which it must fall.
 pub(super) const FALL_PERIODS: f64 = 2.0;
-/// Exponent with which channels add up; Quick 1974 (Kybernetik 16:65), 3 to 4 over frequencies.
+/// Exponent of the sum over channels; Quick 1974 (Kybernetik 16:65), 3 to 4 over frequencies.
 const POOLING: i32 = 3;
 /// Strong fine detail masks coarser channels: a channel with less than the first share of a finer channel's energy at the
 /// same place is masked completely, one with more than the second not at all.
 const MASKED: [f64; 2] = [0.3, 0.35];
-/// Light that is everywhere, relative to white: reflected by the screen, and scattered in the eye. Without it bands on
-/// black would be infinitely strong.
+/// Stray light relative to white, reflected by the screen and scattered in the eye. Without it, bands on black would be
+/// infinitely strong.
 pub(super) const VEIL: f64 = 0.01;
 
 /// Strength of a peak of the energy, 0 for none: `response` is even + i·odd in light × sensitivity, `lowest` the energy's
@@ -144,7 +144,7 @@ pub struct Criterion {
 }
 
 impl Default for Criterion {
-    /// What `machband predict bangay2003 --fit` finds in 40 simulated sessions of the `paper` observer, seed 1: it reproduces
+    /// The result of `machband predict bangay2003 --fit` for 40 simulated sessions of the `paper` observer, seed 1: it reproduces
     /// Bangay's Figure 4, and was not fitted to people.
     fn default() -> Self {
         Self { thresholds: [1.01, 4.83, 32.0], spread: 1.29 }

@@ -14,7 +14,7 @@ pub struct Eye {
 }
 
 impl Default for Eye {
-    /// 50 cd/m², half of a common screen's white; 10° as in Bangay §3.1.
+    /// 50 cd/m², half the white of a typical screen; 10° as in Bangay §3.1.
     fn default() -> Self {
         Self { luminance: 50.0, field_deg: 10.0 }
     }
@@ -36,7 +36,7 @@ impl Eye {
     }
 }
 
-/// One channel: what it passes of a grating, a Gaussian of the logarithm of frequency (log-Gabor; Field 1987, J. Opt.
+/// One channel, which passes a Gaussian of the logarithm of frequency (log-Gabor; Field 1987, J. Opt.
 /// Soc. Am. A 4:2379).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Channel {
@@ -47,7 +47,7 @@ pub(super) struct Channel {
 /// σ of a channel on the logarithm of frequency, as the ratio of frequencies: 0.65 is a bandwidth of 1.5 octaves at half
 /// height, the median of cells in V1 (De Valois, Albrecht & Thorell 1982, Vis. Res. 22:545: 1.4).
 const RATIO: f64 = 0.65;
-/// σ of the Gaussian over which the eye takes its mean light, degrees: the eye adapts locally, not over the whole field.
+/// σ of the Gaussian over which the eye averages light, degrees: the eye adapts locally, not over the whole field.
 pub(super) const ADAPTATION_DEG: f64 = 0.5;
 /// Lowest channel, cycles per degree: half a period is the window of 8°.
 const LOWEST: f64 = 0.0625;
@@ -72,7 +72,7 @@ impl Channel {
     }
 }
 
-/// Luminance of linear light in the primaries of a common screen, 1 for white (IEC 61966-2-1).
+/// Luminance of linear light in the primaries of sRGB, 1 for white (IEC 61966-2-1).
 #[must_use]
 pub fn luminance([red, green, blue]: [f32; 3]) -> f64 {
     0.2126 * f64::from(red) + 0.7152 * f64::from(green) + 0.0722 * f64::from(blue)
@@ -95,7 +95,7 @@ pub enum Border {
 
 /// A channel ignores bands within this many of its periods from an edge.
 const MARGIN_PERIODS: f64 = 1.5;
-/// Nearer than this, the edge itself makes the response, which is not used at all.
+/// Nearer than this, the response is to the edge itself and is not used at all.
 const BESIDE_PERIODS: f64 = 0.75;
 
 impl Border {

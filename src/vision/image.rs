@@ -9,7 +9,7 @@ pub struct Picture<'a> {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Pixels in a degree.
+    /// Pixels per degree.
     pub px_per_deg: f64,
     /// Pixels where bands count, as many as the light has; without a mask, all.
     pub mask: Option<&'a [bool]>,
@@ -48,7 +48,7 @@ impl Grid {
     }
 }
 
-/// The two of `n` values around the place `at`, and how far it is from the first toward the second.
+/// The two of `n` values around the place `at`, and its distance from the first toward the second.
 fn neighbors(at: f64, n: usize) -> (usize, usize, f64) {
     let at = at.clamp(0.0, (n - 1) as f64);
     // A cast cuts off the fraction.

@@ -24,7 +24,7 @@ const COARSE_PER_DEG: f64 = 16.0;
 pub struct Line<'a> {
     /// Luminance, 1 for white, from left to right.
     pub light: &'a [f64],
-    /// Pixels in a degree.
+    /// Pixels per degree.
     pub px_per_deg: f64,
     /// What lies beyond its ends.
     pub border: Border,

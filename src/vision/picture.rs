@@ -12,7 +12,7 @@ use super::{
     spectrum::{Responses, Spectrum},
 };
 
-/// Places in a degree at which channels mask each other.
+/// Places per degree at which channels mask each other.
 const MASK_PER_DEG: f64 = 16.0;
 /// Least pixels on a side.
 const LEAST: usize = 16;

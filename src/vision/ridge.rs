@@ -1,4 +1,4 @@
-//! Ridges of the energy in two dimensions, to a part of a sample.
+//! Ridges of the energy in two dimensions, to a fraction of a sample.
 
 use rustfft::num_complex::Complex64;
 
@@ -19,7 +19,7 @@ pub(super) struct Ridge {
     pub(super) at: [f64; 2],
     /// Unit vector across the band, to the right and down.
     pub(super) across: [f64; 2],
-    /// How much of the band's length this place stands for, pixels.
+    /// Length of the band that this place represents, pixels.
     pub(super) length_px: f64,
     pub(super) polarity: Polarity,
     pub(super) strength: f64,
@@ -35,7 +35,7 @@ pub(super) struct Search<'a> {
     pub(super) px_per_deg: f64,
     /// Mean light.
     pub(super) mean: &'a Field,
-    /// How far from an edge places are.
+    /// Distances from where bands do not count.
     pub(super) distances: &'a Distances,
 }
 
@@ -144,7 +144,7 @@ impl Search<'_> {
         let at = [0, 1].map(|axis| grid.first[axis] + (from[axis] + across[axis] * shift) * grid.step[axis]);
         let strength = strength(response, lowest, self.mean.at(at));
         let polarity = if response.re > 0.0 { Polarity::Bright } else { Polarity::Dark };
-        // Cells whose peak lies in them are the more, for a length of line, the more oblique it is.
+        // An oblique line has its peak in more cells per length.
         let length_px = grid.step[0] * across[0].abs().max(across[1].abs());
         let frequency = self.channel.frequency;
         (strength > 0.0).then_some(Ridge { at, across, length_px, polarity, strength, energy: height, frequency })

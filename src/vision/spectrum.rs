@@ -30,7 +30,7 @@ pub(super) struct Responses {
     pub(super) energy: Vec<f64>,
 }
 
-/// Of an image and what lies beyond its edges.
+/// The spectrum of an image and its continuation beyond the edges.
 pub(super) struct Spectrum {
     /// Of the light, for its mean.
     light: Vec<Complex64>,
@@ -45,7 +45,7 @@ pub(super) struct Spectrum {
     frequencies: Vec<Frequency>,
 }
 
-/// One of a spectrum.
+/// One frequency of a spectrum.
 #[derive(Clone, Copy)]
 struct Frequency {
     /// The logarithm of cycles per degree.
@@ -56,7 +56,7 @@ struct Frequency {
 
 /// A place on one axis of a channel's transform.
 struct Place {
-    /// There.
+    /// In the transform.
     to: usize,
     /// In the whole spectrum.
     from: usize,
@@ -81,7 +81,7 @@ impl Spectrum {
         // Pixels are squares.
         let square = |k: usize, n: usize| sinc(k as f64 / n as f64);
         let squares: Vec<f64> = (0..across).map(|k| square(k, columns)).collect();
-        // Nothing of what is the same everywhere.
+        // No channel passes the constant part.
         let mut frequencies = vec![Frequency { log: f64::NEG_INFINITY, direction: [0.0; 2] }; across * down];
         let mut sensitivity = vec![0.0; across * down];
         frequencies.par_chunks_mut(across).zip(sensitivity.par_chunks_mut(across)).enumerate().for_each(
@@ -126,8 +126,8 @@ impl Spectrum {
         (0..n).filter(|k| 2 * k != n).map(place).collect()
     }
 
-    /// Calls `value` for every place of the transform of `grid`: with its row and column, its index there, and what `of` the
-    /// spectrum is there, moved to the grid's first place.
+    /// Calls `value` for every place of the transform of `grid`: with its row and column, its index, and the value of the spectrum
+    /// `of`, moved to the grid's first place.
     fn each(&self, grid: &Grid, of: &[Complex64], mut value: impl FnMut(&Place, &Place, usize, Complex64)) {
         let across = self.places(grid.columns, self.columns, grid.first[0]);
         for row in &self.places(grid.rows, self.rows, grid.first[1]) {
