@@ -159,10 +159,9 @@ fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     click(window, "Agreement");
     for ascending in [true, false] {
         click_and_rest(window, "Sort by Weighted κ");
+        let top = |name: &str| window.query_all_by_label(name).last().map(|cell| cell.rect().top());
         let mut rows: Vec<(f32, f64)> = (results.subjects.iter())
-            .map(|subject| {
-                (window.get_by_label(&subject.group.names[0]).rect().top(), subject.kappa.unwrap_or(f64::INFINITY))
-            })
+            .map(|subject| (top(&subject.group.names[0]).unwrap(), subject.kappa.unwrap_or(f64::INFINITY)))
             .collect();
         rows.sort_by(|a, b| a.0.total_cmp(&b.0));
         // To the two decimals that are shown.
