@@ -71,12 +71,6 @@ impl ChannelQuantizer {
         Self { transfer: transfer.clone(), bits, thresholds, bucket_codes, levels: OnceLock::new() }
     }
 
-    /// The channel's transfer function.
-    #[must_use]
-    pub fn transfer(&self) -> &Transfer {
-        &self.transfer
-    }
-
     /// The code nearest, in encoded space, to the relative luminance `linear`; 0 below 0 and for
     /// NaN, the largest above 1.
     #[must_use]
