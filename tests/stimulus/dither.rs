@@ -6,7 +6,7 @@
 use super::{Draw as _, transfers};
 use std::sync::LazyLock;
 
-use machband::light::dither::{MASK_SIZE, mask};
+use machband::light::dither::MASK_SIZE;
 use machband::light::halftone::{Halftone, Screen};
 use machband::light::{
     Bits, CodeImage, Depth, Dither, DitherMatrix, LinearImage, Quantizer, Samples, Thresholds, Transfer, TransferTable,
@@ -107,16 +107,6 @@ fn matrices_are_the_published_ones() {
     }
 }
 
-/// How the blue-noise mask is made is tested with its generator, in `tools`.
-#[test]
-fn matrices_and_the_mask_hold_every_rank_once() {
-    let matrices = DitherMatrix::ALL.iter().map(|matrix| (matrix.ranks(), matrix.size()));
-    for (mut ranks, size) in matrices.chain([(mask(), MASK_SIZE)]) {
-        ranks.sort_unstable();
-        assert!(ranks.into_iter().map(u32::from).eq(0..size * size), "{size}");
-    }
-}
-
 // Thresholds.
 
 /// The thresholds of the first `size` × `size` pixels, row by row.
@@ -125,6 +115,7 @@ fn thresholds(dither: Dither, size: u32) -> Vec<f64> {
     (0..size).flat_map(|y| rows.row(y).to_vec()).collect()
 }
 
+/// Each rank is there once. How the blue-noise mask is made is tested with its generator, in `tools`.
 #[test]
 fn thresholds_are_spread_over_the_open_interval() {
     for dither in dithers().into_iter().filter(|dither| !matches!(dither, Dither::Random { .. })) {
@@ -512,22 +503,14 @@ fn cells_have_the_levels_of_the_formula() {
             assert!(lights(&halftone, bits, &Transfer::Srgb).is_sorted_by(|a, b| a < b));
         }
     }
+    // A dot grows from the middle of Shoaff's D⁽³⁾, x across his rows: then up, then left of it.
+    assert_eq!(halftone(DitherMatrix::Clustered3, 1, &Transfer::Linear).cell(3), [0, 1, 0, 0, 1, 1, 0, 0, 0]);
     // Shoaff's figure: 5 levels of a 2 × 2 cell of one bit.
     assert_eq!(halftone(DitherMatrix::Clustered2, 1, &Transfer::Linear).level_count(), 5);
     for text in ["clustered2:0", "bayer2:9", "bayer3:1", "clustered3", "clustered3:"] {
         let error = text.parse::<Screen>().unwrap_err().to_string();
         assert!(error.contains("expected bayer2, bayer4") && error.contains("1…8 bits"), "{error}");
     }
-}
-
-#[test]
-fn a_dot_grows_from_the_middle() {
-    let halftone = halftone(DitherMatrix::Clustered3, 1, &Transfer::Linear);
-    // Shoaff's D⁽³⁾, x across his rows: the middle first, then up, left of it …
-    assert_eq!(halftone.cell(1), [0, 0, 0, 0, 1, 0, 0, 0, 0]);
-    assert_eq!(halftone.cell(2), [0, 1, 0, 0, 1, 0, 0, 0, 0]);
-    assert_eq!(halftone.cell(3), [0, 1, 0, 0, 1, 1, 0, 0, 0]);
-    assert_eq!(halftone.cell(8), [1, 1, 1, 0, 1, 1, 1, 1, 1]);
 }
 
 #[test]

@@ -3,12 +3,15 @@
 use std::{path::Path, time::Duration};
 
 use machband::{
-    light::{Bits, Dither, Transfer, TransferTable, Transfers},
+    light::{Bits, Dither, Transfer, Transfers},
     stimulus::{Stimulus, catalog, recipe::Recipe},
     store::{curve, image},
 };
 
-use crate::common::{command, everything, fails, succeeds};
+use crate::{
+    common::{command, everything, fails, succeeds},
+    transfers,
+};
 
 fn recipe(kind: &str) -> Recipe {
     Recipe {
@@ -23,9 +26,7 @@ fn recipe(kind: &str) -> Recipe {
 }
 
 fn table() -> Transfer {
-    let encoded: Vec<f64> = (0..=10).map(|i| f64::from(i) / 10.0).collect();
-    let linear = encoded.iter().map(|v| v.powf(1.9)).collect();
-    Transfer::Table(TransferTable::new(encoded, linear).unwrap())
+    transfers().pop().unwrap()
 }
 
 /// Every kind, transfer, depth and dither: what is written reads back as the codes that were rendered, and proves itself.

@@ -18,7 +18,7 @@ mod timing;
 mod vision;
 
 use machband::{
-    light::{CodeImage, LinearImage, Quantizer, Transfer, TransferTable},
+    light::{LinearImage, Transfer, TransferTable},
     stimulus::{MachBand, Stimulus},
 };
 
@@ -44,15 +44,10 @@ fn transfers() -> Vec<Transfer> {
 /// A Mach band drawn without saying each time that it is a stimulus.
 trait Draw {
     fn linear(&self, size: u32) -> LinearImage;
-    fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage;
 }
 
 impl Draw for MachBand {
     fn linear(&self, size: u32) -> LinearImage {
         Stimulus::from(self.clone()).linear(size)
-    }
-
-    fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
-        Stimulus::from(self.clone()).codes(size, quantizer)
     }
 }

@@ -2,7 +2,15 @@
 
 use std::time::Duration;
 
-use machband::display::frames::{FrameTimes, Refresh};
+use machband::{
+    app::{Monitor, timing::TimingReport},
+    display::frames::{FrameTimes, Refresh},
+    experiment::{
+        Effect, Event, FrameCount, Identity, Resumed, Schedule, Session, SessionOptions, Shown, State, Stretch,
+        TrialResponse,
+    },
+    store::{definition, frames::FrameRow},
+};
 use proptest::prelude::*;
 
 /// A screen that refreshes at exact times, and a program that misses some refreshes.
@@ -115,6 +123,8 @@ fn without_a_refresh_frames_are_measured_but_not_judged() {
     }
     assert_eq!((times.intervals_us().len(), times.quantile(0.5)), (99, Some(0.016)));
     assert_eq!((times.dropped(), times.missed_refreshes()), (None, None));
+    let refresh = Refresh::from_hz(59.94).unwrap();
+    assert_eq!((refresh.count(Duration::ZERO), refresh.count(Duration::from_millis(1))), (0, 1));
     for seconds in [0.0, -0.016, f64::NAN, f64::INFINITY, 11.0] {
         assert!(Refresh::new(seconds).is_none(), "{seconds}");
     }
@@ -217,332 +227,278 @@ fn frames_that_scatter_follow_no_refresh() {
     assert!(!refresh.is_followed_by(&run(&|_, _| 0.3)), "faster than the screen");
 }
 
-mod report {
-    //! What `machband timing` and its page say of frames.
+// What `machband timing` and its page say of frames.
 
-    use machband::app::{Monitor, timing::TimingReport};
+/// As on a screen that nothing holds the frames to: a median of 8 ms, from 4 to 20.
+fn scattered() -> Vec<u32> {
+    noise(11).take(600).map(|x| (8000.0 * (0.4 * x).exp() + if x > 0.9 { 9000.0 } else { 0.0 }) as u32).collect()
+}
 
-    use super::*;
-
-    fn report(intervals_us: Vec<u32>, refresh_hz: Option<f64>) -> TimingReport {
-        let monitor = Monitor { name: None, width_px: 1920, height_px: 1080, refresh_hz, scale: 1.0 };
-        TimingReport::new(&intervals_us, &monitor)
-    }
-
-    fn row(report: &TimingReport, name: &str) -> String {
-        report.rows().into_iter().find(|(found, _)| *found == name).unwrap().1
-    }
-
-    /// As on a screen that nothing holds the frames to: a median of 8 ms, from 4 to 20.
-    fn scattered() -> Vec<u32> {
-        noise(11).take(600).map(|x| (8000.0 * (0.4 * x).exp() + if x > 0.9 { 9000.0 } else { 0.0 }) as u32).collect()
-    }
-
-    #[test]
-    fn without_a_steady_refresh_nothing_is_judged() {
-        assert!(Refresh::estimate(&scattered()).is_some(), "otherwise this proves nothing");
-        let found = report(scattered(), None);
-        assert_eq!((found.refresh, found.source, found.is_one_by_one()), (None, "unknown", Some(false)));
-        for name in ["refresh", "dropped frames", "missed refreshes"] {
-            assert_eq!(row(&found, name), "unknown");
-        }
-        assert!(found.csv().lines().skip(1).all(|line| line.ends_with(',')));
-        let verdict = found.verdict();
-        assert!(
-            verdict.starts_with("The frames follow no steady refresh, so no frame can be judged as dropped"),
-            "{verdict}"
-        );
+#[test]
+fn only_a_steady_refresh_is_reported_with_the_drops() {
+    assert!(Refresh::estimate(&scattered()).is_some(), "otherwise this proves nothing");
+    let steady = vec![16_667; 600];
+    let mut dropping = steady.clone();
+    dropping.iter_mut().step_by(50).for_each(|us| *us = 33_333);
+    let with_drops = "of 60.00 Hz, but 12 of 600 (2.0 %) were dropped";
+    for (intervals_us, refresh_hz, source, is_one_by_one, verdict) in [
+        (
+            scattered(),
+            None,
+            "unknown",
+            Some(false),
+            "The frames follow no steady refresh, so no frame can be judged as dropped",
+        ),
         // A refresh that the system reports stays, with the note that the frames do not follow it.
-        let found = report(scattered(), Some(60.0));
-        assert_eq!((found.source, found.is_one_by_one()), ("reported", Some(false)));
-        let verdict = found.verdict();
-        assert!(verdict.contains("no steady refresh, not even the 60.00 Hz that the system reports"), "{verdict}");
+        (
+            scattered(),
+            Some(60.0),
+            "reported",
+            Some(false),
+            "no steady refresh, not even the 60.00 Hz that the system reports",
+        ),
+        (
+            steady,
+            None,
+            "measured",
+            Some(true),
+            "Every refresh at 60.00 Hz showed a new frame: none of 600 was dropped.",
+        ),
+        (dropping.clone(), None, "measured", Some(false), with_drops),
+        (dropping, Some(60.0), "reported", Some(false), with_drops),
+        (vec![16_667; 29], Some(60.0), "reported", None, "29 frames are too few to judge; expected 30 or more."),
+    ] {
+        let monitor = Monitor { name: None, width_px: 1920, height_px: 1080, refresh_hz, scale: 1.0 };
+        let found = TimingReport::new(&intervals_us, &monitor);
+        assert_eq!((found.source, found.is_one_by_one()), (source, is_one_by_one), "{verdict}");
+        assert!(found.verdict().contains(verdict), "{}", found.verdict());
+        let row = |name: &str| found.rows().into_iter().find(|(found, _)| *found == name).unwrap().1;
+        assert!(verdict != with_drops || row("dropped frames") == "12");
+        if source == "unknown" {
+            assert_eq!(found.refresh, None);
+            assert_eq!(["refresh", "dropped frames", "missed refreshes"].map(row), ["unknown"; 3]);
+            assert!(found.csv().lines().skip(1).all(|line| line.ends_with(',')));
+        }
+    }
+}
+
+// The state machine of a session on such a screen.
+
+/// A participant at a screen, who rates a second after each onset.
+struct Sitting {
+    session: Session,
+    now_s: f64,
+    refresh_s: f64,
+    rows: Vec<TrialResponse>,
+}
+
+impl Sitting {
+    fn new(tables: &str, hz: f64) -> Self {
+        let text = format!(
+            "schema = 1\nname = \"t\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.2, 0.3, 0.4]\n{tables}"
+        );
+        let protocol = definition::parse("t.toml", &text).unwrap();
+        let schedule = Schedule::new(&protocol, &Identity::new("S001", "1").unwrap(), 5).unwrap();
+        let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / hz) };
+        let mut session = Session::new(protocol, schedule, &Resumed::default(), options);
+        session.step(Event::Continue, Duration::from_secs(1));
+        let mut sitting = Self { session, now_s: 1.0, refresh_s: 1.0 / hz, rows: Vec::new() };
+        sitting.frame(0, 0.0, None);
+        sitting
     }
 
-    #[test]
-    fn a_steady_refresh_is_reported_with_the_drops() {
-        let mut intervals = vec![16_667; 600];
-        let found = report(intervals.clone(), None);
-        assert_eq!((found.source, found.is_one_by_one()), ("measured", Some(true)));
-        assert_eq!(found.verdict(), "Every refresh at 60.00 Hz showed a new frame: none of 600 was dropped.");
-        intervals.iter_mut().step_by(50).for_each(|us| *us = 33_333);
-        for reported in [None, Some(60.0)] {
-            let found = report(intervals.clone(), reported);
-            assert_eq!((row(&found, "dropped frames").as_str(), found.is_one_by_one()), ("12", Some(false)));
-            let verdict = found.verdict();
-            assert!(verdict.contains("of 60.00 Hz, but 12 of 600 (2.0 %) were dropped"), "{verdict}");
+    /// The next frame, as [`Screen::frame`]; `event` came before it.
+    fn frame(&mut self, refreshes: u32, early: f64, event: Option<Event>) -> &State {
+        self.now_s += f64::from(refreshes) * self.refresh_s;
+        let now = Duration::from_secs_f64(self.now_s - early * self.refresh_s);
+        if let Some(event) = event
+            && let Effect::Record(row) = self.session.step(event, now)
+        {
+            self.rows.push(row);
+            self.session.step(Event::Stored, now);
         }
-        let found = report(vec![16_667; 29], Some(60.0));
-        assert_eq!(found.is_one_by_one(), None);
-        assert_eq!(found.verdict(), "29 frames are too few to judge; expected 30 or more.");
+        self.session.step(Event::Frame, now);
+        self.session.state()
+    }
+
+    /// Frames of one refresh until the state is wanted; how many.
+    fn until(&mut self, wanted: fn(&State) -> bool) -> u32 {
+        (1..10_000).find(|_| wanted(self.frame(1, 0.0, None))).expect("a state that comes")
+    }
+}
+
+fn is_stimulus(state: &State) -> bool {
+    matches!(state, State::Stimulus { .. })
+}
+
+fn is_recovery(state: &State) -> bool {
+    matches!(state, State::Recovery { .. })
+}
+
+#[test]
+fn a_recovery_has_its_refreshes_whatever_the_jitter() {
+    for (hz, planned) in [(59.94, 120), (60.0, 120), (120.0, 240), (75.0, 150)] {
+        let mut sitting = Sitting::new("[design]\nrepetitions = 5\n", hz);
+        let mut noise = noise(11);
+        while *sitting.session.state() != State::Done {
+            let event = match sitting.session.state() {
+                State::PhaseStart(_) | State::Break => Some(Event::Continue),
+                State::Stimulus { .. } => Some(Event::Rate(2)),
+                _ => None,
+            };
+            sitting.frame(1, 0.2 * noise.next().unwrap(), event);
+        }
+        let stretches = sitting.session.take_stretches();
+        let counts = |shown: Shown| -> Vec<usize> {
+            stretches.iter().filter(|s| s.shown == shown).map(|s| s.intervals_us.len()).collect()
+        };
+        assert_eq!(counts(Shown::Recovery), [planned; 20], "{hz}");
+        assert_eq!((counts(Shown::Stimulus), counts(Shown::Closing)), (vec![1; 20], vec![planned]), "{hz}");
+        // What is kept of each frame is all that was counted, and as long as the session.
+        let kept: Vec<u32> = stretches.iter().flat_map(|s| s.intervals_us.clone()).collect();
+        let times = sitting.session.frame_times();
+        assert_eq!(kept, times.intervals_us());
+        assert_eq!((times.dropped(), times.missed_refreshes(), times.late_onsets()), (Some(0), Some(0), 0));
+        for row in &sitting.rows {
+            assert_eq!((row.frames, row.dropped_frames, row.late_onset), (Some(1), Some(0), Some(false)));
+            let achieved = row.recovery.as_secs_f64() * hz;
+            assert!((achieved - planned as f64).abs() < 0.41, "{achieved} of {planned}");
+        }
     }
 }
 
 #[test]
-fn two_seconds_at_59_94_hz_are_120_refreshes() {
-    let refresh = Refresh::from_hz(59.94).unwrap();
-    assert_eq!(refresh.count(Duration::from_secs(2)), 120);
-    assert_eq!(Refresh::from_hz(60.0).unwrap().count(Duration::from_secs(2)), 120);
-    assert_eq!(Refresh::from_hz(119.88).unwrap().count(Duration::from_millis(500)), 60);
-    assert_eq!((refresh.count(Duration::ZERO), refresh.count(Duration::from_millis(1))), (0, 1));
+fn a_rating_is_timed_by_its_stamp_and_the_stimulus_by_its_frames() {
+    let mut sitting = Sitting::new("", 60.0);
+    let ms = Duration::from_millis;
+    let frame = Duration::from_secs_f64(1.0 / 60.0);
+    for (before_frame_ms, expected) in
+        // Heard 4 ms before the frame; before the onset; after the frame that answers.
+        [(4, 30 * frame - ms(4)), (9_000, Duration::ZERO), (0, 30 * frame)]
+    {
+        sitting.until(is_stimulus);
+        (0..29).for_each(|_| _ = sitting.frame(1, 0.0, None));
+        let at = match before_frame_ms {
+            0 => Duration::from_secs(9_999),
+            early => Duration::from_secs_f64(sitting.now_s + 1.0 / 60.0).saturating_sub(ms(early)),
+        };
+        sitting.frame(1, 0.0, Some(Event::RateAt { rating: 1, at, uncertainty: Some(ms(3)) }));
+        let row = sitting.rows.last().unwrap();
+        assert!(row.response_time.abs_diff(expected) < Duration::from_micros(1), "{row:?}");
+        assert!(row.stimulus.unwrap().abs_diff(30 * frame) < Duration::from_micros(1), "{row:?}");
+        assert_eq!((row.frames, row.uncertainty), (Some(30), Some(ms(3))));
+    }
 }
 
-mod session {
-    //! The state machine on such a screen.
-
-    use machband::{
-        display::frames::Refresh,
-        experiment::{
-            Effect, Event, FrameCount, Identity, Resumed, Schedule, Session, SessionOptions, Shown, State, Stretch,
-            TrialResponse,
-        },
-        store::{definition, frames::FrameRow},
-    };
-
-    use super::*;
-
-    /// A participant at a screen, who rates a second after each onset.
-    struct Sitting {
-        session: Session,
-        now_s: f64,
-        refresh_s: f64,
-        rows: Vec<TrialResponse>,
-    }
-
-    impl Sitting {
-        fn new(tables: &str, hz: f64) -> Self {
-            let text = format!(
-                "schema = 1\nname = \"t\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.2, 0.3, 0.4]\n{tables}"
-            );
-            let protocol = definition::parse("t.toml", &text).unwrap();
-            let schedule = Schedule::new(&protocol, &Identity::new("S001", "1").unwrap(), 5).unwrap();
-            let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / hz) };
-            let mut session = Session::new(protocol, schedule, &Resumed::default(), options);
-            session.step(Event::Continue, Duration::from_secs(1));
-            let mut sitting = Self { session, now_s: 1.0, refresh_s: 1.0 / hz, rows: Vec::new() };
-            sitting.frame(0, 0.0, None);
-            sitting
-        }
-
-        /// The next frame, as [`Screen::frame`]; `event` came before it.
-        fn frame(&mut self, refreshes: u32, early: f64, event: Option<Event>) -> &State {
-            self.now_s += f64::from(refreshes) * self.refresh_s;
-            let now = Duration::from_secs_f64(self.now_s - early * self.refresh_s);
-            if let Some(event) = event
-                && let Effect::Record(row) = self.session.step(event, now)
-            {
-                self.rows.push(row);
-                self.session.step(Event::Stored, now);
-            }
-            self.session.step(Event::Frame, now);
-            self.session.state()
-        }
-
-        /// Frames of one refresh until the state is wanted; how many.
-        fn until(&mut self, wanted: fn(&State) -> bool) -> u32 {
-            (1..10_000).find(|_| wanted(self.frame(1, 0.0, None))).expect("a state that comes")
-        }
-    }
-
-    fn is_stimulus(state: &State) -> bool {
-        matches!(state, State::Stimulus { .. })
-    }
-
-    fn is_recovery(state: &State) -> bool {
-        matches!(state, State::Recovery { .. })
-    }
-
-    #[test]
-    fn a_recovery_has_its_refreshes_whatever_the_jitter() {
-        for (hz, planned) in [(59.94, 120), (60.0, 120), (120.0, 240), (75.0, 150)] {
-            let mut sitting = Sitting::new("[design]\nrepetitions = 5\n", hz);
-            let mut noise = noise(11);
-            while *sitting.session.state() != State::Done {
-                let event = match sitting.session.state() {
-                    State::PhaseStart(_) | State::Break => Some(Event::Continue),
-                    State::Stimulus { .. } => Some(Event::Rate(2)),
-                    _ => None,
-                };
-                sitting.frame(1, 0.2 * noise.next().unwrap(), event);
-            }
-            let stretches = sitting.session.take_stretches();
-            let counts = |shown: Shown| -> Vec<usize> {
-                stretches.iter().filter(|s| s.shown == shown).map(|s| s.intervals_us.len()).collect()
-            };
-            assert_eq!(counts(Shown::Recovery), [planned; 20], "{hz}");
-            assert_eq!((counts(Shown::Stimulus), counts(Shown::Closing)), (vec![1; 20], vec![planned]), "{hz}");
-            // What is kept of each frame is all that was counted, and as long as the session.
-            let kept: Vec<u32> = stretches.iter().flat_map(|s| s.intervals_us.clone()).collect();
-            let times = sitting.session.frame_times();
-            assert_eq!(kept, times.intervals_us());
-            assert_eq!((times.dropped(), times.missed_refreshes(), times.late_onsets()), (Some(0), Some(0), 0));
-            for row in &sitting.rows {
-                assert_eq!((row.frames, row.dropped_frames, row.late_onset), (Some(1), Some(0), Some(false)));
-                let achieved = row.recovery.as_secs_f64() * hz;
-                assert!((achieved - planned as f64).abs() < 0.41, "{achieved} of {planned}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_rating_is_timed_by_its_stamp_and_the_stimulus_by_its_frames() {
-        let mut sitting = Sitting::new("", 60.0);
-        let ms = Duration::from_millis;
-        let frame = Duration::from_secs_f64(1.0 / 60.0);
-        for (before_frame_ms, expected) in
-            // Heard 4 ms before the frame; before the onset; after the frame that answers.
-            [(4, 30 * frame - ms(4)), (9_000, Duration::ZERO), (0, 30 * frame)]
-        {
-            sitting.until(is_stimulus);
-            (0..29).for_each(|_| _ = sitting.frame(1, 0.0, None));
-            let at = match before_frame_ms {
-                0 => Duration::from_secs(9_999),
-                early => Duration::from_secs_f64(sitting.now_s + 1.0 / 60.0).saturating_sub(ms(early)),
-            };
-            sitting.frame(1, 0.0, Some(Event::RateAt { rating: 1, at, uncertainty: Some(ms(3)) }));
-            let row = sitting.rows.last().unwrap();
-            assert!(row.response_time.abs_diff(expected) < Duration::from_micros(1), "{row:?}");
-            assert!(row.stimulus.unwrap().abs_diff(30 * frame) < Duration::from_micros(1), "{row:?}");
-            assert_eq!((row.frames, row.uncertainty), (Some(30), Some(ms(3))));
-        }
-    }
-
-    #[test]
-    fn a_presentation_of_fixed_duration_has_its_refreshes_and_waits_for_the_rating() {
-        for (hz, planned) in [(59.94, 30), (60.0, 30), (144.0, 72)] {
-            let mut sitting = Sitting::new("[presentation]\nduration_s = 0.5\n", hz);
-            sitting.until(is_stimulus);
-            assert_eq!(sitting.until(|state| matches!(state, State::Response { .. })), planned, "{hz}");
-            (0..40).for_each(|_| _ = sitting.frame(1, 0.0, None));
-            sitting.frame(2, 0.0, Some(Event::Rate(3)));
-            let row = &sitting.rows[0];
-            let elapsed = |refreshes: u32| Duration::from_secs_f64(f64::from(refreshes) / hz);
-            assert_eq!(row.frames, Some(planned));
-            // What is dropped while nothing is presented is none of the stimulus.
-            assert_eq!(row.dropped_frames, Some(0));
-            assert!(row.stimulus.unwrap().abs_diff(elapsed(planned)) < Duration::from_micros(1));
-            assert!(row.response_time.abs_diff(elapsed(planned + 42)) < Duration::from_micros(1));
-            // Paused while the answer is awaited: the trial comes again.
-            sitting.until(|state| matches!(state, State::Response { .. }));
-            sitting.frame(1, 0.0, Some(Event::Pause));
-            assert!(is_recovery(sitting.frame(60, 0.0, Some(Event::Resume))));
-            // A rating that comes early ends the stimulus.
-            sitting.until(is_stimulus);
-            assert!(is_recovery(sitting.frame(1, 0.0, Some(Event::Rate(0)))));
-            assert_eq!((sitting.rows[1].frames, sitting.rows[1].attempt), (Some(1), 1));
-            let pages = sitting.session.frame_times().missed_refreshes();
-            assert_eq!(pages, Some(1), "one was dropped above, and what stood on the page counts nowhere");
-        }
-    }
-
-    #[test]
-    fn an_onset_is_late_when_its_refresh_has_gone_by() {
-        for (last, late) in [(1, false), (2, true), (30, true)] {
-            let mut sitting = Sitting::new("", 60.0);
-            (0..119).for_each(|_| assert!(is_recovery(sitting.frame(1, 0.0, None))));
-            assert!(is_stimulus(sitting.frame(last, 0.0, None)));
-            sitting.frame(1, 0.0, Some(Event::Rate(1)));
-            let (row, times) = (&sitting.rows[0], sitting.session.frame_times());
-            assert_eq!((row.late_onset, times.late_onsets()), (Some(late), u32::from(late)));
-            assert_eq!(row.dropped_frames, Some(u32::from(late)));
-            assert_eq!(times.missed_refreshes(), Some(u64::from(last) - 1));
-        }
-        // The disk was slow: the frames came, and the onset was late all the same.
-        let mut sitting = Sitting::new("", 60.0);
+#[test]
+fn a_presentation_of_fixed_duration_has_its_refreshes_and_waits_for_the_rating() {
+    for (hz, planned) in [(59.94, 30), (60.0, 30), (144.0, 72)] {
+        let mut sitting = Sitting::new("[presentation]\nduration_s = 0.5\n", hz);
         sitting.until(is_stimulus);
-        let now = Duration::from_secs_f64(sitting.now_s);
-        assert!(matches!(sitting.session.step(Event::Rate(1), now), Effect::Record(_)));
-        (0..125).for_each(|_| assert!(is_recovery(sitting.frame(1, 0.0, None))));
-        sitting.session.step(Event::Stored, Duration::from_secs_f64(sitting.now_s));
-        assert!(is_stimulus(sitting.frame(1, 0.0, None)));
-        sitting.frame(1, 0.0, Some(Event::Rate(1)));
-        assert_eq!((sitting.rows[0].late_onset, sitting.rows[0].dropped_frames), (Some(true), Some(0)));
-    }
-
-    #[test]
-    fn another_monitor_counts_from_its_first_frame_on() {
-        for (first, second) in [(60.0, 120.0), (120.0, 60.0)] {
-            let mut sitting = Sitting::new("", first);
-            (0..20).for_each(|_| _ = sitting.frame(1, 0.0, None));
-            sitting.session.judge_against(FrameCount::Against(1.0 / second));
-            sitting.frame(1, 0.0, None);
-            sitting.refresh_s = 1.0 / second;
-            sitting.until(is_stimulus);
-            sitting.frame(1, 0.0, Some(Event::Rate(1)));
-            let row = &sitting.rows[0];
-            assert_eq!((row.dropped_frames, row.late_onset), (Some(0), Some(false)));
-            assert!((row.recovery.as_secs_f64() - 2.0).abs() <= 0.5 / second + 1e-6, "{:?}", row.recovery);
-            let judged: Vec<_> = sitting.session.take_stretches().into_iter().map(|s| (s.shown, s.refresh)).collect();
-            let of = |hz: f64| Refresh::new(1.0 / hz);
-            let expected = [(Shown::Recovery, of(first)), (Shown::Recovery, of(second)), (Shown::Stimulus, of(second))];
-            assert_eq!(judged, expected);
-        }
-        // Where it is no longer known, the trial is not judged, and durations are held to the clock.
-        let mut sitting = Sitting::new("", 60.0);
-        (0..20).for_each(|_| _ = sitting.frame(1, 0.0, None));
-        sitting.session.judge_against(FrameCount::Frames);
-        sitting.until(is_stimulus);
-        sitting.frame(5, 0.0, Some(Event::Rate(1)));
+        assert_eq!(sitting.until(|state| matches!(state, State::Response { .. })), planned, "{hz}");
+        (0..40).for_each(|_| _ = sitting.frame(1, 0.0, None));
+        sitting.frame(2, 0.0, Some(Event::Rate(3)));
         let row = &sitting.rows[0];
-        assert_eq!((row.dropped_frames, row.late_onset), (None, None));
-        assert!(row.recovery.as_secs_f64() >= 2.0 - 1e-9);
+        let elapsed = |refreshes: u32| Duration::from_secs_f64(f64::from(refreshes) / hz);
+        assert_eq!(row.frames, Some(planned));
+        // What is dropped while nothing is presented is none of the stimulus.
+        assert_eq!(row.dropped_frames, Some(0));
+        assert!(row.stimulus.unwrap().abs_diff(elapsed(planned)) < Duration::from_micros(1));
+        assert!(row.response_time.abs_diff(elapsed(planned + 42)) < Duration::from_micros(1));
+        // Paused while the answer is awaited: the trial comes again.
+        sitting.until(|state| matches!(state, State::Response { .. }));
+        sitting.frame(1, 0.0, Some(Event::Pause));
+        assert!(is_recovery(sitting.frame(60, 0.0, Some(Event::Resume))));
+        // A rating that comes early ends the stimulus.
+        sitting.until(is_stimulus);
+        assert!(is_recovery(sitting.frame(1, 0.0, Some(Event::Rate(0)))));
+        assert_eq!((sitting.rows[1].frames, sitting.rows[1].attempt), (Some(1), 1));
+        let pages = sitting.session.frame_times().missed_refreshes();
+        assert_eq!(pages, Some(1), "one was dropped above, and what stood on the page counts nowhere");
     }
+}
 
-    #[test]
-    fn a_frame_belongs_to_the_trial_whose_picture_it_shows() {
+#[test]
+fn an_onset_is_late_when_its_refresh_has_gone_by() {
+    for (last, late) in [(1, false), (2, true), (30, true)] {
         let mut sitting = Sitting::new("", 60.0);
-        sitting.until(is_stimulus);
-        sitting.frame(3, 0.0, Some(Event::Rate(1)));
-        // Taken back after two frames of the next recovery; the third takes four refreshes.
-        sitting.frame(1, 0.0, None);
-        sitting.frame(1, 0.0, None);
-        sitting.frame(4, 0.0, Some(Event::TakeBack));
-        sitting.until(is_stimulus);
-        sitting.frame(1, 0.0, Some(Event::Rate(2)));
-        assert_eq!(sitting.rows[0].dropped_frames, Some(1), "the stimulus' last frame");
-        assert_eq!(sitting.rows[1].dropped_frames, Some(0), "the frame before it was taken back is none of its own");
-        let trials: Vec<_> = (sitting.session.take_stretches().iter())
-            .map(|s| (s.trial, s.attempt, s.shown, s.intervals_us.len()))
-            .collect();
-        let expected = [
-            (0, 1, Shown::Recovery, 120),
-            (0, 1, Shown::Stimulus, 1),
-            (1, 1, Shown::Recovery, 3),
-            (0, 2, Shown::Recovery, 120),
-            (0, 2, Shown::Stimulus, 1),
-        ];
-        assert_eq!(trials, expected);
-        assert_eq!(sitting.session.take_stretches(), [], "each is given once");
-        // A stretch becomes a row by the plan.
-        let stretch = Stretch { trial: 1, attempt: 2, shown: Shown::Stimulus, refresh: None, intervals_us: vec![1, 2] };
-        let row = FrameRow::new(stretch.clone(), sitting.session.schedule(), 3).unwrap();
-        assert_eq!((row.sitting, row.trial, row.attempt, row.intervals_us), (3, 2, 2, vec![1, 2]));
-        assert!(FrameRow::new(Stretch { trial: 99, ..stretch }, sitting.session.schedule(), 3).is_none());
+        (0..119).for_each(|_| assert!(is_recovery(sitting.frame(1, 0.0, None))));
+        assert!(is_stimulus(sitting.frame(last, 0.0, None)));
+        sitting.frame(1, 0.0, Some(Event::Rate(1)));
+        let (row, times) = (&sitting.rows[0], sitting.session.frame_times());
+        assert_eq!((row.late_onset, times.late_onsets()), (Some(late), u32::from(late)));
+        assert_eq!(row.dropped_frames, Some(u32::from(late)));
+        assert_eq!(times.missed_refreshes(), Some(u64::from(last) - 1));
     }
+    // The disk was slow: the frames came, and the onset was late all the same.
+    let mut sitting = Sitting::new("", 60.0);
+    sitting.until(is_stimulus);
+    let now = Duration::from_secs_f64(sitting.now_s);
+    assert!(matches!(sitting.session.step(Event::Rate(1), now), Effect::Record(_)));
+    (0..125).for_each(|_| assert!(is_recovery(sitting.frame(1, 0.0, None))));
+    sitting.session.step(Event::Stored, Duration::from_secs_f64(sitting.now_s));
+    assert!(is_stimulus(sitting.frame(1, 0.0, None)));
+    sitting.frame(1, 0.0, Some(Event::Rate(1)));
+    assert_eq!((sitting.rows[0].late_onset, sitting.rows[0].dropped_frames), (Some(true), Some(0)));
+}
 
-    #[test]
-    fn a_definition_sets_how_long_a_stimulus_is_shown() {
-        let text = |presentation: &str| {
-            format!("schema = 1\nname = \"t\"\n[stimulus]\nkind = \"mach-band\"\n[presentation]\n{presentation}\n")
-        };
-        let protocol = definition::parse("t.toml", &text("duration_s = 0.5")).unwrap();
-        assert_eq!(protocol.presentation.map(|p| p.duration()), Some(Duration::from_millis(500)));
-        // As a sidecar keeps it, it is read again.
-        let kept = serde_json::to_value(&protocol).unwrap();
-        assert_eq!(definition::from_json("sidecar", &kept).unwrap(), protocol);
-        for (presentation, place) in [
-            ("duration_s = 0", "t.toml:6:1: duration_s 0 is outside 0.001…600"),
-            ("duration = 1", "t.toml:6:1: unknown key \"duration\""),
-            ("", "presentation.duration_s is missing"),
-            ("duration_s = \"long\"", "presentation.duration_s is the text \"long\"; expected a number"),
-        ] {
-            let faults = definition::parse("t.toml", &text(presentation)).unwrap_err().to_string();
-            assert!(faults.contains(place), "{presentation}: {faults}");
-        }
-        // The definitions there were are what they were, and so are their hashes.
-        for built_in in definition::BUILT_IN {
-            let protocol = definition::open(built_in.name).unwrap();
-            assert!(!serde_json::to_string(&protocol).unwrap().contains("presentation"), "{}", built_in.name);
-        }
+#[test]
+fn another_monitor_counts_from_its_first_frame_on() {
+    for (first, second) in [(60.0, 120.0), (120.0, 60.0)] {
+        let mut sitting = Sitting::new("", first);
+        (0..20).for_each(|_| _ = sitting.frame(1, 0.0, None));
+        sitting.session.judge_against(FrameCount::Against(1.0 / second));
+        sitting.frame(1, 0.0, None);
+        sitting.refresh_s = 1.0 / second;
+        sitting.until(is_stimulus);
+        sitting.frame(1, 0.0, Some(Event::Rate(1)));
+        let row = &sitting.rows[0];
+        assert_eq!((row.dropped_frames, row.late_onset), (Some(0), Some(false)));
+        assert!((row.recovery.as_secs_f64() - 2.0).abs() <= 0.5 / second + 1e-6, "{:?}", row.recovery);
+        let judged: Vec<_> = sitting.session.take_stretches().into_iter().map(|s| (s.shown, s.refresh)).collect();
+        let of = |hz: f64| Refresh::new(1.0 / hz);
+        let expected = [(Shown::Recovery, of(first)), (Shown::Recovery, of(second)), (Shown::Stimulus, of(second))];
+        assert_eq!(judged, expected);
     }
+    // Where it is no longer known, the trial is not judged, and durations are held to the clock.
+    let mut sitting = Sitting::new("", 60.0);
+    (0..20).for_each(|_| _ = sitting.frame(1, 0.0, None));
+    sitting.session.judge_against(FrameCount::Frames);
+    sitting.until(is_stimulus);
+    sitting.frame(5, 0.0, Some(Event::Rate(1)));
+    let row = &sitting.rows[0];
+    assert_eq!((row.dropped_frames, row.late_onset), (None, None));
+    assert!(row.recovery.as_secs_f64() >= 2.0 - 1e-9);
+}
+
+#[test]
+fn a_frame_belongs_to_the_trial_whose_picture_it_shows() {
+    let mut sitting = Sitting::new("", 60.0);
+    sitting.until(is_stimulus);
+    sitting.frame(3, 0.0, Some(Event::Rate(1)));
+    // Taken back after two frames of the next recovery; the third takes four refreshes.
+    sitting.frame(1, 0.0, None);
+    sitting.frame(1, 0.0, None);
+    sitting.frame(4, 0.0, Some(Event::TakeBack));
+    sitting.until(is_stimulus);
+    sitting.frame(1, 0.0, Some(Event::Rate(2)));
+    assert_eq!(sitting.rows[0].dropped_frames, Some(1), "the stimulus' last frame");
+    assert_eq!(sitting.rows[1].dropped_frames, Some(0), "the frame before it was taken back is none of its own");
+    let trials: Vec<_> = (sitting.session.take_stretches().iter())
+        .map(|s| (s.trial, s.attempt, s.shown, s.intervals_us.len()))
+        .collect();
+    let expected = [
+        (0, 1, Shown::Recovery, 120),
+        (0, 1, Shown::Stimulus, 1),
+        (1, 1, Shown::Recovery, 3),
+        (0, 2, Shown::Recovery, 120),
+        (0, 2, Shown::Stimulus, 1),
+    ];
+    assert_eq!(trials, expected);
+    assert_eq!(sitting.session.take_stretches(), [], "each is given once");
+    // A stretch becomes a row by the plan.
+    let stretch = Stretch { trial: 1, attempt: 2, shown: Shown::Stimulus, refresh: None, intervals_us: vec![1, 2] };
+    let row = FrameRow::new(stretch.clone(), sitting.session.schedule(), 3).unwrap();
+    assert_eq!((row.sitting, row.trial, row.attempt, row.intervals_us), (3, 2, 2, vec![1, 2]));
+    assert!(FrameRow::new(Stretch { trial: 99, ..stretch }, sitting.session.schedule(), 3).is_none());
 }

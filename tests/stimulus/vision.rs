@@ -3,6 +3,7 @@
 use super::Draw as _;
 use machband::{
     light::Depth,
+    report::prediction::rank_correlation,
     stimulus::{MachBand, Stimulus, place},
     vision::{Border, Eye, Line, LinePrediction, Picture, Polarity, VisionError, luminance, luminances},
 };
@@ -77,14 +78,12 @@ fn visibility_has_one_optimum_of_width() {
         for i in 1..predicted.len() {
             let change = if i <= best { predicted[i] - predicted[i - 1] } else { predicted[i - 1] - predicted[i] };
             // Ramps a few pixels wide are drawn by chance.
-            let least = if widths[i] * px < 8.0 { 0.2 } else { 0.05 };
+            let least = match i {
+                i if i > best + 2 => 0.01,
+                i if widths[i] * px < 8.0 => 0.2,
+                _ => 0.05,
+            };
             assert!(change > -least * most, "{window}° at {px}, {}°: {:?}", widths[i], &predicted[i - 1..=i]);
-            assert!(
-                i <= best + 2 || change > -0.01 * most,
-                "{window}° at {px}, {}°: {:?}",
-                widths[i],
-                &predicted[i - 1..=i]
-            );
         }
         assert!(predicted[predicted.len() - 1] < 0.75 * most, "{window}° at {px}: it falls with width");
     });
@@ -98,12 +97,8 @@ fn visibility_falls_with_depth() {
         for width in widths((12.0 / px).max(0.15), window) {
             let predicted = DEPTHS.map(|depth| visibility(width, depth, window, px));
             let infinite = visibility(width, Depth::Infinite, window, px);
-            for (lower, higher) in [
-                (predicted[0], predicted[1]),
-                (predicted[1], predicted[2]),
-                (predicted[2], predicted[3]),
-                (predicted[2], infinite),
-            ] {
+            let steps = predicted.windows(2).map(|pair| (pair[0], pair[1]));
+            for (lower, higher) in steps.chain([(predicted[2], infinite)]) {
                 assert!(
                     higher <= lower + 0.06 * most,
                     "{window}° at {px}, {width}°: {predicted:?}, ∞ {infinite} of {most}"
@@ -126,19 +121,16 @@ fn order_survives_size_and_contrast() {
     let predicted = |scale: f64| -> Vec<f64> {
         conditions.iter().map(|(width, depth)| visibility(scale * width, *depth, scale * 10.0, 64.0)).collect()
     };
-    let rho = machband::report::prediction::rank_correlation(&predicted(1.0), &predicted(2.0)).unwrap();
+    let rho = rank_correlation(&predicted(1.0), &predicted(2.0)).unwrap();
     assert!(rho >= 0.95, "sizes doubled: {rho}");
     let with_contrast = |contrast: f64| -> Vec<f64> {
-        let predicted = |(width, depth): &(f64, Depth)| {
-            let band =
-                MachBand { low: 0.5 * (1.0 - contrast), high: 0.5 * (1.0 + contrast), ..band(*width, *depth, 10.0) };
-            predict_light(&light(&band, 10.0, 64.0), 64.0, Border::Continues).visibility.bright
-        };
-        conditions.iter().map(predicted).collect()
+        let [low, high] = [-0.5, 0.5].map(|side| 0.5 + side * contrast);
+        let band = |(width, depth): &(f64, Depth)| MachBand { low, high, ..band(*width, *depth, 10.0) };
+        let bands = conditions.iter().map(band).map(|band| light(&band, 10.0, 64.0));
+        bands.map(|light| predict_light(&light, 64.0, Border::Continues).visibility.bright).collect()
     };
-    let middle = with_contrast(0.5);
     for contrast in [0.2, 0.8] {
-        let rho = machband::report::prediction::rank_correlation(&middle, &with_contrast(contrast)).unwrap();
+        let rho = rank_correlation(&with_contrast(0.5), &with_contrast(contrast)).unwrap();
         assert!(rho >= 0.99, "contrast {contrast}: {rho}");
     }
 }
@@ -283,13 +275,11 @@ fn images_without_a_prediction_are_refused() {
     let of = |light: &[f64], side: usize, px_per_deg: f64| {
         Picture { light, width: side, height: side, px_per_deg, mask: None }.predict(&eye).map(|_| ())
     };
-    assert!(matches!(of(&[0.5], 1, 50.0), Err(VisionError::TooSmall { width: 1, height: 1, .. })));
     let Err(VisionError::TooSmall { least, .. }) = of(&[0.5; 400], 20, 200.0) else {
         panic!("smaller than the smallest filter")
     };
     let gray = |side: usize| of(&vec![0.5; side * side], side, 200.0);
     assert_eq!((gray(least), gray(least - 1).is_err()), (Ok(()), true), "{least} pixels are enough");
-    assert_eq!(of(&[0.0; 10_000], 100, 50.0), Err(VisionError::AllBlack));
     let mut nan = vec![0.5; 10_000];
     nan[205] = f64::NAN;
     assert!(of(&nan, 100, 50.0).unwrap_err().to_string().contains("column 5, row 2"));

@@ -101,6 +101,7 @@ const MISTAKES: &str = r##"
 # Unknown keys, with the nearest known one.
 title = "My study" => titel = "My study" => 3:1 => unknown key "titel" | did you mean title?
 low = 0.25 => lwo = 0.25 => 7:1 => "lwo" | [stimulus] | did you mean low?
+[recovery] => [presentation]\nduration_s = 1\nwait = 1\n[recovery] => 24:1 => unknown key "wait"
 width = [0.1, 0.4] => widht = [0.1, 0.4] => 12:1 => "widht" | [factors] | did you mean width?
 break_every = 10 => breaks_every = 10 => 18:1 => [design] | did you mean break_every?
 level = 0.5 => levle = 0.5 => 24:1 => [recovery] | did you mean level?
@@ -124,6 +125,7 @@ width = [0.1, 0.4] => width = [1, 1.0] => 12:13 => level 1 of width appears twic
 depth = [1, 2, "inf"] => color = ["gray", "grey"] => 13:18 => level gray of color appears twice
 duration_s = 2.0 => duration_s = -2.0 => 23:1 => duration_s -2 | 0…600 | seconds
 duration_s = 2.0 => duration_s = nan => 23:1 => recovery.duration_s is the text "NaN" | a number
+[recovery] => [presentation]\nduration_s = 0\n[recovery] => 23:1 => duration_s 0 is outside 0.001…600
 level = 0.5 => level = 1.01 => 24:1 => level 1.01 | luminance
 repetitions = 2 => repetitions = 0 => 16:1 => repetitions is 0 | at least 1
 repetitions = 2 => repetitions = -1 => 16:1 => repetitions is -1 | whole number
@@ -140,6 +142,8 @@ width = [0.1, 0.4] => width = 0.1 => 12:1 => factors.width is 0.1 | a list of
 width = [0.1, 0.4] => width = [0.1, true] => 12:15 => factors.width is true
 practice = 4 => practice = "4" => 17:1 => design.practice is the text "4"
 duration_s = 2.0 => duration_s = [2.0] => 23:1 => recovery.duration_s is a list | a number
+[recovery] => [presentation]\nduration_s = "long"\n[recovery] => 23:1 => presentation.duration_s is the text "long" | a number
+[recovery] => [presentation]\n[recovery] => 22:2 => presentation.duration_s is missing
 labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", 4] => 28:26 => response.labels.3 is 4
 low = 0.25 => low = 2026-01-31 => 7:1 => low "2026-01-31" is not a number
 # The head.
@@ -312,12 +316,16 @@ fn what_a_sidecar_keeps_is_the_definition_and_its_hash_is_its_meaning() {
     odd.design.order = Order::Latin("depth".to_owned());
     odd.design.max_run = None;
     let built_in = definition::BUILT_IN.iter().map(|built_in| definition::open(built_in.name).unwrap());
-    for protocol in built_in.chain([definition::parse("mine.toml", BASE).unwrap(), odd]) {
+    let timed = edited("[recovery]", "[presentation]\nduration_s = 0.5\n[recovery]");
+    let others = [BASE, &timed].map(|text| definition::parse("mine.toml", text).unwrap());
+    for protocol in built_in.chain(others).chain([odd]) {
         // Through text, as the sidecar is.
         let json: serde_json::Value =
             serde_json::from_str(&serde_json::to_string(&serde_json::to_value(&protocol).unwrap()).unwrap()).unwrap();
         let back: Protocol = definition::from_json("sidecar.json", &json).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(back, protocol);
+        // What definitions without it are hashed as does not change.
+        assert_eq!(json.get("presentation").is_some(), protocol.presentation.is_some());
         assert_eq!(definition::hash(&back), definition::hash(&protocol));
     }
     for (broken, part) in [("{}", "schema 1"), ("3", "expected a table"), ("{\"a\": null}", "a")] {
