@@ -327,31 +327,21 @@ fn bytes_are_pinned() {
 
 // Issue 3, "must show" 2: the ramp w = 0.8, n = 1, 1024², sRGB, 8 bits.
 
-/// Sums over rectangles that begin at the top left.
-struct Sums {
-    width: usize,
-    sums: Vec<f64>,
-}
-
-impl Sums {
-    fn new(size: u32, value: impl Fn(u32, u32) -> f64) -> Self {
-        let width = size as usize + 1;
-        let mut sums = vec![0.0; width * width];
-        for y in 0..size {
-            let mut row = 0.0;
-            for x in 0..size {
-                row += value(x, y);
-                let at = (y as usize + 1) * width + x as usize + 1;
-                sums[at] = sums[at - width] + row;
-            }
+/// Means over 16 × 16 pixels, from sums over rectangles that begin at the top left.
+fn means(size: u32, value: impl Fn(u32, u32) -> f64) -> impl Fn(u32, u32) -> f64 {
+    let width = size as usize + 1;
+    let mut sums = vec![0.0; width * width];
+    for y in 0..size {
+        let mut row = 0.0;
+        for x in 0..size {
+            row += value(x, y);
+            let at = (y as usize + 1) * width + x as usize + 1;
+            sums[at] = sums[at - width] + row;
         }
-        Self { width, sums }
     }
-
-    fn mean(&self, x: u32, y: u32, side: u32) -> f64 {
-        let at = |x: u32, y: u32| self.sums[y as usize * self.width + x as usize];
-        let sum = at(x + side, y + side) - at(x, y + side) - at(x + side, y) + at(x, y);
-        sum / f64::from(side * side)
+    move |x, y| {
+        let at = |x: u32, y: u32| sums[y as usize * width + x as usize];
+        (at(x + 16, y + 16) - at(x, y + 16) - at(x + 16, y) + at(x, y)) / 256.0
     }
 }
 
@@ -361,18 +351,18 @@ impl Sums {
 fn local_error(asked: &LinearImage, codes: &CodeImage, stride: usize, corners: &[f64]) -> f64 {
     let (size, side) = (asked.width, 16);
     let light: Vec<f64> = (0..=255).map(|code| SRGB_8.channel(0).linear(code)).collect();
-    let wanted = Sums::new(size, |x, y| f64::from(asked.pixel(x, y)[0]));
-    let emitted = Sums::new(size, |x, y| light[usize::from(codes.pixel(x, y)[0])]);
+    let wanted = means(size, |x, y| f64::from(asked.pixel(x, y)[0]));
+    let emitted = means(size, |x, y| light[usize::from(codes.pixel(x, y)[0])]);
     let mut largest = 0f64;
     for y in (0..=size - side).step_by(stride) {
         for x in (0..=size - side).step_by(stride) {
             if corners.iter().any(|&corner| f64::from(x) < corner && corner < f64::from(x + side)) {
                 continue;
             }
-            let mean = wanted.mean(x, y, side);
+            let mean = wanted(x, y);
             let upper = light.partition_point(|&level| level <= mean);
             let step = light[upper] - light[upper - 1];
-            largest = largest.max((emitted.mean(x, y, side) - mean).abs() / step);
+            largest = largest.max((emitted(x, y) - mean).abs() / step);
         }
     }
     largest
@@ -429,9 +419,9 @@ fn the_local_mean_of_uniform_fields_is_right() {
         let thresholds = thresholds(dither, size);
         let mut largest = 0f64;
         for share in (1..64).map(|i| (f64::from(i) - 0.37) / 64.0) {
-            let upper = Sums::new(size, |x, y| f64::from(u8::from(share > thresholds[(y * size + x) as usize])));
+            let upper = means(size, |x, y| f64::from(u8::from(share > thresholds[(y * size + x) as usize])));
             for (x, y) in (0..240 * 240).map(|i| (i % 240, i / 240)) {
-                largest = largest.max((upper.mean(x, y, 16) - share).abs());
+                largest = largest.max((upper(x, y) - share).abs());
             }
         }
         println!("uniform fields, {dither:?}: largest error of a 16 × 16 mean {largest:.4} code");

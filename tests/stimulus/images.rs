@@ -157,15 +157,13 @@ fn the_profile_is_that_of_the_image() {
 fn the_copied_command_makes_the_same_image() {
     let folder = tempfile::tempdir().unwrap();
     for entry in catalog::all() {
-        for (n, stimulus) in entry.stimuli().into_iter().enumerate() {
-            let recipe = Recipe {
-                stimulus,
-                bits: if n == 1 { Bits::Sixteen } else { Bits::Eight },
-                dither: if n == 2 { Dither::Random { seed: 1 } } else { Dither::None },
-                transfers: if n == 1 { Transfer::Gamma(1.8) } else { Transfer::Srgb }.into(),
-                seed: if n == 2 { 9 } else { 1 },
-                ..recipe(entry.kind)
-            };
+        let settings = [
+            (Bits::Eight, Dither::None, Transfer::Srgb, 1),
+            (Bits::Sixteen, Dither::None, Transfer::Gamma(1.8), 1),
+            (Bits::Eight, Dither::Random { seed: 1 }, Transfer::Srgb, 9),
+        ];
+        for (stimulus, (bits, dither, transfer, seed)) in entry.stimuli().into_iter().zip(settings) {
+            let recipe = Recipe { stimulus, bits, dither, transfers: transfer.into(), seed, ..recipe(entry.kind) };
             let expected =
                 image::write_recipe(&folder.path().join("expected.png"), &recipe, &recipe.quantizer()).unwrap();
             let command = recipe.command();

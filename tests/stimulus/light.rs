@@ -4,7 +4,7 @@
 use machband::light::interpolation::{TANH_K, coefficients};
 use machband::light::quantize::reference_code;
 use machband::light::transfer::{equal_brightness_levels, nearest_equal_brightness_level};
-use machband::light::{Bits, Depth, DepthError, Interpolation, Quantizer, Transfer, TransferTable, Transfers};
+use machband::light::{Bits, Depth, Interpolation, Quantizer, Transfer, TransferTable, Transfers};
 use proptest::prelude::*;
 
 use super::{golden, transfers};
@@ -90,18 +90,6 @@ fn coefficients_are_exact() {
     assert_eq!(coefficients::<4>(), [35.0, -84.0, 70.0, -20.0]);
     const AT_COMPILE_TIME: [f64; 5] = coefficients::<5>();
     assert_eq!(AT_COMPILE_TIME, [126.0, -420.0, 540.0, -315.0, 70.0]);
-}
-
-#[test]
-fn depths_are_read_and_refused_with_reasons() {
-    for text in ["1", "3", "32", "inf"] {
-        assert_eq!(text.parse::<Depth>().unwrap().to_string(), text);
-    }
-    assert_eq!(Depth::finite(33), Err(DepthError::OutOfRange("33".into())));
-    let message = |text: &str| text.parse::<Depth>().unwrap_err().to_string();
-    assert_eq!(message("0"), "depth 0 is outside 1…32; expected a whole number from 1 to 32, or inf");
-    assert_eq!(message("-1"), "depth -1 is outside 1…32; expected a whole number from 1 to 32, or inf");
-    assert_eq!(message("2.5"), "depth \"2.5\" is not a whole number; expected a whole number from 1 to 32, or inf");
 }
 
 #[test]

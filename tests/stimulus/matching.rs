@@ -119,12 +119,8 @@ fn a_match_taken_back_comes_again_and_a_run_is_resumed() {
         let resumed = Matching::new(&settings, 9, done[..i].to_vec()).unwrap();
         assert_eq!(resumed.shown(), Some(shown[i]));
     }
-    let order = |seed| {
-        let matching = Matching::new(&settings, seed, Vec::new()).unwrap();
-        matching.shown().unwrap()
-    };
-    assert_eq!(order(4), order(4));
-    assert!((0..20).any(|seed| order(seed) != order(4)));
+    let first = |seed| Matching::new(&settings, seed, Vec::new()).unwrap().shown();
+    assert!((0..20).any(|seed| first(seed) != Some(shown[0])));
 }
 
 #[test]

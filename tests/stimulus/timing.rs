@@ -240,33 +240,18 @@ fn only_a_steady_refresh_is_reported_with_the_drops() {
     let steady = vec![16_667; 600];
     let mut dropping = steady.clone();
     dropping.iter_mut().step_by(50).for_each(|us| *us = 33_333);
+    let unsteady = "The frames follow no steady refresh, so no frame can be judged as dropped";
+    let not_the_reported = "no steady refresh, not even the 60.00 Hz that the system reports";
+    let every = "Every refresh at 60.00 Hz showed a new frame: none of 600 was dropped.";
     let with_drops = "of 60.00 Hz, but 12 of 600 (2.0 %) were dropped";
+    let too_few = "29 frames are too few to judge; expected 30 or more.";
     for (intervals_us, refresh_hz, source, is_one_by_one, verdict) in [
-        (
-            scattered(),
-            None,
-            "unknown",
-            Some(false),
-            "The frames follow no steady refresh, so no frame can be judged as dropped",
-        ),
-        // A refresh that the system reports stays, with the note that the frames do not follow it.
-        (
-            scattered(),
-            Some(60.0),
-            "reported",
-            Some(false),
-            "no steady refresh, not even the 60.00 Hz that the system reports",
-        ),
-        (
-            steady,
-            None,
-            "measured",
-            Some(true),
-            "Every refresh at 60.00 Hz showed a new frame: none of 600 was dropped.",
-        ),
+        (scattered(), None, "unknown", Some(false), unsteady),
+        (scattered(), Some(60.0), "reported", Some(false), not_the_reported),
+        (steady, None, "measured", Some(true), every),
         (dropping.clone(), None, "measured", Some(false), with_drops),
         (dropping, Some(60.0), "reported", Some(false), with_drops),
-        (vec![16_667; 29], Some(60.0), "reported", None, "29 frames are too few to judge; expected 30 or more."),
+        (vec![16_667; 29], Some(60.0), "reported", None, too_few),
     ] {
         let monitor = Monitor { name: None, width_px: 1920, height_px: 1080, refresh_hz, scale: 1.0 };
         let found = TimingReport::new(&intervals_us, &monitor);
