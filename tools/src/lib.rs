@@ -1,4 +1,6 @@
-//! Code that the tools share with their tests: published models of Mach bands, and the generator of the blue-noise mask.
+//! Code that the tools share with their tests: published models of Mach bands, the generator of the blue-noise mask,
+//! and the study of the ordinal models.
 
 pub mod baselines;
 pub mod blue_noise;
+pub mod coverage;

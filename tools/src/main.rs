@@ -23,6 +23,14 @@ enum Tool {
     Creases,
     /// Print the table of docs/predict.md: which known facts about Mach bands each model reproduces.
     Facts,
+    /// Print how well the ordinal models find known effects again in simulated studies: bias, standard errors, coverage of
+    /// the 95 % intervals, type I error.
+    Coverage {
+        #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..))]
+        studies: u32,
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
     /// Time ODOG for benches/odog_peers.py and write its response to FILE as float32, row by row.
     Odog {
         /// Pixels per side.
@@ -73,6 +81,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             facts::run();
             Ok(())
         }
+        Tool::Coverage { studies, seed } => Ok(tools::coverage::run(studies, seed)?),
         Tool::Odog { size, px_per_deg, file } => peers::odog(size, px_per_deg, file.as_deref()),
         Tool::Picture { size, px_per_deg } => peers::picture(size, px_per_deg),
         Tool::LongSession { folder } => sessions::long(&folder.unwrap_or_else(std::env::temp_dir)),

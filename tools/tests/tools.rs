@@ -1,10 +1,15 @@
 //! Published models of Mach bands: ODOG compared with another implementation, and known properties of each model.
 //!
 //! The blue-noise mask matches the generator, follows the void-and-cluster method, and has a blue-noise spectrum.
+//!
+//! The ordinal models find known effects again.
 
 use std::f64::consts::TAU;
 
-use machband::light::dither::{MASK_SIZE, mask};
+use machband::{
+    analysis::Random,
+    light::dither::{MASK_SIZE, mask},
+};
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng, SeedableRng},
@@ -12,6 +17,7 @@ use rand_chacha::{
 use tools::{
     baselines::{Baseline, Beyond, LateralInhibition, Mark, Odog, SecondDerivativeRatio, all},
     blue_noise::{MASK_SEED, void_and_cluster},
+    coverage::{coverage, recover},
 };
 
 /// Samples per degree of the profiles in these tests.
@@ -348,4 +354,20 @@ fn the_mask_is_blue() {
     let white: Vec<f64> = ranks.iter().map(|_| f64::from(rng.next_u32())).collect();
     let white = relative_power(&white, n, 0.0, 8.0);
     assert!((0.7..1.3).contains(&white), "{white}");
+}
+
+/// The command `coverage` makes the full study.
+#[test]
+fn a_few_studies_recover_their_effects() {
+    for random in [Random::None, Random::Subject] {
+        let found = recover(random, 12, 3).unwrap();
+        let covered = coverage(&found.coefficients);
+        assert!((0.88..0.995).contains(&covered), "{random:?}: {covered}");
+        assert!(found.false_alarms <= 4, "{random:?}: {} of 12", found.false_alarms);
+        assert_eq!((found.coefficients.len(), found.sd.is_some()), (12, random == Random::Subject));
+        for parameter in found.coefficients.iter().chain(&found.sd) {
+            let (bias, se) = (parameter.mean(|estimate, _| estimate) - parameter.truth, parameter.mean(|_, se| se));
+            assert!(bias.abs() < 4.0 * se / 12f64.sqrt(), "{random:?}, {}: {bias}, se {se}", parameter.name);
+        }
+    }
 }
