@@ -1,5 +1,5 @@
 //! Code that the tools share with their tests: published models of Mach bands, the generator of the blue-noise mask,
-//! and the study of the ordinal models.
+//! and simulated studies of the ordinal models.
 
 pub mod baselines;
 pub mod blue_noise;

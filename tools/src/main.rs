@@ -81,7 +81,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             facts::run();
             Ok(())
         }
-        Tool::Coverage { studies, seed } => Ok(tools::coverage::run(studies, seed)?),
+        Tool::Coverage { studies, seed } => tools::coverage::run(studies, seed).map_err(|fault| fault as _),
         Tool::Odog { size, px_per_deg, file } => peers::odog(size, px_per_deg, file.as_deref()),
         Tool::Picture { size, px_per_deg } => peers::picture(size, px_per_deg),
         Tool::LongSession { folder } => sessions::long(&folder.unwrap_or_else(std::env::temp_dir)),
