@@ -27,8 +27,29 @@ fn spread(frame: &Frame, patches: &Patches) -> impl Fn(usize, [f64; 3]) -> DVec3
     move |triangle, w| DVec3::from_array(patch.light(triangle, w, [0.0; 3]))
 }
 
-/// Places within a triangle, each of its thirds among them.
-const WEIGHTS: [[f64; 3]; 5] = [[1.0 / 3.0; 3], [0.6, 0.3, 0.1], [0.1, 0.6, 0.3], [0.3, 0.1, 0.6], [0.0, 0.5, 0.5]];
+/// Differences between the patches and `truth` over all triangles, in red.
+fn errors(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> Vec<f64> {
+    let light = spread(frame, patches);
+    let mut errors = Vec::new();
+    for t in 0..frame.triangles.len() {
+        let [a, b, c] = frame.corners(t).map(|v| v.screen);
+        for i in 0..=8 {
+            for j in 0..=8 - i {
+                let w = [f64::from(i) / 8.0, f64::from(j) / 8.0, f64::from(8 - i - j) / 8.0];
+                errors.push((light(t, w).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
+            }
+        }
+    }
+    errors
+}
+
+fn worst(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> f64 {
+    errors(frame, patches, truth).into_iter().fold(0.0, f64::max)
+}
+
+fn given(frame: &Frame, gradient: impl Fn(DVec2) -> DVec2) -> Patches {
+    Patches::with_gradients(frame, frame.vertices.iter().map(|v| gray_gradient(gradient(v.screen))).collect())
+}
 
 /// Neighbors count by 1/d²: of two along x, one a unit away with a slope of 1, one four units away with none, the slope
 /// that fits is half; unweighted it were 1/17.
@@ -41,26 +62,67 @@ fn near_neighbors_count_more() {
     assert!(gradient[0].distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
 }
 
-/// With true gradients, and with those of a quadric where five neighbors settle one.
+/// With true gradients a quadratic field comes out exactly; every error of a gradient adds at most 0.4 times itself times
+/// the longest edge.
 #[test]
-fn quadratic_fields_come_out_exactly() {
+fn quadratic_fields_come_out_within_the_error_of_their_gradients() {
     let (places, triangles) = grid(8, 80.0, 0.3, 2);
     let field = |p: DVec2| 0.2 + 0.01 * p.x + 1e-4 * (2.0 * p.x * p.x - 3.0 * p.x * p.y + 1.5 * p.y * p.y);
     let slope = |p: DVec2| DVec2::new(0.01 + 1e-4 * (4.0 * p.x - 3.0 * p.y), 1e-4 * (3.0 * p.y - 3.0 * p.x));
     let frame = frame(&places, &triangles, |p| gray(field(p)));
-    let gradients = frame.vertices.iter().map(|v| gray_gradient(slope(v.screen))).collect();
-    let light = spread(&frame, &Patches::with_gradients(&frame, gradients));
-    for (t, w) in (0..frame.triangles.len()).flat_map(|t| WEIGHTS.map(|w| (t, w))) {
-        let place: DVec2 = frame.corners(t).iter().zip(w).map(|(corner, w)| w * corner.screen).sum();
-        assert!((light(t, w).x - field(place)).abs() < 1e-12, "triangle {t}, {w:?}");
+    assert!(worst(&frame, &given(&frame, slope), field) < 1e-12);
+
+    let longest = (0..frame.triangles.len())
+        .flat_map(|t| {
+            let [a, b, c] = frame.corners(t).map(|v| v.screen);
+            [a.distance(b), b.distance(c), c.distance(a)]
+        })
+        .fold(0.0, f64::max);
+    for gradients in [Gradients::Ring, Gradients::Quadric] {
+        let patches = Patches::new(&frame, gradients);
+        let fault = frame
+            .vertices
+            .iter()
+            .zip(&patches.gradients)
+            .map(|(v, gradient)| gradient[0].distance(slope(v.screen)))
+            .fold(0.0, f64::max);
+        let error = worst(&frame, &patches, field);
+        println!("{gradients}: gradients off by {fault:.2e}, light by {error:.2e}: {:.3}", error / (fault * longest));
+        assert!(fault > 1e-6 && error > 1e-6, "{gradients}: nothing to bound");
+        assert!(error <= 0.4 * fault * longest, "{gradients}: {error} with gradients off by {fault}");
     }
-    // Inside, they mostly do.
+    // A quadric needs five neighbors that lie well: inside, they mostly do.
     let inside = |gradients| {
         let patches = Patches::new(&frame, gradients);
         let exact = frame.vertices.iter().zip(&patches.gradients);
         exact.filter(|(v, gradient)| gradient[0].distance(slope(v.screen)) < 1e-9).count()
     };
+    println!("exact at {} of {} vertices", inside(Gradients::Quadric), frame.vertices.len());
     assert!(inside(Gradients::Quadric) > 20 && inside(Gradients::Ring) < 5);
+}
+
+/// Root mean square error on a smooth field with `n` × `n` cells.
+fn rms_error(n: usize, gradients: Option<Gradients>) -> f64 {
+    let (places, triangles) = grid(n, 1.0, 0.25, 3);
+    let field = |p: DVec2| (3.0 * p.x + 0.4).sin() * (2.5 * p.y).cos() + 0.3 * (4.0 * p.x * p.y).sin();
+    let slope = |p: DVec2| {
+        let (a, b, c) = (3.0 * p.x + 0.4, 2.5 * p.y, 1.2 * (4.0 * p.x * p.y).cos());
+        DVec2::new(3.0 * a.cos() * b.cos() + c * p.y, -2.5 * a.sin() * b.sin() + c * p.x)
+    };
+    let frame = frame(&places, &triangles, |p| gray(field(p)));
+    let patches = gradients.map_or_else(|| given(&frame, slope), |g| Patches::new(&frame, g));
+    let errors = errors(&frame, &patches, field);
+    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+#[test]
+fn smooth_fields_converge_at_third_order() {
+    for (gradients, least) in [(None, 2.85), (Some(Gradients::Ring), 1.85), (Some(Gradients::Quadric), 1.85)] {
+        let errors = [8, 16, 32, 64].map(|n| rms_error(n, gradients));
+        let order = (errors[1] / errors[3]).log2() / 2.0;
+        println!("{gradients:?}: {errors:?}, order {order:.2}");
+        assert!(order > least, "{gradients:?}: order {order} of {errors:?}");
+    }
 }
 
 #[test]
@@ -167,6 +229,8 @@ fn curvature_gives_a_spheres_gradients() {
 
 #[test]
 fn near_the_silhouette_nothing_explodes() {
+    // The middle of a triangle, the middle of each third and of an edge.
+    const WEIGHTS: [[f64; 3]; 5] = [[1.0 / 3.0; 3], [0.6, 0.3, 0.1], [0.1, 0.6, 0.3], [0.3, 0.1, 0.6], [0.0, 0.5, 0.5]];
     for shape in [Shape::Sphere, Shape::Torus, Shape::Blob] {
         let surface = Surface::new(shapes::mesh(shape, 700).expect("a mesh"));
         for turn in 0..12 {
