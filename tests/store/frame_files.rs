@@ -5,37 +5,21 @@ use std::{fs, path::Path, time::Duration};
 use machband::{
     display::frames::Refresh,
     experiment::{
-        Effect, Event, FrameCount, Identity, Phase, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
-        Shown, State, TRAILING, TrialRecord,
+        Effect, Event, FrameCount, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, Shown, State,
+        TRAILING, TrialRecord,
     },
     report::Study,
     store::{
         StoreError,
         check::check,
-        dataset::SessionPaths,
-        definition,
         frames::{self, FrameFile, FrameRow, HEADER},
         ratings::ReadOptions,
         session::SessionStore,
-        sidecar::{Sidecar, Sitting},
+        sidecar::Sidecar,
     },
 };
 
-use crate::common;
-
-const DEFINITION: &str = "schema = 1\nname = \"few\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.2]\ntanh_k = [2, 3]\n[recovery]\nduration_s = 0.1\n";
-
-fn protocol() -> Protocol {
-    definition::parse("few.toml", DEFINITION).unwrap()
-}
-
-fn identity() -> Identity {
-    Identity::new("S001", "1").unwrap()
-}
-
-fn paths(results: &Path) -> SessionPaths {
-    SessionPaths::new(results, &protocol(), &identity())
-}
+use crate::recording::{SEED, create, paths, resume, rows, small, someone};
 
 fn row(intervals_us: &[u32]) -> FrameRow {
     FrameRow {
@@ -51,7 +35,7 @@ fn row(intervals_us: &[u32]) -> FrameRow {
 
 /// Rates trials at 60 Hz, as the window does, until `trials` are rated.
 fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sitting: u32, trials: usize) {
-    let (protocol, identity) = (protocol(), identity());
+    let (protocol, identity) = (small(), someone());
     let options = SessionOptions { pages: 0, frames: FrameCount::Against(1.0 / 60.0) };
     let mut session = Session::new(protocol.clone(), schedule.clone(), resumed, options);
     let context = RowContext { protocol: &protocol, schedule, identity: &identity, sitting };
@@ -80,11 +64,14 @@ fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sittin
     }
 }
 
+fn schedule() -> Schedule {
+    Schedule::new(&small(), &someone(), SEED).unwrap()
+}
+
 /// A session of which `trials` are rated.
 fn session(results: &Path, trials: usize) -> SessionStore {
-    let mut store = SessionStore::create(results, &protocol(), &identity(), 7, Sitting::default()).unwrap();
-    let schedule = Schedule::new(&protocol(), &identity(), 7).unwrap();
-    rate(&mut store, &schedule, &Resumed::default(), 1, trials);
+    let mut store = create(results).unwrap();
+    rate(&mut store, &schedule(), &Resumed::default(), 1, trials);
     store
 }
 
@@ -156,16 +143,17 @@ fn every_fault_of_a_file_of_frames_has_its_place() {
 #[test]
 fn frames_stand_beside_the_rows_and_are_not_taken_for_data() {
     let folder = tempfile::tempdir().unwrap();
-    let mut store = session(folder.path(), 4);
+    let mut store = session(folder.path(), 6);
     let paths = paths(folder.path());
-    assert_eq!(store.frames_file().as_deref(), Some("subject-S001_session-1_task-few_frames.csv"));
+    assert_eq!(store.frames_file().as_deref(), Some("subject-S001_session-1_task-smallone_frames.csv"));
     store.finish(true, "then".to_owned(), None).unwrap();
     let frames = frames::read(&paths.frames).unwrap();
     let shown: Vec<_> = frames.iter().map(|row| (row.trial, row.shown, row.intervals_us.len())).collect();
-    let expected: Vec<_> = (1..=4).flat_map(|n| [(n, Shown::Recovery, 6), (n, Shown::Stimulus, 1)]).collect();
+    let expected: Vec<_> =
+        [1, 2, 1, 2, 3, 4].into_iter().flat_map(|n| [(n, Shown::Recovery, 6), (n, Shown::Stimulus, 1)]).collect();
     assert_eq!(shown, expected);
-    let rows = read(&paths.csv);
-    assert_eq!(rows.iter().map(|row| (row.late_onset, row.frames)).collect::<Vec<_>>(), [(Some(false), Some(1)); 4]);
+    let rows = rows(&paths.csv);
+    assert_eq!(rows.iter().map(|row| (row.late_onset, row.frames)).collect::<Vec<_>>(), [(Some(false), Some(1)); 6]);
     assert!(rows.iter().all(|row| (row.stimulus_s.unwrap().0 - 1.0 / 60.0).abs() < 1e-4));
     // By the folder and by a pattern of names, only the rows are read.
     for named in [vec![folder.path().to_owned()], vec![paths.csv.clone(), paths.frames.clone()]] {
@@ -175,24 +163,18 @@ fn frames_stand_beside_the_rows_and_are_not_taken_for_data() {
     // None is written over, also where the rows are gone.
     fs::remove_file(&paths.csv).unwrap();
     fs::remove_file(&paths.sidecar).unwrap();
-    let again = SessionStore::create(folder.path(), &protocol(), &identity(), 7, Sitting::default());
-    assert!(matches!(again, Err(StoreError::Exists(path)) if path == paths.frames));
-}
-
-fn read(csv: &Path) -> Vec<TrialRecord> {
-    common::rows(csv, &protocol())
+    assert!(matches!(create(folder.path()), Err(StoreError::Exists(path)) if path == paths.frames));
 }
 
 #[test]
 fn frames_that_cannot_be_written_are_noted_once_and_take_nothing_with_them() {
     let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let mut store = SessionStore::create(first.path(), &protocol(), &identity(), 7, Sitting::default()).unwrap();
-    let schedule = Schedule::new(&protocol(), &identity(), 7).unwrap();
+    let mut store = create(first.path()).unwrap();
     // A folder stands in its place.
     let place = paths(first.path()).frames;
     fs::create_dir(&place).unwrap();
-    rate(&mut store, &schedule, &Resumed::default(), 1, 2);
-    assert_eq!(read(&paths(first.path()).csv).len(), 2);
+    rate(&mut store, &schedule(), &Resumed::default(), 1, 2);
+    assert_eq!(rows(&paths(first.path()).csv).len(), 2);
     // Moved, everything is there.
     store.move_to(second.path()).unwrap();
     store.finish(false, "then".to_owned(), None).unwrap();
@@ -216,27 +198,24 @@ fn a_session_that_is_older_than_some_columns_goes_on_without_them() {
     };
     for missing in 0..=TRAILING {
         fs::write(&paths.csv, cut(missing)).unwrap();
-        let rows = read(&paths.csv);
-        assert!(rows.len() == 2 && ["2", "3"].contains(&rows[0].further[0].as_str()), "{rows:?}");
+        let rows = rows(&paths.csv);
+        assert!(rows.len() == 2 && ["5", "7.5"].contains(&rows[0].further[0].as_str()), "{rows:?}");
         let known = (rows[0].stimulus_s.is_some(), rows[0].late_onset.is_some());
         assert_eq!(known, (missing < TRAILING, missing < TRAILING - 1), "{missing}");
         assert!(check(paths.csv.to_str().unwrap()).is_ok());
     }
     let old = cut(TRAILING);
-    let (mut store, found) =
-        SessionStore::resume(folder.path(), &protocol(), &identity(), None, Sitting::default()).unwrap();
-    rate(&mut store, &found.schedule, &found.resumed, 2, 2);
+    let (mut store, found) = resume(folder.path()).unwrap();
+    rate(&mut store, &found.schedule, &found.resumed, 2, 4);
     store.finish(true, "then".to_owned(), None).unwrap();
     drop(store);
     let text = fs::read_to_string(&paths.csv).unwrap();
     assert!(text.starts_with(&old));
-    let width = old.lines().next().unwrap().split(',').count();
-    assert!(text.lines().all(|line| line.split(',').count() == width), "{text}");
-    assert_eq!(read(&paths.csv).len(), 4);
-    assert!(check(paths.csv.to_str().unwrap()).unwrap().sentence.contains("4 of 4 planned trials"));
+    assert_eq!(rows(&paths.csv).len(), 6);
+    assert!(check(paths.csv.to_str().unwrap()).unwrap().sentence.contains("6 of 6 planned trials"));
     // Without its sidecar it is known by its header.
     fs::remove_file(&paths.sidecar).unwrap();
-    assert!(check(paths.csv.to_str().unwrap()).unwrap().sentence.contains("4 rows"));
+    assert!(check(paths.csv.to_str().unwrap()).unwrap().sentence.contains("6 rows"));
     // What lacks another column is none of them.
     fs::write(&paths.csv, text.replacen(",seed,", ",sead,", 1)).unwrap();
     assert!(check(paths.csv.to_str().unwrap()).unwrap_err().to_string().contains("expected \"seed\""));

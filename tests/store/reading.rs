@@ -13,29 +13,24 @@ use machband::{
         FileFaults,
         dataset::SessionPaths,
         definition,
-        ratings::{self, Layout, ReadOptions, Source},
+        ratings::{self, FileRead, Layout, ReadOptions, Source},
+        session::SessionStore,
         table::inert,
     },
 };
 
-use crate::{common, recording};
+use crate::{
+    common,
+    recording::{self, SEED, sitting},
+};
 
-/// Three practice and twelve main trials; the colour needs quotes, `tanh_k` a column of its own.
+/// Three practice and twelve main trials; the color needs quotes, `tanh_k` a column of its own.
 const TEXT: &str = "schema = 1\nname = \"small-one\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4, 0.8]\ntanh_k = [5, 7.5]\n[design]\npractice = 3\nrepetitions = 2\n";
 const PRACTICE: u64 = 3;
 const MAIN: u64 = 12;
 
 /// Every row that counts, as a text.
-struct Rows(Vec<String>);
-
-impl Rows {
-    fn sorted(mut self) -> Vec<String> {
-        self.0.sort();
-        self.0
-    }
-}
-
-fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Rows), FileFaults> {
+fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Vec<String>), FileFaults> {
     let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
     let add = |rows: &mut Vec<String>, row: &RatingRow<'_>| {
         let RatingRow { subject, values, rating, count, place, response_time_s } = row;
@@ -43,11 +38,16 @@ fn try_read(paths: &[&Path], how: &ReadOptions) -> Result<(Source, Rows), FileFa
         rows.push(format!("{subject} {} {rating} {count}{details}", values.join("|")));
         Ok(())
     };
-    ratings::read(&paths, how, |_| Vec::new(), add).map(|(source, files)| (source, Rows(files.concat())))
+    ratings::read(&paths, how, |_| Vec::new(), add).map(|(source, files)| (source, files.concat()))
 }
 
-fn read(paths: &[&Path], how: &ReadOptions) -> (Source, Rows) {
-    try_read(paths, how).unwrap_or_else(|faults| panic!("{faults}"))
+fn read(paths: &[&Path], how: &ReadOptions) -> (Source, Vec<String>) {
+    try_read(paths, &ReadOptions { details: true, ..how.clone() }).unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+fn sorted(mut rows: Vec<String>) -> Vec<String> {
+    rows.sort();
+    rows
 }
 
 /// Every fault without its folder, or the error's.
@@ -72,7 +72,7 @@ fn small() -> Protocol {
 /// A finished session, or one that ends after so many trials; gives its file. Every fourth rating is taken back.
 fn session(results: &Path, protocol: &Protocol, subject: &str, limit: usize) -> PathBuf {
     let identity = Identity::new(subject, "1").unwrap();
-    let mut store = recording::create(results, protocol, &identity).unwrap();
+    let mut store = SessionStore::create(results, protocol, &identity, SEED, sitting()).unwrap();
     recording::rate(&mut store, (protocol, &identity), None, limit, true).unwrap();
     SessionPaths::new(results, protocol, &identity).csv
 }
@@ -85,7 +85,7 @@ fn study(subjects: &[&str]) -> (tempfile::TempDir, Vec<PathBuf>) {
 }
 
 /// The rows that count, by the reader of running sessions: the last attempt of every main trial.
-fn expected(files: &[PathBuf], details: bool) -> Vec<String> {
+fn expected(files: &[PathBuf]) -> Vec<String> {
     let protocol = small();
     let mut last = BTreeMap::new();
     for file in files {
@@ -98,12 +98,15 @@ fn expected(files: &[PathBuf], details: bool) -> Vec<String> {
     let text = |row: &TrialRecord| {
         let values: Vec<String> = ["width", "tanh_k"].iter().map(|name| row.level(&protocol, name).unwrap()).collect();
         let place = (row.session_id.as_str(), row.repetition);
-        let details = if details { format!(" {place:?} {:?}", Some(row.response_time_s.0)) } else { String::new() };
-        format!("{} {} {} 1{details}", row.subject_id, values.join("|"), row.rating.0)
+        format!(
+            "{} {} {} 1 {place:?} {:?}",
+            row.subject_id,
+            values.join("|"),
+            row.rating.0,
+            Some(row.response_time_s.0)
+        )
     };
-    let mut rows: Vec<String> = last.values().map(text).collect();
-    rows.sort();
-    rows
+    sorted(last.values().map(text).collect())
 }
 
 fn edit(file: &Path, change: impl Fn(String) -> String) {
@@ -142,15 +145,27 @@ fn with_factors(names: &[&str]) -> ReadOptions {
     ReadOptions { factors: Some(names.iter().map(|name| (*name).to_owned()).collect()), ..ReadOptions::default() }
 }
 
+const LONG: &str = "who,width,depth,answer,n\nA,0.1,1,2,1\nB,0.4,inf,0,3\nA,NA,1,3,2\n";
+const LONG_ROWS: [&str; 3] = ["A 0.1|1 2 1", "B 0.4|inf 0 3", "A |1 3 2"];
+
+fn long() -> ReadOptions {
+    let named = |name: &str| Some(name.to_owned());
+    ReadOptions {
+        subject: named("who"),
+        response: named("answer"),
+        count: named("n"),
+        ..with_factors(&["width", "depth"])
+    }
+}
+
 mod what_counts {
     use super::*;
 
     #[test]
     fn the_last_attempt_of_every_main_trial_does() {
         let (folder, files) = study(&["S2", "S10", "S1"]);
-        let how = ReadOptions { details: true, ..ReadOptions::default() };
-        let (source, rows) = read(&[folder.path()], &how);
-        assert_eq!(rows.sorted(), expected(&files, true));
+        let (source, rows) = read(&[folder.path()], &ReadOptions::default());
+        assert_eq!(sorted(rows), expected(&files));
         assert_eq!(source.faults, []);
         assert_eq!(source.shape.factors, ["width", "tanh_k"]);
         assert_eq!(source.protocol, Some(small()));
@@ -167,8 +182,11 @@ mod what_counts {
     #[test]
     fn the_order_of_rows_and_columns_does_not_matter() {
         let (folder, files) = study(&["S1", "S2"]);
-        let expected = expected(&files, false);
-        let (before, _) = read(&[folder.path()], &ReadOptions::default());
+        let expected = expected(&files);
+        let files_of = |source: Source| -> Vec<FileRead> {
+            source.files.into_iter().map(|file| FileRead { sha256: None, ..file }).collect()
+        };
+        let before = files_of(read(&[folder.path()], &ReadOptions::default()).0);
         for seed in 0..20_usize {
             edit(&files[0], |text| {
                 let mut rows = csv_rows(&text);
@@ -181,12 +199,9 @@ mod what_counts {
                 csv_text(&rows)
             });
             let (source, rows) = read(&[folder.path()], &ReadOptions::default());
-            assert_eq!(rows.sorted(), expected, "{seed}");
+            assert_eq!(sorted(rows), expected, "{seed}");
             assert_eq!(source.faults, []);
-            let counts = |source: &Source| {
-                source.files.iter().map(|f| (f.counted, f.practice, f.superseded)).collect::<Vec<_>>()
-            };
-            assert_eq!(counts(&source), counts(&before));
+            assert_eq!(files_of(source), before);
         }
     }
 
@@ -196,12 +211,12 @@ mod what_counts {
         files.push(session(folder.path(), &small(), "S2", 9));
         files.push(session(folder.path(), &small(), "S3", 0));
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
-        assert_eq!(rows.sorted(), expected(&files, false));
+        assert_eq!(sorted(rows), expected(&files));
         let rated: Vec<_> = source.sessions.iter().map(|s| (s.rated, s.is_unfinished())).collect();
         assert_eq!(rated, [(12, false), (6, true), (0, true)]);
         assert_eq!(source.faults, []);
         let (source, rows) = read(&[folder.path()], &ReadOptions { complete_only: true, ..ReadOptions::default() });
-        assert_eq!(rows.sorted(), expected(&files[..1], false));
+        assert_eq!(sorted(rows), expected(&files[..1]));
         assert_eq!(source.files.iter().map(|file| file.unfinished).collect::<Vec<_>>(), [0, 6, 0]);
     }
 
@@ -212,34 +227,19 @@ mod what_counts {
             let mut rows = csv_rows(&text);
             let place = |name: &str| rows[0].iter().position(|known| known == name).unwrap();
             let (attempt, phase, dropped) = (place("attempt"), place("phase"), place("dropped_frames"));
-            let mut main = 0;
             for row in rows.iter_mut().skip(1) {
-                main += u32::from(row[phase] == "main" && row[attempt] == "1");
-                // First attempts of trials 1 … 6; 1 and 5 were rated again, without dropped frames.
-                row[dropped] = u32::from(row[attempt] == "1" && (1..=6).contains(&main)).to_string();
+                row[dropped] = u32::from(row[phase] == "main" && row[attempt] == "1").to_string();
             }
             csv_text(&rows)
         });
         let (source, _) = read(&[&files[0]], &ReadOptions::default());
-        assert_eq!(source.sessions[0].dropped, Some(4));
+        // Three were rated again, without dropped frames.
+        assert_eq!(source.sessions[0].dropped, Some(MAIN - 3));
     }
 }
 
 mod layouts {
     use super::*;
-
-    const LONG: &str = "who,width,depth,answer,n\nA,0.1,1,2,1\nB,0.4,inf,0,3\nA,NA,1,3,2\n";
-    const LONG_ROWS: [&str; 3] = ["A 0.1|1 2 1", "B 0.4|inf 0 3", "A |1 3 2"];
-
-    fn long() -> ReadOptions {
-        let named = |name: &str| Some(name.to_owned());
-        ReadOptions {
-            subject: named("who"),
-            response: named("answer"),
-            count: named("n"),
-            ..with_factors(&["width", "depth"])
-        }
-    }
 
     #[test]
     fn any_csv_is_read_by_its_columns_however_it_is_written() {
@@ -266,20 +266,10 @@ mod layouts {
             let path = file(&folder, "long.csv", text);
             let (source, rows) = read(&[&path], &long());
             assert_eq!(source.faults, [], "{name}");
-            assert_eq!(rows.0, LONG_ROWS, "{name}");
+            assert_eq!(rows, LONG_ROWS, "{name}");
             assert_eq!((source.files[0].counted, source.files[0].ratings), (3, 6), "{name}");
             assert_eq!(source.shape.categories, None);
         }
-    }
-
-    #[test]
-    fn every_cell_has_its_line_and_column() {
-        let folder = tempfile::tempdir().unwrap();
-        let text = "\u{feff}subject_id,width,rating,count\n\nä,\"x \"\"y\"\", z\",1,x\r\n\"two\nlines\",u,1,x\r\n\r\n1,2,1,x\n1,2,1,4\n";
-        let places = faults(&[&file(&folder, "t.csv", text)], &ReadOptions::default());
-        let expected = ["3:18", "5:12", "7:7"]
-            .map(|place| format!("t.csv:{place}: count is \"x\"; expected a count, a whole number"));
-        assert_eq!(places, expected);
     }
 
     #[test]
@@ -293,45 +283,13 @@ mod layouts {
     }
 
     #[test]
-    fn columns_that_are_missing_are_named() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = file(&folder, "long.csv", LONG);
-        let of = |change: &dyn Fn(&mut ReadOptions)| {
-            let mut how = long();
-            change(&mut how);
-            faults(&[&path], &how)
-        };
-        assert_eq!(
-            of(&|how| (how.factors, how.count) = (None, None)),
-            [
-                "long.csv:1:1: no factors are named; expected --factors or --terms with some of the columns width, depth, n"
-            ]
-        );
-        assert_eq!(
-            of(&|how| how.factors = Some(vec!["widht".to_owned()])),
-            [
-                "long.csv:1:1: the column widht is missing; expected one of who, width, depth, answer, n; did you mean width?"
-            ]
-        );
-        assert_eq!(
-            of(&|how| how.subject = None),
-            ["long.csv:1:1: the column subject_id is missing; expected one of who, width, depth, answer, n"]
-        );
-        let twice = file(&folder, "twice.csv", "subject_id,width,rating,width\nA,1,2,1\n");
-        assert_eq!(
-            faults(&[&twice], &with_factors(&["width"])),
-            ["twice.csv:1:25: the column width appears twice; expected it once"]
-        );
-    }
-
-    #[test]
     fn the_term_inv_n_is_of_the_column_depth() {
         let folder = tempfile::tempdir().unwrap();
         let path = file(&folder, "long.csv", LONG);
         let how = ReadOptions { factors: None, also: vec!["width".to_owned(), "inv_n".to_owned()], ..long() };
         let (source, rows) = read(&[&path], &how);
         assert_eq!(
-            (source.shape.factors, rows.0),
+            (source.shape.factors, rows),
             (vec!["width".to_owned(), "depth".to_owned()], LONG_ROWS.map(str::to_owned).to_vec())
         );
     }
@@ -349,10 +307,10 @@ mod layouts {
             source.shape.factors,
             ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color", "tanh_k"]
         );
-        assert!(rows.0.iter().all(|row| row.contains("mach-band|") && row.contains("|1,0.5,0|")), "{:?}", rows.0);
-        assert_eq!(rows.0.len() as u64, 2 * MAIN);
+        assert!(rows.iter().all(|row| row.contains("mach-band|") && row.contains("|1,0.5,0|")), "{:?}", rows);
+        assert_eq!(rows.len() as u64, 2 * MAIN);
         let (_, rows) = read(&[folder.path()], &with_factors(&["width", "tanh_k"]));
-        assert_eq!(rows.sorted(), expected(&files, false));
+        assert_eq!(sorted(rows), expected(&files));
         // One sidecar is enough to know the definition of all.
         session(&folder.path().join("more"), &small(), "S3", usize::MAX);
         let (source, _) = read(&[folder.path()], &ReadOptions::default());
@@ -402,7 +360,7 @@ mod discovery {
         let subjects = |paths: &[&Path]| {
             let (source, rows) = read(paths, &ReadOptions::default());
             assert_eq!(source.faults, []);
-            rows.0.iter().map(|row| row[..1].to_owned()).collect::<String>()
+            rows.iter().map(|row| row[..1].to_owned()).collect::<String>()
         };
         let b = folder.path().join("b");
         assert_eq!(subjects(&[folder.path()]), "abc");
@@ -437,113 +395,100 @@ mod faults {
         let (folder, files) = study(&["S1", "S2"]);
         change(&files[0]);
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
-        let counted: u64 = source.files.iter().map(|file| file.counted).sum();
-        assert_eq!(rows.0.len() as u64, counted);
-        assert_eq!(rows.0.iter().filter(|row| row.starts_with("S2 ")).count() as u64, MAIN, "{:?}", source.faults);
-        let faulty: u64 = source.files.iter().map(|file| file.faulty).sum();
-        let rows: u64 = source.files.iter().map(|f| f.counted + f.practice + f.superseded + f.faulty).sum();
-        assert_eq!(rows, source.files.iter().map(|file| file.rows).sum::<u64>(), "{faulty}");
-        let said = faults(&[folder.path()], &ReadOptions::default());
-        (
-            said.iter()
-                .map(|text| text.replace("small-one/data/subject-", "").replace("_session-1_task-smallone_data", ""))
-                .collect(),
-            counted,
-        )
+        let sum = |count: fn(&FileRead) -> u64| source.files.iter().map(count).sum::<u64>();
+        let counted = sum(|file| file.counted);
+        assert_eq!(rows.len() as u64, counted);
+        assert_eq!(rows.iter().filter(|row| row.starts_with("S2 ")).count() as u64, MAIN, "{:?}", source.faults);
+        assert_eq!(sum(|file| file.counted + file.practice + file.superseded + file.faulty), sum(|file| file.rows));
+        let said = faults(&[folder.path()], &ReadOptions::default()).into_iter();
+        let short =
+            |text: String| text.replace("small-one/data/subject-", "").replace("_session-1_task-smallone_data", "");
+        (said.map(short).collect(), counted)
     }
 
     /// Each kind of bad cell, row or file: its message, its place, and how many of 24 ratings are left.
     #[test]
     fn each_kind_has_its_message_and_the_rest_counts() {
-        type Damage = Box<dyn Fn(&Path)>;
-        // Line 18 is trial 11 of the main phase, rated once.
-        let cell =
-            |column: &'static str, cell: &'static str| -> Damage { Box::new(move |file| set(file, 18, column, cell)) };
-        let text = |change: fn(String) -> String| -> Damage { Box::new(move |file| edit(file, change)) };
-        let bytes = |bytes: &'static [u8]| -> Damage { Box::new(move |file| fs::write(file, bytes).unwrap()) };
         let interrupted = "as after an interrupted write; expected a complete row (this one is left out)";
         let names = "expected one of row_id, experiment, subject_id, session_id, phase, block,";
-        let latin: Damage = Box::new(|file| {
-            let mut bytes = fs::read(file).unwrap();
-            let at = bytes.windows(16).position(|w| w == b"S1_1_main_0011_1").unwrap();
-            bytes[at + 3] = 0xff;
-            fs::write(file, bytes).unwrap();
-        });
-        let cases: [(Damage, String, u64); 22] = [
-            (latin, "18:4: the row is not UTF-8 text; expected UTF-8".into(), 23),
-            (cell("rating", "4"), "18:85: rating is \"4\"; expected a rating from 0 to 3".into(), 23),
-            (cell("rating", ""), "18:85: rating is empty; expected a rating from 0 to 3".into(), 23),
-            (cell("phase", "mian"), "18:33: phase is \"mian\"; expected practice or main".into(), 23),
-            (cell("trial", "0"), "18:40: trial is \"0\"; expected the number of a trial, from 1".into(), 23),
-            (cell("attempt", "x"), "18:43: attempt is \"x\"; expected the number of an attempt, from 1".into(), 23),
-            (cell("subject_id", ""), "18:28: subject_id is empty; expected a participant".into(), 23),
-            (cell("session_id", ""), "18:31: session_id is empty; expected a session".into(), 23),
-            (cell("experiment", "ü,x"), "18:18: experiment is \"ü,x\"; expected small-one, as in the".into(), 23),
+        // Line 18 is trial 11 of the main phase, rated once.
+        for (column, cell, expected) in [
+            ("rating", "4", "85: rating is \"4\"; expected a rating from 0 to 3"),
+            ("rating", "", "85: rating is empty; expected a rating from 0 to 3"),
+            ("phase", "mian", "33: phase is \"mian\"; expected practice or main"),
+            ("trial", "0", "40: trial is \"0\"; expected the number of a trial, from 1"),
+            ("attempt", "x", "43: attempt is \"x\"; expected the number of an attempt, from 1"),
+            ("subject_id", "", "28: subject_id is empty; expected a participant"),
+            ("session_id", "", "31: session_id is empty; expected a session"),
+            ("experiment", "ü,x", "18: experiment is \"ü,x\"; expected small-one, as in the first row"),
+        ] {
+            assert_eq!(damaged(|file| set(file, 18, column, cell)), (vec![format!("S1.csv:18:{expected}")], 23));
+        }
+        type Damage = fn(String) -> Vec<u8>;
+        let cases: [(Damage, String, u64); 13] = [
             (
-                text(|text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1)),
+                |text| {
+                    let at = text.find("S1_1_main_0011_1").unwrap();
+                    [&text.as_bytes()[..at + 3], b"\xff", &text.as_bytes()[at + 4..]].concat()
+                },
+                "18:4: the row is not UTF-8 text; expected UTF-8".into(),
+                23,
+            ),
+            (
+                |text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1).into(),
                 "18:1: the row has 30 cells; expected 29, as the header has".into(),
                 23,
             ),
             (
-                text(|text| text[..text.len() - 30].to_owned()),
+                |text| text[..text.len() - 30].into(),
                 format!("19:1: the last row is cut in the middle, {interrupted}"),
                 23,
             ),
-            (text(|text| text + "S1_1_ma"), format!("20:1: the last row is cut in the middle, {interrupted}"), 24),
-            (text(|text| text + &"\0".repeat(5000)), format!("20:1: the last row has zero bytes, {interrupted}"), 24),
+            (|text| (text + "S1_1_ma").into(), format!("20:1: the last row is cut in the middle, {interrupted}"), 24),
+            (|text| (text + &"\0".repeat(5000)).into(), format!("20:1: the last row has zero bytes, {interrupted}"), 24),
             (
-                text(|text| text.replace(",rating,", ",ratings,")),
+                |text| format!("{text}{}\n", text.lines().nth(17).unwrap()).into(),
+                "20:1: row_id \"S1_1_main_0011_1\" already appears above; expected every row once (this one is left out)".into(),
+                24,
+            ),
+            (
+                |text| text.replace(",rating,", ",ratings,").into(),
                 format!("1:1: the column rating is missing; {names}"),
                 12,
             ),
+            (|_| b"".to_vec(), "1:1: the file is empty; expected a header row".into(), 12),
+            (|_| b"\xef\xbb\xbf\r\n".to_vec(), "1:1: the file is empty; expected a header row".into(), 12),
+            (|_| b"row_id,\xe9,".to_vec(), "1:8: the header is not UTF-8 text; expected CSV in UTF-8".into(), 12),
             (
-                text(|text| text.replace(",trial,", ",number,")),
-                format!("1:1: the column trial is missing; {names}"),
+                |_| b"PK\x03\x04\0\0".to_vec(),
+                "1:1: is not a CSV file: there are zero bytes in its first line".into(),
                 12,
             ),
-            (bytes(b""), "1:1: the file is empty; expected a header row".into(), 12),
-            (bytes(b"\xef\xbb\xbf\r\n"), "1:1: the file is empty; expected a header row".into(), 12),
-            (bytes(b"row_id,\xe9,"), "1:8: the header is not UTF-8 text; expected CSV in UTF-8".into(), 12),
-            (bytes(b"PK\x03\x04\0\0"), "1:1: is not a CSV file: there are zero bytes in its first line".into(), 12),
-            (bytes(b"\xff\xfer\0o\0"), "1:1: is UTF-16 text; expected CSV in UTF-8".into(), 12),
-            (bytes(&[b'x'; 2_000_000]), "1:1: the first row has more than 65,000 bytes; expected a".into(), 12),
-            (
-                Box::new(|file| fs::write(file.with_extension("json"), "{").unwrap()),
-                "1:1: is not a sidecar of a session: EOF while parsing an object at line 1 column 1".into(),
-                24,
-            ),
+            (|_| b"\xff\xfer\0o\0".to_vec(), "1:1: is UTF-16 text; expected CSV in UTF-8".into(), 12),
+            (|_| vec![b'x'; 2_000_000], "1:1: the first row has more than 65,000 bytes; expected a".into(), 12),
         ];
         for (change, expected, left) in cases {
-            let (said, counted) = damaged(change);
-            assert_eq!(said.len(), 1, "{said:#?}");
-            let found = said[0].trim_start_matches("S1.csv:").trim_start_matches("S1.json:");
-            assert!(found.starts_with(&expected), "{found}\nexpected\n{expected}");
-            assert_eq!(counted, left, "{said:?}");
+            let (said, counted) = damaged(|file| fs::write(file, change(fs::read_to_string(file).unwrap())).unwrap());
+            assert_eq!((said.len(), counted), (1, left), "{said:#?}");
+            assert!(said[0].starts_with(&format!("S1.csv:{expected}")), "{}\nexpected\n{expected}", said[0]);
         }
+        let (said, counted) = damaged(|file| fs::write(file.with_extension("json"), "{").unwrap());
+        let broken = "S1.json:1:1: is not a sidecar of a session: EOF while parsing an object at line 1 column 1";
+        assert!(said.len() == 1 && said[0].starts_with(broken) && counted == 24, "{said:?}");
     }
 
     #[test]
-    fn a_row_that_stands_twice_counts_once() {
-        let again = |file: &Path| {
-            edit(file, |text| {
-                let line = text.lines().nth(17).unwrap().to_owned();
-                text + &line + "\n"
-            });
-        };
-        let (said, counted) = damaged(again);
-        assert_eq!((said, counted), (vec!["S1.csv:20:1: row_id \"S1_1_main_0011_1\" already appears above; expected every row once (this one is left out)".to_owned()], 24));
-        // In another file, under another name.
+    fn a_session_that_stands_twice_counts_once() {
         let (folder, files) = study(&["S1", "S2"]);
         file(&folder, "z_data.csv", fs::read(&files[0]).unwrap());
-        let said = super::faults(&[folder.path()], &ReadOptions::default());
         assert_eq!(
-            said,
+            super::faults(&[folder.path()], &ReadOptions::default()),
             [
                 "z_data.csv: all its 18 rows already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected every session once (this file is left out)"
             ]
         );
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
-        assert_eq!((rows.sorted(), source.files[2].faulty), (expected(&files, false), 18));
+        assert_eq!((sorted(rows), source.files[2].faulty), (expected(&files), 18));
     }
 
     #[test]
@@ -565,7 +510,7 @@ mod faults {
         session(&folder.path().join("a"), &other, "S3", usize::MAX);
         let hash = |protocol: &Protocol| definition::hash(protocol)[..12].to_owned();
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
-        assert_eq!(rows.sorted(), expected(&files, false));
+        assert_eq!(sorted(rows), expected(&files));
         assert_eq!((source.faults.len(), source.files.len()), (1, 2));
         assert_eq!(
             source.faults[0].message,
@@ -589,42 +534,83 @@ mod faults {
         );
     }
 
+    /// Tables of any origin: how each is read, its faults, and the rows that count nevertheless.
     #[test]
-    fn rows_of_counts_are_checked() {
+    fn each_fault_of_a_table_has_its_message_and_place() {
         let folder = tempfile::tempdir().unwrap();
-        let text = "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,0.1,1,7";
-        let path = file(&folder, "counts.csv", text);
-        let (source, rows) = read(&[&path], &ReadOptions::default());
-        assert_eq!((rows.0, source.files[0].faulty), (vec!["A 0.1 1 7".to_owned()], 7));
+        let counts = ReadOptions::default();
+        let cases: [(&str, ReadOptions, &[&str], &[&str]); 7] = [
+            (
+                "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,0.1,1,7",
+                counts.clone(),
+                &[
+                    "2:9: count is \"x\"; expected a count, a whole number",
+                    "3:9: count is \"-2\"; expected a count, 0 or more",
+                    "4:9: count is \"1.5\"; expected a count without fraction",
+                    "5:9: count is \"1e30\"; expected a count of at most 10^12",
+                    "6:1: subject_id is empty; expected a participant",
+                    "7:7: rating is empty; expected a rating from 0 to 3",
+                    "8:1: the row has 3 cells; expected 4, as the header has",
+                ],
+                &["A 0.1 1 7"],
+            ),
+            (
+                "\u{feff}subject_id,width,rating,count\n\nä,\"x \"\"y\"\", z\",1,x\r\n\"two\nlines\",u,1,x\r\n\r\n1,2,1,x\n1,2,1,4\n",
+                counts,
+                &[
+                    "3:18: count is \"x\"; expected a count, a whole number",
+                    "5:12: count is \"x\"; expected a count, a whole number",
+                    "7:7: count is \"x\"; expected a count, a whole number",
+                ],
+                &["1 2 1 4"],
+            ),
+            (
+                "subject_id,width,rating\nA,0.1,1\n\"A,0.1,1\nA,0.1,2\nA,0.4,3\n",
+                with_factors(&["width"]),
+                &["3:1: a quote is never closed; expected a closing quote"],
+                &["A 0.1 1 1", "A 0.1 2 1", "A 0.4 3 1"],
+            ),
+            (
+                "subject_id,width,rating,width\nA,1,2,1\n",
+                with_factors(&["width"]),
+                &["1:25: the column width appears twice; expected it once"],
+                &[],
+            ),
+            (
+                LONG,
+                ReadOptions { factors: None, count: None, ..long() },
+                &["1:1: no factors are named; expected --factors or --terms with some of the columns width, depth, n"],
+                &[],
+            ),
+            (
+                LONG,
+                ReadOptions { factors: Some(vec!["widht".to_owned()]), ..long() },
+                &[
+                    "1:1: the column widht is missing; expected one of who, width, depth, answer, n; did you mean width?",
+                ],
+                &[],
+            ),
+            (
+                LONG,
+                ReadOptions { subject: None, ..long() },
+                &["1:1: the column subject_id is missing; expected one of who, width, depth, answer, n"],
+                &[],
+            ),
+        ];
+        for (text, how, expected, left) in cases {
+            let path = file(&folder, "t.csv", text);
+            let expected: Vec<String> = expected.iter().map(|fault| format!("t.csv:{fault}")).collect();
+            assert_eq!(super::faults(&[&path], &how), expected);
+            assert_eq!(try_read(&[&path], &how).map(|(_, rows)| rows).unwrap_or_default(), left);
+        }
+        let [by_width, by_depth] = ["width", "depth"]
+            .map(|factor| file(&folder, factor, format!("subject_id,{factor},rating,count\nA,1,1,1\n")));
         assert_eq!(
-            super::faults(&[&path], &ReadOptions::default()),
+            super::faults(&[&by_width, &by_depth], &ReadOptions::default()),
             [
-                "counts.csv:2:9: count is \"x\"; expected a count, a whole number",
-                "counts.csv:3:9: count is \"-2\"; expected a count, 0 or more",
-                "counts.csv:4:9: count is \"1.5\"; expected a count without fraction",
-                "counts.csv:5:9: count is \"1e30\"; expected a count of at most 10^12",
-                "counts.csv:6:1: subject_id is empty; expected a participant",
-                "counts.csv:7:7: rating is empty; expected a rating from 0 to 3",
-                "counts.csv:8:1: the row has 3 cells; expected 4, as the header has",
+                "depth:1:1: is a table of counts by depth and is left out; expected a table of counts by width like the other file: only one experiment is analyzed at a time"
             ]
         );
-        let more = file(&folder, "more.csv", "subject_id,depth,rating,count\nA,1,1,1\n");
-        assert_eq!(
-            super::faults(&[&path, &more], &ReadOptions::default())[7..],
-            [
-                "more.csv:1:1: is a table of counts by depth and is left out; expected a table of counts by width like the other file: only one experiment is analyzed at a time"
-            ]
-        );
-    }
-
-    #[test]
-    fn a_quote_that_is_never_closed_costs_its_row_only() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = file(&folder, "long.csv", "subject_id,width,rating\nA,0.1,1\n\"A,0.1,1\nA,0.1,2\nA,0.4,3\n");
-        let how = with_factors(&["width"]);
-        let (_, rows) = read(&[&path], &how);
-        assert_eq!(rows.0, ["A 0.1 1 1", "A 0.1 2 1", "A 0.4 3 1"]);
-        assert_eq!(super::faults(&[&path], &how), ["long.csv:3:1: a quote is never closed; expected a closing quote"]);
     }
 
     #[test]

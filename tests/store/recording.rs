@@ -1,4 +1,4 @@
-//! A small session on disk, rated by the simulated observer.
+//! A small session on disk, and the simulated observer who rates it.
 
 use std::{path::Path, time::Duration};
 
@@ -10,20 +10,47 @@ use machband::{
     },
     store::{
         StoreError,
+        dataset::SessionPaths,
+        definition,
         session::{Interrupted, SessionStore},
         sidecar::Sitting,
     },
 };
 
+use crate::common;
+
 /// Seed of every session.
 pub const SEED: u64 = 7;
 
-pub fn sitting() -> Sitting {
-    Sitting { started_at: Timestamp::UNIX_EPOCH.to_string(), ..Sitting::default() }
+/// Two practice and four main trials; the color with commas needs quotes, `tanh_k` a column of its own.
+pub const TEXT: &str = "schema = 1\nname = \"small-one\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4]\ntanh_k = [5, 7.5]\n[design]\npractice = 2\n[recovery]\nduration_s = 0.1\n";
+
+pub fn small() -> Protocol {
+    definition::parse("small.toml", TEXT).unwrap()
 }
 
-pub fn create(results: &Path, protocol: &Protocol, identity: &Identity) -> Result<SessionStore, StoreError> {
-    SessionStore::create(results, protocol, identity, SEED, sitting())
+pub fn someone() -> Identity {
+    Identity::new("S001", "1").unwrap()
+}
+
+pub fn paths(results: &Path) -> SessionPaths {
+    SessionPaths::new(results, &small(), &someone())
+}
+
+pub fn create(results: &Path) -> Result<SessionStore, StoreError> {
+    SessionStore::create(results, &small(), &someone(), SEED, sitting())
+}
+
+pub fn resume(results: &Path) -> Result<(SessionStore, Interrupted), StoreError> {
+    SessionStore::resume(results, &small(), &someone(), Some(SEED), sitting())
+}
+
+pub fn rows(csv: &Path) -> Vec<TrialRecord> {
+    common::rows(csv, &small())
+}
+
+pub fn sitting() -> Sitting {
+    Sitting { started_at: Timestamp::UNIX_EPOCH.to_string(), ..Sitting::default() }
 }
 
 /// Rates up to `limit` of the trials that are left, and ends the session if none is. With `again` every fourth rating is

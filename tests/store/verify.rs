@@ -41,110 +41,86 @@ fn an_untouched_session_is_proved() {
     assert!(said.contains("as it was recorded") && said.contains("1 sessions: nothing is wrong"), "{said}");
 }
 
-/// Each way to touch a session, and a part of what must be said of it.
+fn edit_lines(csv: &Path, change: fn(&mut Vec<String>)) {
+    edit(csv, |text| {
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        change(&mut lines);
+        lines.join("\n") + "\n"
+    });
+}
+
+/// That every part is in a fault, and in an error line of the command.
+fn assert_named(folder: &Path, csv: &Path, what: &str, expected: &[&str]) {
+    let faults = faults(csv);
+    for part in expected {
+        assert!(faults.iter().any(|fault| fault.contains(part)), "{what}: {part:?} is not in {faults:#?}");
+    }
+    let said = machband(folder, &["verify", "results"]);
+    assert_eq!(said.status.code(), Some(1), "{what}");
+    let lines = text(&said.stderr);
+    let all_errors = lines.lines().all(|line| line.starts_with("error: "));
+    assert!(lines.lines().count() >= faults.len() && all_errors, "{what}: {lines}");
+}
+
+/// The first place of a text in a file, what replaces it, and parts of the faults.
 #[test]
-fn everything_that_is_touched_is_named() {
-    type Touch = fn(&Path, &Path);
-    fn lines(csv: &Path, change: impl FnOnce(&mut Vec<String>)) {
-        edit(csv, |text| {
-            let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-            change(&mut lines);
-            lines.join("\n") + "\n"
-        });
+fn every_text_that_is_replaced_is_named() {
+    let (folder, csv) = recorded();
+    let sidecar = csv.with_extension("json");
+    const PLAN: &str = "is not planned by the definition and seed";
+    const SEAL: &str = "_data.json: was changed since";
+    const DEFINITION: &str = "that of the definition used";
+    const PICTURE: &str = "condition 24 of sitting 1 renders to sha256";
+    for (path, from, to, expected) in [
+        (&csv, "mach-band,0.4,1,", "mach-band,0.1,1,", [PLAN, "_data.csv: was changed since"]),
+        (&sidecar, "\"seed\": 5", "\"seed\": 6", ["by the definition and seed 6", SEAL]),
+        (&sidecar, "\"duration_s\": 2.0", "\"duration_s\": 3.0", [DEFINITION, SEAL]),
+        (&sidecar, "\"high\": 0.75", "\"high\": 0.8", ["renders to sha256", DEFINITION]),
+        (&sidecar, "\"size\": 256", "\"size\": 255", [PICTURE, SEAL]),
+        (&sidecar, "{", "", ["is not a sidecar of a session"; 2]),
+    ] {
+        let whole = fs::read(path).unwrap();
+        edit(path, |text| text.replacen(from, to, 1));
+        assert_named(folder.path(), &csv, to, &expected);
+        fs::write(path, whole).unwrap();
     }
-    let ways: &[(&str, Touch, &[&str])] = &[
-        (
-            "a rating",
-            |csv, _| {
-                lines(csv, |lines| {
-                    let mut cells: Vec<&str> = lines[9].split(',').collect();
-                    cells[16] = if cells[16] == "0" { "3" } else { "0" };
-                    lines[9] = cells.join(",");
-                });
-            },
-            &["_data.csv: was changed since the session ended"],
-        ),
-        (
-            "a condition",
-            |csv, _| edit(csv, |text| text.replacen("mach-band,0.4,1,", "mach-band,0.1,1,", 1)),
-            &["is not planned by the definition and seed 5", "was changed since"],
-        ),
-        (
-            "a row taken out",
-            |csv, _| lines(csv, |lines| drop(lines.remove(12))),
-            &["27 of 28 trials are rated", "was changed since"],
-        ),
-        (
-            "a row twice",
-            |csv, _| lines(csv, |lines| lines.extend_from_within(lines.len() - 1..)),
-            &["is attempt 1; expected attempt 2", "was changed since"],
-        ),
-        (
-            "rows in another order",
-            |csv, _| lines(csv, |lines| lines.swap(7, 8)),
-            &["was recorded before the row above it", "was changed since"],
-        ),
-        (
-            "the end cut off",
-            |csv, _| edit(csv, |text| text[..text.len() - 10].to_owned()),
-            &["ends within a row", "27 of 28 trials are rated", "was changed since"],
-        ),
-        (
-            "the seed",
-            |_, sidecar| edit(sidecar, |text| text.replacen("\"seed\": 5", "\"seed\": 6", 1)),
-            &["is not planned by the definition and seed 6", "_data.json: was changed since"],
-        ),
-        (
-            "the definition",
-            |_, sidecar| edit(sidecar, |text| text.replacen("\"duration_s\": 2.0", "\"duration_s\": 3.0", 1)),
-            &["expected", "that of the definition used", "_data.json: was changed since"],
-        ),
-        (
-            "the stimulus",
-            |_, sidecar| edit(sidecar, |text| text.replacen("\"high\": 0.75", "\"high\": 0.8", 1)),
-            &["renders to sha256", "that of the definition used"],
-        ),
-        (
-            "a hash",
-            |_, sidecar| {
-                let mut read = Sidecar::read(sidecar).unwrap().unwrap();
-                let pictures = read.sittings[0].pictures.as_mut().unwrap();
-                pictures.sha256.insert(3, "0".repeat(64));
-                // Even with a new seal, rendering reveals the change.
-                let own = read.own_sha256();
-                read.seal.as_mut().unwrap().sidecar_sha256 = own;
-                read.write(sidecar).unwrap();
-            },
-            &["condition 3 of sitting 1 renders to sha256"],
-        ),
-        (
-            "the size that was shown",
-            |_, sidecar| edit(sidecar, |text| text.replacen("\"size\": 256", "\"size\": 255", 1)),
-            &["condition 24 of sitting 1 renders to sha256", "_data.json: was changed since"],
-        ),
-        ("no sidecar", |_, sidecar| fs::remove_file(sidecar).unwrap(), &["does not exist; expected the sidecar"]),
-        (
-            "a broken sidecar",
-            |_, sidecar| edit(sidecar, |text| text.replacen('{', "", 1)),
-            &["is not a sidecar of a session"],
-        ),
+}
+
+#[test]
+fn every_row_that_is_touched_is_named() {
+    type Touch = fn(&Path);
+    let ways: [(&str, Touch); 5] = [
+        ("27 of 28 trials are rated", |csv| edit_lines(csv, |lines| drop(lines.remove(12)))),
+        ("is attempt 1; expected attempt 2", |csv| {
+            edit_lines(csv, |lines| lines.extend_from_within(lines.len() - 1..))
+        }),
+        ("was recorded before the row above it", |csv| edit_lines(csv, |lines| lines.swap(7, 8))),
+        ("ends within a row", |csv| edit(csv, |text| text[..text.len() - 10].to_owned())),
+        ("_data.csv: was changed since the session ended", |csv| {
+            edit_lines(csv, |lines| {
+                let mut cells: Vec<&str> = lines[9].split(',').collect();
+                cells[16] = if cells[16] == "0" { "3" } else { "0" };
+                lines[9] = cells.join(",");
+            });
+        }),
     ];
-    for (what, touch, expected) in ways {
-        let (folder, csv) = recorded();
-        let sidecar = csv.with_extension("json");
-        touch(&csv, &sidecar);
-        let faults = faults(&csv);
-        for part in *expected {
-            assert!(faults.iter().any(|fault| fault.contains(part)), "{what}: {part:?} is not in {faults:#?}");
-        }
-        let said = machband(folder.path(), &["verify", "results"]);
-        assert_eq!(said.status.code(), Some(1), "{what}");
-        let lines = text(&said.stderr);
-        assert!(
-            lines.lines().count() >= faults.len() && lines.lines().all(|line| line.starts_with("error: ")),
-            "{what}: {lines}"
-        );
+    let (folder, csv) = recorded();
+    let whole = fs::read(&csv).unwrap();
+    for (expected, touch) in ways {
+        touch(&csv);
+        assert_named(folder.path(), &csv, expected, &[expected, "was changed since"]);
+        fs::write(&csv, &whole).unwrap();
     }
+    let sidecar = csv.with_extension("json");
+    let mut read = Sidecar::read(&sidecar).unwrap().unwrap();
+    read.sittings[0].pictures.as_mut().unwrap().sha256.insert(3, "0".repeat(64));
+    // Even with a new seal, rendering reveals the change.
+    let own = read.own_sha256();
+    read.seal.as_mut().unwrap().sidecar_sha256 = own;
+    read.write(&sidecar).unwrap();
+    assert_named(folder.path(), &csv, "a hash", &["condition 3 of sitting 1 renders to sha256"]);
+    fs::remove_file(&sidecar).unwrap();
+    assert_named(folder.path(), &csv, "no sidecar", &["does not exist; expected the sidecar"]);
 }
 
 #[test]
