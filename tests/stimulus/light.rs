@@ -132,12 +132,15 @@ fn transfers_are_read_and_refused_with_reasons() {
     for text in ["srgb", "linear", "gamma:2.2", "gamma:1"] {
         assert_eq!(text.parse::<Transfer>().unwrap().to_string(), text);
     }
-    let message = |text: &str| text.parse::<Transfer>().unwrap_err().to_string();
-    for text in ["rec709", "srgb:", "linear:1"] {
-        assert!(message(text).contains("expected srgb, linear, gamma:G such as gamma:2.2, or gog:"), "{text}");
-    }
-    for text in ["gamma:0", "gamma:-1", "gamma:nan", "gamma:inf", "gamma:", "gamma:11", "gamma:2,2"] {
-        assert!(message(text).contains("outside 0.1…10"), "{text}: {}", message(text));
+    for (texts, expected) in [
+        ("rec709|srgb:|linear:1", "expected srgb, linear, gamma:G such as gamma:2.2, or gog:"),
+        ("gamma:0|gamma:-1|gamma:nan|gamma:inf|gamma:|gamma:11|gamma:2,2", "outside 0.1…10"),
+        ("gog:2.2|gog:2.2,1|gog:2.2,1,0,0|gog:a,b,c|gog:2.2,1,-2", "expected"),
+    ] {
+        for text in texts.split('|') {
+            let message = text.parse::<Transfer>().unwrap_err().to_string();
+            assert!(message.contains(expected), "{text}: {message}");
+        }
     }
     // Tables rise over the whole range.
     let table = |encoded: &[f64], linear: &[f64]| TransferTable::new(encoded.to_vec(), linear.to_vec());
@@ -179,9 +182,6 @@ fn gain_offset_and_gamma_are_inverse_and_reach_both_ends() {
     assert!((plain.linear_from_encoded(0.3) - Transfer::Gamma(2.2).linear_from_encoded(0.3)).abs() < 1e-15);
     for (gamma, gain, offset) in [(0.0, 1.0, 0.0), (2.2, 0.0, 0.0), (2.2, 0.1, -0.2), (2.2, f64::NAN, 0.0)] {
         assert!(Transfer::gog(gamma, gain, offset).is_err(), "{gamma} {gain} {offset}");
-    }
-    for text in ["gog:2.2", "gog:2.2,1", "gog:2.2,1,0,0", "gog:a,b,c", "gog:2.2,1,-2"] {
-        assert!(text.parse::<Transfer>().unwrap_err().to_string().contains("expected"), "{text}");
     }
 }
 
