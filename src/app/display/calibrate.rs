@@ -95,6 +95,9 @@ pub struct SavedProfile {
     pub replaced: bool,
 }
 
+/// A file of measurements, and what follows from it or what is wrong with it.
+type Found<M> = (PathBuf, Result<(<M as Method>::Findings, ProfileForm), String>);
+
 /// The page of a method: settings, then a run, then the findings, then a check of them.
 pub struct Calibrate<M: Method> {
     /// What is known of the screen besides what this measures.
@@ -115,7 +118,7 @@ pub struct Calibrate<M: Method> {
     /// The measurements that are being taken, or that led to findings and are to be repeated in part.
     run: Option<M::Run>,
     /// A file of measurements, and what it says.
-    found: Option<(PathBuf, Result<(M::Findings, ProfileForm), String>)>,
+    found: Option<Found<M>>,
     check: Option<CheckPage>,
 }
 

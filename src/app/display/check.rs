@@ -17,12 +17,15 @@ const PATCH_PX: u32 = 88;
 /// How wrong the fields for comparison are.
 const ERROR: f64 = 0.2;
 
+/// The fields of a channel: what each shows, and its picture.
+type Fields = Vec<(String, TextureHandle)>;
+
 /// The page.
 pub struct CheckPage {
     profile: DisplayProfile,
     pairs: bool,
     /// Thickness of the rows, and the fields of each channel with what they show.
-    made: Option<(u32, [(Channel, Vec<(String, TextureHandle)>); 4])>,
+    made: Option<(u32, [(Channel, Fields); 4])>,
 }
 
 impl CheckPage {
