@@ -54,6 +54,12 @@ window_deg = 10.0
 welcome = "Hello"
 "#;
 
+/// One fault begins with this, its place, and contains that, a part of its message.
+fn assert_fault(error: &FileFaults, start: &str, part: &str) {
+    let fits = |m: &String| m.starts_with(start) && m.contains(part) && m.contains("expected");
+    assert!(messages(error).iter().any(fits), "{start} {part}: {error}");
+}
+
 fn messages(error: &FileFaults) -> Vec<String> {
     error.to_string().lines().map(str::to_owned).collect()
 }
@@ -201,6 +207,12 @@ fn every_mistake_has_a_message_of_its_own() {
         );
         let message = found[0].split_once(": ").unwrap().1.to_owned();
         assert!(seen.insert(message), "{replacement}: {} is the message of another mistake too", found[0]);
+    }
+    // A name that would lead out of the results folder, or mean something else to a shell or a spreadsheet.
+    for name in ["../up", "/etc", "a/b", "a\\b", "..", ".", "nul", "com1", "-x", "=x", "a b", "Ä"] {
+        let text = edited("\"mine\"", &format!("{name:?}"));
+        let error = definition::parse("mine.toml", &text).expect_err(name).to_string();
+        assert!(error.starts_with("mine.toml:2:1: name"), "{name:?}: {error}");
     }
     definition::parse("mine.toml", BASE).unwrap();
 }
@@ -452,12 +464,8 @@ fn display_profiles_and_observers_are_checked_alike() {
         (table, "\"table\"", "\"srgb\"", "3:1", "belong to transfer = \"table\""),
     ];
     for (text, from, to, position, part) in cases {
-        let found = messages(&profile::parse("p.toml", &text.replacen(from, to, 1)).expect_err(to));
-        let start = format!("p.toml:{position}: ");
-        assert!(
-            found.iter().any(|m| m.starts_with(&start) && m.contains(part) && m.contains("expected")),
-            "{to}: {found:#?}"
-        );
+        let error = profile::parse("p.toml", &text.replacen(from, to, 1)).expect_err(to);
+        assert_fault(&error, &format!("p.toml:{position}: "), part);
     }
     assert_eq!(observer::parse("o.toml", observer::PAPER).unwrap(), Default::default());
     assert_eq!(observer::parse("o.toml", "schema = 1\n").unwrap(), Default::default());
@@ -478,11 +486,6 @@ fn display_profiles_and_observers_are_checked_alike() {
         assert_eq!(observer::PAPER.matches(from).count(), 1, "{from}");
         let text = observer::PAPER.replace(from, to);
         let line = text.lines().position(|line| line.contains(to)).unwrap() + 1;
-        let found = messages(&observer::parse("o.toml", &text).expect_err(to));
-        let start = format!("o.toml:{line}:");
-        assert!(
-            found.iter().any(|m| m.starts_with(&start) && m.contains(part) && m.contains("expected")),
-            "{to}: {found:#?}"
-        );
+        assert_fault(&observer::parse("o.toml", &text).expect_err(to), &format!("o.toml:{line}:"), part);
     }
 }

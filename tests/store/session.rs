@@ -475,12 +475,11 @@ mod machine {
             if *driver.session.state() == State::Left {
                 let done: BTreeSet<_> = rated.iter().map(|r| r.0).collect();
                 driver = Driver::new(&ten(), FrameCount::Off, &done.into_iter().collect::<Vec<_>>());
-                driver.until(|state| *state == State::Done);
-                rated.extend(driver.rated());
             } else {
-                driver.until(|state| *state == State::Done);
-                rated = driver.rated();
+                rated.clear();
             }
+            driver.until(|state| *state == State::Done);
+            rated.extend(driver.rated());
             let firsts: Vec<_> = rated.iter().filter(|r| r.1 == 1).map(|r| r.0).collect();
             prop_assert_eq!(firsts, (0..10).collect::<Vec<_>>());
             let mut attempts = BTreeMap::new();

@@ -124,18 +124,13 @@ fn every_row_that_is_touched_is_named() {
 }
 
 #[test]
-fn what_belongs_to_no_session_is_named() {
+fn an_interrupted_session_is_a_note_and_what_belongs_to_none_is_named() {
     let (_folder, csv) = recorded();
     let data = csv.parent().unwrap();
     fs::write(data.join("subject-S009_session-1_task-quick_data.json"), "{}").unwrap();
     fs::write(data.join("subject-S001_session-1_task-quick_data.json.77-0.tmp"), "{").unwrap();
     let left = verify::leftovers(data.parent().unwrap());
     assert_eq!(left.len(), 2, "{left:?}");
-}
-
-#[test]
-fn an_interrupted_session_is_a_note_and_not_a_fault() {
-    let (_folder, csv) = recorded();
     let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
     (sidecar.complete, sidecar.seal) = (false, None);
     sidecar.write(&csv.with_extension("json")).unwrap();
