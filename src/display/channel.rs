@@ -55,7 +55,7 @@ impl Channel {
     pub fn make_a_profile(channels: &[Self]) -> Result<(), SettingsError> {
         let [red, green, blue, gray] = Self::ALL.map(|one| channels.iter().filter(|channel| **channel == one).count());
         let enough = (gray == 1 || red + green + blue == 3) && [red, green, blue, gray].iter().all(|count| *count < 2);
-        let message = "the channels give no profile; expected red, green and blue, or gray, each once";
+        let message = "a profile cannot be made from these channels; expected red, green, and blue, or gray, each once";
         if enough { Ok(()) } else { Err(SettingsError(message.to_owned())) }
     }
 

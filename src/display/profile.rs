@@ -148,10 +148,10 @@ impl DisplayProfile {
     #[must_use]
     pub fn warning(&self, today: Date) -> Option<String> {
         let Some(measured) = &self.measured else {
-            return Some("This screen was not measured: its light is assumed.".to_owned());
+            return Some("This screen was not measured; its luminance is assumed.".to_owned());
         };
         match measured.age_days(today) {
-            None => Some("The profile does not say on which day the screen was measured.".to_owned()),
+            None => Some("The profile does not say when the screen was measured.".to_owned()),
             Some(days) if days > VALID_DAYS => Some(format!(
                 "The screen was measured {days} days ago; after {VALID_DAYS} days it should be measured again."
             )),

@@ -62,7 +62,7 @@ macro_rules! stimuli {
             /// against each other.
             ///
             /// # Errors
-            /// When there is no such parameter, or it cannot have this value; the stimulus is then as before.
+            /// If there is no such parameter, or it cannot have this value; the stimulus is then unchanged.
             pub fn set(&mut self, name: &str, value: &ParameterValue) -> Result<(), ParameterError> {
                 match self {
                     $(Self::$name(stimulus) => stimulus.set(name, value),)*
@@ -105,7 +105,7 @@ stimuli! {
     Cornsweet,
     /// Nested squares.
     Vasarely,
-    /// A triangle hinted at by its corners alone.
+    /// A triangle suggested only by its corners.
     Kanizsa,
     /// A mesh under one of the shaders.
     ShadedMesh,
@@ -116,7 +116,7 @@ stimuli! {
 
 /// How a kind is drawn.
 enum Form<'a> {
-    /// It varies along an orientation only, degrees.
+    /// Varies only along an orientation, in degrees.
     Line(f64, Box<dyn Profile + 'a>),
     Area(&'a dyn Area),
 }
@@ -134,7 +134,7 @@ impl Stimulus {
         }
     }
 
-    /// Whether it varies along its orientation only.
+    /// Whether it varies only along its orientation.
     #[must_use]
     pub fn is_line(&self) -> bool {
         matches!(self.form(), Form::Line(..))
@@ -178,7 +178,7 @@ impl Stimulus {
         self.color().light(level).map(|light| light as f32)
     }
 
-    /// The channel that gets the most light: 0 red, 1 green, 2 blue; the first of equals.
+    /// The channel with the most light: 0 red, 1 green, 2 blue; the first in case of a tie.
     #[must_use]
     pub fn strongest_channel(&self) -> usize {
         let weights = match self {
@@ -197,9 +197,9 @@ pub struct Entry {
     pub kind: &'static str,
     /// Name shown to people.
     pub title: &'static str,
-    /// What it shows, and who described it.
+    /// What it shows, and who first described it.
     pub about: &'static str,
-    /// Parameter sets worth showing besides the defaults: names and values.
+    /// Parameter sets worth showing in addition to the defaults: names and values.
     pub variants: &'static [&'static [(&'static str, &'static str)]],
 }
 
@@ -242,7 +242,8 @@ static ENTRIES: [Entry; KINDS.len()] = [
     Entry {
         kind: "mach-band",
         title: "Mach band",
-        about: "A ramp between two uniform areas: a bright line where it meets the bright area and a dark one where it meets the dark area, neither of them in the image. Mach 1865; Bangay §3.1.",
+        about: "A ramp between two uniform areas: a bright line appears where it meets the bright area and a dark one \
+            where it meets the dark area, although neither is in the image. Mach 1865; Bangay §3.1.",
         variants: &[
             &[("width", "0.1"), ("depth", "3"), ("orientation_deg", "33")],
             &[("width", "0.8"), ("depth", "inf"), ("color", "gray"), ("orientation_deg", "90")],
@@ -251,7 +252,8 @@ static ENTRIES: [Entry; KINDS.len()] = [
     Entry {
         kind: "chevreul",
         title: "Chevreul staircase",
-        about: "Uniform bands that look scalloped: brighter at the edge toward the darker neighbor, darker at the other. Chevreul 1839.",
+        about: "Uniform bands that look scalloped: each looks brighter next to its darker neighbor and darker next to \
+            its brighter neighbor. Chevreul 1839.",
         variants: &[
             &[("steps", "9"), ("orientation_deg", "30")],
             &[("steps", "3"), ("color", "yellow"), ("orientation_deg", "90")],
@@ -260,7 +262,8 @@ static ENTRIES: [Entry; KINDS.len()] = [
     Entry {
         kind: "cornsweet",
         title: "Craik–O'Brien–Cornsweet edge",
-        about: "Two areas of the same luminance; the edge between them makes one look brighter. Cover the edge with a finger. Cornsweet 1970.",
+        about: "Two areas of the same luminance; the edge between them makes one look brighter. Cover the edge with a \
+            finger to see that they are equal. Cornsweet 1970.",
         variants: &[
             &[("exponent", "2.75"), ("orientation_deg", "45")],
             &[("width", "0.4"), ("low", "0.3"), ("high", "0.7")],
@@ -269,7 +272,7 @@ static ENTRIES: [Entry; KINDS.len()] = [
     Entry {
         kind: "vasarely",
         title: "Vasarely's nested squares",
-        about: "Squares of graded luminance whose corners make bright diagonals that are not there. Vasarely; Bangay fig. 1 j.",
+        about: "Squares of graded luminance whose corners appear to form bright diagonals. Vasarely; Bangay fig. 1 j.",
         variants: &[
             &[("squares", "24"), ("orientation_deg", "20")],
             &[("squares", "6"), ("low", "0.9"), ("high", "0.9")],
@@ -278,7 +281,8 @@ static ENTRIES: [Entry; KINDS.len()] = [
     Entry {
         kind: "kanizsa",
         title: "Kanizsa triangle",
-        about: "Three notched discs: a triangle seems to lie on them, brighter than the ground. Kanizsa 1955.",
+        about: "Three notched discs: a triangle seems to lie on top of them, brighter than the background. Kanizsa \
+            1955.",
         variants: &[
             &[("side", "0.4"), ("radius", "0.1"), ("orientation_deg", "30")],
             &[("radius", "0.25"), ("color", "yellow")],
@@ -287,7 +291,8 @@ static ENTRIES: [Entry; KINDS.len()] = [
     Entry {
         kind: "shaded-mesh",
         title: "Shaded mesh",
-        about: "A faceted surface that pretends to be smooth: Gouraud shading makes a Mach band of every edge; other shaders bend the light so that it does not. Gouraud 1971; Bangay §4.",
+        about: "A faceted surface that is shaded to look smooth: Gouraud shading produces Mach bands at the edges; \
+            other shaders change the luminance there to avoid them. Gouraud 1971; Bangay §4.",
         variants: &[
             &[("shader", "patch"), ("color", "yellow")],
             &[("shader", "exact"), ("mesh", "torus"), ("vertices", "200"), ("boundary", "0.33")],
@@ -296,7 +301,8 @@ static ENTRIES: [Entry; KINDS.len()] = [
     Entry {
         kind: "shaded-cylinder",
         title: "Shaded cylinder",
-        about: "A faceted cylinder under flat, Gouraud or Phong shading: where Chevreul's scallops and Mach's bands come from in computer graphics. Bangay fig. 1 c, f.",
+        about: "A faceted cylinder under flat, Gouraud or Phong shading: the source of Chevreul's scallops and Mach \
+            bands in computer graphics. Bangay fig. 1 c, f.",
         variants: &[&[("shading", "flat"), ("orientation_deg", "15")], &[("shading", "phong"), ("facets", "12")]],
     },
 ];

@@ -1,5 +1,5 @@
-//! Stimuli that vary in both directions: Vasarely's nested squares and Kanizsa's triangle, with the share of every pixel
-//! that a shape covers, exactly.
+//! Stimuli that vary in both directions: Vasarely's nested squares and Kanizsa's triangle. The share of each pixel that
+//! a shape covers is computed exactly.
 
 use super::{
     color::{self, StimulusColor},
@@ -13,10 +13,10 @@ kind! {
     /// fig. 1 j, k.
     ///
     /// L = low + (high − low)·k/(squares − 1), k = ⌊squares·(1 − 2d)⌋ kept within 0…squares − 1, d = max(|x|, |y|) in
-    /// window sides, x and y turned by the orientation: `low` outside, `high` in the middle.
+    /// window sides, x and y rotated by the orientation: `low` outside, `high` in the middle.
     Vasarely = "vasarely" {
         squares: u32 = 12, Range::Within(2.0, 256.0), "1", "Number of nested squares", "a whole number of squares", ["6", "12", "24"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the squares, counter-clockwise", "an angle in degrees, such as 45", ["0", "45"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Rotation of the squares, counterclockwise", "an angle in degrees, such as 45", ["0", "45"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the outermost square", "the relative luminance of the outermost square", ["0.1"];
         high: f64 = 0.9, Range::Within(0.0, 1.0), "1", "Relative luminance of the innermost square", "the relative luminance of the innermost square, not below low", ["0.9"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
@@ -76,14 +76,14 @@ kind! {
     /// Three discs with a sector missing, so that a triangle seems to lie on them; Kanizsa 1955, Bangay fig. 1 l.
     ///
     /// L = high − (high − low)·(share of the pixel that lies in a disc and not in the triangle). The triangle is
-    /// equilateral, its centroid in the middle of the window, one corner up at orientation 0; a disc stands at each
-    /// corner.
+    /// equilateral, its centroid in the middle of the window, and one corner points up at orientation 0. A disc is
+    /// centered on each corner.
     Kanizsa = "kanizsa" where overlap {
         side: f64 = 0.6, Range::Within(0.05, 1.0), "1", "Side of the triangle as a proportion of the window", "the side of the triangle as a proportion of the window", ["0.4", "0.6"];
         radius: f64 = 0.15, Range::Within(0.01, 0.5), "1", "Radius of the discs as a proportion of the window, at most half the triangle's side", "the radius of the discs as a proportion of the window", ["0.1", "0.15", "0.2"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Turn of the triangle, counter-clockwise", "an angle in degrees, such as 45", ["0", "30"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Rotation of the triangle, counterclockwise", "an angle in degrees, such as 45", ["0", "30"];
         low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance of the discs", "the relative luminance of the discs", ["0.1"];
-        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the ground", "the relative luminance of the ground, not below low", ["0.75"];
+        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the background", "the relative luminance of the background, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
@@ -94,7 +94,7 @@ impl Kanizsa {
         (self.radius > self.side / 2.0).then(|| fault(Self::PARAMETERS, "radius", self.radius, problem()))?
     }
 
-    /// The triangle's corners around the middle, counter-clockwise, y up, in a window of this side.
+    /// The triangle's corners around the middle, counterclockwise, y up, in a window of this side.
     fn corners(&self, window: f64) -> [Point; 3] {
         let reach = self.side * window / 3f64.sqrt();
         [90.0, 210.0, 330.0].map(|degrees| {
@@ -149,7 +149,7 @@ fn notched(center: Point, disc: Point, triangle: &[Point; 3], radius: f64) -> f6
 /// A point in pixels.
 type Point = [f64; 2];
 
-/// A convex polygon, counter-clockwise.
+/// A convex polygon, counterclockwise.
 type Polygon = Vec<Point>;
 
 /// The square of side 1 around a center.
@@ -175,18 +175,18 @@ fn left_of(polygon: &[Point], a: Point, b: Point) -> Polygon {
     kept
 }
 
-/// The part of a convex polygon within another, given counter-clockwise.
+/// The part of a convex polygon within another, whose corners are counterclockwise.
 fn within(polygon: &[Point], clip: &[Point]) -> Polygon {
     (0..clip.len()).fold(polygon.to_vec(), |kept, i| left_of(&kept, clip[i], clip[(i + 1) % clip.len()]))
 }
 
-/// Area of a polygon, positive counter-clockwise.
+/// Area of a polygon, positive if counterclockwise.
 fn area(polygon: &[Point]) -> f64 {
     edges(polygon).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>() / 2.0
 }
 
-/// Area that a polygon and the disc of this radius around the origin have in common: over the edges, the triangle with
-/// the origin where the edge runs inside, the sector where it runs outside.
+/// Area of the intersection of a polygon and the disc of this radius around the origin: a sum over the edges, of the
+/// triangle with the origin where an edge is inside, and of the sector where it is outside.
 fn area_in_disc(polygon: &[Point], radius: f64) -> f64 {
     edges(polygon).map(|(p, q)| edge_in_disc(p, q, radius)).sum()
 }
@@ -207,7 +207,7 @@ fn edge_in_disc(p: Point, q: Point, radius: f64) -> f64 {
         return sector(p, q, radius);
     }
     let root = discriminant.sqrt();
-    // Where the edge enters and leaves the disc, kept on the edge.
+    // Where the edge enters and leaves the disc, clamped to the edge.
     let (enter, leave) = (((-b - root) / a).clamp(0.0, 1.0), ((-b + root) / a).clamp(0.0, 1.0));
     if enter >= leave {
         return sector(p, q, radius);

@@ -1,4 +1,5 @@
-//! The Mach-band stimulus of Bangay §3.1: two plateaus of luminance and the ramp between them, turned about the center.
+//! The Mach-band stimulus of Bangay §3.1: two plateaus of luminance and the ramp between them, rotated about the
+//! center.
 
 use super::{
     color::{self, StimulusColor},
@@ -12,21 +13,21 @@ kind! {
     /// A square window of side 1 with a ramp across its middle. Light, not codes: L = low + (high − low)·I_n(u),
     /// u = x/width + ½, x the distance from the center line, positive on the brighter side.
     ///
-    /// The plateaus light low·`color` and high·`color_high`; the ramp is the straight line between them in `space`,
-    /// I_n(u) of the way along. Equal plateaus in one color are a uniform field: a catch trial.
+    /// The plateaus have the light low·`color` and high·`color_high`; the ramp is the straight line between them in
+    /// `space`, at the fraction I_n(u). Equal plateaus of one color are a uniform field: a catch trial.
     ///
-    /// Files leave out the last two parameters at their defaults, so that definitions written before ramps had two colors
-    /// keep their hash.
+    /// Files omit the last two parameters if they have their defaults, so that definitions written before ramps had two
+    /// colors keep their hashes.
     MachBand = "mach-band" {
         width: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Proportion of the window that the ramp fills; 0 is a step", "the proportion of the window that the ramp fills", ["0", "0.05", "0.1", "0.2", "0.4", "0.8"];
         depth: Depth = Depth::Finite(1), Range::Any, "1", "Continuity depth n of the ramp: n − 1 derivatives vanish at its ends; inf is a scaled tanh", "a whole number from 1 to 32, or inf", ["1", "2", "3", "4", "inf"];
-        tanh_k: f64 = TANH_K, Range::UpTo(100.0), "1", "Steepness k of the ramp of infinite depth; 5 as printed, 10 without a visible step at its ends", "a steepness above 0 and at most 100, such as 5", ["5", "10"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Orientation, counter-clockwise: 0 brightens to the right, 90 upwards", "an angle in degrees, such as 45", ["0", "45", "90", "135"];
+        tanh_k: f64 = TANH_K, Range::UpTo(100.0), "1", "Steepness k of a ramp of infinite depth: 5 as printed; 10 leaves no visible step at the ends", "a steepness above 0 and at most 100, such as 5", ["5", "10"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Orientation, counterclockwise: 0 brightens to the right, 90 upward", "an angle in degrees, such as 45", ["0", "45", "90", "135"];
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darker plateau", "the relative luminance of the darker plateau", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brighter plateau", "the relative luminance of the brighter plateau, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::YELLOW, Range::Any, "", color::MEANING, color::EXPECTED, ["yellow", "gray"];
         #[serde(skip_serializing_if = "Option::is_none")]
-        color_high: Option<StimulusColor> = None, Range::Any, "", "Color of the brighter plateau; same means that of the darker one", "same, or any color that the darker plateau can have, such as red, 1,0.5,0 or hsv:30,1,1", ["same", "gray"];
+        color_high: Option<StimulusColor> = None, Range::Any, "", "Color of the brighter plateau; same means the color of the darker one", "same, or any color that the darker plateau can have, such as red, 1,0.5,0 or hsv:30,1,1", ["same", "gray"];
         #[serde(skip_serializing_if = "RampSpace::is_default")]
         space: RampSpace = RampSpace::Rgb, Range::Any, "", "Color space in which the ramp is a straight line; rgb is linear light", "rgb, hsv or lab", ["rgb", "hsv", "lab"];
     }
@@ -37,7 +38,7 @@ impl MachBand {
     #[must_use]
     pub fn ramp(&self) -> Ramp {
         let color_high = self.color_high.unwrap_or(self.color);
-        // A catch trial is uniform to the last bit, in whichever space.
+        // A catch trial is uniform to the last bit in any space.
         let is_one_color = self.color == color_high && (self.space != RampSpace::Lab || self.low == self.high);
         let between = || Between::new(self.color, self.low, color_high, self.high, self.space);
         Ramp {
@@ -59,7 +60,7 @@ pub struct Ramp {
     low: f64,
     high: f64,
     color: StimulusColor,
-    /// Where more than the luminance changes.
+    /// If more than the luminance changes.
     between: Option<Between>,
 }
 
@@ -67,7 +68,7 @@ impl Ramp {
     /// low + (high − low)·I_n at `x` window sides from the center line, positive on the brighter side, for any colors and
     /// any space.
     ///
-    /// A ramp of width 0 is the limit of narrow ones: low before the line, high after it, and half-way on it.
+    /// A ramp of width 0 is the limit of narrow ramps: low before the line, high after it, and halfway on it.
     #[must_use]
     pub fn luminance_at(&self, x: f64) -> f64 {
         let part = self.part_at(x);
@@ -88,9 +89,9 @@ impl Ramp {
         }
     }
 
-    /// I_n at `x`: how much of the way from plateau to plateau, 0…1.
+    /// I_n at `x`: the fraction of the way between the plateaus, 0…1.
     fn part_at(&self, x: f64) -> f64 {
-        // x/0 is ±∞ off the line, which the interpolation takes to 0 and 1; only 0/0 is decided here.
+        // Off the line, x/0 is ±∞, which the interpolation maps to 0 and 1; only 0/0 needs a decision here.
         self.interpolation.value(if x == 0.0 { 0.5 } else { x / self.width + 0.5 })
     }
 }

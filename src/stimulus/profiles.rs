@@ -14,7 +14,7 @@ kind! {
     /// window sides.
     Chevreul = "chevreul" {
         steps: u32 = 5, Range::Within(2.0, 256.0), "1", "Number of uniform bands", "a whole number of bands", ["3", "5", "9"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction in which the bands brighten, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction in which the bands brighten, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darkest band", "the relative luminance of the darkest band", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brightest band", "the relative luminance of the brightest band, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
@@ -42,15 +42,15 @@ impl Profile for &Chevreul {
 }
 
 kind! {
-    /// Two areas of the same luminance with an edge between them, from which the luminance returns to the areas' own;
-    /// Craik 1940, O'Brien 1958, Cornsweet 1970; Bangay fig. 1 g, h.
+    /// Two areas of the same luminance with an edge between them, from which the luminance returns to that of the
+    /// areas; Craik 1940, O'Brien 1958, Cornsweet 1970; Bangay fig. 1 g, h.
     ///
     /// L(x) = (low + high)/2 ± (high − low)/2·(1 − |x|/width)^exponent for |x| < width, + beyond the edge and − before
     /// it, (low + high)/2 elsewhere; x across the edge in window sides. Exponent 1 is the linear profile.
     Cornsweet = "cornsweet" {
         width: f64 = 0.2, Range::Within(0.0, 0.5), "1", "Proportion of the window that the ramp fills on each side of the edge", "the proportion of the window that each ramp fills", ["0.05", "0.1", "0.2", "0.4"];
         exponent: f64 = 1.0, Range::Within(0.1, 20.0), "1", "Exponent of the return to the mean: 1 is linear, larger is steeper at the edge", "an exponent such as 1 or 2.75", ["1", "2", "2.75"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction from the dark to the bright side of the edge, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction from the dark to the bright side of the edge, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Relative luminance on the dark side of the edge", "the relative luminance on the dark side", ["0.4"];
         high: f64 = 0.6, Range::Within(0.0, 1.0), "1", "Relative luminance on the bright side of the edge", "the relative luminance on the bright side, not below low", ["0.6"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
@@ -69,7 +69,7 @@ impl Profile for &Cornsweet {
     }
 
     fn jumps(&self) -> Vec<(f64, f64)> {
-        // Without width there is no edge left.
+        // A width of 0 leaves no edge.
         if self.width == 0.0 { Vec::new() } else { vec![(0.0, self.high - self.low)] }
     }
 
@@ -85,11 +85,11 @@ impl Profile for &Cornsweet {
 named! {
     /// How the facets are shaded.
     Shading, ShadingError {
-        /// One luminance a facet, that of its own normal: a Chevreul staircase.
+        /// One luminance per facet, from its own normal: a Chevreul staircase.
         Flat = "flat",
         /// Luminance interpolated between the edges: Mach bands at every edge.
         Gouraud = "gouraud",
-        /// Normals interpolated between the edges, and lit.
+        /// Normals interpolated between the edges, then lit.
         Phong = "phong",
     }
 }
@@ -99,13 +99,13 @@ kind! {
     /// A cylinder of plane facets, seen from the side and lit from the viewer, the one-dimensional companion of a
     /// shaded mesh; Bangay fig. 1 c (flat) and f (Gouraud).
     ///
-    /// The visible arc of 120° is cut into `facets` equal angles; an edge at angle φ stands at x = sin φ/(2 sin 60°)
-    /// window sides. L = low + (high − low)·(N·V − ½)/½, so that the middle has `high` and the rims `low`. N is the
-    /// facet's normal (flat), or L is interpolated between the edges' (Gouraud), or N is (Phong).
+    /// The visible arc of 120° is cut into `facets` equal angles; an edge at angle φ is at x = sin φ/(2 sin 60°) window
+    /// sides. L = low + (high − low)·(N·V − ½)/½, so that the luminance is `high` in the middle and `low` at the rims.
+    /// N is the facet's normal (flat), or L is interpolated between the edges' (Gouraud), or N is (Phong).
     Cylinder = "shaded-cylinder" {
         shading: Shading = Shading::Gouraud, Range::Any, "", "How the facets are shaded: flat, gouraud or phong", "flat, gouraud or phong", ["flat", "gouraud", "phong"];
         facets: u32 = 6, Range::Within(1.0, 256.0), "1", "Number of facets across the window", "a whole number of facets", ["4", "6", "12"];
-        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction across the facets, counter-clockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
+        orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction across the facets, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the rims", "the relative luminance of the rims", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the middle", "the relative luminance of the middle, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
@@ -121,9 +121,9 @@ impl Cylinder {
         HALF_ARC * (2.0 * f64::from(i) / f64::from(self.facets) - 1.0)
     }
 
-    /// Place of edge `i` in window sides.
+    /// Position of edge `i` in window sides.
     fn place(&self, i: u32) -> f64 {
-        // The rims exactly at the window's sides.
+        // The rims are exactly at the sides of the window.
         match i {
             0 => -0.5,
             i if i == self.facets => 0.5,
@@ -136,7 +136,7 @@ impl Cylinder {
         (1..self.facets).take_while(|i| self.place(*i) <= x).count() as u32
     }
 
-    /// Luminance of a surface whose normal makes an angle of this cosine with the view.
+    /// Luminance of a surface from the cosine of the angle between its normal and the line of sight.
     fn lit(&self, cosine: f64) -> f64 {
         self.low + (self.high - self.low) * (cosine - HALF_ARC.cos()) / (1.0 - HALF_ARC.cos())
     }

@@ -1,4 +1,4 @@
-//! A mesh under one of the shaders: banding as it is met in computer graphics, to be rated like any other stimulus.
+//! A mesh under one of the shaders: banding as it occurs in computer graphics, rated like any other stimulus.
 
 use std::{fmt, str::FromStr};
 
@@ -31,7 +31,7 @@ impl fmt::Display for Triple {
 
 /// Not three finite numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected three numbers with commas between, such as 25,-35,0")]
+#[error("expected three numbers separated by commas, such as 25,-35,0")]
 pub struct TripleError;
 
 impl FromStr for Triple {
@@ -49,27 +49,27 @@ text_field!(Triple, Shape, Shader, Correction, Gradients);
 serde_as_text!(Triple);
 
 kind! {
-    /// A mesh, turned and lit, under one of the shaders; Bangay §4 and figs. 8–12, and his future work: how visible
-    /// are the bands of each?
+    /// A mesh, rotated and lit, under one of the shaders; Bangay §4 and figs. 8–12, and the question that he left for
+    /// future work: how visible are the bands of each shader?
     ///
-    /// The surface has `low` where the lamp does not reach and `high` where it falls straight on it; a highlight adds
-    /// up to `highlight`. Rendered in linear light by the plain f64 reference, so that equal parameters give equal
-    /// bytes on every machine.
+    /// The luminance of the surface is `low` where only ambient light reaches it and `high` at normal incidence; a
+    /// highlight adds up to `highlight`. Rendered in linear light by the f64 reference, so that equal parameters give
+    /// equal bytes on every machine.
     ShadedMesh = "shaded-mesh" where contradictions {
-        shader: Shader = Shader::Gouraud, Range::Any, "", "How light is spread over the triangles", "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch", ["flat", "gouraud", "phong", "exact", "cut", "patch"];
+        shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch", ["flat", "gouraud", "phong", "exact", "cut", "patch"];
         depth: Depth = Depth::Finite(3), Range::Any, "", "Continuity depth n of the strips at the edges", "a whole number from 1 to 32, or inf", ["1", "3", "5"];
         boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; above 1/3 only cut differs", ["0.05", "0.2", "0.33"];
         vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
         reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];
-        gradients: Gradients = Gradients::Curvature, Range::Any, "", "Where patch takes its slopes from: curvature, ring or quadric", "curvature, ring or quadric", ["curvature", "ring"];
-        mesh: Shape = Shape::Blob, Range::Any, "", "Which mesh: cube, pyramid, sphere, torus or blob", "cube, pyramid, sphere, torus or blob", ["cube", "sphere", "blob"];
-        vertices: u32 = 313, Range::Within(4.0, 20_000.0), "1", "Number of vertices of a blob; about so many of a sphere or torus", "a whole number from 4 to 20000", ["313", "771"];
-        rotate: Triple = Triple([25.0, -35.0, 0.0]), Range::Any, "°", "Turned about x, then y, then z", "three angles in degrees, such as 25,-35,0", ["25,-35,0"];
-        light: Triple = Triple([0.36, 0.48, 0.8]), Range::Any, "", "Direction toward the lamp: right, up, toward the viewer", "three numbers of a length from 1e-6 to 1e6, such as 0.36,0.48,0.8", ["0.36,0.48,0.8"];
-        highlight: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Relative luminance that the middle of a highlight adds", "a relative luminance", ["0", "0.2"];
-        background: f64 = 0.05, Range::Within(0.0, 1.0), "1", "Relative luminance around the surface", "a relative luminance", ["0.05"];
-        low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp does not reach", "the relative luminance where the lamp does not reach", ["0.1"];
-        high: f64 = 0.7, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp falls straight on the surface", "a relative luminance, not below low", ["0.7"];
+        gradients: Gradients = Gradients::Curvature, Range::Any, "", "How patch computes its slopes: curvature, ring or quadric", "curvature, ring or quadric", ["curvature", "ring"];
+        mesh: Shape = Shape::Blob, Range::Any, "", "Mesh: cube, pyramid, sphere, torus or blob", "cube, pyramid, sphere, torus or blob", ["cube", "sphere", "blob"];
+        vertices: u32 = 313, Range::Within(4.0, 20_000.0), "1", "Number of vertices; approximate for a sphere or torus", "a whole number from 4 to 20000", ["313", "771"];
+        rotate: Triple = Triple([25.0, -35.0, 0.0]), Range::Any, "°", "Rotation about x, then y, then z", "three angles in degrees, such as 25,-35,0", ["25,-35,0"];
+        light: Triple = Triple([0.36, 0.48, 0.8]), Range::Any, "", "Direction toward the lamp: right, up, toward the viewer", "a vector with a length from 1e-6 to 1e6, such as 0.36,0.48,0.8", ["0.36,0.48,0.8"];
+        highlight: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Relative luminance added in the middle of a highlight", "a relative luminance", ["0", "0.2"];
+        background: f64 = 0.05, Range::Within(0.0, 1.0), "1", "Relative luminance of the background", "a relative luminance", ["0.05"];
+        low: f64 = 0.1, Range::Within(0.0, 1.0), "1", "Relative luminance where only ambient light reaches the surface", "the relative luminance where only ambient light reaches the surface", ["0.1"];
+        high: f64 = 0.7, Range::Within(0.0, 1.0), "1", "Relative luminance where the lamp's light is at normal incidence", "a relative luminance, not below low", ["0.7"];
         color: StimulusColor = StimulusColor::GRAY, Range::Any, "", color::MEANING, color::EXPECTED, ["gray", "yellow"];
     }
 }
@@ -78,7 +78,7 @@ impl ShadedMesh {
     fn contradictions(&self) -> Option<ParameterError> {
         let parameter = |name| Self::PARAMETERS.iter().find(|parameter| parameter.name == name);
         if !(1e-6..=1e6).contains(&DVec3::from_array(self.light.0).length()) {
-            return Some(parameter("light")?.error(self.light, "is no direction"));
+            return Some(parameter("light")?.error(self.light, "is not a direction"));
         }
         if self.mesh.has_vertices() && (self.vertices as usize) < self.mesh.least_vertices() {
             let least = self.mesh.least_vertices();
@@ -90,13 +90,12 @@ impl ShadedMesh {
         if let Some((name, correction)) = corrected.into_iter().find(|(_, correction)| *correction != Correction::Off)
             && !self.shader.interpolates_light()
         {
-            let problem = format!("corrects interpolated light, which {} does not have", self.shader);
+            let problem = format!("corrects interpolated light, which {} does not use", self.shader);
             return Some(parameter(name)?.error(correction, problem));
         }
         if self.high + self.highlight > 1.0 {
             return Some(
-                parameter("highlight")?
-                    .error(self.highlight, "and high are above 1 together: clipped light has edges of its own"),
+                parameter("highlight")?.error(self.highlight, "and high have a sum above 1: clipping would add edges"),
             );
         }
         None
@@ -133,12 +132,12 @@ impl ShadedMesh {
     /// The mesh.
     ///
     /// # Errors
-    /// Too few or too many vertices; not for a stimulus that is valid.
+    /// Too few or too many vertices; never for a valid stimulus.
     pub fn mesh(&self) -> Result<Mesh, ShapeError> {
         shapes::mesh(self.mesh, self.vertices as usize)
     }
 
-    /// As seen in a window of `size` × `size` pixels; `None` for a stimulus that is not valid.
+    /// The scene in a window of `size` × `size` pixels; `None` for an invalid stimulus.
     pub(super) fn frame(&self, size: u32) -> Option<Frame> {
         Some(self.scene().frame(&Surface::new(self.mesh().ok()?), size, size))
     }
@@ -151,7 +150,7 @@ impl ShadedMesh {
 
 impl Area for ShadedMesh {
     fn linear(&self, size: u32) -> LinearImage {
-        // In f64, not in the faster lanes of f32: the bytes of a stimulus are recorded with its ratings.
+        // In f64, not in the faster f32 lanes: the hash of a stimulus is recorded with its ratings.
         self.frame(size)
             .map_or_else(|| LinearImage::new(size, size), |frame| Reference::new(&frame, &self.shade()).image())
     }

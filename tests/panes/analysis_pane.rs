@@ -224,7 +224,7 @@ fn filters_narrow_the_analysis_and_its_export() {
 
     let out = folder.path().join("out");
     type_into(&mut window, "Export to the folder", out.to_str().unwrap());
-    assert_has(&window, "The export has what is shown: 3 of 4 participants; width 0.1, 0.8.");
+    assert_has(&window, "The export includes only the data shown: 3 of 4 participants; width 0.1, 0.8.");
     click_and_rest(&mut window, "Export");
     assert_has(&window, "files written to");
     for file in ["report.html", "figure4a.svg", "figure4b.png", "by_width.csv", "tests.csv", "model.json"] {
@@ -237,7 +237,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     assert!(cells.lines().skip(1).all(|line| line.contains(",9,")), "3 participants × 3 repetitions: {cells}");
     // Never over other files without a word.
     click(&mut window, "Export");
-    assert_has(&window, "has files in it");
+    assert_has(&window, "contains files that may be replaced");
     click_and_rest(&mut window, "Write into it");
     assert_has(&window, "files written to");
     // Where nothing can be written, the pane says so.
@@ -247,8 +247,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     assert!(window.query_by_label_contains("files written to").is_none());
 
     click_and_rest(&mut window, "None of participants");
-    assert_has(&window, "Nothing is left to analyze");
-    click_and_rest(&mut window, "Everything again");
+    assert_has(&window, "No data are selected");
+    click_and_rest(&mut window, "Select everything");
     window.get_by_label("72 ratings of 4 participants.");
 }
 
@@ -272,7 +272,11 @@ fn the_empty_pane_and_what_is_wrong_with_files() {
     let (folder, data_set) = study(2);
     let mut window = pane([1280.0, 1400.0]);
     assert!(has(&window, "Open files…") && has(&window, "Open folder…") && !has(&window, "Analyze tiny"));
-    type_into(&mut window, "Or the path of a file or folder", folder.path().join("nothing.csv").to_str().unwrap());
+    type_into(
+        &mut window,
+        "Or enter the path of a file or folder",
+        folder.path().join("nothing.csv").to_str().unwrap(),
+    );
     click(&mut window, "Open");
     wait_for(&mut window, "nothing.csv: ");
     assert!(has(&window, "Open files…"));
@@ -285,7 +289,7 @@ fn the_empty_pane_and_what_is_wrong_with_files() {
     cells[column] = "4";
     std::fs::write(&csv, format!("{head}\n{}\n", cells.join(","))).unwrap();
     drop_on(&mut window, &[&data_set]);
-    wait_for(&mut window, "Faults: ");
+    wait_for(&mut window, "Errors: ");
     rest(&mut window);
     assert_has(&window, &format!("_data.csv:{}:", text.lines().count()));
     window.get_by_label("35 ratings of 2 participants.");
@@ -336,7 +340,7 @@ fn columns_of_a_foreign_file_are_named() {
     window.get_by_label("contrast: 2 of 2 levels");
     click(&mut window, "Columns…");
     wait_for(&mut window, "What do the columns mean?");
-    click(&mut window, "Leave the columns as they are");
+    click(&mut window, "Keep the current columns");
     window.get_by_label("48 ratings of 4 participants.");
 }
 

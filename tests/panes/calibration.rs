@@ -131,7 +131,7 @@ fn patches_are_read_and_become_a_profile() {
     }
     assert_eq!(readings::open(&csv).unwrap().all().len(), n);
     window.get_by_label_contains("Chosen: gamma");
-    window.get_by_label_contains("red, green, blue not read");
+    window.get_by_label_contains("red, green, blue not measured");
     for (label, text) in [("Measured by", "AB"), ("Measured with", "LS-150"), ("Save as", toml.to_str().unwrap())] {
         type_into(&mut window, label, text);
     }
@@ -209,11 +209,11 @@ fn a_file_of_readings_becomes_a_profile_and_a_bad_one_is_explained() {
     for said in ["Saved as", "Replaced"] {
         type_into(&mut window, "File of readings", &path("good.csv"));
         click(&mut window, "Use this file");
-        window.get_by_label_contains("Gray differs from the sum of its channels");
+        window.get_by_label_contains("Gray differs from the sum of the three channels");
         take_picture(&mut window, "display_photometer_result");
         // The choice and the button that saves it come before the plots and the table.
         let top = |text: &str| window.get_by_label_contains(text).rect().top();
-        let order = ["Chosen: gamma", "Name of the screen", "Luminance: readings", "Distance of each", "Largest error"];
+        let order = ["Chosen: gamma", "Name of the screen", "Luminance: readings", "Residual of each", "Largest error"];
         assert!(order.map(top).is_sorted(), "{:?}", order.map(top));
         type_into(&mut window, "Save as", &path("left.toml"));
         click(&mut window, if said == "Replaced" { "Replace the profile" } else { "Save the profile" });
@@ -273,7 +273,7 @@ fn an_observer_at_the_keys_finds_the_gamma_of_the_screen() {
     click(&mut window, "red, green, blue");
     type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
     // The slider's least number of matches.
-    let slider = window.query_all_by_label("Matches of each channel").find(|node| node.value().is_some());
+    let slider = window.query_all_by_label("Matches per channel").find(|node| node.value().is_some());
     slider.unwrap().focus();
     window.step();
     (0..10).for_each(|_| press(&mut window, Key::ArrowLeft));
@@ -305,7 +305,7 @@ fn an_observer_at_the_keys_finds_the_gamma_of_the_screen() {
     }
     take_picture(&mut window, "display_by_eye_result");
     click(&mut window, "Check on the screen…");
-    window.get_by_label_contains("show a wrong profile for comparison");
+    window.get_by_label_contains("the last two fields show incorrect profiles");
     press(&mut window, Key::Escape);
     window.run_steps(3);
     type_into(&mut window, "Measured by", "N. N.");

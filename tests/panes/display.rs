@@ -146,8 +146,8 @@ fn the_preflight_tells_an_old_profile_and_another_screen_and_keeps_what_was_conf
     let mut harness = builder(SIZE, STEP_S).build_eframe(|cc| App::new(cc, launch));
     wait_for(&mut harness, "These findings are saved");
     harness.get_by_label_contains("days ago; after 30 days");
-    harness.get_by_label_contains("Is it another screen?");
-    harness.get_by_label_contains("This is the screen that the profile was measured on").click();
+    harness.get_by_label_contains("Is this a different screen?");
+    harness.get_by_label_contains("This is the screen on which the profile was measured").click();
     harness.step();
     press(&mut harness, Key::Space);
     wait_for(&mut harness, "Welcome");
@@ -176,18 +176,18 @@ fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
     harness.get_by_label("Size and distance").click();
     harness.run_steps(2);
     for (field, text) in [
-        ("Width of the lit part, cm", "30"),
-        ("Distance from eye to screen, cm", "57.3"),
-        ("Planned size of the stimulus, degrees", "40"),
+        ("Width of the display area, cm", "30"),
+        ("Viewing distance, cm", "57.3"),
+        ("Planned stimulus size, degrees", "40"),
     ] {
         type_into(&mut harness, field, text);
     }
     // 1000 pixels on 30 cm, seen from 57.3 cm: a degree is a centimeter, or 33.3 pixels.
-    harness.get_by_label_contains("A degree is 33.3 pixels, or 1.00 cm");
+    harness.get_by_label_contains("One degree is 33.3 pixels, or 1.00 cm");
     harness.get_by_label_contains("The screen is 30.0 × 24.0 cm");
     // 40° need 2 · 57.3 · tan 20° = 41.7 cm, and the lesser side has 24.
-    harness.get_by_label_contains("only 58 % of its side fits");
-    harness.get_by_label_contains("It fits at a distance of 32 cm or less");
+    harness.get_by_label_contains("only 58 % of its width fits");
+    harness.get_by_label_contains("It fits at a viewing distance of 32 cm or less");
     take_picture(&mut harness, "display_size");
     press(&mut harness, Key::Escape);
     harness.run_steps(2);
@@ -229,10 +229,10 @@ fn every_tool_fits_the_smallest_window() {
 fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     let mut harness = small();
     click(&mut harness, "Size and distance");
-    let width = |harness: &Window| value(harness, "Width of the lit part, cm");
+    let width = |harness: &Window| value(harness, "Width of the display area, cm");
     // 420 pixels at 96 an inch.
     assert_eq!(width(&harness), "11.1");
-    harness.get_by_label_contains("This width is assumed");
+    harness.get_by_label_contains("This width assumes");
     click(&mut harness, "Measure with a card…");
     harness.get_by_label("The screen is 11.1 cm wide.");
     // All of it can be reached.
@@ -252,7 +252,7 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     press(&mut harness, Key::Enter);
     harness.run_steps(3);
     assert_eq!(width(&harness), "11.8");
-    assert!(harness.query_by_label_contains("This width is assumed").is_none());
+    assert!(harness.query_by_label_contains("This width assumes").is_none());
     // Escape leaves everything as it was.
     click(&mut harness, "Measure with a card…");
     press(&mut harness, Key::ArrowRight);
@@ -268,7 +268,7 @@ fn the_check_and_the_steps_can_be_seen() {
     click(&mut window, "Check the gamma");
     take_picture(&mut window, "display_check");
     for label in
-        ["gray, 1 of 4 rows", "red, 1 of 2 rows", "blue, 3 of 4 rows", "green, wrong by −0.2", "blue, wrong by +0.2"]
+        ["gray, 1 of 4 rows", "red, 1 of 2 rows", "blue, 3 of 4 rows", "green, off by −0.2", "blue, off by +0.2"]
     {
         assert!(window.query_by_label(label).is_some(), "{label}");
     }
@@ -278,17 +278,17 @@ fn the_check_and_the_steps_can_be_seen() {
 
     click(&mut window, "Steps of equal brightness");
     window.get_by_label_contains("A wedge of 13 uniform bars");
-    window.get_by_label_contains("Black was not measured");
+    window.get_by_label_contains("The black level of this screen was not measured");
     take_picture(&mut window, "display_steps");
     type_into(&mut window, "Number of steps n", "4");
     window.get_by_label_contains("A wedge of 5 uniform bars");
-    type_into(&mut window, "Lowest intensity I₀, black over white", "2");
+    type_into(&mut window, "Lowest intensity I₀, black relative to white", "2");
     window.get_by_label_contains("expected one between 0 and 1");
-    type_into(&mut window, "Lowest intensity I₀, black over white", "0.01");
+    type_into(&mut window, "Lowest intensity I₀, black relative to white", "0.01");
     click(&mut window, "Copy as CSV");
     window.get_by_label_contains("Copied.");
     type_into(&mut window, "Number of steps n", "200");
-    window.get_by_label_contains("8 bits are too few here");
+    window.get_by_label_contains("8 bits are too few for these steps");
     press(&mut window, Key::Escape);
     window.run_steps(3);
     window.get_by_label("Steps of equal brightness");
@@ -370,7 +370,7 @@ fn timing_measures_reports_and_exports() {
 #[test]
 fn two_warnings_come_before_a_flicker_and_it_can_be_stopped() {
     let mut window = timing();
-    click(&mut window, "A patch that flickers");
+    click(&mut window, "A flickering patch");
     assert!(says(&window, "photosensitive epilepsy"));
     click(&mut window, "Measure");
     assert!(says(&window, "It begins in 3 s. Esc stops.") && says(&window, "photosensitive epilepsy"));

@@ -192,7 +192,7 @@ fn a_folder_that_vanishes_takes_no_answer_with_it() {
     harness.get_by_label("Try again").click();
     harness.run_steps(3);
     wait_for(&mut harness, "The last answer could not be saved");
-    let other = "Or save the whole session in another folder:";
+    let other = "Or save the entire session in another folder:";
     type_into(&mut harness, other, &second.display().to_string());
     click(&mut harness, "Save there and continue");
     harness.run_steps(25);

@@ -111,7 +111,7 @@ fn the_demo_predicts_what_the_library_predicts() {
     let [gouraud, patch] = predicted(&mut window);
     assert!(patch < gouraud, "{patch} {gouraud}");
     let size = |window: &Window| {
-        let Vec2 { x, y } = window.get_by_label_contains("The surface: ").rect().size();
+        let Vec2 { x, y } = window.get_by_label_contains("Surface: ").rect().size();
         [x.round() as u32, y.round() as u32]
     };
     let mut compared = Comparison::default();

@@ -44,7 +44,7 @@ fn opened(mut window: Window) -> Window {
 }
 
 fn picture(window: &Window) -> Rect {
-    window.get_by_label_contains("The surface: ").rect()
+    window.get_by_label_contains("Surface: ").rect()
 }
 
 /// The picture's pixels on the screen, row by row.

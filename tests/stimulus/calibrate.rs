@@ -295,7 +295,7 @@ fn gray_alone_serves_all_channels_and_says_so() {
     let calibration = calibrate(gray);
     assert!(calibration.transfers(calibration.chosen).uniform().is_some());
     let notes = &calibration.notes;
-    assert!(notes.iter().any(|note| note.contains("red, green, blue not read")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.contains("red, green, blue not measured")), "{notes:?}");
     assert!((calibration.luminance_of(calibration.chosen).white_cd_m2 / 115.3 - 1.0).abs() < 0.02);
 }
 

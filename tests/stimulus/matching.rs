@@ -134,8 +134,8 @@ fn settings_that_cannot_run_are_explained() {
     let done = run(&half, &power([2.2; 3]), 0.0, 1);
     let other = Matching::new(&MatchSettings::default(), 1, done).unwrap_err().to_string();
     for (message, expected) in [
-        (with(&|settings| settings.channels.clear()), "the channels give no profile"),
-        (with(&|settings| settings.channels.push(Channel::Red)), "the channels give no profile"),
+        (with(&|settings| settings.channels.clear()), "a profile cannot be made from these channels"),
+        (with(&|settings| settings.channels.push(Channel::Red)), "a profile cannot be made from these channels"),
         (with(&|settings| settings.matches = 1), "1 matches of each channel; expected 2 to 50"),
         (other, "match 1 belongs to other settings"),
     ] {

@@ -109,7 +109,7 @@ fn the_loss_of_the_graphics_card_costs_no_answer() {
     harness.stimulus();
     fs::write(&lost, "").unwrap();
     let error = error_of_lost_window(&mut harness);
-    assert!(error.contains("the graphics card is gone"), "{error}");
+    assert!(error.contains("the graphics card was lost"), "{error}");
     fs::remove_file(&lost).unwrap();
     resume_to_the_end(&mut harness, &planned, 3);
 }

@@ -69,9 +69,9 @@ impl Columns {
         };
         choice("Participant", &mut self.subject, &columns[1..], "choose…");
         choice("Rating", &mut self.response, &columns[1..], "choose…");
-        choice("Number of trials", &mut self.count, &columns, "one in each row");
+        choice("Number of trials", &mut self.count, &columns, "one per row");
         ui.label("Factors");
-        hint(ui, "Check the columns that say under which condition a rating was given.");
+        hint(ui, "Select the columns that define the conditions.");
         ScrollArea::vertical().id_salt("factors").max_height(200.0).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
                 for (name, checked) in self.header.iter().zip(&mut self.factors) {
@@ -87,7 +87,7 @@ impl Columns {
         let same = self.subject.is_some() && [&self.response, &self.count].contains(&&self.subject)
             || self.response.is_some() && self.response == self.count;
         if same {
-            fault(ui, "One column is chosen twice; expected a different column for each.");
+            fault(ui, "One column is used twice; expected a different column for each.");
         }
         let ready = self.subject.is_some() && self.response.is_some() && !same;
         let hint = if ready { "" } else { "Choose at least the participant and the rating." };

@@ -83,13 +83,13 @@ impl Export {
             (self.outcome, self.occupied) = (None, None);
         }
         if let Some(Exported { filter, .. }) = exported.filter(|exported| !exported.filter.is_empty()) {
-            hint(ui, format!("The export has what is shown: {filter}."));
+            hint(ui, format!("The export includes only the data shown: {filter}."));
         }
         self.dialog.missing_fault(ui);
         outcome(ui, self.outcome.as_ref());
         let whole = exported.filter(|exported| exported.filter.is_empty());
         let copy = ui.add_enabled(whole.is_some(), egui::Button::new("Copy as command"));
-        let copy = copy.on_disabled_hover_text("The command analyzes everything: check everything first.").clicked();
+        let copy = copy.on_disabled_hover_text("The command analyzes all data; select everything first.").clicked();
         if let Some(whole) = whole.filter(|_| copy) {
             let command = self.command(whole);
             ui.ctx().copy_text(command.clone());
@@ -114,7 +114,7 @@ impl Export {
     fn start(&mut self, ctx: &egui::Context, folder: PathBuf, again: bool, exported: &Exported<'_>) {
         let has_files = folder.read_dir().is_ok_and(|mut entries| entries.next().is_some());
         if has_files && !again {
-            let text = format!("{} has files in it, which may be replaced; expected a new folder", folder.display());
+            let text = format!("{} contains files that may be replaced; expected a new folder", folder.display());
             self.outcome = Some(Err(text));
             self.occupied = Some(folder);
             return;

@@ -229,7 +229,11 @@ impl OpenStudy {
         }
         let Some((outcome, view)) = &mut self.shown else {
             if self.work.is_none() && self.fault.is_none() {
-                fault(ui, "Nothing is left to analyze: check at least one participant, and a level of every factor.");
+                fault(
+                    ui,
+                    "No data are selected. Select at least one participant and at least one level of every \
+                    factor.",
+                );
             }
             return;
         };
@@ -258,7 +262,7 @@ impl OpenStudy {
         let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
         if unfinished || source.files.iter().any(|file| file.unfinished > 0) {
             let mut complete = self.read_options.complete_only;
-            if ui.checkbox(&mut complete, "Leave out unfinished sessions").changed() {
+            if ui.checkbox(&mut complete, "Exclude unfinished sessions").changed() {
                 self.request =
                     Some(Request::Read(ReadOptions { complete_only: complete, ..self.read_options.clone() }));
             }
@@ -278,7 +282,7 @@ impl OpenStudy {
         ui.separator();
         let counts = &self.study.measured.counts;
         self.filters.show(ui, counts);
-        if self.filters.is_narrowed() && ui.button("Everything again").clicked() {
+        if self.filters.is_narrowed() && ui.button("Select everything").clicked() {
             self.filters = Filters::new(counts);
         }
         ui.separator();
@@ -325,7 +329,7 @@ fn about(ui: &mut egui::Ui, source: &Source) {
     if source.faults.is_empty() {
         return;
     }
-    let title = RichText::new(format!("Faults: {}", source.faults.len())).color(theme::FAULT);
+    let title = RichText::new(format!("Errors: {}", source.faults.len())).color(theme::FAULT);
     CollapsingHeader::new(title).id_salt("faults").default_open(true).show(ui, |ui| {
         ScrollArea::vertical().id_salt("faults").max_height(170.0).show(ui, |ui| {
             for one in source.faults.iter().take(MOST_FAULTS) {

@@ -170,7 +170,7 @@ impl Analysis {
             let mut keep = false;
             if let Some(columns) = &mut self.columns {
                 named = columns.show(ui);
-                keep = self.open.is_some() && ui.button("Leave the columns as they are").clicked();
+                keep = self.open.is_some() && ui.button("Keep the current columns").clicked();
             }
             for line in self.fault.iter().flat_map(|fault| fault.lines()).take(20) {
                 fault(ui, line);
@@ -198,8 +198,8 @@ impl Analysis {
         let mut chosen = None;
         paragraph(
             ui,
-            "Drop files or a folder on this window: result files, a table of counts, or any CSV file with one rating in each \
-             row, whose columns you then name.",
+            "Drop files or a folder on this window: result files, a table of counts, or any CSV file with one rating \
+                per row. You can then identify its columns.",
         );
         ui.horizontal_wrapped(|ui| {
             for (text, ask) in [("Open files…", Ask::Data), ("Open folder…", Ask::Folder)] {
@@ -219,7 +219,7 @@ impl Analysis {
         }
         ui.add_space(6.0);
         ui.horizontal_wrapped(|ui| {
-            let field = Field::new("Or the path of a file or folder").text(ui, &mut self.typed);
+            let field = Field::new("Or enter the path of a file or folder").text(ui, &mut self.typed);
             let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             let ready = !self.typed.trim().is_empty();
             if ui.add_enabled(ready, egui::Button::new("Open")).clicked() || entered && ready {

@@ -151,8 +151,8 @@ impl Settings {
         Field::new("Link").width(90.0).choice(ui, &mut options.link, &links, |link| link.to_string());
         let several = people > 1;
         let mut random = several && options.random.is_none();
-        let response = ui.add_enabled(several, egui::Checkbox::new(&mut random, "An intercept for each participant"));
-        response.on_disabled_hover_text("This takes two participants or more.");
+        let response = ui.add_enabled(several, egui::Checkbox::new(&mut random, "Random intercept per participant"));
+        response.on_disabled_hover_text("This requires at least two participants.");
         if several {
             options.random = (!random).then_some(Random::None);
         }
@@ -162,7 +162,7 @@ impl Settings {
                 ui.label(quiet(if options.quadrature == 1 { "Laplace" } else { "Gauss–Hermite" }));
             });
         });
-        ui.checkbox(&mut options.scale, "Test effects on the spread too");
+        ui.checkbox(&mut options.scale, "Also test effects on the spread");
     }
 
     fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, error: Option<&ModelError>) {

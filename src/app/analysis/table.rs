@@ -37,7 +37,7 @@ impl TableView {
             ui.add(Label::new(RichText::new(&self.table.caption).strong()).wrap());
             let copy = ui.small_button("Copy");
             name(ui, &copy, &format!("Copy the table: {}", self.table.caption));
-            if copy.on_hover_text("Copies the table for a spreadsheet. The export has all digits.").clicked() {
+            if copy.on_hover_text("Copies the table for a spreadsheet. Exported files have full precision.").clicked() {
                 ui.ctx().copy_text(self.text());
             }
         });

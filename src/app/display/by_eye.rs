@@ -40,27 +40,39 @@ impl Method for ByEye {
     type Run = MatchRun;
 
     const BEGIN: &'static str = "Begin";
-    const FORMAT: &'static str = "CSV as this page writes it.";
-    const INTRODUCTION: &'static str = "This needs no photometer. A field in which one row of four is lit has a quarter of the full light, whatever the screen's gamma. Adjust the square in the field until it vanishes; several such matches give the gamma.";
+    const FORMAT: &'static str = "CSV written by this page.";
+    const INTRODUCTION: &'static str = "This needs no photometer. If one of every four rows in a field is lit, the \
+        field emits a quarter of the full light, whatever the screen's gamma. Adjust the square in the field until it \
+        vanishes. Gamma is estimated from several such matches.";
     const ITEMS: &'static str = "matches";
     const TITLE: &'static str = "Gamma by eye";
 
     fn fields(&mut self, ui: &mut egui::Ui, viewing: Option<&Viewing>) {
         let settings = &mut self.0;
-        let periods = [(4, "one of four"), (2, "half: they blend from nearer, but are less precise")];
+        let periods = [
+            (4, "one of four"),
+            (
+                2,
+                "one of two: rows blend at shorter distances; matches are less \
+            precise",
+            ),
+        ];
         Field::new("Lit rows").radio(ui, &mut settings.period, &periods);
-        Field::new("Matches of each channel").slider(ui, &mut settings.matches, 2..=20, 1.0);
+        Field::new("Matches per channel").slider(ui, &mut settings.matches, 2..=20, 1.0);
         let mut pairs = settings.row_px == 2;
         ui.checkbox(&mut pairs, "Pairs of rows (interlaced pictures, row inversion)");
         settings.row_px = if pairs { 2 } else { 1 };
         paragraph(ui, distance_sentence(viewing, settings.rows().period_px()));
         paragraph(
             ui,
-            "The left and right arrow keys make the square darker and lighter, Page Up and Page Down in large steps. Go past the match on both sides and return to the middle. Enter accepts the match; Backspace takes back the last one.",
+            "The left and right arrow keys make the square darker and lighter, Page Up and Page Down in large steps. \
+                Go past the match on both sides and return to the middle. Enter accepts the match; Backspace undoes \
+                the last one.",
         );
         paragraph(
             ui,
-            "Dim the room, and let no lamp shine on the screen. The fields have fine rows, can be colored and may seem to shimmer. Do not do this if you are sensitive to patterns.",
+            "Dim the room, and keep direct light off the screen. The fields consist of fine rows, may be colored, and \
+                may seem to shimmer. Do not do this if you are sensitive to patterns.",
         );
     }
 
@@ -85,20 +97,20 @@ impl Method for ByEye {
 
 /// From where rows of this period blend.
 fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
-    let otherwise = "If you sit nearer, half close your eyes or take off your glasses until you see no rows.";
+    let otherwise = "If you sit closer, squint or take off your glasses until you cannot see the rows.";
     let Some(viewing) = viewing else {
         return format!("Sit far enough away that the rows, which repeat every {period_px} pixels, blend. {otherwise}");
     };
     let per_deg = viewing.px_per_degree() / f64::from(period_px.max(1));
     let needed_cm = viewing.distance_cm() * BLEND_PER_DEG / per_deg;
     let counted = format!(
-        "The rows repeat every {period_px} pixels; at {:.0} cm that is {per_deg:.0} times per degree",
+        "The rows repeat every {period_px} pixels; at {:.0} cm, that is {per_deg:.0} periods per degree",
         viewing.distance_cm()
     );
     if per_deg >= BLEND_PER_DEG {
-        return format!("{counted}, and they blend.");
+        return format!("{counted}. They blend at this distance.");
     }
-    format!("{counted}, and you may see them. They blend at {needed_cm:.0} cm or more. {otherwise}")
+    format!("{counted}. You may be able to see them; they blend at {needed_cm:.0} cm or more. {otherwise}")
 }
 
 /// γ of each channel.
@@ -127,14 +139,14 @@ impl Findings for MatchFindings {
                     ui,
                     format!("{name}: gamma {gamma:.2}, 95 % interval {low:.2} to {high:.2}, from {matches} matches."),
                 ),
-                Err(error) => note(ui, format!("{name}: no gamma: {error}.")),
+                Err(error) => note(ui, format!("{name}: gamma cannot be estimated: {error}.")),
             }
         }
         self.found().filter_map(ChannelGamma::warning).for_each(|warning| note(ui, warning));
     }
 
     fn details(&self, ui: &mut egui::Ui) {
-        let plot = still_plot("matching").height(260.0).x_axis_label("code").y_axis_label("light, of full light");
+        let plot = still_plot("matching").height(260.0).x_axis_label("code").y_axis_label("fraction of full light");
         let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
             for found in self.found() {
                 let ((color, marker), name) = (series(found.channel), found.channel.name());
@@ -145,12 +157,12 @@ impl Findings for MatchFindings {
                 plot.line(Line::new(name, ends.to_vec()).color(color).width(3.0));
             }
         });
-        describe(&shown.response, "Plot of the matches and of gamma");
+        describe(&shown.response, "Plot of the matches and gamma");
         let rows = self.found().map(|found| {
             let [code, sd] = [found.code, found.code_sd].map(|value| format!("{value:.1}"));
             [found.channel.to_string(), format!("{:.2}", found.share), code, sd, found.matches.to_string()]
         });
-        table(ui, "matches", ["channel", "light of the field", "matched code", "SD", "matches"], rows);
+        table(ui, "matches", ["channel", "light of the field (fraction)", "matched code", "SD", "matches"], rows);
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {

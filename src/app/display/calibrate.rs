@@ -170,7 +170,7 @@ impl<M: Method> Calibrate<M> {
             });
             self.method.fields(ui, viewing);
             let extent = match self.path.trim() {
-                "" => Err(format!("There is no file for the {}; expected a path.", M::ITEMS)),
+                "" => Err(format!("No file is named for the {}; expected a path.", M::ITEMS)),
                 _ => self.method.extent(&self.channels()),
             };
             match &extent {
@@ -182,7 +182,7 @@ impl<M: Method> Calibrate<M> {
             let begun = self.begun();
             begun.iter().for_each(|sentence| hint(ui, sentence));
             let text = if begun.is_some() { "Resume" } else { M::BEGIN };
-            begin = primary(ui, text, extent.is_ok(), "fills the screen; Esc pauses");
+            begin = primary(ui, text, extent.is_ok(), "Full screen; Esc pauses");
             self.fault.iter().for_each(|message| fault(ui, message));
             use_file = self.file_field(ui);
         });
@@ -209,11 +209,11 @@ impl<M: Method> Calibrate<M> {
         let path = Path::new(self.path.trim());
         match &self.paused {
             Some((left, done, all)) if left == path => {
-                Some(format!("Paused after {done} of {all}. They are saved; keep the settings to resume."))
+                Some(format!("Paused after {done} of {all}; all are saved. To resume, keep the settings."))
             }
             _ => path.is_file().then(|| {
                 format!(
-                    "This file already has {}. Keep the settings to resume, or name another file to start over.",
+                    "This file already contains {}. To resume, keep the settings. To start over, enter another file.",
                     M::ITEMS
                 )
             }),
@@ -282,7 +282,7 @@ impl<M: Method> Calibrate<M> {
                     found.details(ui);
                 }
                 Err(faults) => {
-                    ui.label("These measurements do not make a profile:");
+                    ui.label("No profile can be made from these measurements:");
                     faults.lines().for_each(|line| fault(ui, line));
                     let items = self.run.as_ref().map(Run::questionable).unwrap_or_default();
                     if !items.is_empty() && ui.button(format!("Measure {} again", items.len())).clicked() {
@@ -353,11 +353,11 @@ impl ProfileForm {
     fn write(&self, profile: &DisplayProfile) -> Result<SavedProfile, String> {
         let path = PathBuf::from(self.path.trim());
         if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("toml")) {
-            return Err(format!("{}: is not the name of a profile; expected one that ends in .toml", path.display()));
+            return Err(format!("{}: not a valid profile name; expected a name that ends in .toml", path.display()));
         }
         if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder).map_err(|error| {
-                format!("{}: cannot be made: {error}; expected a folder that you can write to", folder.display())
+                format!("{}: cannot be created: {error}; expected a folder with write access", folder.display())
             })?;
         }
         let replaced = path.exists();

@@ -59,7 +59,10 @@ impl CardHelper {
 
     fn content(&mut self, ui: &mut egui::Ui, screen_width_px: u32, accepted: bool) -> Step<f64> {
         ui.heading("Measure the screen with a card");
-        ui.label("Hold a bank card (8.56 cm wide) against the screen and make the outline equally wide with the left and right arrow keys. Enter accepts.");
+        ui.label(
+            "Hold a bank card (8.56 cm wide) against the screen and adjust the outline to the same width with the \
+            left and right arrow keys. Press Enter to accept.",
+        );
         self.slider(ui, screen_width_px);
         self.draw(ui);
         match width_cm_from_card(f64::from(self.card_px), screen_width_px) {

@@ -40,12 +40,14 @@ impl CheckPage {
         let (back, ()) = tool_page(ui, "Check the gamma", |ui| {
             paragraph(
                 ui,
-                "Sit far enough away that the rows blend, or half close your eyes. If the profile is right, the squares in the first three fields vanish.",
+                "Sit far enough away that the rows blend, or squint. If the profile is right, the squares in the first \
+                    three fields vanish.",
             );
             paragraph(
                 ui,
                 format!(
-                    "The last two fields show a wrong profile for comparison: a gamma {ERROR} too low and one {ERROR} too high."
+                    "For comparison, the last two fields show incorrect profiles: gamma {ERROR} too low and {ERROR} \
+                        too high."
                 ),
             );
             hint(ui, format!("{}.", self.profile.sentence()));
@@ -81,7 +83,7 @@ impl CheckPage {
             };
             let right = CHECKED.map(|rows| field(format!("{} of {} rows", rows.0, rows.1), rows, 0.0));
             let wrong = [-ERROR, ERROR]
-                .map(|error| field(format!("wrong by {}", signed(&format!("{error:+}"))), CHECKED[0], error));
+                .map(|error| field(format!("off by {}", signed(&format!("{error:+}"))), CHECKED[0], error));
             (channel, right.into_iter().chain(wrong).collect())
         };
         self.made = Some((row_px, [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(fields)));

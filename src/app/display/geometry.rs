@@ -57,7 +57,7 @@ impl GeometryPage {
 
     fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) {
         let reported_cm = *self.reported_cm.get_or_insert_with(|| Platform::of(monitor).width_cm);
-        Field::new("Width of the lit part, cm").show(ui, |ui, label| {
+        Field::new("Width of the display area, cm").show(ui, |ui, label| {
             ui.add(TextEdit::singleline(&mut fields.screen_width_cm).desired_width(90.0)).labelled_by(label);
             if ui.button("Measure with a card…").clicked() {
                 let known = number(&fields.screen_width_cm).unwrap_or_else(|| monitor.assumed_width_cm());
@@ -66,24 +66,24 @@ impl GeometryPage {
             if let Some(cm) = reported_cm
                 && ui
                     .button(format!("The screen reports {cm:.1}"))
-                    .on_hover_text("Some screens report a wrong width; compare the ruler below.")
+                    .on_hover_text("Some screens report an incorrect width; check it with the ruler below.")
                     .clicked()
             {
                 fields.screen_width_cm = format!("{cm:.1}");
             }
         });
         if fields.width_is_assumed(monitor) {
-            note(ui, "This width is assumed from 96 pixels per inch. Measure it, or compare the ruler below.");
+            note(ui, "This width assumes 96 pixels per inch. Measure it, or check it with the ruler below.");
         }
-        Field::new("Distance from eye to screen, cm").width(90.0).text(ui, &mut fields.distance_cm);
-        Field::new("Planned size of the stimulus, degrees").width(90.0).text(ui, &mut self.window_deg);
+        Field::new("Viewing distance, cm").width(90.0).text(ui, &mut fields.distance_cm);
+        Field::new("Planned stimulus size, degrees").width(90.0).text(ui, &mut self.window_deg);
     }
 
     fn sentences(&self, ui: &mut egui::Ui, viewing: &Viewing) {
         let screen = viewing.screen();
         let [width, height] = [screen.width_px(), screen.height_px()].map(|side| viewing.deg_from_px(side.into()));
         ui.label(format!(
-            "A degree is {:.1} pixels, or {:.2} cm. A pixel is {:.2} arc minutes.",
+            "One degree is {:.1} pixels, or {:.2} cm. One pixel is {:.2} arc minutes.",
             viewing.px_per_degree(),
             viewing.px_per_degree() / screen.px_per_cm(),
             60.0 / viewing.px_per_degree(),
@@ -101,14 +101,16 @@ impl GeometryPage {
         let least = f64::from(screen.width_px().min(screen.height_px()));
         if wanted <= least {
             ui.label(format!(
-                "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels. It fits and takes {:.0} % of the screen's shorter side.",
+                "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels. It fits and spans {:.0} % of the \
+                    screen's shorter side.",
                 100.0 * wanted / least
             ));
         } else {
             fault(
                 ui,
                 format!(
-                    "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels; only {:.0} % of its side fits. It fits at a distance of {:.0} cm or less.",
+                    "A {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels; only {:.0} % of its width fits. It \
+                        fits at a viewing distance of {:.0} cm or less.",
                     100.0 * least / wanted,
                     distance_cm(planned, screen.width_cm().min(screen.height_cm())).floor()
                 ),

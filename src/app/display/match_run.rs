@@ -88,7 +88,7 @@ impl MatchRun {
         let (channel, rows) = (shown.channel, shown.rows);
         describe(
             &response,
-            &format!("{} of {} rows lit in {channel}; square of code {}", rows.lit, rows.period, shown.code),
+            &format!("{} of {} rows lit in {channel}; square with code {}", rows.lit, rows.period, shown.code),
         );
     }
 

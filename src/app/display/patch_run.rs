@@ -67,7 +67,8 @@ impl PatchRun {
                 let free = (0..taken.len()).find(|at| taken[*at].is_none() && same(&patches[*at]));
                 let Some(free) = free else {
                     let what = format!(
-                        "has a reading of {} at level {} that these settings do not ask for; expected another file, or the settings that it was started with",
+                        "has a reading of {} at level {} that these settings do not include; expected another file, or \
+                            the original settings",
                         one.channel, one.level
                     );
                     return Err(StoreError::Mismatch { path: path.to_owned(), what });
@@ -201,7 +202,8 @@ impl PatchRun {
             other.code < patch.code && value < read * FALL || other.code > patch.code && *read < value * FALL
         })?;
         Some(format!(
-            "{value} does not fit {} {}, which gave {read}: light rises with the code. Press Enter again to keep it, or clear the line and press Backspace to go back a patch.",
+            "{value} does not fit {} {}, which gave {read}: luminance must rise with the code. To keep it, press Enter \
+                again. To go back one patch, clear the line and press Backspace.",
             other.channel, other.code
         ))
     }

@@ -60,15 +60,16 @@ impl Method for Photometer {
 
     const BEGIN: &'static str = "Show patches";
     const FORMAT: &'static str = "CSV with the columns channel,level,luminance_cd_m2: channel r, g, b or gray; level the code divided by the largest code, 0 to 1.";
-    const INTRODUCTION: &'static str = "Patches are shown one by one; type what the photometer reads. Let the screen warm up for half an hour, and darken the room.";
+    const INTRODUCTION: &'static str = "Patches are shown one at a time; type each photometer reading. First let the \
+        screen warm up for half an hour, and darken the room.";
     const ITEMS: &'static str = "readings";
     const TITLE: &'static str = "Photometer";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Levels of each channel").slider(ui, &mut self.levels, 5..=33, 1.0);
-        Field::new("Readings of each patch").slider(ui, &mut self.repeats, 1..=5, 1.0);
+        Field::new("Levels per channel").slider(ui, &mut self.levels, 5..=33, 1.0);
+        Field::new("Readings per patch").slider(ui, &mut self.repeats, 1..=5, 1.0);
         Field::new("Settling time, seconds").width(70.0).text(ui, &mut self.settle_s);
-        Field::new("Height of the patch, % of the screen").slider(ui, &mut self.percent, 10..=80, 1.0);
+        Field::new("Patch height, % of the screen").slider(ui, &mut self.percent, 10..=80, 1.0);
         ui.checkbox(&mut self.gray_around, "Gray around the patch instead of black");
     }
 
@@ -106,7 +107,7 @@ impl Findings for PhotometerFindings {
         let calibration = &self.calibration;
         let light = calibration.luminance_of(self.family());
         ui.label(format!(
-            "Black {:.3} cd/m², white {:.1} cd/m². Readings scatter by {:.2} %.",
+            "Black {:.3} cd/m², white {:.1} cd/m². Readings vary by {:.2} %.",
             light.black_cd_m2,
             light.white_cd_m2,
             100.0 * calibration.noise
@@ -114,7 +115,7 @@ impl Findings for PhotometerFindings {
         if !calibration.additivity.is_empty() {
             let most = |deviation| largest(&calibration.additivity, deviation);
             ui.label(format!(
-                "Gray differs from the sum of its channels by at most {} % and {} cd/m².",
+                "Gray differs from the sum of the three channels by at most {} % and {} cd/m².",
                 signed(&format!("{:+.1}", most(Sum::deviation_percent))),
                 signed(&format!("{:+.2}", most(Sum::deviation_cd_m2)))
             ));
@@ -132,12 +133,12 @@ impl Findings for PhotometerFindings {
     fn details(&self, ui: &mut egui::Ui) {
         plots(ui, &self.calibration, self.family());
         ui.add_space(8.0);
-        hint(ui, "Largest error: of a reading from the model, in 8-bit codes and in cd/m².");
+        hint(ui, "Largest error: the largest difference between a reading and the model, in 8-bit codes and in cd/m².");
         let models = &self.calibration.models;
         let rows = models.iter().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
         table(ui, "fits", ["model", "channel", "γ", "offset", "R²", "codes", "cd/m²"], rows);
         ui.add_space(8.0);
-        hint(ui, "Root mean square error when each level is left out in turn.");
+        hint(ui, "Root mean square error when each level is left out in turn (cross-validation).");
         let rows = models.iter().map(|model| {
             let found = &model.validation;
             [model.family.to_string(), format!("{:.2}", found.rms_codes), format!("{:.3}", found.rms_cd_m2)]
@@ -196,7 +197,7 @@ fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
             plot.points(Points::new(name, read(one)).shape(marker).radius(4.0).color(color));
         }
     });
-    hint(ui, "Distance of each reading from its line, in 8-bit codes.");
+    hint(ui, "Residual of each reading, in 8-bit codes.");
     plot("errors", 160.0, "codes").include_y(-1.0).include_y(1.0).show(ui, |plot| {
         for one in channels {
             let (color, marker) = series(one.channel);

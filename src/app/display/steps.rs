@@ -40,16 +40,16 @@ impl StepsPage {
     /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui) -> PageStep {
         let (back, ()) = tool_page(ui, "Steps of equal brightness", |ui| {
-            ui.label("Equal steps of light look large where it is dark and small where it is bright; equal ratios look equal.");
+            ui.label("Equal steps of light look larger at dark levels than at bright levels; equal ratios look equal.");
             hint(ui, format!("{}.", self.profile.sentence()));
             ui.add_space(8.0);
             Field::new("Number of steps n").width(60.0).text(ui, &mut self.number);
-            Field::new("Lowest intensity I₀, black over white").width(100.0).text(ui, &mut self.i0);
+            Field::new("Lowest intensity I₀, black relative to white").width(100.0).text(ui, &mut self.i0);
             hint(
                 ui,
                 match self.profile.luminance {
                     Some(range) => format!("Measured: {}.", range.sentence()),
-                    None => "Black was not measured on this screen; the number is an assumption.".to_owned(),
+                    None => "The black level of this screen was not measured; this value is an assumption.".to_owned(),
                 },
             );
             ui.add_space(8.0);
@@ -104,7 +104,8 @@ impl StepsPage {
             note(
                 ui,
                 format!(
-                    "8 bits are too few here: {same} steps have the same code as the step before, and {lost} produce light that is closer to another level."
+                    "8 bits are too few for these steps: {same} steps have the same code as the preceding step, and \
+                        {lost} produce light that is closer to another level."
                 ),
             );
         }

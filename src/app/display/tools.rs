@@ -115,7 +115,8 @@ impl Display {
         let found = self.profile();
         let (back, chosen) = tool_page(ui, "Display", |ui| {
             ui.label(
-                "The eye sees light, not codes. A profile says how much light this screen produces for each code.",
+                "The eye sees light, not codes. A display profile describes how much light this screen produces for \
+                    each code.",
             );
             ui.add_space(8.0);
             self.profile_field(ui, &found);
@@ -169,12 +170,13 @@ type Entry = (&'static str, &'static str, fn(&mut Display, DisplayProfile) -> To
 const TOOLS: &[Entry] = &[
     (
         "Size and distance",
-        "Enter the screen's width or measure it with a bank card; see how large a degree is and whether the stimulus fits.",
+        "Enter the screen's width or measure it with a bank card; see the size of one degree and whether the stimulus \
+            fits.",
         |display, _| Tool::Geometry(Box::new(GeometryPage::new(display.window_deg))),
     ),
     (
         "Photometer",
-        "Measure the light of every level: point a photometer at patches, or load readings from a file.",
+        "Measure the luminance of every level: point a photometer at patches, or load readings from a file.",
         |display, profile| {
             display.photometer.update(profile);
             Tool::Photometer
@@ -182,7 +184,7 @@ const TOOLS: &[Entry] = &[
     ),
     (
         "Gamma by eye",
-        "Without a photometer: match a square to a field of rows in each channel. This takes about five minutes.",
+        "No photometer needed: match a square to a field of rows in each channel. This takes about five minutes.",
         |display, profile| {
             display.by_eye.update(profile);
             Tool::ByEye
@@ -190,12 +192,13 @@ const TOOLS: &[Entry] = &[
     ),
     (
         "Check the gamma",
-        "See squares that vanish in a field of rows if the profile is right: a visible border means that it is wrong.",
+        "View squares in fields of rows. If the profile is correct, the squares vanish; a visible border means that it \
+            is wrong.",
         |_, profile| Tool::Check(Box::new(CheckPage::new(profile))),
     ),
     (
         "Steps of equal brightness",
-        "Levels that look equally far apart, from the screen's black to its white, as a table and a wedge.",
+        "Levels that look evenly spaced, from the screen's black to its white, as a table and a wedge.",
         |_, profile| Tool::Steps(Box::new(StepsPage::new(profile))),
     ),
     (

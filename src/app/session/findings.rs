@@ -45,7 +45,7 @@ impl Before {
         let display = sitting.display.as_ref()?;
         let transfer = display["transfer"].as_str()?;
         Some(Self {
-            profile: format!("{} ({transfer})", display["name"].as_str().unwrap_or("a profile")),
+            profile: format!("{} ({transfer})", display["name"].as_str().unwrap_or("an unnamed profile")),
             same_profile: match display["sha256"].as_str() {
                 Some(hash) => hash == profile::hash(&request.display),
                 None => transfer == request.display.transfers.to_string(),
@@ -60,7 +60,8 @@ impl Before {
         let sentence = match same {
             true => "The display profile and the stimulus size are the same as in the previous sitting.".to_owned(),
             false => format!(
-                "The previous sitting used the display profile {profile} and a stimulus of {size_px} pixels. Go back and restore them, unless you mean to change them."
+                "The previous sitting used the display profile {profile} and a stimulus of {size_px} pixels. Go back \
+                    and restore them, unless you intend to change them."
             ),
         };
         note("same_as_before", same, sentence)
@@ -81,9 +82,9 @@ pub fn all(
     window: (u32, u32),
     scale: f64,
 ) -> Findings {
-    let name = monitor.name.as_ref().map_or_else(|| "without a name".to_owned(), |name| format!("{name:?}"));
+    let name = monitor.name.as_ref().map_or_else(|| "(no name)".to_owned(), |name| format!("{name:?}"));
     let [width, height] = [monitor.width_px, monitor.height_px];
-    let scale = format!("The system's scale is {scale}. Stimuli are drawn in physical pixels all the same.");
+    let scale = format!("The system's scale is {scale}. Stimuli are still drawn in physical pixels.");
     // The mode's own timing is exact; the window system rounds it.
     let reported = platform.refresh_hz.or(monitor.refresh_hz);
     let refresh = match reported {
@@ -120,7 +121,7 @@ fn full_screen(windowed: bool, (width, height): (u32, u32), whole: bool) -> Pref
         ),
         (false, true) => "The window fills the whole screen.".to_owned(),
         (false, false) => {
-            format!("The window has {width} × {height} pixels; the window system did not give it the whole screen.")
+            format!("The window has {width} × {height} pixels; the window system did not make it full screen.")
         }
     };
     note("full_screen", whole || windowed, sentence)
@@ -132,11 +133,11 @@ fn frame_interval(frames: &FrameTimes) -> PreflightNote {
     };
     let steady = slow <= 1.5 * median;
     let sentence = format!(
-        "Frames came every {:.1} ms ({:.1} Hz); 99 % of them within {:.1} ms.{}",
+        "The median frame interval is {:.1} ms ({:.1} Hz); 99 % are at most {:.1} ms.{}",
         median * 1e3,
         1.0 / median,
         slow * 1e3,
-        if steady { "" } else { " They are not steady: close other programs." }
+        if steady { "" } else { " The intervals are not steady: close other programs." }
     );
     note("frame_interval", steady, sentence)
 }
@@ -145,16 +146,17 @@ fn frame_interval(frames: &FrameTimes) -> PreflightNote {
 fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
     let system = platform.window_system;
     let (ok, composited) = match platform.composited {
-        Some(true) => (false, "uses a compositor, which shows pictures a frame or more late; onsets are late by that."),
+        Some(true) => (false, "uses a compositor: images appear one or more frames late, which delays onsets equally."),
         Some(false) => (true, "uses no compositor."),
         None => (false, "does not report whether it uses a compositor."),
     };
     let mut notes = vec![note("compositor", ok, format!("{system} {composited}"))];
     notes.extend(platform.ramps_straight.map(|straight| {
         let sentence = match straight {
-            true => "The graphics card passes codes on unchanged.",
+            true => "The graphics card does not change the codes.",
             false => {
-                "The graphics card changes codes with its gamma ramps: a night light is on, or a calibration was loaded. Switch it off, or measure the screen with it."
+                "The graphics card's gamma ramps change the codes, because of a night light or a loaded calibration. \
+                    Switch it off, or measure the screen with it."
             }
         };
         note("color_ramps", straight, sentence)
@@ -163,13 +165,15 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
         (Some(true), Some([w, h]), _) => Some((
             false,
             format!(
-                "The system scales the picture to {w} × {h} pixels, so stimuli are not shown pixel for pixel. Set the scale to 100 %."
+                "The system scales the image to {w} × {h} pixels, so stimuli are not shown pixel for pixel. Set the \
+                    scale to 100 %."
             ),
         )),
         (_, Some([w, h]), Some([own_w, own_h])) if [w, h] != [own_w, own_h] => Some((
             false,
             format!(
-                "The screen receives {w} × {h} pixels and has {own_w} × {own_h}: it scales the picture itself. Choose its native resolution."
+                "The screen receives {w} × {h} pixels, but its native resolution is {own_w} × {own_h}, so it scales \
+                    the image. Select the native resolution."
             ),
         )),
         (Some(false), Some([w, h]), _) => Some((true, format!("The screen is driven pixel for pixel, {w} × {h}."))),
@@ -177,10 +181,10 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
     };
     notes.extend(resolution.map(|(ok, sentence)| note("resolution", ok, sentence)));
     if platform.hdr == Some(false) {
-        notes.push(note("hdr", true, format!("{system} has no high dynamic range.")));
+        notes.push(note("hdr", true, format!("{system} does not support high dynamic range.")));
     }
     notes.extend(platform.variable_refresh.map(|variable| {
-        let sentence = if variable { "The screen can vary its refresh rate." } else { "The refresh rate is fixed." };
+        let sentence = if variable { "The screen supports variable refresh." } else { "The refresh rate is fixed." };
         note("variable_refresh", !variable, sentence)
     }));
     notes
@@ -195,9 +199,10 @@ fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platf
         let here = platform.own_px.unwrap_or([monitor.width_px, monitor.height_px]);
         let same = here == [width, height];
         let sentence = match same {
-            true => format!("The profile's screen has {width} × {height} pixels, and so does this one."),
+            true => format!("The profile is for a screen of {width} × {height} pixels, the same as this one."),
             false => format!(
-                "The profile is for a screen of {width} × {height} pixels; this one has {} × {}. Is it another screen?",
+                "The profile is for a screen of {width} × {height} pixels; this one has {} × {}. Is this a different \
+                    screen?",
                 here[0], here[1]
             ),
         };
@@ -226,10 +231,10 @@ fn geometry(
     };
     let origin = match known_cm {
         Some(cm) => format!("The screen is {cm:.1} cm wide."),
-        None => format!("The screen's width is not known; {width_cm:.1} cm is assumed from 96 pixels per inch."),
+        None => format!("The screen's width is unknown; {width_cm:.1} cm is assumed (96 pixels per inch)."),
     };
     let (distance, per_degree) = (request.distance_cm, viewing.px_per_degree());
-    let sentence = format!("{origin} At {distance} cm, a degree is {per_degree:.1} pixels.");
+    let sentence = format!("{origin} At {distance} cm, one degree is {per_degree:.1} pixels.");
     notes.push(note("physical_size", known_cm.is_some(), sentence));
     let deg = request.protocol.viewing.window_deg;
     let size_px = stimulus_side_px(&viewing, deg);
@@ -255,10 +260,13 @@ pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     let gentle = percent < 95.0;
     let warning = match gentle {
         true => "Nothing flickers.",
-        false => "The definition asks for this; it is not for people who cannot tolerate sudden changes of light.",
+        false => {
+            "The definition requires this; it is not suitable for people who cannot tolerate sudden changes of \
+            light."
+        }
     };
     let sentence = format!(
-        "Between field and picture, no place changes by more than {percent:.0} % of the screen's range. {warning}"
+        "Between field and stimulus, no pixel changes by more than {percent:.0} % of the screen's range. {warning}"
     );
     note("light_steps", gentle, sentence)
 }
@@ -274,12 +282,14 @@ impl Questions {
             (
                 display.measured.is_some(),
                 "right_monitor_asked",
-                "This is the screen that the profile was measured on, with the same brightness, contrast and color settings.",
+                "This is the screen on which the profile was measured, with the same brightness, contrast, and color \
+                    settings.",
             ),
             (
                 true,
                 "monitor_settings_asked",
-                "The screen's own enhancements are off: dynamic contrast, local dimming, automatic brightness, eye comfort.",
+                "The screen's image enhancements are off: dynamic contrast, local dimming, automatic brightness, eye \
+                    comfort.",
             ),
             (
                 platform.ramps_straight.is_none(),

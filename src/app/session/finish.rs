@@ -73,7 +73,13 @@ impl Finish {
             }
             ui.add_space(8.0);
             if let Some(fault) = &self.fault {
-                ui::fault(ui, format!("The end of this sitting was not saved. Please call the experimenter. {fault}"));
+                ui::fault(
+                    ui,
+                    format!(
+                        "The end of this sitting could not be recorded. Please call the experimenter. \
+                    {fault}"
+                    ),
+                );
             }
             ui.label(&texts.saved_in);
             ui.add(egui::Label::new(egui::RichText::new(self.path.display().to_string()).monospace()).wrap());

@@ -120,7 +120,7 @@ impl Preflight {
             }
             ui.add_space(8.0);
             ui.label(RichText::new("Please check these yourself").strong());
-            ui::hint(ui, "No program can detect these. Anything you do not tick is recorded as not confirmed.");
+            ui::hint(ui, "The program cannot detect these. Items that you do not check are recorded as not confirmed.");
             questions.show(ui);
             ui.add_space(16.0);
             if let Some(refused) = &self.refused {

@@ -252,7 +252,7 @@ impl Trials {
         let (width, height) = window_px(ctx);
         (width.min(height) < self.size_px).then(|| {
             format!(
-                "The window has {width} × {height} pixels and the stimulus needs {}; make the window larger.",
+                "The window has {width} × {height} pixels and the stimulus needs {}. Make the window larger.",
                 self.size_px
             )
         })

@@ -39,13 +39,16 @@ impl Trouble {
             let mut remedy = None;
             ui.heading("The last answer could not be saved");
             ui::fault(ui, &self.what);
-            ui.label("Nothing is lost: every answer of this session is still in memory. Please call the experimenter. The session continues when the answers are saved.");
+            ui.label(
+                "Nothing is lost: every answer of this session is still in memory. Please call the experimenter. \
+                The session continues once the answers are saved.",
+            );
             ui.add_space(12.0);
             if ui::primary(ui, "Try again", true, "") {
                 remedy = Some(Remedy::Retry);
             }
             ui.add_space(12.0);
-            let label = ui.label("Or save the whole session in another folder:");
+            let label = ui.label("Or save the entire session in another folder:");
             ui.horizontal_wrapped(|ui| {
                 ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(380.0)).labelled_by(label.id);
                 self.dialog.browse(ui, Ask::Folder, "Choose a folder…", &mut self.folder);

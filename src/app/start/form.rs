@@ -210,7 +210,7 @@ impl Form {
 /// Why results cannot be saved there, as far as this can be known without writing.
 fn results_fault(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
-        return Some("no folder is given; expected a path".to_owned());
+        return Some("no folder is named; expected a path".to_owned());
     }
     let existing = results.ancestors().find(|folder| folder.exists())?;
     let metadata = existing.metadata().ok()?;
@@ -218,5 +218,5 @@ fn results_fault(results: &Path) -> Option<String> {
         return Some(format!("{} is a file; expected a folder", existing.display()));
     }
     let read_only = metadata.permissions().readonly();
-    read_only.then(|| format!("{} is read-only; expected a folder that you can write to", existing.display()))
+    read_only.then(|| format!("{} is read-only; expected a folder with write access", existing.display()))
 }

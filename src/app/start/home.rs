@@ -204,7 +204,7 @@ impl Home {
                 let width = &mut self.form.screen.screen_width_cm;
                 ui.add(TextEdit::singleline(width).desired_width(120.0)).labelled_by(label);
                 let measure = ui.add_enabled(monitor == here, Button::new("Measure with a card…"));
-                if measure.on_disabled_hover_text("Move this window to that screen first.").clicked() {
+                if measure.on_disabled_hover_text("First move this window to that screen.").clicked() {
                     let width = number(width).unwrap_or_else(|| monitor.assumed_width_cm());
                     self.card = Some(CardHelper::new(width, monitor.width_px));
                 }
@@ -215,7 +215,10 @@ impl Home {
             let screen = &self.form.screen;
             let origin = match &self.width_origin {
                 Some((width, origin)) if *width == screen.screen_width_cm => origin,
-                _ if screen.width_is_assumed(monitor) => "Assumed: 96 pixels per inch. Measure it for a real study",
+                _ if screen.width_is_assumed(monitor) => {
+                    "Assumed (96 pixels per inch); measure it before an actual \
+                    study"
+                }
                 _ => "As typed",
             };
             let text = format!("{origin}. {per_degree:.1} pixels per degree; the stimulus is {side} pixels wide.");
@@ -230,7 +233,7 @@ impl Home {
             let line = |ui: &mut egui::Ui| {
                 ui.add(TextEdit::singleline(path).desired_width(210.0).hint_text("sRGB")).labelled_by(label);
                 self.profile.browse(ui, Ask::Toml, "Choose a display profile…", path);
-                ui.button("Measure…").on_hover_text("The screen's light, size and timing.").clicked()
+                ui.button("Measure…").on_hover_text("Luminance, size, and timing of the screen.").clicked()
             };
             let measure = ui.horizontal_wrapped(line).inner;
             if let Some(display) = &checked.display {
@@ -274,7 +277,7 @@ impl Home {
         let text = if checked.resume { "Resume" } else { "Start" };
         let hint = match (&checked.request, checked.resume) {
             (None, _) => "Something above needs attention.",
-            (Some(_), true) => "This session was interrupted. It resumes with the missing trials.",
+            (Some(_), true) => "This session was interrupted. It resumes with the remaining trials.",
             (Some(_), false) => "Or press Enter. Esc pauses at any time; every answer is saved at once.",
         };
         let clicked = Field::new("").column(LABELS).show(ui, |ui, _| {
@@ -322,13 +325,17 @@ impl Home {
         });
         ui.separator();
         ui.horizontal_top(|ui| {
-            pixels::picture(ui, texture, "A dark and a bright area with a linear ramp between them");
+            pixels::picture(ui, texture, "A dark area and a bright area with a linear ramp between them");
             ui.vertical(|ui| {
                 ui.label(RichText::new("Do you see a bright line?").strong());
                 ui.label(
-                    "It is at the right end of the ramp, where the bright area begins, and it is not in the picture.",
+                    "It appears at the right end of the ramp, where the bright area begins, but it is not in the \
+                        image.",
                 );
-                ui.label("It is a Mach band. A session asks how visible it is in pictures like this one.");
+                ui.label(
+                    "It is a Mach band. In a session, participants rate how visible it is in images like this \
+                    one.",
+                );
             });
         });
     }

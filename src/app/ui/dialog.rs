@@ -73,7 +73,7 @@ impl Dialog {
     /// Says so where the last one never opened.
     pub fn missing_fault(&self, ui: &mut egui::Ui) {
         if self.missing {
-            text::fault(ui, "This system did not open a file dialog. Type the path, or drop a file on this window.");
+            text::fault(ui, "The system could not open a file dialog. Type the path, or drop a file on this window.");
         }
     }
 

@@ -125,11 +125,14 @@ impl InputReport {
         let seconds = |wait: Option<&Duration>| wait.map(|wait| (wait.as_secs_f64() * 1e6).round() / 1e6);
         let stamp = match (waits.is_empty(), self.unstamped) {
             (true, _) => {
-                "A rating is stamped at the start of the frame that receives it: it is late by at most one frame interval."
+                "A rating is timestamped at the start of the frame that receives it, and is therefore late by at most \
+                    one frame interval."
             }
             (false, 0) => STAMPED,
             (false, _) => {
-                "Ratings with a response_uncertainty_s are stamped when the window system hands over the key or click; the others at the start of the frame that receives them, so these are late by at most one frame interval."
+                "Ratings with a response_uncertainty_s are timestamped when the window system delivers the key or \
+                    click. The others are timestamped at the start of the frame that receives them, and are therefore \
+                    late by at most one frame interval."
             }
         };
         serde_json::json!({
@@ -143,4 +146,6 @@ impl InputReport {
 }
 
 /// What a stamp means.
-const STAMPED: &str = "A rating is stamped when the window system hands over the key or click, before the frame that answers it. It may have waited since the program last read events, which it does not do while it draws: at most response_uncertainty_s. The delays of keyboard, cable and window system are not included.";
+const STAMPED: &str = "A rating is timestamped when the window system delivers the key or click, before the frame that \
+    responds to it. The event may have waited since the program last read events (it reads none while it draws), for \
+    at most response_uncertainty_s. Delays of the keyboard, cable, and window system are not included.";

@@ -39,9 +39,10 @@ fn lost(reason: &str, rows: Option<&Path>) -> String {
     let (place, expected) = match rows {
         Some(rows) => (
             rows.display().to_string(),
-            "every answer that was saved is there; expected the same command with --resume, or Home with the same participant and session, to resume it",
+            "every saved answer is on disk; to resume, expected the same command with --resume, or Home with the same \
+                participant and session",
         ),
-        None => ("display".to_owned(), "expected a window system and graphics that stay"),
+        None => ("display".to_owned(), "expected a window system and graphics driver that keep running"),
     };
     format!("{place}: the window was lost ({reason}); {expected}")
 }
@@ -103,7 +104,7 @@ impl Failure {
         state.device.set_device_lost_callback(move |reason, message| {
             // The program's own end destroys it too.
             if reason != DeviceLostReason::Destroyed {
-                lost.report(format!("the graphics card is gone: {}", message.trim()));
+                lost.report(format!("the graphics card was lost: {}", message.trim()));
                 ctx.request_repaint();
             }
         });
@@ -192,7 +193,7 @@ struct AtExit(Shared);
 impl Drop for AtExit {
     fn drop(&mut self) {
         let rows = self.0.close();
-        let reason = self.0.failure.reason().unwrap_or_else(|| "the window system is gone".to_owned());
+        let reason = self.0.failure.reason().unwrap_or_else(|| "the window system was lost".to_owned());
         // Where stderr is closed, the exit status still tells.
         let _ = writeln!(std::io::stderr(), "error: {}", WindowError::Lost { reason, rows });
     }

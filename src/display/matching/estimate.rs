@@ -90,7 +90,8 @@ impl ChannelGamma {
         let half = (self.interval[1] - self.interval[0]) / 2.0;
         (half > WIDEST).then(|| {
             format!(
-                "{}: gamma is known only to ± {half:.2}. Sit so that the rows blend, and match it again.",
+                "{}: gamma is uncertain by ± {half:.2}. Sit far enough away that the rows blend, and repeat the \
+                    matches.",
                 self.channel.capitalized()
             )
         })

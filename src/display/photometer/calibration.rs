@@ -264,7 +264,7 @@ fn notes(calibration: &Calibration) -> Vec<String> {
     let unread: Vec<&str> =
         Channel::ALL[..3].iter().filter(|channel| !read.contains(channel)).map(|channel| channel.name()).collect();
     if !unread.is_empty() {
-        notes.push(format!("{} not read: assumed to have gray's curve", unread.join(", ")));
+        notes.push(format!("{} not measured: assumed to have the curve of gray", unread.join(", ")));
     }
     let white = calibration.additivity.last().map(Sum::deviation_percent);
     if let Some(percent) = white.filter(|percent| percent.abs() > ADDITIVE_PERCENT) {
@@ -277,7 +277,8 @@ fn notes(calibration: &Calibration) -> Vec<String> {
     let [least, most] = [f64::min, f64::max].map(|of| blacks.iter().copied().reduce(of).unwrap_or(0.0));
     if most - least > BLACK_DIFFERS * most + 3.0 * calibration.readings.resolution_cd_m2() {
         notes.push(
-            "black differs between channels, though level 0 is the same patch in all: the screen, the room or the photometer changed"
+            "black differs between channels although level 0 is the same patch in all channels: the screen, the room, \
+                or the photometer changed"
                 .to_owned(),
         );
     }
@@ -287,19 +288,19 @@ fn notes(calibration: &Calibration) -> Vec<String> {
         ));
     }
     if calibration.chosen == Family::Table {
-        notes.push("no curve fits the readings within their noise: the table follows them".to_owned());
+        notes.push("no curve fits the readings within their noise: the table is used".to_owned());
     }
     let errors = calibration.model(calibration.chosen).channels.iter().filter_map(|channel| channel.gamma_se);
     let largest = errors.fold(0.0, f64::max);
     if largest > UNCERTAIN_GAMMA {
         notes.push(format!(
-            "gamma is known only to ±{:.3} (95 %): more levels, or several readings a level, make it better",
+            "gamma is uncertain by ±{:.3} (95 %): use more levels, or several readings per level",
             Z_95 * largest
         ));
     }
     if calibration.noise > UNSTEADY {
         notes.push(format!(
-            "readings scatter by {:.1} %: use a steadier photometer, or take several readings a level",
+            "readings vary by {:.1} %: use a steadier photometer, or take several readings per level",
             100.0 * calibration.noise
         ));
     }

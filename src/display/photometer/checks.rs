@@ -86,7 +86,7 @@ fn of_each(readings: &[Reading]) -> Vec<Fault> {
             format!("there are no readings; expected red, green and blue, or gray, at {LEAST_LEVELS} levels or more");
         faults.push(Fault::new(About::All, message));
     } else if readings.iter().all(|one| one.luminance_cd_m2 == 0.0) {
-        let message = "every reading is 0 cd/m²; expected light: is the photometer on the screen, and its cap off?";
+        let message = "every reading is 0 cd/m²; expected light: is the photometer on the screen, and is its cap off?";
         faults.push(Fault::new(About::All, message));
     }
     faults
@@ -100,7 +100,7 @@ fn of_set(readings: &Readings) -> Vec<Fault> {
     match *read {
         _ if read.contains(&Channel::Gray) => {}
         [only] => messages
-            .push(format!("single channel: only {only} was read, which says nothing about the other two; {expected}")),
+            .push(format!("single channel: only {only} was read, which does not determine the other two; {expected}")),
         [first, second] => {
             let missing = Channel::ALL.into_iter().find(|channel| !read.contains(channel)).unwrap_or(first);
             messages.push(format!("channel {missing} is missing: only {first} and {second} were read; {expected}"));
@@ -121,7 +121,8 @@ fn of_set(readings: &Readings) -> Vec<Fault> {
         }
         if let Some(LevelMean { level, .. }) = means.last().filter(|last| last.level != 1.0) {
             messages.push(format!(
-                "{channel}: no reading at level 1 (the highest is {level}); expected the channel's most light"
+                "{channel}: no reading at level 1 (the highest is {level}); expected the maximum luminance of the \
+                    channel"
             ));
         }
     }

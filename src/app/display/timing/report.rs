@@ -107,7 +107,8 @@ impl TimingReport {
             None => "so no frame can be judged as dropped".to_owned(),
         };
         format!(
-            "The frames follow no steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} ms. Close other programs and measure in full screen.",
+            "The frames do not follow a steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} \
+                ms. Close other programs and measure in full screen.",
             ms(0.01),
             ms(0.99)
         )

@@ -16,7 +16,7 @@ use crate::{
 const SETTLING: u32 = 30;
 /// How long the warning is shown before something flickers, seconds.
 const WARNING_S: f64 = 3.0;
-/// What everyone must know before something flickers.
+/// The safety warning before a flickering patch.
 pub const FLICKER_WARNING: &str = "A patch will flicker between black and white with every frame. Flicker can cause seizures in people with photosensitive epilepsy: do not look at it, and keep anyone at risk from looking at it.";
 /// Side of the trial's stimulus, physical pixels.
 const STIMULUS_PX: u32 = 512;

@@ -78,12 +78,12 @@ impl TimingTool {
         Field::new("Shown").radio(
             ui,
             scene,
-            &[(Scene::Trial, "The screen of a trial"), (Scene::Patch, "A patch that flickers")],
+            &[(Scene::Trial, "The screen of a trial"), (Scene::Patch, "A flickering patch")],
         );
         Field::new("Frames").choice(ui, frames, &FRAMES, u32::to_string);
         if *scene == Scene::Patch {
-            Field::new("Side of the patch, pixels").choice(ui, &mut patch.size_px, &SIZES, u32::to_string);
-            let places = [(Place::Corner, "upper left corner"), (Place::Center, "center")];
+            Field::new("Patch size, pixels").choice(ui, &mut patch.size_px, &SIZES, u32::to_string);
+            let places = [(Place::Corner, "Upper-left corner"), (Place::Center, "center")];
             Field::new("Place").radio(ui, &mut patch.place, &places);
             paragraph(ui, RichText::new(FLICKER_WARNING).color(NOTE));
         }

@@ -53,9 +53,9 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
         .choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader).to_owned());
     if shade.shader == Shader::Patch {
         let title = |gradients: &Gradients| match gradients {
-            Gradients::Curvature => "the mesh's curvature".to_owned(),
-            Gradients::Ring => "neighbors, a plane".to_owned(),
-            Gradients::Quadric => "neighbors, a quadric".to_owned(),
+            Gradients::Curvature => "mesh curvature".to_owned(),
+            Gradients::Ring => "plane through neighbors".to_owned(),
+            Gradients::Quadric => "quadric through neighbors".to_owned(),
         };
         field("slopes from", &name("slopes")).choice(ui, &mut shade.gradients, Gradients::ALL, title);
     }
@@ -141,10 +141,10 @@ pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
     field("specular", "Specular").slider(ui, &mut scene.specular, SHARE, 0.01);
     if scene.specular > 0.0 {
         let title = |shape: &Highlight| shape.name().replace('-', "–");
-        field("highlight", "Shape of the highlight").choice(ui, &mut scene.highlight, Highlight::ALL, title);
-        field("exponent", "Exponent of the highlight").slider(ui, &mut scene.shininess, 1.0..=200.0, 1.0);
+        field("highlight", "Highlight model").choice(ui, &mut scene.highlight, Highlight::ALL, title);
+        field("exponent", "Highlight exponent").slider(ui, &mut scene.shininess, 1.0..=200.0, 1.0);
     }
-    field("background", "Light around the surface").slider(ui, &mut scene.background, SHARE, 0.01);
+    field("background", "Background").slider(ui, &mut scene.background, SHARE, 0.01);
     let mut perspective = scene.distance.is_finite();
     if ui.checkbox(&mut perspective, "perspective").changed() {
         scene.distance = if perspective { PERSPECTIVE } else { f64::INFINITY };
@@ -159,7 +159,7 @@ pub fn transfer(ui: &mut egui::Ui, compared: &mut Comparison) {
         Transfer::Linear => "linear".to_owned(),
         other => other.to_string().replace("gamma:", "gamma "),
     };
-    field("display", "Transfer function of the display").choice(ui, &mut compared.transfer, &transfers, title);
+    field("display", "Display transfer function").choice(ui, &mut compared.transfer, &transfers, title);
 }
 
 /// What draws, where the graphics card can.

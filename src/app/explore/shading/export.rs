@@ -47,7 +47,7 @@ impl Export {
                 self.overwrite = Some(path.clone());
                 Err(format!("{} already exists; expected a new name", path.display()))
             } else {
-                let view = view().ok_or_else(|| "This view is not ready; try again in a moment.".to_owned());
+                let view = view().ok_or_else(|| "This view is not ready yet; try again in a moment.".to_owned());
                 view.and_then(|(image, parameters)| {
                     store::image::write_shaded(&path, &image, &compared.transfer.clone().into(), &parameters)
                         .map(|()| format!("Written to {}", path.display()))

@@ -100,7 +100,9 @@ impl ShadingPage {
     fn controls(&mut self, ui: &mut egui::Ui) {
         hint(
             ui,
-            "The same surface under the same light, shaded in two ways. The bright and dark lines along the edges of the triangles are Mach bands: the visual system adds them where the slope of the light jumps.",
+            "The same surface under the same light, shaded in two ways. The bright and dark lines along the edges of \
+                the triangles are Mach bands: the visual system produces them where the slope of the luminance changes \
+                abruptly.",
         );
         controls::preset(ui, &mut self.compared);
         for (which, side) in self.compared.sides.iter_mut().enumerate() {
@@ -109,7 +111,7 @@ impl ShadingPage {
         }
         hint(
             ui,
-            "If a strip is only a few pixels wide, Exact's matched slope becomes a ripple: widen b, or use Cut or Patch.",
+            "If a strip is only a few pixels wide, Exact shows a ripple at the edges: increase b, or use Cut or Patch.",
         );
         ui.separator();
         controls::mesh(ui, &mut self.compared);
@@ -126,7 +128,7 @@ impl ShadingPage {
     }
 
     fn file_field(&mut self, ui: &mut egui::Ui) {
-        let field = Field::new("OBJ file").hint("path of an .obj, or drop one here").width(ui.available_width());
+        let field = Field::new("OBJ file").hint("path of an .obj file, or drop one here").width(ui.available_width());
         let field = field.text(ui, &mut self.file.path);
         let mut open = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         ui.horizontal(|ui| {
@@ -166,7 +168,7 @@ impl ShadingPage {
         let rest = ui.available_rect_before_wrap();
         let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
         let (rect, size) = canvas::whole_pixels(ui.ctx(), room);
-        let label = format!("The surface: {} on the left, {} on the right", titles[0], titles[1]);
+        let label = format!("Surface: {} on the left, {} on the right", titles[0], titles[1]);
         self.dragging = canvas::interact(ui, rect, &mut self.compared, &mut self.settings, &label);
         self.update(ui.ctx(), size);
         self.draw(ui, rect, size);
@@ -315,7 +317,8 @@ impl ShadingPage {
         hint(
             ui,
             format!(
-                "A visibility of 1 means just visible, if the shorter side of the picture takes up {SHORTER_SIDE_DEG}° of visual angle."
+                "A visibility of 1 means just visible, when the shorter side of the picture subtends \
+                    {SHORTER_SIDE_DEG}° of visual angle."
             ),
         );
         let by = match (drawer.by(), drawer.gpu_name()) {
