@@ -18,7 +18,7 @@ use crate::{
     },
 };
 
-/// Analyze ratings: description, ordinal model, tests, figures and a report.
+/// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
 ///
 /// Reads result files, folders of result files, tables of counts, or any CSV file with column names. If part of the
 /// input has errors, each is reported, the rest is analyzed, and the exit status is 1.
@@ -28,25 +28,24 @@ use crate::{
 pub(super) struct Arguments {
     #[command(flatten)]
     ratings: RatingOptions,
-    /// Folder for tables, figures and report.html; an earlier analysis there is replaced.
+    /// Folder for tables, figures and report.html; replaces an earlier analysis.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
     model: ModelOptions,
-    /// Whether each participant has an intercept of their own [default: subject where there are two participants or
-    /// more].
+    /// Random intercept per participant [default: subject if there are at least two participants].
     #[arg(long, value_parser = named::<Random>(Random::NAMES))]
     random: Option<Random>,
-    /// Seed of the bootstrap.
+    /// Bootstrap seed.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Bootstrap samples.
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     replicates: u32,
-    /// Test each term for an effect on the spread of the ratings too.
+    /// Also test each term for an effect on the spread of the ratings.
     #[arg(long)]
     scale: bool,
-    /// Write only tables and model.json.
+    /// Write only the tables and model.json.
     #[arg(long)]
     tables_only: bool,
 }
@@ -63,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let shown: Vec<&str> = categories.iter().take(12).map(String::as_str).collect();
         let texts = shown.join(",");
         let message = format!(
-            "--response {}: {texts} are not numbers; expected their order, the lowest first, by --categories {texts}",
+            "--response {}: {texts} are not numbers; expected their order, lowest first, in --categories {texts}",
             study.source.shape.response
         );
         return Err(UsageError(message).into());
@@ -122,7 +121,7 @@ fn is_usage(error: &ModelError) -> bool {
     )
 }
 
-/// The prediction of the vision model in one line.
+/// The vision model's prediction in one line.
 fn prediction_line(predicted: &Result<StudyPrediction, PredictionError>, took: Duration) -> String {
     match predicted {
         Ok(StudyPrediction { comparison, .. }) => format!(

@@ -15,19 +15,19 @@ use crate::{
     store::{self, profile, readings},
 };
 
-/// Make a display profile from readings of a photometer.
+/// Make a display profile from photometer readings.
 ///
-/// READINGS.csv has the columns channel,level,luminance_cd_m2: channel r, g, b or gray; level the code divided by the
+/// READINGS.csv has the columns channel,level,luminance_cd_m2: channel is r, g, b or gray; level is the code divided by the
 /// largest code, 0 to 1; readings in the order in which they were taken, including repeated ones.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example: machband calibrate left.csv --out left.toml --with \"Konica Minolta LS-150\" --plot left.svg\n\n\
     Models: srgb is the curve of sRGB; gamma is black + range·V^γ; gog has an offset too, (gain·V + offset)^γ; table\n\
-    follows the readings where no curve fits them. auto leaves out each level in turn and takes the simplest of the\n\
+    interpolates the readings if no curve fits them. auto leaves out each level in turn and chooses the simplest of the\n\
     models that predict it best."
 )]
 pub(super) struct Arguments {
-    /// The readings of the photometer.
+    /// Photometer readings.
     #[arg(value_name = "READINGS.csv")]
     readings: PathBuf,
     /// Display profile to write.
@@ -36,22 +36,22 @@ pub(super) struct Arguments {
     /// Name of the display [default: the profile's file name].
     #[arg(long)]
     name: Option<String>,
-    /// The person who measured.
+    /// Name of the person who measured.
     #[arg(long, value_name = "WHO")]
     by: Option<String>,
-    /// The photometer.
+    /// Name of the photometer.
     #[arg(long, value_name = "PHOTOMETER", default_value = "photometer")]
     with: String,
-    /// Day of the measurement, such as 2026-01-31 [default: today].
+    /// Date of the measurement, such as 2026-01-31 [default: today].
     #[arg(long, value_name = "DATE")]
     on: Option<Date>,
-    /// The model of the profile.
+    /// Model of the profile.
     #[arg(long, default_value = "auto", value_parser = ["auto", "gamma", "gog", "srgb", "table"])]
     model: String,
-    /// Readings, curves and errors as a chart.
+    /// Where to write a chart of the readings, curves and errors.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<PathBuf>,
-    /// Everything that was found, as JSON.
+    /// Where to write all results as JSON.
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
 }
@@ -97,7 +97,7 @@ fn check(arguments: &Arguments) -> Result<(), UsageError> {
     }
     match &arguments.plot {
         Some(path) if !has_extension(path, "svg") && !has_extension(path, "png") => Err(UsageError(format!(
-            "--plot {}: is neither SVG nor PNG; expected a name that ends in .svg or .png",
+            "--plot {}: is neither SVG nor PNG; expected a name ending in .svg or .png",
             path.display()
         ))),
         _ => Ok(()),
@@ -119,15 +119,15 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     let channels: Vec<&str> = calibration.readings.channels().iter().map(|channel| channel.name()).collect();
     let (file, readings) = (arguments.readings.display(), calibration.readings.all().len());
     let (scatter, light) = (100.0 * calibration.noise, calibration.luminance_of(family));
-    say(&format!("{file}: {readings} readings of {}; they scatter by {scatter:.2} %", channels.join(", ")))?;
+    say(&format!("{file}: {readings} readings of {}; repeated readings vary by {scatter:.2} %", channels.join(", ")))?;
     say(&format!("black {:.4} cd/m², white {:.2} cd/m²\n", light.black_cd_m2, light.white_cd_m2))?;
     let largest_error = ["largest error, codes", "cd/m²"];
     let header = [&["model", "channel", "gamma", "gain", "offset", "R²"], &largest_error[..]].concat();
     let models = || calibration.models.iter();
     let rows = models().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
     columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| say(line))?;
-    say("\nerror of levels left out in turn")?;
-    let header = ["model", "rms codes", "rms cd/m²", "largest codes", "in units of the noise"];
+    say("\nleave-one-level-out error")?;
+    let header = ["model", "rms codes", "rms cd/m²", "largest codes", "relative to noise"];
     let rows = models().map(|model| {
         let found = &model.validation;
         vec![
@@ -150,7 +150,7 @@ fn print(arguments: &Arguments, calibration: &Calibration, family: Family) -> an
     }
     calibration.notes.iter().try_for_each(|note| say(&format!("note: {note}")))?;
     let better = calibration.chosen;
-    say(&format!("better by cross-validation: {better} (the simplest of the models that predict best)"))?;
+    say(&format!("better by cross-validation: {better} (the simplest of the best-predicting models)"))?;
     say(&format!("chosen: {family}{}", if arguments.model == "auto" { "" } else { ", as requested" }))
 }
 

@@ -7,9 +7,9 @@ use indicatif::ProgressBar;
 use super::{UsageError, progress_style, say, warn};
 use crate::store::{self, ratings, verify};
 
-/// Check definitions, result files, display profiles, observers and images; every fault is named.
+/// Check definitions, result files, display profiles, observers and images, and report every error.
 ///
-/// A display profile that is old, or dated in the future, is not a fault; a warning on stderr says so.
+/// A display profile that is old or dated in the future causes a warning on stderr, not an error.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
 pub(super) struct CheckArguments {
@@ -37,15 +37,15 @@ pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
     if faults.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(faults.join("\n"))) }
 }
 
-/// Prove recorded sessions: rows, pictures, and that nothing was changed since.
+/// Verify recorded sessions: rows, pictures and unchanged files.
 ///
 /// Compares every row with the definition and the seed in the sidecar, renders every picture that was shown again and
-/// compares its hash, and compares every file with the hash that the session left at its end. Prints one line per session
-/// on stdout and every fault on stderr; with a fault, the exit status is 1.
+/// compares its hash, and compares every file with the hash recorded at the end of the session. Prints one line per
+/// session on stdout and every error on stderr; if there are errors, the exit status is 1.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband verify results/bangay2003")]
 pub(super) struct VerifyArguments {
-    /// Results folder, or that of one experiment.
+    /// Results folder, or the folder of one experiment.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
 }
@@ -70,7 +70,7 @@ pub(super) fn verify(arguments: &VerifyArguments) -> anyhow::Result<()> {
         faults.extend(verify::leftovers(folder).iter().map(ToString::to_string));
     }
     if faults.is_empty() {
-        say(&format!("{} sessions: nothing is wrong", files.len()))
+        say(&format!("{} sessions verified; no errors", files.len()))
     } else {
         Err(anyhow::anyhow!(faults.join("\n")))
     }
@@ -83,9 +83,9 @@ fn sentence(found: &verify::Verified) -> String {
         if !faults.is_empty() {
             format!("{} FAULTS", faults.len())
         } else if *sealed {
-            "as it was recorded".to_owned()
+            "unchanged since it was recorded".to_owned()
         } else {
-            "no fault".to_owned()
+            "no errors".to_owned()
         },
     ];
     parts.extend(notes.iter().cloned());

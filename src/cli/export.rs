@@ -4,23 +4,23 @@ use std::{io::Write as _, path::PathBuf};
 
 use crate::store::export::{self, Format};
 
-/// Export recorded sessions as a data set that the community's validators accept.
+/// Export recorded sessions as a data set that passes the standard's validator.
 ///
-/// Exports are all or nothing, and equal sessions give equal bytes. Pictures are included only if their hashes match what
-/// was shown.
+/// Exports are all-or-nothing, and the same sessions always give the same bytes. Pictures are included only if their
+/// hashes match what was shown.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband export results --format bids --out bids")]
 pub(super) struct Arguments {
-    /// Results folder, or that of one experiment.
+    /// Results folder, or the folder of one experiment.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// What to write.
+    /// Format of the data set.
     #[arg(long, value_enum)]
     format: Format,
-    /// New or empty folder, outside the data.
+    /// New or empty folder outside the data.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Leave out sessions with trials that are not rated.
+    /// Exclude sessions with unrated trials.
     #[arg(long)]
     complete_only: bool,
 }
@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     waiting.finish_and_clear();
     let exported = exported?;
     for note in &exported.notes {
-        // A closed stderr costs nothing.
+        // It does not matter if stderr is closed.
         let _ = writeln!(std::io::stderr(), "warning: {note}");
     }
     let pictures = if exported.pictures > 0 { format!(", {} pictures", exported.pictures) } else { String::new() };

@@ -1,4 +1,4 @@
-//! Floor 6: the commands. They do what the window does, without a window.
+//! Floor 6: the commands, which do what the window does without opening one.
 //!
 //! Exit status 0: done; 1: failed; 2: wrong usage. Errors go to stderr as `error: WHERE: what is wrong; what is
 //! expected`, warnings as `warning: WHERE: …`, data to stdout or the named files.
@@ -60,7 +60,7 @@ enum Command {
     Verify(check::VerifyArguments),
 }
 
-/// Arguments that make no sense, found after parsing: exit status 2.
+/// Invalid arguments that were found after parsing: exit status 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 struct UsageError(String);
@@ -95,9 +95,9 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // One line a fault, so that each can be found by its `error:`. Each names its cause itself.
+            // One line per fault, so that a search for `error:` finds each. Each line includes its cause.
             for line in error.to_string().lines() {
-                // Where stderr is closed, the exit status still tells.
+                // If stderr is closed, the exit status still reports the failure.
                 let _ = writeln!(std::io::stderr(), "error: {line}");
             }
             ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
@@ -105,7 +105,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Writes one line of data to stdout. That the reader has closed it, as `head -1` does, is no fault.
+/// Writes one line of data to stdout. It is not an error if the reader has closed it, as `head -1` does.
 fn say(line: &str) -> anyhow::Result<()> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -115,7 +115,7 @@ fn say(line: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Says that a file was written.
+/// Reports that a file was written.
 fn wrote(path: &Path) -> anyhow::Result<()> {
     say(&format!("wrote {}", path.display()))
 }
@@ -127,26 +127,25 @@ fn warn(place: &str, profile: &DisplayProfile) {
     }
 }
 
-/// The date, by the system's clock.
+/// The system clock's date.
 fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }
 
-/// How progress is drawn on a terminal; `what` is counted.
+/// A progress bar for the terminal; `what` names the items counted.
 fn progress_style(what: &str) -> indicatif::ProgressStyle {
     let template = format!("{{bar:40}} {{pos}}/{{len}} {what}, {{eta}} to go");
     indicatif::ProgressStyle::with_template(&template).unwrap_or_else(|_| indicatif::ProgressStyle::default_bar())
 }
 
-/// Shows on a terminal what is going on, where it cannot be counted.
+/// Shows activity on a terminal when progress cannot be counted.
 fn spinner(what: &'static str) -> indicatif::ProgressBar {
     let spinner = indicatif::ProgressBar::new_spinner().with_message(what);
     spinner.enable_steady_tick(std::time::Duration::from_millis(120));
     spinner
 }
 
-/// A table in lines, its columns as wide as their cells and those of numbers to the right. Columns without any content are
-/// left out.
+/// A table as lines of text. Columns fit their cells, numbers are right-aligned, and empty columns are omitted.
 fn columns(header: &[&str], rows: &[Vec<String>]) -> Vec<String> {
     let is_number = |cell: &String| {
         let first = cell.split([' ', '–']).next().unwrap_or_default();

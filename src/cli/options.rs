@@ -1,4 +1,4 @@
-//! Options that several commands share: what is drawn, and how it becomes codes.
+//! Options that several commands share: the stimulus, and how its light becomes codes.
 
 use std::{path::PathBuf, str::FromStr};
 
@@ -26,40 +26,40 @@ where
 /// The ordinal model that `analyze` fits and `plan` simulates.
 #[derive(clap::Args)]
 pub(super) struct ModelOptions {
-    /// Terms of the model: factors by name, numbers with num:, interactions with : or * [default: every factor that
-    /// varies].
+    /// Terms of the model: name factors, prefix numbers with num:, and join interactions with : or * [default: every
+    /// factor that varies].
     #[arg(long, value_name = "T,…")]
     terms: Option<String>,
     /// Link of the cumulative model.
     #[arg(long, default_value = "logit", value_parser = named::<Link>(Link::NAMES))]
     pub(super) link: Link,
-    /// Nodes of the adaptive Gauss–Hermite quadrature; 1 is Laplace's approximation.
+    /// Number of nodes of the adaptive Gauss–Hermite quadrature; 1 is the Laplace approximation.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=MOST_NODES as i64))]
     pub(super) quadrature: u16,
 }
 
 impl ModelOptions {
-    /// The terms, if any were named.
+    /// The terms, if any were given.
     pub(super) fn terms(&self) -> Result<Option<Terms>, UsageError> {
         let terms = self.terms.as_deref().map(Terms::parse).transpose();
         terms.map_err(|error| UsageError(error.to_string()))
     }
 }
 
-/// The light that the display makes of codes.
+/// How the display turns codes into light.
 #[derive(clap::Args)]
 pub(super) struct TransferOptions {
-    /// Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; three joined by / for red,
-    /// green and blue.
+    /// Transfer function of the display: srgb, linear, gamma:G or gog:GAMMA,GAIN,OFFSET; separate three with / for
+    /// red, green and blue.
     #[arg(long, conflicts_with = "display")]
     transfer: Option<Transfers>,
-    /// Display profile, as `machband calibrate` writes it.
+    /// Display profile written by `machband calibrate`.
     #[arg(long, value_name = "FILE")]
     display: Option<PathBuf>,
 }
 
 impl TransferOptions {
-    /// The transfer functions, sRGB unless others were named, and the hash of the profile that they are from.
+    /// The transfer functions (sRGB by default) and the hash of their profile.
     pub(super) fn transfers(&self) -> anyhow::Result<(Transfers, Option<String>)> {
         Ok(match (&self.display, &self.transfer) {
             (Some(path), _) => {
@@ -73,7 +73,7 @@ impl TransferOptions {
         })
     }
 
-    /// The luminance of white, cd/m², where a profile has it.
+    /// The luminance of white in cd/m², if the profile has it.
     pub(super) fn white(&self) -> anyhow::Result<Option<f64>> {
         let profile = self.display.as_deref().map(store::profile::open).transpose()?;
         Ok(profile.and_then(|profile| profile.luminance).map(|range| range.white_cd_m2))
@@ -91,7 +91,8 @@ pub(super) struct ImageOptions {
     /// Bits per channel.
     #[arg(long, default_value = "8", value_parser = named::<Bits>(&["8", "16"]))]
     bits: Bits,
-    /// none, ordered, blue-noise or random; ordered:bayer2, 4, 8, 16 and ordered:clustered2, 3 name the matrix.
+    /// Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
+    /// ordered:clustered2 or 3.
     #[arg(long, default_value = "none")]
     dither: Dither,
     /// Seed of the random dither.
@@ -100,7 +101,7 @@ pub(super) struct ImageOptions {
 }
 
 impl ImageOptions {
-    /// The complete description of an image of this stimulus. To be called once: it reads the display profile and prints
+    /// The complete description of an image of this stimulus. Call it once: it reads the display profile and prints
     /// its warning.
     pub(super) fn recipe(&self, stimulus: Stimulus) -> anyhow::Result<Recipe> {
         let (transfers, display_sha256) = self.transfer.transfers()?;
@@ -116,7 +117,7 @@ impl ImageOptions {
     }
 }
 
-/// What is drawn: `--kind`, and an option for every parameter that any kind in the catalog has.
+/// The stimulus: `--kind`, and an option for every parameter of any kind in the catalog.
 pub(super) struct StimulusOptions {
     kind: String,
     given: Vec<(&'static str, String)>,
@@ -126,7 +127,7 @@ impl StimulusOptions {
     /// The stimulus.
     ///
     /// # Errors
-    /// Every parameter that the kind does not have or that cannot have its value.
+    /// Every parameter that the kind does not have, and every impossible value.
     pub(super) fn stimulus(&self) -> anyhow::Result<Stimulus> {
         let fail = |faults: Vec<String>| UsageError(faults.join("\n"));
         let mut stimulus = Stimulus::default_of(&self.kind).ok_or_else(|| {
@@ -178,7 +179,7 @@ impl Args for StimulusOptions {
             defaults.dedup();
             let default = match defaults.as_slice() {
                 [one] => format!(" [default: {one}]"),
-                [first, ..] => format!(" [default: {first} for {}, else the kind's own]", kinds[0]),
+                [first, ..] => format!(" [default: {first} for {}, otherwise the kind's own]", kinds[0]),
                 [] => String::new(),
             };
             command.arg(

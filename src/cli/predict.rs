@@ -20,18 +20,18 @@ use crate::{
     vision::{Criterion, Visibility},
 };
 
-/// Predict how visible Mach bands are in one stimulus, in every condition of a definition, or in any image.
+/// Predict the visibility of Mach bands in one stimulus, in every condition of a definition, or in any image.
 ///
 /// Visibility is contrast times sensitivity, pooled over all channels: 0 means no band, 1 a band that is just visible. No
-/// observer is needed; --fit compares the prediction with ratings and finds the thresholds between ratings.
+/// observer is needed; --fit compares the prediction with ratings and estimates the thresholds between ratings.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples: machband predict --width 0.1 --depth 3\n          machband predict bangay2003 --out predicted.csv\n          machband predict --image render.png --window 20 --map bands.png\n          machband predict bangay2003 --fit results --criterion lab.toml"
 )]
 pub(super) struct Arguments {
-    /// Name of a built-in definition, or path of a .toml file: predicts all its conditions.
+    /// Built-in definition or path to a .toml file; all its conditions are predicted.
     experiment: Option<String>,
-    /// Any opaque PNG.
+    /// Predict any opaque PNG image.
     #[arg(long, value_name = "FILE.png", conflicts_with = "experiment")]
     image: Option<PathBuf>,
     /// Where to write a map of the image's bands: bright bands white, dark bands black.
@@ -44,20 +44,20 @@ pub(super) struct Arguments {
     /// Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=16384))]
     size: Option<u32>,
-    /// Width of the stimulus or image in degrees of visual angle [default: that of the rated sessions, the definition's,
-    /// or 10].
+    /// Width of the stimulus or image in degrees of visual angle [default: from the rated sessions, else from the
+    /// definition, else 10].
     #[arg(long, value_name = "DEG")]
     window: Option<f64>,
     /// Luminance of white in cd/m² [default: the display profile's, or 100].
     #[arg(long, value_name = "CD")]
     white: Option<f64>,
-    /// Compare the prediction with these ratings, from result files or folders.
+    /// Compare the prediction with ratings from these result files or folders.
     #[arg(long, value_name = "FILE|DIR", num_args = 1.., requires = "experiment")]
     fit: Vec<PathBuf>,
     /// Thresholds between ratings: written with --fit, otherwise read.
     #[arg(long, value_name = "FILE.toml")]
     criterion: Option<PathBuf>,
-    /// Where to write the table, instead of standard output.
+    /// Where to write the table [default: standard output].
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
 }
@@ -65,7 +65,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let positive = |name: &str, value: Option<f64>| match value {
         Some(value) if !(value.is_finite() && value > 0.0) => {
-            Err(UsageError(format!("--{name} {value} is not possible; expected a number above 0")))
+            Err(UsageError(format!("--{name} {value} is invalid; expected a number above 0")))
         }
         value => Ok(value),
     };
@@ -106,7 +106,7 @@ fn image(arguments: &Arguments, path: &Path, viewing: &ViewingConditions) -> any
     let image = store::image::read_light(path, &transfers)?;
     let view = viewing.predict_image(&image).map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
     if let Some(map) = &arguments.map {
-        // The strongest band is white or black; no band is a mean gray.
+        // The strongest band is white or black; medium gray means no band.
         let most = view.map.bright.iter().chain(&view.map.dark).copied().fold(1e-9, f64::max);
         let gray = |i: usize| (0.5 + 0.5 * (view.map.bright[i] - view.map.dark[i]) / most) as f32;
         let place = |x: u32, y: u32| y as usize * image.width as usize + x as usize;
@@ -155,15 +155,15 @@ fn tell(comparison: &Comparison) -> anyhow::Result<()> {
         "criterion: half of the ratings are above 0, 1, 2 at a visibility of {a:.3}, {b:.3}, {c:.3}; spread {:.3}",
         comparison.criterion.spread
     ))?;
-    say(&format!("rank correlation of visibility and mean rating: {}", number(comparison.rank_correlation)))?;
+    say(&format!("rank correlation between visibility and mean rating: {}", number(comparison.rank_correlation)))?;
     let ceiling = comparison.ceiling.map_or_else(
-        || "noise ceiling unknown: a single participant".to_owned(),
-        |[low, high]| format!("noise ceiling, participants with each other: {low:.3} to {high:.3}"),
+        || "noise ceiling unknown: only one participant".to_owned(),
+        |[low, high]| format!("noise ceiling from agreement between participants: {low:.3} to {high:.3}"),
     );
-    say(&format!("with single participants, on average: {}; {ceiling}", number(comparison.with_subjects)))
+    say(&format!("mean for individual participants: {}; {ceiling}", number(comparison.with_subjects)))
 }
 
-/// The criterion that was named, or the default.
+/// The criterion that was given, or the default.
 fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     match &arguments.criterion {
         Some(path) => Ok(observer::open_vision(path)?.criterion()),
@@ -171,7 +171,7 @@ fn criterion(arguments: &Arguments) -> anyhow::Result<Criterion> {
     }
 }
 
-/// Writes the table; a band less visible than `least` is rated as if it were that visible.
+/// Writes the table; a band less visible than `least` is treated as having that visibility.
 fn write(
     arguments: &Arguments,
     header: &[&str],

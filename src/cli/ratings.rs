@@ -1,4 +1,4 @@
-//! Options that `analyze` and `counts` share, which files and which of their columns; and `machband counts`.
+//! `machband counts`, and the options for files and columns that it shares with `analyze`.
 
 use std::path::PathBuf;
 
@@ -11,28 +11,28 @@ use crate::{
     },
 };
 
-/// Where ratings are.
+/// Where to find the ratings.
 #[derive(clap::Args)]
 pub(super) struct RatingOptions {
-    /// Result files, folders of them, tables of counts, or any CSV.
+    /// Result files, folders of result files, tables of counts, or any CSV file.
     #[arg(required = true, value_name = "FILE|DIR")]
     paths: Vec<PathBuf>,
-    /// Column of the participant [default: subject_id].
+    /// Column with the participant ID [default: subject_id].
     #[arg(long, value_name = "COL")]
     subject: Option<String>,
-    /// Column of the ordered response [default: rating, on the scale 0–3].
+    /// Column with the ordered response [default: rating, 0–3].
     #[arg(long, value_name = "COL")]
     response: Option<String>,
-    /// The response's categories, the lowest first, if they are not numbers.
+    /// Categories of the response, lowest first, if they are not numbers.
     #[arg(long, value_name = "C,…", value_delimiter = ',', requires = "response")]
     categories: Option<Vec<String>>,
-    /// Column that says how many trials a row stands for [default: count, if there is one].
+    /// Column with the number of trials per row [default: count, if present].
     #[arg(long, value_name = "COL")]
     count: Option<String>,
-    /// Columns of the factors [default: those of the definition, or of the terms].
+    /// Columns with the factors [default: those of the definition or of the terms].
     #[arg(long, value_name = "COL,…", value_delimiter = ',')]
     factors: Option<Vec<String>>,
-    /// Leave out sessions in which not all planned trials are rated.
+    /// Exclude sessions with unrated trials.
     #[arg(long)]
     complete_only: bool,
 }
@@ -54,12 +54,12 @@ impl RatingOptions {
     }
 }
 
-/// What was read and what was left out, in a line.
+/// One line about what was read and what was left out.
 pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
     let left_out: Vec<String> = [
         (sum(|file| file.practice), "practice rows"),
-        (sum(|file| file.superseded), "ratings taken back"),
+        (sum(|file| file.superseded), "corrected ratings"),
         (sum(|file| file.unfinished), "ratings of unfinished sessions"),
         (sum(|file| file.faulty), "faulty rows"),
     ]
@@ -84,7 +84,7 @@ pub(super) fn sentence(source: &Source, counts: &Counts) -> String {
     line
 }
 
-/// Everything that was wrong with the input, as the command's failure.
+/// All faults of the input, as the command's failure.
 pub(super) fn faults(source: &Source) -> anyhow::Result<()> {
     if source.faults.is_empty() {
         return Ok(());
@@ -93,17 +93,17 @@ pub(super) fn faults(source: &Source) -> anyhow::Result<()> {
     Err(anyhow::anyhow!(lines.join("\n")))
 }
 
-/// Reduce ratings to counts, the sufficient statistic: one row per subject, condition and rating.
+/// Reduce ratings to counts, the sufficient statistic: one row per participant, condition and rating.
 ///
-/// `analyze` takes the table in place of the files, with the same --subject and --response if they were given; the
-/// description, the models and the tests are the same. The table has no repeated ratings and no response times.
+/// `analyze` accepts the table instead of the files, with the same --subject and --response, and gives the same
+/// descriptive statistics, models and tests. The table does not contain repeated ratings or response times.
 #[derive(clap::Args)]
 #[command(after_help = "Examples: machband counts results/bangay2003 --out counts.csv\n          \
     machband counts ratings.csv --subject id --response score --factors width,depth --out counts.csv")]
 pub(super) struct CountsArguments {
     #[command(flatten)]
     ratings: RatingOptions,
-    /// The table.
+    /// Table to write.
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
 }

@@ -13,19 +13,19 @@ use crate::{
     },
 };
 
-/// Open the window and go straight into a session.
+/// Open the window and go straight to a session.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband run bangay2003 --participant S001 --session 1 --seed 7")]
 pub(super) struct Arguments {
     /// Built-in definition or path to a .toml file.
     experiment: String,
-    /// Participant [default: the next free one of P001, P002, …].
+    /// Participant ID [default: the next unused one of P001, P002, …].
     #[arg(long, value_name = "ID", value_parser = Identity::check_subject)]
     participant: Option<String>,
-    /// Session of the participant.
+    /// Session ID of the participant.
     #[arg(long, value_name = "ID", default_value = "1", value_parser = Identity::check_session)]
     session: String,
-    /// Seed of the order of the trials [default: a new one].
+    /// Seed of the trial order [default: a new random seed].
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Folder for the results.
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (false, _) => protocol,
         (true, Some(gray)) => gray,
         (true, None) => {
-            let message = format!("--gray: {} is already gray, or varies its color; expected no --gray", protocol.name);
+            let message = format!("--gray: {} is already gray or varies the color; expected no --gray", protocol.name);
             return Err(super::UsageError(message).into());
         }
     };
@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         None => free_participant(&arguments.results, &protocol),
     };
     let identity = Identity::new(&participant, &arguments.session)?;
-    // What would only be found after the preflight is reported before a window opens.
+    // Problems that would otherwise surface only after the preflight are reported before a window opens.
     let csv = SessionPaths::new(&arguments.results, &protocol, &identity).csv;
     match (SessionStore::exists(&arguments.results, &protocol, &identity), arguments.resume) {
         (Some(_), false) => return Err(StoreError::Exists(csv).into()),

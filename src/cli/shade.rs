@@ -25,34 +25,34 @@ use crate::{
     vision::{Visibility, VisionError},
 };
 
-/// Shade a mesh: write its picture, measure how far its edges are from smooth, and predict how visible its bands are.
+/// Shade a mesh: write its image, measure how smooth its edges are, and predict how visible its bands are.
 ///
-/// Bands are predicted as in `machband predict`, on the surface inside its outlines, from light that is not rounded to
-/// codes: 0 means no band, 1 a band that is just visible. The prediction always uses a picture of 512 × 512 pixels that is
-/// --window degrees wide, whatever --size is; the eye is adapted to its mean light.
+/// Bands are predicted as in `machband predict`, on the surface within its outlines, from light that is not rounded to
+/// codes: 0 means no band, 1 a band that is just visible. The prediction always uses an image of 512 × 512 pixels that is
+/// --window degrees wide, regardless of --size; the eye is adapted to its mean luminance.
 #[derive(clap::Args)]
 #[command(
     allow_negative_numbers = true,
     after_help = "Example: machband shade --mesh blob --vertices 313 --shader exact --depth 3 --boundary 0.2 --out exact.png --metrics exact.json"
 )]
 pub(super) struct Arguments {
-    /// Mesh: cube, pyramid, sphere, torus, blob, or the path of an OBJ file.
+    /// Mesh: cube, pyramid, sphere, torus, blob, or the path to an OBJ file.
     #[arg(long, value_name = "MESH", default_value = "blob")]
     mesh: String,
     /// Number of vertices of a blob; approximate for a sphere or torus.
     #[arg(long, value_name = "N", default_value_t = 313)]
     vertices: usize,
-    /// Angle in degrees above which two faces of an OBJ file meet in a crease.
+    /// Angle in degrees above which the edge between two faces of an OBJ file is a crease.
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
     crease: f64,
-    /// Shader: how light is interpolated over each triangle.
+    /// Shader, which interpolates light over each triangle.
     #[arg(long, value_parser = named::<Shader>(Shader::NAMES))]
     shader: Shader,
     /// Continuity depth n of the strips at the edges, 1 to 32 or inf; for fixed, gradient, exact, cut and corrections.
     #[arg(long, value_name = "N", default_value = "1")]
     depth: Depth,
-    /// Width b of those strips, as a barycentric weight, 0 to 1; above 1/3 only cut differs [default: 1/3
-    /// for cut, else 0.2].
+    /// Width b of the strips, as a barycentric weight, 0 to 1; values above 1/3 affect only cut [default: 1/3 for
+    /// cut, otherwise 0.2].
     #[arg(long, value_name = "B", value_parser = within(0.0, 1.0))]
     boundary: Option<f64>,
     /// Vertex shading, Bangay eq. 7.
@@ -61,34 +61,34 @@ pub(super) struct Arguments {
     /// Intensity reweighting, Bangay eq. 9.
     #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
     reweight: Correction,
-    /// Where patch takes its slopes from.
+    /// How patch computes its slopes.
     #[arg(long, default_value = "curvature", value_parser = named::<Gradients>(Gradients::NAMES))]
     gradients: Gradients,
     /// Rotation of the mesh about x, then y, then z, in degrees.
     #[arg(long, value_name = "X,Y,Z", default_value = "25,-35,0", allow_hyphen_values = true)]
     rotate: Triple,
-    /// Direction toward the lamp: right, up, toward the viewer.
+    /// Direction toward the lamp: x right, y up, z toward the viewer.
     #[arg(long, value_name = "X,Y,Z", default_value = "0.36,0.48,0.8", allow_hyphen_values = true)]
     light: Triple,
     /// Color of the surface: gray, yellow, red, green, blue, R,G,B (linear weights), hsv:H,S,V or xyY:x,y,Y.
     #[arg(long, default_value = "gray")]
     color: StimulusColor,
-    /// Light where the lamp does not reach, 0 to 1.
+    /// Ambient light, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().ambient, value_parser = within(0.0, 1.0))]
     ambient: f64,
-    /// Light that the lamp adds where it strikes the surface at a right angle, 0 to 1.
+    /// Diffuse light at normal incidence, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().diffuse, value_parser = within(0.0, 1.0))]
     diffuse: f64,
-    /// Light that the middle of a highlight adds, 0 to 1.
+    /// Specular light at the center of a highlight, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().specular, value_parser = within(0.0, 1.0))]
     specular: f64,
-    /// Shape of the highlight.
+    /// Highlight model.
     #[arg(long, default_value = "phong", value_parser = named::<Highlight>(Highlight::NAMES))]
     highlight: Highlight,
     /// Exponent of the highlight.
     #[arg(long, value_name = "M", default_value_t = Scene::default().shininess, value_parser = within(1.0, 1000.0))]
     shininess: f64,
-    /// Light around the surface, 0 to 1.
+    /// Light of the background, 0 to 1.
     #[arg(long, value_name = "L", default_value_t = Scene::default().background, value_parser = within(0.0, 1.0))]
     background: f64,
     /// Distance of the eye in radii of the mesh, 1.05 to 1e6; inf for a parallel projection.
@@ -108,17 +108,17 @@ pub(super) struct Arguments {
     /// Where to write the image.
     #[arg(long, value_name = "FILE.png")]
     out: Option<PathBuf>,
-    /// Where to write the measurements: the jump of the slope across the edges, in linear light per pixel, and the
-    /// visibility and density of the bands, each compared with Gouraud's.
+    /// Where to write the measurements: the change of slope across the edges, in linear light per pixel, and the
+    /// visibility and density of the bands, each also relative to Gouraud's.
     #[arg(long, value_name = "FILE.json")]
     metrics: Option<PathBuf>,
-    /// Where to write a picture of those jumps, edge by edge.
+    /// Where to write an image of the change of slope at each edge.
     #[arg(long, value_name = "FILE.png")]
     creases: Option<PathBuf>,
-    /// Width of the picture in degrees of visual angle, for the visibility of bands, 0.5 to 170.
+    /// Width of the image in degrees of visual angle, for the visibility of bands, 0.5 to 170.
     #[arg(long, value_name = "DEG", default_value_t = 10.0, value_parser = within(0.5, 170.0))]
     window: f64,
-    /// Luminance of white, for the visibility of bands, cd/m² [default: the display profile's, or 100].
+    /// Luminance of white in cd/m², for the visibility of bands [default: the display profile's, or 100].
     #[arg(long, value_name = "CD_M2", value_parser = within(1e-3, 1e6))]
     white: Option<f64>,
 }
@@ -135,7 +135,7 @@ struct Measured {
 fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
     move |text| match text.parse() {
         Ok(number) if (least..=most).contains(&number) => Ok(number),
-        Ok(_) => Err(format!("outside {least}…{most}; expected a number within")),
+        Ok(_) => Err(format!("outside {least}…{most}; expected a number in this range")),
         Err(_) => Err(format!("not a number; expected one from {least} to {most}")),
     }
 }
@@ -155,12 +155,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let surface = Surface::new(arguments.mesh()?);
     let frame = scene.frame(&surface, arguments.size, arguments.size);
     if frame.triangles.is_empty() {
-        anyhow::bail!("{}: no triangle has an area that faces the viewer; expected at least one", arguments.mesh);
+        anyhow::bail!("{}: no triangle faces the viewer; expected at least one", arguments.mesh);
     }
     let several = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
     if several > 0 {
         note(&format!(
-            "{}: {several} edges belong to more than two triangles, or to two with opposite windings; light is not smoothed across them",
+            "{}: {several} edges belong to more than two triangles, or to neighbors with opposite winding; shading is not smooth across them",
             arguments.mesh
         ));
     }
@@ -196,13 +196,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A remark that is not a fault.
+/// Prints a note to stderr; it is not an error.
 fn note(text: &str) {
-    // Nothing is lost if nobody reads it.
+    // It does not matter if nobody reads it.
     let _ = writeln!(std::io::stderr(), "note: {text}");
 }
 
-/// `value` in units of Gouraud's; `None` where that is no more than rounding.
+/// `value` relative to Gouraud's; `None` if Gouraud's is only rounding error.
 fn over(value: f64, gouraud: f64) -> Option<f64> {
     (gouraud > crease::NOISE).then(|| value / gouraud)
 }
@@ -253,7 +253,7 @@ fn measurements(
         "crease_median_over_gouraud": over(|of| of.creases.median),
         "crease_p95_over_gouraud": over(|of| of.creases.p95),
         "step_rms": own.creases.step_rms,
-        "crease_unit": "linear light a pixel",
+        "crease_unit": "linear light per pixel",
         "window_deg": viewing.window_deg,
         "white_cd_m2": viewing.white_cd_m2,
         "visibility": own.visibility.max(),
@@ -261,22 +261,25 @@ fn measurements(
         "visibility_dark": own.visibility.dark,
         "visibility_gouraud": gouraud.visibility.max(),
         "visibility_over_gouraud": over(|of| of.visibility.max()),
-        "visibility_unit": "contrast times sensitivity, 1 where a band is just seen",
+        "visibility_unit": "contrast times sensitivity; 1 is just visible",
         "band_density": own.density,
         "band_density_gouraud": gouraud.density,
         "band_density_over_gouraud": over(|of| of.density),
-        "band_density_unit": "visibility times length a square degree",
+        "band_density_unit": "visibility times length per square degree",
     })
 }
 
 impl Arguments {
-    /// Checks that there is something to write, and that it overwrites neither the mesh nor another output.
+    /// Checks that there is an output, and that it does not overwrite the mesh or another output.
     fn check_files(&self) -> Result<(), UsageError> {
         let mut files = vec![("--mesh", Path::new(&self.mesh))];
         for (option, path) in [("--out", &self.out), ("--metrics", &self.metrics), ("--creases", &self.creases)] {
             let Some(path) = path else { continue };
             if let Some((other, _)) = files.iter().find(|(_, other)| other == path) {
-                return Err(UsageError(format!("{option} {} is {other}'s file; expected another", path.display())));
+                return Err(UsageError(format!(
+                    "{option} {} is also the file of {other}; expected a different file",
+                    path.display()
+                )));
             }
             files.push((option, path));
         }
@@ -291,7 +294,7 @@ impl Arguments {
         let Self { shader, depth, vertex, reweight, gradients, naive, .. } = *self;
         let boundary = self.boundary.unwrap_or(Shade::new(shader).boundary);
         if [vertex, reweight] != [Correction::Off; 2] && !shader.interpolates_light() {
-            let message = format!("--vertex and --reweight correct interpolated light; expected off for {shader}");
+            let message = format!("--vertex and --reweight correct interpolated light; expected off with {shader}");
             return Err(UsageError(message));
         }
         Ok(Renderer { shade: Shade { shader, depth, boundary, vertex, reweight, gradients }, naive })
@@ -348,7 +351,7 @@ impl Arguments {
         Ok(store::mesh::read(path, self.crease)?)
     }
 
-    /// Everything that decides the picture.
+    /// All parameters of the image.
     fn describe(&self, scene: &Scene, renderer: &Renderer) -> Value {
         let mut all = json!({ "mesh": self.mesh, "vertices": self.vertices, "crease_deg": self.crease });
         append(&mut all, renderer.describe());

@@ -24,37 +24,37 @@ use crate::{
     },
 };
 
-/// Sessions that run at a time. A session waits for the disk most of its time (every row is synced), and disks serve
-/// several waiting sessions together, so this is more than there are cores.
+/// Sessions that run at the same time. A session spends most of its time waiting for the disk (every row is synced), and
+/// a disk serves several waiting sessions at once, so this exceeds the number of cores.
 const AT_A_TIME: usize = 32;
 
-/// Run sessions with a simulated observer: the same session and files as in the window, without a window.
+/// Run sessions with a simulated observer: the same sessions and files as with the window, but without it.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband simulate bangay2003 --participants 8 --seed 1 --results results")]
 pub(super) struct Arguments {
     /// Built-in definition or path of a .toml file.
     experiment: String,
-    /// Number of participants, S001 onwards.
+    /// Number of participants, numbered from S001.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     participants: u32,
-    /// Seed for the order of the trials and for the observers.
+    /// Seed of the trial order and of the observers.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "results")]
     results: PathBuf,
-    /// The observer.
+    /// Observer.
     #[arg(long, value_enum, default_value_t = Rule::Paper)]
     observer: Rule,
     /// Parameters of the paper or vision observer; experiments/observers has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
-    /// Resume what an interrupted run left; complete sessions stay as they are.
+    /// Resume an interrupted run; complete sessions are not changed.
     #[arg(long)]
     resume: bool,
 }
 
-/// The rule that a simulated observer rates by.
+/// The rule by which a simulated observer rates.
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Rule {
     /// Follows the paper's findings
@@ -65,7 +65,7 @@ enum Rule {
     Vision,
 }
 
-/// What all sessions of a run have in common.
+/// Data shared by all sessions of a run.
 struct Simulation<'a> {
     arguments: &'a Arguments,
     protocol: Protocol,
@@ -155,7 +155,7 @@ impl Simulation<'_> {
         let Interrupted { schedule, resumed, elapsed_s, sitting, torn, .. } = left;
         if torn.is_some() {
             let file = store.csv().display();
-            bar.suspend(|| eprintln!("{file}: a half-written last row was cut off; its trial is shown again"));
+            bar.suspend(|| eprintln!("{file}: an incomplete last row was removed; its trial will be shown again"));
         }
         bar.inc(resumed.done.len() as u64);
         if store.is_complete() {

@@ -27,11 +27,11 @@ pub(super) struct StimulusArguments {
     stimulus: StimulusOptions,
     #[command(flatten)]
     image: ImageOptions,
-    /// Reduce the image to a palette: the method (popularity, median-cut or k-means) and the largest number of colors,
+    /// Reduce the image to a palette, given as method (popularity, median-cut or k-means) and maximum number of colors,
     /// such as median-cut:16.
     #[arg(long, value_name = "METHOD:N", requires = "out")]
     palette: Option<String>,
-    /// Draw each pixel as a cell of dots, for a device with few codes such as a printer: the matrix and the bits per
+    /// Draw each pixel as a cell of dots, for a device with few codes such as a printer; given as matrix and bits per
     /// channel, such as clustered3:1.
     #[arg(long, value_name = "MATRIX:BITS", requires = "out", conflicts_with = "palette")]
     halftone: Option<String>,
@@ -76,7 +76,7 @@ pub(super) fn stimulus(arguments: &StimulusArguments) -> anyhow::Result<()> {
     finish(arguments, &recipe, &quantizer)
 }
 
-/// Writes the profile that was requested, and names the files that were written.
+/// Writes the requested profile, and reports the files that were written.
 fn finish(arguments: &StimulusArguments, recipe: &Recipe, quantizer: &Quantizer) -> anyhow::Result<()> {
     if let Some(profile) = &arguments.profile {
         store::curve::write_profile(profile, recipe, quantizer)?;
@@ -84,7 +84,7 @@ fn finish(arguments: &StimulusArguments, recipe: &Recipe, quantizer: &Quantizer)
     arguments.out.iter().chain(&arguments.profile).try_for_each(|path| wrote(path))
 }
 
-/// Write every distinct condition of a definition as an image, and a manifest.
+/// Write an image of every distinct condition of a definition, and a manifest.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples: machband stimuli bangay2003 --out stimuli --size 512 --bits 16\n          machband stimuli bangay2003 --out stimuli --shard $SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT"
@@ -95,7 +95,7 @@ pub(super) struct StimuliArguments {
     /// Folder for the images.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Make only part I of N, counted from 1: for several machines, or the tasks of a job array.
+    /// Make only part I of N, counted from 1, to divide the work among machines or the tasks of a job array.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
     #[command(flatten)]
@@ -147,6 +147,6 @@ pub(super) fn stimuli(arguments: &StimuliArguments) -> anyhow::Result<()> {
         "{made} images made, {kept} kept, in {}, {:.1} s{}",
         arguments.out.display(),
         started.elapsed().as_secs_f64(),
-        if whole { "" } else { "; manifest.csv follows when every shard is done" }
+        if whole { "" } else { "; manifest.csv will be written when every shard is done" }
     ))
 }

@@ -9,17 +9,17 @@ use crate::{
     store,
 };
 
-/// Measure how regular the intervals between frames are.
+/// Measure frame intervals.
 ///
-/// Opens a window that changes with every frame, and reports the intervals between frames, their percentiles, dropped
-/// frames (intervals above 1.5 refreshes) and missed refreshes, and whether the frames follow a steady refresh at all. The
-/// patch is a target for a photodiode: its light is the only proof of when a frame reaches the eye.
+/// Opens a window that changes with every frame, and reports the frame intervals and their percentiles, dropped frames
+/// (intervals above 1.5 refreshes) and missed refreshes, and whether the frames follow a steady refresh at all. The patch
+/// is a target for a photodiode: only its light shows when a frame reaches the eye.
 ///
-/// With the scene `patch` a small patch flickers at the screen's refresh: do not look at it.
+/// With the scene `patch`, a small patch flickers at the screen's refresh rate. Do not look at it.
 #[derive(clap::Args)]
 #[command(after_help = "Example: machband timing --frames 1800 --fullscreen --out intervals.csv --plot intervals.svg")]
 pub(super) struct Arguments {
-    /// Frames to measure.
+    /// Number of frames to measure.
     #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u32).range(2..=10_000_000))]
     frames: u32,
     /// Use the full screen.
@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     /// Use a window; this is the default.
     #[arg(long)]
     windowed: bool,
-    /// What is drawn: a patch that flickers, or the screen of a trial.
+    /// What to draw: a flickering patch, or the screen of a trial.
     #[arg(long, default_value = "patch")]
     scene: Scene,
     /// Side of the patch in pixels.
@@ -37,7 +37,7 @@ pub(super) struct Arguments {
     /// Position of the patch.
     #[arg(long, default_value = "corner")]
     place: Place,
-    /// Every interval as CSV.
+    /// CSV file for every interval.
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
     /// Chart of the intervals.

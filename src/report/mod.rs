@@ -1,8 +1,8 @@
-//! Floor 5: from files to what a reader of a study sees.
+//! Floor 5: from files to the report of a study.
 //!
-//! [`Study`] is what was read, [`analyze`](crate::analysis::analyze) makes results of it. [`study`] says which blocks of
-//! a [`document`](mod@document) they become, with their sentences and [`figures`]; [`skins`] show these. [`tables`] are
-//! the results as CSV and JSON, and [`write_all`] writes everything into a folder.
+//! [`Study`] holds what was read, and [`analyze`](crate::analysis::analyze) computes its results. [`study`] turns these
+//! into blocks of a [`document`](mod@document), with sentences and [`figures`], and [`skins`] display the document.
+//! [`tables`] contain the results as CSV and JSON. [`write_all`] writes everything into a folder.
 
 pub mod document;
 pub mod figures;

@@ -1,4 +1,4 @@
-//! What `machband analyze` and the pane's export write.
+//! The output of `machband analyze` and of the pane's export.
 
 use std::{
     collections::HashSet,
@@ -26,15 +26,15 @@ use crate::{
 pub struct Written {
     /// The files.
     pub files: Vec<PathBuf>,
-    /// What the model of vision says of the ratings, and how long it took; none where tables alone were wanted.
+    /// The prediction by the model of vision, and the time it took; `None` if only tables were requested.
     pub prediction: Option<(Result<StudyPrediction, PredictionError>, Duration)>,
 }
 
-/// Writes an analysis into a folder: tables and the model, and unless these are all that is wanted, the figures and the
-/// report. Files of an earlier analysis are replaced.
+/// Writes an analysis into a folder: the tables and the model and, unless only these were requested, the figures and the
+/// report. Replaces the files of an earlier analysis.
 ///
 /// # Errors
-/// The folder cannot be made or written.
+/// The folder cannot be created or written.
 pub fn write_all(
     study: &Study,
     results: &Results,
@@ -95,7 +95,7 @@ fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// A factor's name as part of a file's: what is not a letter, digit, hyphen or dot becomes an underscore.
+/// A factor's name as part of a file name: anything but letters, digits, hyphens and dots becomes an underscore.
 fn file_part(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '.' { c } else { '_' }).collect()
 }

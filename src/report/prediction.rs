@@ -1,4 +1,4 @@
-//! Predicted visibility compared with ratings: a criterion fitted to them, and how well the order agrees.
+//! Predicted visibility compared with ratings: the fitted criterion, and the agreement in rank order.
 
 use std::collections::HashMap;
 
@@ -17,89 +17,89 @@ use crate::{
     vision::{Criterion, Visibility, VisionError},
 };
 
-/// Lower visibilities count as this one when they are compared with ratings: below half of what is just visible there is
-/// nothing to distinguish, and some participants who see nothing press a key other than 0.
+/// Lower visibilities are raised to this value before they are compared with ratings: below half of the visibility
+/// threshold there is nothing to distinguish, and some participants press a key other than 0 even if they see no band.
 pub const LEAST: f64 = 0.5;
 
-/// Most conditions that a report predicts: each takes about a millisecond.
+/// Maximum number of conditions that a report predicts; each takes about a millisecond.
 const MOST_LINES: usize = 5000;
-/// Most of them where each needs a picture: these take a few tenths of a second.
+/// The same if each condition needs a picture, which takes a few tenths of a second.
 const MOST_PICTURES: usize = 100;
 
-/// How a prediction compares with ratings.
+/// A prediction compared with ratings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// Where one rating gives way to the next, by maximum likelihood.
+    /// The thresholds between ratings, estimated by maximum likelihood.
     pub criterion: Criterion,
-    /// Conditions that both have.
+    /// Number of conditions with both a prediction and ratings.
     pub conditions: usize,
-    /// Ratings of them.
+    /// Number of ratings in these conditions.
     pub ratings: u64,
-    /// Spearman's correlation of visibility and mean rating over conditions.
+    /// Spearman's correlation between visibility and mean rating over conditions.
     pub rank_correlation: Option<f64>,
-    /// The same with each participant alone, the mean over participants.
+    /// The same for each participant separately, averaged over participants.
     pub with_subjects: Option<f64>,
-    /// What any model could reach of that: the mean over participants of the correlation with the mean of the others,
-    /// and with the mean of all (Nili et al. 2014, PLoS Comput. Biol. 10:e1003553). `None` for a single participant.
+    /// The noise ceiling: the correlation of each participant with the mean of the others, and with the mean of all,
+    /// averaged over participants (Nili et al. 2014, PLoS Comput. Biol. 10:e1003553). `None` for a single participant.
     pub ceiling: Option<[f64; 2]>,
 }
 
-/// Why nothing is predicted of ratings.
+/// Why there is no prediction.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PredictionError {
     /// The stimuli are not known.
-    #[error("the files contain no definition of an experiment, so what was shown is unknown")]
+    #[error("the files contain no definition of an experiment, so the stimuli are unknown")]
     NoDefinition,
-    /// It would take too long for a report.
+    /// The prediction would take too long for a report.
     #[error(
-        "{conditions} conditions are more than the {most} that a report predicts; `machband predict {name} --fit` predicts all"
+        "there are {conditions} conditions, and a report predicts at most {most}; `machband predict {name} --fit` predicts all"
     )]
     TooMany {
-        /// Those of the definition.
+        /// Number of conditions in the definition.
         conditions: usize,
-        /// Those that a report allows.
+        /// Maximum number in a report.
         most: usize,
-        /// The definition.
+        /// Name of the definition.
         name: String,
     },
-    /// A stimulus that cannot be seen.
-    #[error("the model cannot see the stimuli: {0}")]
+    /// The model cannot process a stimulus.
+    #[error("the model cannot process the stimuli: {0}")]
     Invisible(#[from] VisionError),
     /// The definition sets a parameter to a value that it cannot have.
-    #[error("the definition’s conditions cannot be made: {0}")]
+    #[error("the definition’s conditions are invalid: {0}")]
     Conditions(String),
-    /// Nothing in common.
-    #[error("the ratings have none of the conditions predicted; expected ratings of this experiment")]
+    /// The prediction and the ratings share no condition.
+    #[error("the ratings contain none of the predicted conditions; expected ratings from this experiment")]
     NoCondition,
-    /// A factor without a column.
-    #[error("the ratings do not record {0}, which the definition varies; expected a column of it")]
+    /// A factor has no column.
+    #[error("the ratings do not record {0}, which the definition varies; expected a column for it")]
     Factor(String),
-    /// Another scale.
+    /// The ratings use a different scale.
     #[error("the scale has {0} {noun}; expected the four of the scale 0–3", noun = if *.0 == 1 { "category" } else { "categories" })]
     Categories(usize),
-    /// No thresholds can be had.
-    #[error("{0}; expected ratings that rise with visibility and use all of the scale")]
+    /// No thresholds can be estimated.
+    #[error("{0}; expected ratings that increase with visibility and use the whole scale")]
     NoFit(String),
 }
 
-/// What the model of vision says of a study's conditions.
+/// Predictions of the model of vision for a study's conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyPrediction {
-    /// The conditions of viewing.
+    /// The viewing conditions.
     pub viewing: ViewingConditions,
     /// How the prediction compares with the ratings.
     pub comparison: Comparison,
-    /// The rating expected in each of the counts' conditions, in the numbers of the categories; `None` where a
-    /// condition is none of the definition's.
+    /// The expected rating in each condition of the counts, in numbers of the categories; `None` for a condition that
+    /// is not in the definition.
     pub ratings: Vec<Option<f64>>,
 }
 
 impl StudyPrediction {
-    /// Predicts every condition of the definition, in the window of its sessions, and compares the predictions with the
+    /// Predicts every condition of the definition, at the window size of its sessions, and compares the predictions with the
     /// ratings.
     ///
     /// # Errors
-    /// Why that cannot be done.
+    /// The reason that there is no prediction.
     pub fn of(source: &Source, counts: &Counts) -> Result<Self, PredictionError> {
         let protocol = source.protocol.as_ref().ok_or(PredictionError::NoDefinition)?;
         check_categories(counts)?;
@@ -123,11 +123,10 @@ impl StudyPrediction {
     }
 }
 
-/// Compares what is predicted of a definition's conditions with ratings of it.
+/// Compares predictions for the conditions of a definition with ratings.
 ///
 /// # Errors
-/// Where they have nothing in common, no criterion can be fitted, or the ratings do not record a factor of the
-/// definition.
+/// They share no condition, no criterion can be fitted, or the ratings do not record a factor of the definition.
 pub fn compare_conditions(
     counts: &Counts,
     protocol: &Protocol,
@@ -137,8 +136,7 @@ pub fn compare_conditions(
     compare(counts, &by_condition(counts, protocol, conditions, predicted)?)
 }
 
-/// The width of the window in the sessions, degrees: the mean of what their sidecars record, else what the
-/// definition plans.
+/// The width of the window in degrees: the mean over the sessions' sidecars, otherwise the definition's planned value.
 #[must_use]
 pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
     let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
@@ -146,8 +144,8 @@ pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
     mean(widths.filter(|deg| deg.is_finite() && *deg > 0.0)).unwrap_or(protocol.viewing.window_deg)
 }
 
-/// The greatest visibility in each of the counts' conditions, in the order of these; `None` where it is none of the
-/// definition's. Columns that are no parameters of the stimulus say nothing of what was shown.
+/// The greatest visibility in each condition of the counts, in their order; `None` for a condition that is not in the
+/// definition. Columns that are not parameters of the stimulus are ignored.
 fn by_condition(
     counts: &Counts,
     protocol: &Protocol,
@@ -173,7 +171,7 @@ fn by_condition(
     Ok((0..counts.conditions.len() as u32).map(|condition| known.get(&rated(condition)).copied()).collect())
 }
 
-/// A value as one text, in however many ways its number may be written.
+/// A value as normalized text, since the same number may be written in several ways.
 fn canonical(text: &str) -> String {
     text.parse().map_or_else(|_| text.to_owned(), |number: f64| format!("{:.12e}", number + 0.0))
 }
@@ -206,7 +204,7 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Pre
     })
 }
 
-/// Checks that ratings are on a scale that a criterion has thresholds for.
+/// Checks that the ratings are on the scale of the criterion's thresholds.
 fn check_categories(counts: &Counts) -> Result<(), PredictionError> {
     match counts.categories.len() {
         4 => Ok(()),
@@ -227,18 +225,18 @@ fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Criterion, Pr
     let model = fit(&builder.finish().counts, &ModelSpec::new(terms)).map_err(|error| fail(&error))?;
     let slope = model.coefficients.first().map_or(f64::NAN, |coefficient| coefficient.estimate);
     if !(slope.is_finite() && slope > 0.0) {
-        return Err(PredictionError::NoFit(format!("ratings change by {slope:.3} with the logarithm of visibility")));
+        return Err(PredictionError::NoFit(format!("ratings change by {slope:.3} per unit of log visibility")));
     }
     let thresholds: Vec<f64> = model.thresholds.iter().map(|threshold| (threshold.estimate / slope).exp()).collect();
     match <[f64; 3]>::try_from(thresholds) {
         Ok(thresholds) if thresholds.iter().all(|t| t.is_finite() && *t > 0.0) => {
             Ok(Criterion { thresholds, spread: 1.0 / slope })
         }
-        _ => Err(PredictionError::NoFit("some rating was never given".to_owned())),
+        _ => Err(PredictionError::NoFit("at least one rating was never used".to_owned())),
     }
 }
 
-/// Mean rating of every participant in these conditions; NaN where there is none.
+/// Mean rating of every participant in each of these conditions; NaN if there is none.
 fn means(counts: &Counts, places: &[u32]) -> Vec<Vec<f64>> {
     let mut sums = vec![vec![(0.0, 0.0); places.len()]; counts.subjects.len()];
     for row in &counts.rows {
@@ -251,7 +249,7 @@ fn means(counts: &Counts, places: &[u32]) -> Vec<Vec<f64>> {
     sums.into_iter().map(|cells| cells.into_iter().map(|(sum, n)| sum / n).collect()).collect()
 }
 
-/// Mean over the participants who rated a condition; NaN where nobody did.
+/// Mean over the participants who rated a condition; NaN if nobody did.
 fn pooled(means: &[&[f64]]) -> Vec<f64> {
     let of = |condition: usize| mean(means.iter().map(|own| own[condition]).filter(|value: &f64| value.is_finite()));
     (0..means.first().map_or(0, |own| own.len())).map(|condition| of(condition).unwrap_or(f64::NAN)).collect()
@@ -262,7 +260,7 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (n > 0).then(|| sum / f64::from(n))
 }
 
-/// Spearman's correlation, ties at their mean rank, of the pairs that both have; `None` where one does not vary.
+/// Spearman's correlation over complete pairs, with mean ranks for ties; `None` if a variable does not vary.
 #[must_use]
 pub fn rank_correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let pairs = a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite());

@@ -1,4 +1,4 @@
-//! What becomes of the blocks of a document: a page, which is one file that opens anywhere without a network, or text on
+//! Skins for the blocks of a document: a page, which is a single file that opens anywhere without a network, or text for
 //! a terminal. The window's skin is in `app/analysis`.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
@@ -10,11 +10,11 @@ use crate::report::{
 };
 
 const STYLE: &str = include_str!("style.css");
-/// Most rows that a page shows of one table; all of them are in the CSV files.
+/// Maximum number of rows of a table on a page; the CSV files contain all of them.
 const MOST_ROWS: usize = 2000;
-/// A table with more rows is folded under its caption.
+/// A table with more rows is collapsed under its caption.
 const MANY_ROWS: usize = 24;
-/// So is text to be copied with more lines.
+/// Text to copy with more lines is also collapsed.
 const MANY_LINES: usize = 12;
 
 /// A document as a page.
@@ -74,14 +74,14 @@ fn block_markup(block: &Block) -> Markup {
             Block::Note(text) => p.note { (text) },
             Block::Warning(text) => p.warning { (text) },
             Block::List(items) => ul { @for item in items { li { (linked(item)) } } },
-            Block::Code(text) => (folded(text.lines().count() > MANY_LINES, "Show it", markup! { pre { code { (text) } } })),
+            Block::Code(text) => (folded(text.lines().count() > MANY_LINES, "Show", markup! { pre { code { (text) } } })),
             Block::Table(table) => (table_markup(table)),
             Block::Figure(figure) => (figure_markup(figure)),
         }
     }
 }
 
-/// Text with the address at its end as a link.
+/// Text in which an address at the end becomes a link.
 fn linked(text: &str) -> Markup {
     let (before, address) = text.find("https://").map_or((text, ""), |at| text.split_at(at));
     markup! {
@@ -90,7 +90,7 @@ fn linked(text: &str) -> Markup {
     }
 }
 
-/// Something long, folded under a line.
+/// Long content, collapsed under a line.
 fn folded(is_long: bool, line: &str, content: Markup) -> Markup {
     if is_long {
         markup! { details { summary { (line) } (content) } }
@@ -99,7 +99,7 @@ fn folded(is_long: bool, line: &str, content: Markup) -> Markup {
     }
 }
 
-/// A table, whose first column names the rows, and which scrolls sideways where the page is narrow.
+/// A table whose first column names the rows. It scrolls sideways on a narrow page.
 fn table_markup(table: &Table) -> Markup {
     let Table { caption, header, texts, rows } = table;
     let class = |column: usize| (column >= *texts).then_some("number");
@@ -128,7 +128,7 @@ fn table_markup(table: &Table) -> Markup {
 }
 
 fn figure_markup(figure: &Figure) -> Markup {
-    // From its root element on, without what makes it a file of its own.
+    // From its root element on, without the XML prolog of a separate file.
     let svg = figure.svg.find("<svg").map_or("", |root| &figure.svg[root..]);
     markup! {
         figure.wide[figure.wide] {
@@ -138,7 +138,7 @@ fn figure_markup(figure: &Figure) -> Markup {
     }
 }
 
-/// A section as text: one line a paragraph, so that the terminal breaks it. Tables and charts are in files.
+/// A section as text: one line per paragraph, which the terminal wraps. Tables and charts are in files.
 pub fn terminal(section: &Section) -> Vec<String> {
     let mut lines = Vec::new();
     for block in &section.blocks {

@@ -17,7 +17,7 @@ use crate::store::{ratings::Shape, table::inert};
 pub struct Table {
     /// Names of the columns.
     pub header: Vec<String>,
-    /// Cells, as many as columns.
+    /// Cells, one per column.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -26,7 +26,7 @@ impl Table {
         Self { header: header.into_iter().map(Into::into).collect(), rows }
     }
 
-    /// As CSV, UTF-8. Texts that a spreadsheet would run as formulas have an apostrophe before them.
+    /// As CSV in UTF-8. Texts that a spreadsheet would run as formulas are prefixed with an apostrophe.
     pub fn csv(&self) -> Vec<u8> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         for row in std::iter::once(&self.header).chain(&self.rows) {
@@ -37,7 +37,7 @@ impl Table {
     }
 }
 
-/// A number that reads back the same; tiny ones with an exponent.
+/// A number that reads back the same; tiny numbers have an exponent.
 pub fn number(value: f64) -> String {
     // A sum of nothing is −0.
     let value = value + 0.0;
@@ -72,7 +72,7 @@ fn group_row(Group { names, summary }: &Group) -> Vec<String> {
     cells
 }
 
-/// Every cell of the design, by its factors.
+/// Every cell of the design.
 pub fn cells(results: &Results) -> Table {
     let counts = &results.measured.counts;
     let factors = counts.factors.iter().map(|factor| factor.name.clone());
@@ -101,8 +101,8 @@ fn median(times: Option<Quartiles>) -> String {
     maybe(times.map(|times| times.median))
 }
 
-/// Friedman's and Wilcoxon's tests and the likelihood ratios; no rows from one participant, about whom there is nothing
-/// to test.
+/// Friedman's and Wilcoxon's tests and the likelihood-ratio tests; no rows for a single participant, since there is
+/// nothing to test.
 pub fn tests(results: &Results) -> Table {
     let header =
         ["test", "term", "level", "other", "n", "statistic", "df", "p", "p_holm", "effect", "effect_is", "note"];
@@ -136,7 +136,7 @@ fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
     let (name, mut rows) = (&factor.name, Vec::new());
     let left_out = match factor.incomplete.len() {
         0 => String::new(),
-        n => format!("{n} participants without ratings at every level are left out"),
+        n => format!("{n} participants without ratings at every level are excluded"),
     };
     if let Some(test) = &factor.friedman {
         let numbers = [Some(test.chi_squared), Some(test.df as f64), Some(test.p), None, Some(test.w)];
@@ -145,7 +145,7 @@ fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
     let Some(pairs) = &factor.pairs else { return rows };
     let limit = if pairs.cannot_reach(0.05) {
         let n = pairs.pairs.len();
-        format!("with so few participants and {n} pairs no p_holm below {:.3} is possible", pairs.least_p)
+        format!("with so few participants and {n} pairs, p_holm cannot be below {:.3}", pairs.least_p)
     } else {
         String::new()
     };
@@ -163,7 +163,7 @@ fn rank_rows(factor: &FactorResults) -> Vec<Vec<String>> {
     rows
 }
 
-/// Agreement between participants (Krippendorff's α) and of each with themselves (weighted κ).
+/// Agreement between participants (Krippendorff's α) and within each participant (weighted κ).
 pub fn agreement(results: &Results) -> Table {
     let mut rows = Vec::new();
     let mut row = |measure: &str, subject: &str, n: u64, estimate: Option<f64>, interval: Option<Interval>| {
@@ -183,7 +183,7 @@ pub fn agreement(results: &Results) -> Table {
     Table::new(["measure", "subject_id", "n", "estimate", "ci_low", "ci_high"], rows)
 }
 
-/// The sufficient statistic: participant, factors, rating and how often. `analyze` reads it again, as it read the files:
+/// The sufficient statistic: participant, factors, rating and count. `analyze` can read it in place of the files, since
 /// the columns of participant and response keep their names.
 pub fn counts(counts: &Counts, shape: &Shape) -> Table {
     let factors = counts.factors.iter().map(|factor| &factor.name);
@@ -198,7 +198,7 @@ pub fn counts(counts: &Counts, shape: &Shape) -> Table {
     Table::new(header, counts.rows.iter().map(row).collect())
 }
 
-/// What the model expects of each condition, of a participant in the middle.
+/// The model's expected ratings in each condition, for a typical participant.
 pub fn predictions(results: &Results) -> Option<Table> {
     let report = results.model.as_ref().ok()?;
     let factors = results.measured.counts.factors.iter().map(|factor| factor.name.clone());
@@ -237,7 +237,7 @@ pub fn model(results: &Results) -> Value {
                 value["proportional_odds"] = json!(report.proportional_odds);
                 value["scale_tests"] = json!(results.scale);
             } else {
-                // z and p would be about other people.
+                // z and p would be statements about other people.
                 for list in ["coefficients", "scale"] {
                     for coefficient in value[list].as_array_mut().into_iter().flatten() {
                         (coefficient["z"], coefficient["p"]) = (Value::Null, Value::Null);

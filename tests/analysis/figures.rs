@@ -179,7 +179,10 @@ fn a_study_of_bands_has_every_chart() {
             assert_eq!(lines(figure, BAR).is_empty(), people == 1, "{}", figure.name);
             let sample = if people == 1 { "; 1 participant, 72 ratings." } else { "; 6 participants, 432 ratings." };
             assert!(figure.caption.ends_with(sample), "{}", figure.caption);
-            assert_eq!(figure.caption.contains("one participant, so there are no intervals"), people == 1);
+            assert_eq!(
+                figure.caption.contains("there are no intervals, since there is only one participant"),
+                people == 1
+            );
         }
         // Four orientations, and two distances from the axes.
         assert_eq!(circles(named(&all, "orientation"), BLUE).len(), 4 + 2);
@@ -357,7 +360,7 @@ fn odd_studies_are_drawn() {
     // no name; too many texts stand upright.
     let numbers = figures::all(&studies[5].1);
     let figure = named(&numbers, "figure4a");
-    assert!(figure.caption.contains("(12 of 30 are drawn)"), "{}", figure.caption);
+    assert!(figure.caption.contains("(12 of 30 are shown)"), "{}", figure.caption);
     let shown = texts(figure);
     for (name, expected) in [("0", true), ("145", true), ("5", false)] {
         let lines = shown.iter().skip_while(|text| *text != "b").skip(1);

@@ -182,8 +182,8 @@ fn sentences_follow_the_direction_of_the_data() {
     finding(&backwards, "falls with width at every step");
     for summary in [&forwards, &backwards] {
         let same = finding(summary, "shader");
-        assert!(same.contains("cannot tell the levels apart"));
-        let caution = "found no clear difference by shader. That does not show that there is none";
+        assert!(same.contains("cannot distinguish the levels"));
+        let caution = "found no clear difference by shader. This does not show that there is none";
         assert_parts(&summary.cautions.join(" "), &[caution]);
         // The largest of many differences that chance can make is no estimate.
         for part in ["The odds", "rises", "falls"] {
@@ -275,7 +275,7 @@ fn one_participant_gets_a_description_and_nothing_that_looks_like_inference() {
         assert!(!one.contains(sign), "{sign}: {one}");
     }
     assert!(!page(1).contains(">p</th>") && !page(1).contains(">SE</th>"));
-    let alone = "nothing follows from them for other people";
+    let alone = "which do not generalize to other people";
     assert_parts(&one, &[alone, "machband plan"]);
     assert_parts(&one, &["In these ratings the mean tends to fall with depth, from 1.83 at 1 to 0.00 at ∞"]);
     // With a second person the same signs are there.
@@ -288,7 +288,7 @@ fn one_participant_gets_a_description_and_nothing_that_looks_like_inference() {
 fn holms_limit_is_mentioned_where_it_binds_and_only_there() {
     for (people, depths, expected) in [(8, 5, 1), (8, 4, 0), (9, 5, 0), (5, 3, 3)] {
         let mut cautions = summary(&results(people, &DEPTHS[..depths], false)).cautions;
-        cautions.retain(|caution| caution.contains("Holm’s correction can give"));
+        cautions.retain(|caution| caution.contains("possible after Holm’s correction"));
         assert_eq!(cautions.len(), expected, "{people} {depths}: {cautions:?}");
         if expected == 1 {
             assert_parts(&cautions[0], &["depth", "10 pairs", ".078"]);
@@ -317,7 +317,10 @@ fn what_is_wrong_with_the_data_is_reported() {
     let mut source = Source { protocol: Some(protocol.clone()), ..source(&FACTORS) };
     source.sessions = ["S001", "S002"].map(|subject| session(&protocol, subject, person.clone())).to_vec();
     let fine = text(&page(&source, &results));
-    assert_parts(&fine, &["All 2 sessions are finished", "all sittings were run alike", "No fault was found"]);
+    assert_parts(
+        &fine,
+        &["All 2 sessions are finished", "all sittings were run in the same way", "No errors were found"],
+    );
     assert!(!fine.contains("imulated"));
 
     let note = |ok, sentence: &str| PreflightNote { check: "refresh".to_owned(), ok, sentence: sentence.to_owned() };
@@ -346,7 +349,7 @@ fn what_is_wrong_with_the_data_is_reported() {
     }];
     let wrong = text(&page(&source, &results));
     let expected = [
-        "Part of these data is simulated: a program gave the ratings of 1 of 2 participants (S002)",
+        "Some of these data are simulated: the ratings of 1 of 2 participants (S002) come from a program",
         "1 of 2 sessions is unfinished",
         "unfinished, 30 missing",
         "In 7 of 150 trials",
@@ -364,7 +367,7 @@ fn what_is_wrong_with_the_data_is_reported() {
     for session in &mut source.sessions {
         session.sidecar.as_mut().unwrap().sittings[0].observer = Some(serde_json::json!({ "observer": "random" }));
     }
-    assert_parts(&study::summary(&source, &results).cautions[0], &["nothing here says anything about people"]);
+    assert_parts(&study::summary(&source, &results).cautions[0], &["the results say nothing about people"]);
     assert_parts(&text(&page(&source, &results)), &["2 simulated observers gave"]);
 }
 
@@ -381,10 +384,10 @@ fn participants_who_answer_oddly_are_named() {
     }
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &options())).cautions.join("\n");
     // Their first ratings are 1 and their second 2, whatever the width: no better than chance.
-    let alike = "\nann, cyd and dot agreed little with their own first ratings: κ = .00.\n";
+    let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00.\n";
     let (ben, slow) = ("\nben used one category only: all 30 ratings are 2.\n", "dot answered unusually slowly");
     assert_parts(&cautions, &[ben, alike, "answers of cyd came within 0.2", slow]);
-    assert!(!cautions.contains("answered unusually fast"), "a second sentence: {cautions:?}");
+    assert!(!cautions.contains("answered unusually quickly"), "a second sentence: {cautions:?}");
 }
 
 #[test]
@@ -470,7 +473,7 @@ fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
     source.sessions = [4.0, 5.0].map(|deg| session(&protocol, "S001", seated(deg))).to_vec();
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
-    assert_parts(&text, &["window 4.5° wide", "takes the agreement of two participants"]);
+    assert_parts(&text, &["window 4.5° wide", "requires the agreement of at least two participants"]);
     // What cannot be predicted.
     let rated = |categories: &[&str]| {
         let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(categories);
@@ -482,7 +485,7 @@ fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
     for (categories, reason) in [
         (&["0", "1", "2"][..], "the scale has 3 categories"),
         (&["1"][..], "the scale has 1 category;"),
-        (&SCALE[..], "expected ratings that rise with visibility"),
+        (&SCALE[..], "expected ratings that increase with visibility"),
     ] {
         why(Some(&protocol), &rated(categories), reason);
     }
@@ -490,13 +493,13 @@ fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
     for name in ["low", "high"] {
         black.stimulus.set(name, &0.0.into()).unwrap();
     }
-    why(Some(&black), &results, "cannot see the stimuli: all black");
+    why(Some(&black), &results, "cannot process the stimuli: all black");
     let mut elsewhere = protocol.clone();
     elsewhere.factors[0].levels = vec![0.3.into(), 0.5.into()];
-    why(Some(&elsewhere), &results, "none of the conditions predicted");
+    why(Some(&elsewhere), &results, "none of the predicted conditions");
     let mut endless = protocol;
     endless.factors[0].levels = (1..=2000).map(|i| (f64::from(i) / 4000.0).into()).collect();
-    why(Some(&endless), &results, "10000 conditions are more than the 5000");
+    why(Some(&endless), &results, "there are 10000 conditions, and a report predicts at most 5000");
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn a_study_is_analyzed() {
         assert!(tests.iter().any(|row| row[0] == kind), "{kind}");
     }
     // 4 participants and 15 pairs of widths: the least possible corrected probability is 15 · 2/2⁴.
-    assert!(tests.iter().any(|row| row[0] == "wilcoxon" && row[11].contains("no p_holm below")));
+    assert!(tests.iter().any(|row| row[0] == "wilcoxon" && row[11].contains("p_holm cannot be below")));
     let (_, agreement) = read(&out.join("agreement.csv"));
     assert!(agreement.iter().any(|row| row[0] == "krippendorff_alpha_ordinal"));
     assert_eq!(agreement.iter().filter(|row| row[0] == "retest_kappa_quadratic").count(), 4);

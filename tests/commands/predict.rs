@@ -83,7 +83,7 @@ fn a_report_says_what_predict_says() {
     let text = section("analysis");
     let two = format!("{:.2}", rho.parse::<f64>().unwrap()).replacen("0.", ".", 1);
     assert!(text.contains("What the model of vision predicts") && text.contains(&format!("(Spearman) is {two}.")));
-    assert!(text.contains("this very model"), "{text}");
+    assert!(text.contains("this same model"), "{text}");
     // The figures stand beside those of the ratings.
     let places = ["Mean visibility rating by ramp", "Predicted mean rating by ramp", "Mean visibility rating by con"]
         .map(|title| text.find(&format!("<strong>{title}")).expect(title));

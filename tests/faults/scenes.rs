@@ -203,7 +203,7 @@ fn cut(sweep: &Sweep, table: &mut Table) {
         let kept = disk::lines(&scene.csv()).split_off(1);
         let resumed = scene.resume(&scene.first());
         let torn = !ends.contains(&length);
-        assert_eq!(resumed.stderr.contains("a half-written last row was cut off"), torn, "{length}: {resumed:?}");
+        assert_eq!(resumed.stderr.contains("an incomplete last row was removed"), torn, "{length}: {resumed:?}");
         let errors = if torn { vec![resumed.stderr] } else { Vec::new() };
         let report = Report { rows: kept, errors, ..Report::default() };
         table.line("the file is cut within its last two rows", scene.assert_kept(&report, &scene.first()));

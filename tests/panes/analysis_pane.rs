@@ -181,7 +181,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     assert_document(&mut window, &study, &results);
     // What the model of vision says is computed when it is asked for.
     click(&mut window, "What the model of vision predicts");
-    wait_for(&mut window, "the rank correlation of visibility and mean rating");
+    wait_for(&mut window, "the rank correlation between visibility and mean rating");
     assert_has(&window, "Predicted mean rating by ramp width");
 
     // Another link is another model.
@@ -261,7 +261,7 @@ fn one_participant_has_no_p_values() {
     assert!(has(&window, "Sort by p"));
     click_and_rest(&mut window, "Participants: 2 of 2");
     click_and_rest(&mut window, "Participant S001");
-    assert_has(&window, "With one participant there is nothing to test.");
+    assert_has(&window, "With one participant, there is nothing to test.");
     click(&mut window, "Model");
     assert!(!has(&window, "Sort by p") && !has(&window, "Does each term matter?"));
 }

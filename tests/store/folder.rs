@@ -234,7 +234,7 @@ mod interrupted {
             assert!(fs::read(&paths.csv).unwrap().starts_with(&whole[..kept]), "{length}");
             let sidecar = Sidecar::read(&paths.sidecar).unwrap().unwrap();
             let incidents = &sidecar.sittings.last().unwrap().incidents;
-            assert_eq!(incidents.iter().any(|incident| incident.contains("half-written")), torn, "{length}");
+            assert_eq!(incidents.iter().any(|incident| incident.contains("incomplete last row")), torn, "{length}");
         }
     }
 

@@ -38,7 +38,10 @@ fn an_untouched_session_is_proved() {
     // All of 4 widths × 3 depths × 2 orientations.
     assert_eq!(found.pictures, 24);
     let said = succeeds(folder.path(), &["verify", "results"]);
-    assert!(said.contains("as it was recorded") && said.contains("1 sessions: nothing is wrong"), "{said}");
+    assert!(
+        said.contains("unchanged since it was recorded") && said.contains("1 sessions verified; no errors"),
+        "{said}"
+    );
 }
 
 fn edit_lines(csv: &Path, change: fn(&mut Vec<String>)) {

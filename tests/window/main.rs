@@ -75,7 +75,7 @@ fn a_full_session_records_every_key_and_shows_the_exact_stimulus() {
     // Every picture that was on the screen is rendered again, and is the same.
     let output = Command::new(MACHBAND).arg("verify").arg(csv.parent().unwrap()).output().unwrap();
     let printed = common::text(&output.stdout) + &common::text(&output.stderr);
-    let expected = "12 pictures rendered again; as it was recorded";
+    let expected = "12 pictures rendered again; unchanged since it was recorded";
     assert!(output.status.success() && printed.contains(expected), "{printed}");
 }
 

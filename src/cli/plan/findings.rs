@@ -1,4 +1,4 @@
-//! What a plan found: a table and sentences for the terminal, and the table as CSV.
+//! The findings of a plan: a table and sentences for the terminal, and the table as CSV.
 
 use crate::{
     analysis::power::{Effect, Hypothesis, Plan, Power, Sampling, Test},
@@ -10,22 +10,22 @@ use crate::{
 /// The powers of a plan, and what they depend on.
 pub(super) struct Findings<'a> {
     pub protocol: &'a Protocol,
-    /// The observer and the effects that it was given: `paper oblique=0.3`.
+    /// The observer and its given effects: `paper oblique=0.3`.
     pub observer: String,
     pub plan: &'a Plan,
     pub sampling: Sampling,
-    /// The power that is enough.
+    /// Target power.
     pub target: f64,
     /// In the order of the plan.
     pub powers: &'a [Power],
 }
 
 impl Findings<'_> {
-    /// What is printed, line by line.
+    /// The lines to print.
     pub fn lines(&self) -> Vec<String> {
         let (spec, Sampling { studies, alpha, seed }) = (self.plan.spec(), self.sampling);
         let heading = format!(
-            "{}, observer {}: {} ratings from each participant, {studies} studies for each number of participants, seed {seed}; \
+            "{}, observer {}: {} ratings from each participant, {studies} studies per number of participants, seed {seed}; \
              {} model of {}, alpha {alpha}",
             self.protocol.name,
             self.observer,
@@ -93,7 +93,7 @@ impl Findings<'_> {
         for power in self.powers {
             if let Some(least) = self.plan.least_p(power).filter(|least| *least >= self.sampling.alpha) {
                 sentences.push(format!(
-                    "With {}, Friedman's test of {} cannot find anything: its smallest possible p is {least:.3}.",
+                    "With {}, Friedman's test of {} cannot be significant: its smallest possible p is {least:.3}.",
                     people(power.participants),
                     self.hypothesis(power).term
                 ));
@@ -126,7 +126,7 @@ impl Findings<'_> {
         };
         Some(match effect {
             None => format!(
-                "{term} has no effect on this observer. The rate of false alarms, expected to be {}, is {}.",
+                "{term} has no effect on this observer. The false-alarm rate, expected to be {}, is {}.",
                 percent(self.sampling.alpha),
                 clauses(&|powers| self.false_alarms(powers))
             ),
@@ -137,7 +137,7 @@ impl Findings<'_> {
         })
     }
 
-    /// How many participants are enough for one test.
+    /// The number of participants that is sufficient for one test.
     fn fewest(&self, powers: &[&Power]) -> String {
         let enough =
             format!("enough for a power of {} by {}", percent(self.target), self.test(powers[powers.len() - 1]));
@@ -153,7 +153,7 @@ impl Findings<'_> {
             }
             (None, Some(most)) => {
                 let (share, people) = (with_interval(most), people(most.participants));
-                format!("no number tried is {enough}; the highest is {share} with {people}")
+                format!("no number tried is {enough}; the highest power is {share} with {people}")
             }
             (None, None) => String::new(),
         }
@@ -170,18 +170,18 @@ impl Findings<'_> {
         format!("{}{to} by {by}", percent(least))
     }
 
-    /// What limits the findings.
+    /// Limitations of the findings.
     fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         if self.plan.hypotheses().iter().all(|hypothesis| hypothesis.effect.is_none()) {
             let factor = self.protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
             let example = factor.and_then(|factor| Some(format!("{}:{}=0.5", factor.name, factor.levels.last()?)));
             let example = example.map_or_else(String::new, |example| format!(", such as --effect {example}"));
-            remarks.push(format!("Nothing has an effect on this observer. Add one with --effect{example}."));
+            remarks.push(format!("No factor has an effect on this observer. Add an effect with --effect{example}."));
         }
         if self.powers.iter().any(|power| power.participants == 1) {
             let text =
-                "With one participant the model has no random intercept: its findings hold for that person alone.";
+                "With one participant, the model has no random intercept, so its findings apply to that person only.";
             remarks.push(text.to_owned());
         }
         let sd = self.plan.observer().subject_sd;
@@ -255,7 +255,7 @@ fn percent(share: f64) -> String {
     format!("{} %", rounded(100.0 * share, 1))
 }
 
-/// To this many decimals at most, without zeros at the end.
+/// Rounded to at most this many decimals, without trailing zeros.
 fn rounded(value: f64, decimals: usize) -> String {
     format!("{value:.decimals$}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -18,22 +18,22 @@ use findings::Findings;
 /// Find how many participants a study needs, by simulating its power.
 ///
 /// Simulates studies with the ordered-logit observer of `simulate` and analyzes each as `analyze` would. For each number
-/// of participants and each effect, reports the share of studies that find it, with exact 95 % intervals (Clopper and
-/// Pearson): by the likelihood-ratio test of the term in the ordinal mixed model, and by Friedman's test of each
-/// participant's means. Where there is no effect to find, the share is the rate of false alarms, and is called that.
+/// of participants and each effect, reports the proportion of studies that find it, with exact 95 % intervals (Clopper
+/// and Pearson): by the likelihood-ratio test of the term in the ordinal mixed model, and by Friedman's test of the
+/// participants' means. If an effect is absent, this proportion is reported as the false-alarm rate.
 #[derive(clap::Args)]
 #[command(
     after_help = "Effects: NAME=VALUE sets a parameter of the observer: depth, fall, narrow, oblique, contrast, \
     infinite_as, strongest_width, subject_sd, lapse (see experiments/observers/paper.toml). FACTOR:LEVEL=LOGITS adds to \
     one level of any factor of the experiment.\n\n\
-    Results depend on the seed, not on the number of threads (ChaCha8, a stream for each participant of each study).\n\n\
+    Results depend on the seed but not on the number of threads (ChaCha8, one stream per participant and study).\n\n\
     Examples:\n  machband plan orientation --participants 4,8,12 --effect oblique=0.5\n  \
     machband plan shaders --participants 8 --effect shader:gouraud=1 --effect shader:flat=2"
 )]
 pub(super) struct Arguments {
     /// Built-in definition or path of a .toml file.
     experiment: String,
-    /// Participants in each study; several numbers to compare.
+    /// Number of participants per study; give several to compare.
     #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
     participants: Vec<u32>,
     /// An effect to find: NAME=VALUE or FACTOR:LEVEL=LOGITS; can be repeated.
@@ -42,16 +42,16 @@ pub(super) struct Arguments {
     /// Studies simulated for each number of participants.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     studies: u32,
-    /// An effect is found if p is below this.
+    /// Significance level: an effect is found if p is below it.
     #[arg(long, value_name = "P", default_value_t = 0.05, value_parser = proportion)]
     alpha: f64,
-    /// The power to reach.
+    /// Target power.
     #[arg(long, value_name = "P", default_value_t = 0.8, value_parser = proportion)]
     target: f64,
     /// Seed of the simulated ratings.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Parameters of the observer; the documented default is experiments/observers/paper.toml.
+    /// Parameters of the observer; experiments/observers/paper.toml has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
     #[command(flatten)]
@@ -85,14 +85,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         powers: &powers,
     };
     findings.lines().iter().try_for_each(|line| say(line))?;
-    // Last, so that a path that cannot be written costs no result.
+    // Last, so that no result is lost if the path cannot be written.
     if let Some(path) = &arguments.out {
         write_file(path, &findings.csv())?;
     }
     Ok(())
 }
 
-/// Runs the studies with their progress, in participants, since a study takes as long as it has people.
+/// Runs the studies. Progress is counted in participants, since the time per study is proportional to them.
 fn simulate(plan: &Plan, participants: &[u32], sampling: &Sampling) -> Vec<Power> {
     let people: u64 = participants.iter().map(|people| u64::from(*people)).sum();
     let total = people * u64::from(sampling.studies);
@@ -102,16 +102,16 @@ fn simulate(plan: &Plan, participants: &[u32], sampling: &Sampling) -> Vec<Power
     powers
 }
 
-/// A proportion between 0 and 1, both excluded, for clap.
+/// Parses a proportion between 0 and 1, exclusive.
 fn proportion(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|number| *number > 0.0 && *number < 1.0);
     number.ok_or_else(|| "expected a number between 0 and 1, such as 0.05".to_owned())
 }
 
-/// Most logits that a level can add: far beyond the whole scale.
+/// Most logits that a level can add, far beyond the whole scale.
 const MOST_LOGITS: f64 = 1000.0;
 
-/// An observer with the effects that were asked for, and those that it has no parameter for.
+/// An observer with the requested effects, and the effects for which it has no parameter.
 fn apply(
     observer: OrderedLogit,
     effects: &[String],
@@ -124,7 +124,7 @@ fn apply(
         let fault = |message: &str| UsageError(format!("--effect {effect}: {message}"));
         let (name, value) = effect
             .rsplit_once('=')
-            .ok_or_else(|| fault("no = in it; expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5"))?;
+            .ok_or_else(|| fault("has no =; expected NAME=VALUE or FACTOR:LEVEL=LOGITS, such as oblique=0.5"))?;
         let (name, number) = (name.trim(), value.trim().parse::<f64>().ok().filter(|value| value.is_finite()));
         let value = number.ok_or_else(|| fault("the value is not a finite number; expected one such as 0.5"))?;
         if names.contains(&name) {
@@ -144,7 +144,7 @@ fn apply(
     Ok((observer, shifts))
 }
 
-/// The observer with another value of one parameter, checked as its file would be.
+/// The observer with a different value of one parameter, checked like its file.
 fn with(observer: &OrderedLogit, name: &str, value: f64, protocol: &Protocol) -> Result<OrderedLogit, String> {
     let mut table = toml::Table::try_from(observer).map_err(|error| error.to_string())?;
     match table.get_mut(name) {

@@ -1,5 +1,4 @@
-//! What a document consists of: sections of blocks, built once and shown by every skin. Their numbers are written as in
-//! a paper, by [`numbers`].
+//! Documents: sections of blocks, built once and shown by every skin. [`numbers`] formats their numbers as in a paper.
 
 pub mod numbers;
 
@@ -12,14 +11,14 @@ pub struct Document {
     pub title: String,
     /// The line below it.
     pub subtitle: String,
-    /// Its sections, in the order in which they are read.
+    /// Its sections in reading order.
     pub sections: Vec<Section>,
 }
 
 /// A section.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
-    /// Its address within the document.
+    /// Its anchor within the document.
     pub id: &'static str,
     /// Its heading.
     pub heading: &'static str,
@@ -36,11 +35,11 @@ pub enum Block {
     Text(String),
     /// A paragraph of secondary importance.
     Note(String),
-    /// A paragraph that nobody should miss.
+    /// A paragraph that readers must not miss.
     Warning(String),
     /// Items of equal rank.
     List(Vec<String>),
-    /// Text to be copied as it is.
+    /// Text to copy verbatim.
     Code(String),
     /// A table.
     Table(Table),
@@ -48,16 +47,16 @@ pub enum Block {
     Figure(Figure),
 }
 
-/// A table. Its cells are set as they are to be read.
+/// A table. Its cells are formatted text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
     /// What it shows.
     pub caption: String,
     /// Names of the columns.
     pub header: Vec<String>,
-    /// How many columns, from the left, are texts; the others are numbers.
+    /// How many columns, from the left, contain text; the others contain numbers.
     pub texts: usize,
-    /// Cells, as many as columns.
+    /// Cells, one per column.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -94,7 +93,7 @@ impl Section {
         }
     }
 
-    /// A table whose first columns are texts and whose others are numbers.
+    /// A table whose first columns contain text and whose other columns contain numbers.
     pub fn table(&mut self, caption: impl Into<String>, texts: &[&str], numbers: &[&str], rows: Vec<Vec<String>>) {
         let header = texts.iter().chain(numbers).map(|&name| name.to_owned()).collect();
         self.blocks.push(Block::Table(Table { caption: caption.into(), header, texts: texts.len(), rows }));
@@ -106,7 +105,7 @@ impl Section {
         self.table(caption, &["What", "Value"], &[], rows);
     }
 
-    /// Those of these charts that have one of the names.
+    /// The charts that have one of these names.
     pub fn figures(&mut self, figures: &[Figure], names: &[&str]) {
         let named = names.iter().filter_map(|name| figures.iter().find(|figure| figure.name == *name));
         self.blocks.extend(named.cloned().map(Block::Figure));

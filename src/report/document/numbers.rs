@@ -1,18 +1,18 @@
-//! Numbers as a reader expects them: sensible digits, thousands apart, no leading zero before a probability. Where there
-//! is no number, there is a dash.
+//! Numbers as a reader expects them: sensible precision, separated thousands, and no leading zero in a probability. A
+//! dash stands for a missing number.
 
 use crate::analysis::bootstrap::Interval;
 
-/// A space at which no line breaks.
+/// A no-break space.
 pub const NBSP: &str = "\u{a0}";
 
-/// A whole number with its thousands apart: `1,920`.
+/// A whole number with separated thousands: `1,920`.
 pub fn whole(number: u64) -> String {
     let digits: Vec<char> = number.to_string().chars().collect();
     digits.rchunks(3).rev().map(String::from_iter).collect::<Vec<_>>().join(",")
 }
 
-/// A number with so many decimals and a true minus sign.
+/// A number with the given number of decimals and a true minus sign.
 pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> String {
     let number = number.into().unwrap_or(f64::NAN);
     if number.is_nan() {
@@ -51,7 +51,7 @@ pub fn probability(p: impl Into<Option<f64>>) -> String {
     text.trim_start_matches('0').to_owned()
 }
 
-/// In a sentence: `p = .043`, `p < .001`, never broken over two lines.
+/// For a sentence: `p = .043`, `p < .001`, never broken over two lines.
 pub fn p_is(p: f64) -> String {
     let text = probability(p);
     let text = if text.starts_with(['<', '>']) { format!("p {text}") } else { format!("p = {text}") };
@@ -78,7 +78,7 @@ pub fn range(interval: Option<Interval>, format: impl Fn(f64) -> String) -> Stri
     interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", format(i.low), format(i.high)))
 }
 
-/// A bootstrap interval after its estimate, ` (95 % bootstrap interval .81 to .92)`; nothing for none.
+/// A bootstrap interval to follow its estimate, ` (95 % bootstrap interval .81 to .92)`; empty without an interval.
 pub fn with_level(level: f64, interval: Option<Interval>) -> String {
     match interval {
         Some(_) => format!(" ({} bootstrap interval {})", percent(level), range(interval, unit)),
@@ -107,7 +107,7 @@ pub fn list<S: AsRef<str>>(items: &[S]) -> String {
     }
 }
 
-/// A list that ends after so many items and says how many more there are.
+/// A list that ends after `most` items and says how many more there are.
 pub fn short_list<S: AsRef<str>>(items: &[S], most: usize) -> String {
     if items.len() <= most {
         return list(items);

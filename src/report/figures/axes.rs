@@ -1,4 +1,5 @@
-//! Panels with a value upward and the levels of a factor, or numbers, across; round numbers for ticks.
+//! Panels with a value on the vertical axis and numbers or the levels of a factor on the horizontal; round numbers for
+//! ticks.
 
 use super::{
     labels,
@@ -10,21 +11,21 @@ use crate::analysis::{
     summary::category_values,
 };
 
-/// Size of text in a chart for a column.
+/// Text size in a chart of column width.
 pub(super) const TEXT: f64 = 29.0;
 /// Radius of a marker.
 pub(super) const MARKER: f64 = 8.0;
-/// Height of a panel in a chart for a column.
+/// Height of a panel in a chart of column width.
 pub(super) const PANEL: f64 = 380.0;
 /// Free space at the edges of a chart.
 pub(super) const EDGE: f64 = 16.0;
 /// Length of a tick.
 const TICK: f64 = 8.0;
-/// Longest name of a category at its tick.
+/// Maximum width of a category's name at its tick.
 const LONGEST_VALUE: f64 = 170.0;
-/// Longest name of a level that stands upright below its tick.
+/// Maximum length of a level's name that is rotated below its tick.
 const LONGEST_UPRIGHT: f64 = 250.0;
-/// Most ticks without a name.
+/// Maximum number of ticks without a name.
 const MOST_TICKS: usize = 40;
 
 /// A rectangle in which values are drawn.
@@ -41,7 +42,7 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// The x coordinate of a share of the width, 0…1 from the left.
+    /// The x coordinate at a proportion of the width, 0…1 from the left.
     pub fn x(&self, share: f64) -> f64 {
         self.left + share * self.width()
     }
@@ -56,7 +57,7 @@ impl Panel {
     }
 }
 
-/// The axis upward.
+/// The vertical axis.
 pub(super) struct Values {
     low: f64,
     high: f64,
@@ -64,7 +65,7 @@ pub(super) struct Values {
 }
 
 impl Values {
-    /// The whole scale of the ratings, whether or not all of it was used.
+    /// The whole rating scale, whether or not all of it was used.
     pub fn ratings(counts: &Counts) -> Self {
         let values = category_values(counts);
         let (low, high) = ends(values.iter().copied()).unwrap_or((0.0, 1.0));
@@ -75,7 +76,7 @@ impl Values {
         Self { low: low - pad, high: high + pad, ticks }
     }
 
-    /// From 0 to a little more than the largest value.
+    /// From 0 to slightly above the largest value.
     pub fn from_zero(largest: f64) -> Self {
         Self::between(0.0, if largest > 0.0 { 1.06 * largest } else { 1.0 })
     }
@@ -89,7 +90,7 @@ impl Values {
         Panel { left, right, top, bottom: top + height, low: self.low, high: self.high }
     }
 
-    /// Room that the axis needs at the left of the panel, with its title.
+    /// Space that the axis and its title need to the left of the panel.
     pub fn margin(&self) -> f64 {
         EDGE + 1.3 * TEXT + self.widest() + TICK + 8.0
     }
@@ -99,7 +100,7 @@ impl Values {
         widths.fold(0.0, f64::max)
     }
 
-    /// Lines across the panel, ticks, and a title; without a title no values, since another panel on the left shows them.
+    /// Grid lines, ticks and a title. Without a title there are no values, since the panel to the left shows them.
     pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: Option<&str>) {
         for (value, name) in &self.ticks {
             let y = panel.y(*value);
@@ -121,16 +122,16 @@ impl Values {
 
 /// The levels of a factor across a panel.
 pub(super) struct Levels {
-    /// The place of each level, a share of the panel's width.
+    /// The position of each level, as a proportion of the panel's width.
     pub at: Vec<f64>,
-    /// Whether a line from one level to the next has a meaning.
+    /// Whether a line from one level to the next is meaningful.
     pub ordered: bool,
     names: Vec<String>,
 }
 
 impl Levels {
-    /// Numbers at their places, on a logarithmic axis where they span more than a factor of ten; angles always on a
-    /// linear one. Everything else, and the depth, in order and evenly.
+    /// Numbers at their values, on a logarithmic axis if they span more than a factor of ten; angles are always linear.
+    /// Depths and everything else are evenly spaced in order.
     pub fn of(factor: &Factor) -> Self {
         let numbers = factor.numbers.as_ref();
         let places = numbers.filter(|n| factor.name != "depth" && n.len() > 1);
@@ -145,18 +146,18 @@ impl Levels {
         Self { at, ordered, names: names.iter().map(|name| labels::level(name)).collect() }
     }
 
-    /// The smallest distance between two levels, a share of the panel's width.
+    /// The smallest distance between two levels, as a proportion of the panel's width.
     pub fn gap(&self) -> f64 {
         self.at.windows(2).map(|pair| pair[1] - pair[0]).fold(1.0, f64::min)
     }
 
-    /// Room below a panel of this width for the names and a title.
+    /// Space below a panel of this width for the names and a title.
     pub fn below(&self, width: f64) -> f64 {
         below(self.labels(width).2)
     }
 
-    /// Whether the names below a panel of this width are upright, the names that have room, and their height. Where not
-    /// all have room, texts are turned and one number in so many is left.
+    /// Whether the names below a panel of this width are rotated, the names that fit, and their height. If not all fit,
+    /// texts are rotated, and only every nth number is kept.
     fn labels(&self, width: f64) -> (bool, Vec<Option<String>>, f64) {
         let widths: Vec<f64> = self.names.iter().map(|name| labels::width(name, TEXT)).collect();
         let fits = |each: usize, widths: &[f64]| {
@@ -191,12 +192,12 @@ impl Levels {
     }
 }
 
-/// Room below a panel for names of this height, and a title.
+/// Space below a panel for names of this height and a title.
 pub(super) fn below(height: f64) -> f64 {
     TICK + 6.0 + height + 10.0 + TEXT + EDGE
 }
 
-/// The line below a panel, and its title under names of some height.
+/// The line below a panel, and its title below names of the given height.
 fn base(svg: &mut Svg, panel: &Panel, height: f64, title: &str) {
     svg.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS);
     let center = panel.x(0.5);
@@ -212,7 +213,7 @@ fn tick(svg: &mut Svg, panel: &Panel, share: f64, name: &str, font: Font) {
     }
 }
 
-/// The axis of a number from the left to the right of a panel, with lines up the panel.
+/// A numeric axis along the bottom of a panel, with vertical grid lines.
 pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, (low, high): (f64, f64), title: &str) {
     for value in ticks(low, high, (panel.width() / 80.0) as usize) {
         let share = (value - low) / (high - low);
@@ -222,7 +223,7 @@ pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, (low, high): (f64, f64),
     base(svg, panel, TEXT, title);
 }
 
-/// Places of numbers, a share of the width; none where some would fall on others.
+/// Positions of numbers, as proportions of the width; `None` if some would coincide.
 fn spread(numbers: &[f64], always_linear: bool) -> Option<Vec<f64>> {
     const MARGIN: f64 = 0.07;
     let (low, high) = ends(numbers.iter().copied()).filter(|(low, high)| low.is_finite() && high.is_finite())?;
@@ -239,7 +240,7 @@ pub(super) fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     values.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// Round numbers between two others: steps of 1, 2 or 5 times a power of ten, at most so many.
+/// At most `most` round numbers in a range, in steps of 1, 2 or 5 times a power of ten.
 fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let span = high - low;
     if !(span.is_finite() && span > 0.0) {
@@ -252,7 +253,7 @@ fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     (0..=(last - first).max(0.0) as usize).map(|index| (first + index as f64) * step).collect()
 }
 
-/// A number without the noise of binary fractions.
+/// A number without binary rounding noise.
 pub(super) fn plain(value: f64) -> String {
     labels::level(&((value * 1e6).round() / 1e6 + 0.0).to_string())
 }

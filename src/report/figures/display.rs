@@ -1,4 +1,4 @@
-//! A display: the readings of its calibration with the chosen curve, and the intervals between its frames.
+//! A display: its calibration readings with the chosen curve, and its frame intervals.
 
 use super::{
     axes::{EDGE, MARKER, PANEL, Panel, TEXT, Values, below, number_axis},
@@ -16,7 +16,7 @@ use crate::display::{
 const STEPS: usize = 128;
 /// Height of the upper panel and of the lower one.
 const HEIGHTS: (f64, f64) = (400.0, 230.0);
-/// Least reach of the lower panel, 8-bit codes.
+/// Minimum range of the lower panel, in 8-bit codes.
 const LEAST_CODES: f64 = 1.0;
 
 /// `calibration`: readings, curves and residuals.
@@ -24,8 +24,8 @@ const LEAST_CODES: f64 = 1.0;
 pub fn calibration(calibration: &Calibration) -> Figure {
     let model = calibration.model(calibration.chosen);
     let caption = format!(
-        "Above, luminance by encoded value: {} readings as markers, the chosen model ({}) as lines. Below, the distance of \
-         each reading from its line, in 8-bit codes.",
+        "Top: luminance by encoded value, with {} readings as markers and the chosen model ({}) as lines. Bottom: the \
+         distance of each reading from its line, in 8-bit codes.",
         calibration.readings.all().len(),
         calibration.chosen,
     );
@@ -70,7 +70,7 @@ fn residuals(calibration: &Calibration) -> impl Iterator<Item = (Channel, f64, f
     })
 }
 
-/// The palette's colors nearest to the channels, and a marker and a dash for each.
+/// The palette's closest color for each channel, with its marker and dash pattern.
 fn series(channel: Channel) -> Series {
     let (color, marker, dash) = match channel {
         Channel::Red => (VERMILION, Marker::Square, Some((18.0, 8.0))),
@@ -81,7 +81,7 @@ fn series(channel: Channel) -> Series {
     Series { color, marker, dash }
 }
 
-/// `intervals`: every interval between frames, and a line at the screen's refresh.
+/// `intervals`: every frame interval, and a line at the screen's refresh interval.
 #[must_use]
 pub fn intervals(intervals_us: &[u32], refresh: Option<Refresh>) -> Figure {
     let longest = intervals_us.iter().copied().max().unwrap_or(0);
@@ -89,10 +89,11 @@ pub fn intervals(intervals_us: &[u32], refresh: Option<Refresh>) -> Figure {
     let values = Values::from_zero((f64::from(longest) * 1e-3).max(refresh_ms.unwrap_or(0.0)));
     let panel = values.panel(values.margin(), WIDTH - EDGE - TEXT, EDGE, PANEL);
     let last = intervals_us.len().max(2) as f64;
-    let line = refresh.map_or_else(String::new, |refresh| format!("; the line is the refresh, {:.3} Hz", refresh.hz()));
+    let line = refresh
+        .map_or_else(String::new, |refresh| format!("; the line marks the refresh rate, {:.3} Hz", refresh.hz()));
     let caption = format!("Frames 1 to {}{line}.", intervals_us.len());
     let height = panel.bottom + below(TEXT);
-    Figure::draw("intervals", "Intervals between frames".to_owned(), caption, height, |svg| {
+    Figure::draw("intervals", "Frame intervals".to_owned(), caption, height, |svg| {
         values.draw(svg, &panel, Some("Interval (ms)"));
         number_axis(svg, &panel, (1.0, last), "Frame");
         if let Some(ms) = refresh_ms {

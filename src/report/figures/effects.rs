@@ -1,4 +1,4 @@
-//! What the model says: every coefficient with its interval, by term.
+//! The model's coefficients with their intervals, grouped by term.
 
 use super::{
     axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis},
@@ -13,16 +13,16 @@ use crate::analysis::{
     terms::{Term, Variable},
 };
 
-/// Most coefficients in a chart.
+/// Maximum number of coefficients in a chart.
 const MOST: usize = 60;
 /// Distance of two rows.
 const PITCH: f64 = 1.4 * TEXT;
-/// Longest name of a row.
+/// Maximum width of a row's name.
 const LONGEST: f64 = 290.0;
-/// How far the names of levels are indented.
+/// Indentation of the names of levels.
 const INDENT: f64 = 18.0;
 
-/// `effects`, where there is a model of several people with coefficients.
+/// `effects`, if there is a model with coefficients from several participants.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
     let model = &results.model.as_ref().ok()?.model;
     if !results.is_inferential() || model.coefficients.is_empty() {
@@ -30,7 +30,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     }
     let rows = rows(results, model);
     let (low, high) = range(model);
-    // Headings may reach into the panel, where their line is empty.
+    // Headings may extend into the panel, since their line is empty there.
     let names = rows.iter().filter(|(_, one)| one.is_some()).map(|(name, _)| INDENT + labels::width(name, TEXT));
     let left = EDGE + names.fold(120.0, f64::max).min(LONGEST) + 14.0;
     let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
@@ -63,8 +63,8 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
 
 fn caption(results: &Results, model: &Model) -> String {
     let mut text = format!(
-        "Coefficients of the cumulative {} model ({}), with 95\u{a0}% intervals (1.96 standard errors): to the right, \
-         ratings are higher than at the level in parentheses; {}.",
+        "Coefficients of the cumulative {} model ({}), with 95\u{a0}% intervals (1.96 standard errors). Positive \
+         values mean higher ratings than at the level in parentheses; {}.",
         model.link,
         model.method,
         labels::sample(results)
@@ -79,7 +79,7 @@ fn caption(results: &Results, model: &Model) -> String {
     text
 }
 
-/// The lines of the chart: coefficients by name, and the headings of their terms, which have none.
+/// The lines of the chart: coefficients by name, and headings for their terms, which have no coefficient.
 fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coefficient>)> {
     let mut rows = Vec::new();
     let mut last = None;
@@ -96,7 +96,7 @@ fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coef
     rows
 }
 
-/// The levels of a coefficient: its name without the factors', which stand above it.
+/// The levels of a coefficient: its name without those of the factors, which are in the heading.
 fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
     let mut rest = name;
     let mut parts = Vec::new();
@@ -107,7 +107,7 @@ fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
             continue;
         };
         let (_, factor) = results.measured.counts.factor(factor)?;
-        // A level may have a colon too: the longest that fits is meant.
+        // A level may also contain a colon, so the longest match counts.
         let after = |level: &&String| {
             rest.strip_prefix(level.as_str()).filter(|after| after.is_empty() || after.starts_with(':'))
         };
@@ -118,7 +118,7 @@ fn levels(results: &Results, term: &Term, name: &str) -> Option<String> {
     rest.is_empty().then(|| parts.join(" × "))
 }
 
-/// A term, with the level of a factor that the others are compared with.
+/// A term, with the baseline level of its factor.
 fn heading(results: &Results, model: &Model, term: &Term) -> String {
     let [Variable::Factor(name)] = &term.variables[..] else {
         return term.variables.iter().map(|variable| labels::heading(variable.name())).collect::<Vec<_>>().join(" × ");
@@ -137,7 +137,7 @@ fn interval(&Coefficient { estimate, se, .. }: &Coefficient) -> Interval {
     Interval::wald(estimate, se).unwrap_or(Interval { low: estimate, high: estimate })
 }
 
-/// The range of the axis: all intervals, unless a few endless ones would leave no room for the others.
+/// The range of the axis: all intervals, except a few extreme ones that would leave no room for the others.
 fn range(model: &Model) -> (f64, f64) {
     let finite = || model.coefficients.iter().take(MOST).filter(|c| c.estimate.is_finite());
     let largest = finite().map(|c| c.estimate.abs()).fold(0.0, f64::max);
@@ -150,7 +150,7 @@ fn range(model: &Model) -> (f64, f64) {
     (low - pad, high + pad)
 }
 
-/// An estimate with its interval; an arrow where they extend beyond the panel.
+/// An estimate with its interval, and an arrow where they extend beyond the panel.
 fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64) {
     let (series, estimate) = (Series::only(), coefficient.estimate);
     if estimate.is_infinite() {
@@ -176,7 +176,7 @@ fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl F
     svg.marker((panel.x(share(estimate)), y), MARKER + 1.0, series);
 }
 
-/// A tip at a place, to the right (1) or left (−1).
+/// An arrowhead that points right (1) or left (−1).
 fn arrow(svg: &mut Svg, (x, y): Point, direction: f64, series: Series) {
     let back = x - direction * 18.0;
     svg.polygon(&[(x, y), (back, y - 9.0), (back, y + 9.0)], series.color);

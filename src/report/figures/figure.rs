@@ -1,4 +1,4 @@
-//! A chart with its title and caption: SVG, and pixels of the same drawing.
+//! A chart with its title and caption, as SVG and as pixels of the same drawing.
 
 use std::sync::{Arc, OnceLock};
 
@@ -19,15 +19,15 @@ use super::svg::Svg;
 pub struct Figure {
     /// Stem of its file's name, such as `figure4a`.
     pub name: &'static str,
-    /// What it shows, a heading.
+    /// What it shows, as a heading.
     pub title: String,
-    /// What is drawn how, and from how many ratings: one or two sentences.
+    /// How the data are drawn, and the number of ratings, in one or two sentences.
     pub caption: String,
-    /// Whether it is made for the full width of a page, and not for a column.
+    /// Whether it is made for the full width of a page instead of a column.
     pub wide: bool,
-    /// Its height where it is 800 wide.
+    /// Its height at a width of 800.
     pub height: f64,
-    /// The chart, 800 units wide. Its text is text; it needs no other file.
+    /// The chart, 800 units wide. Its text remains text, and it needs no other file.
     pub svg: String,
 }
 
@@ -43,17 +43,17 @@ impl Figure {
         Self { name, title, caption, wide: false, height, svg }
     }
 
-    /// The chart as an image of 1600 pixels across; equal bytes on every machine.
+    /// The chart as an image 1600 pixels wide; its bytes are the same on every machine.
     ///
     /// # Errors
-    /// A drawing that cannot be rendered or encoded.
+    /// The drawing cannot be rendered or encoded.
     pub fn png(&self) -> Result<Vec<u8>, FigureError> {
         let pixels = self.pixels(1600)?;
         let mut bytes = Vec::new();
         let mut encoder = Encoder::new(&mut bytes, pixels.width, pixels.height);
         encoder.set_color(ColorType::Rgb);
         encoder.set_compression(Compression::Fast);
-        // Pixels above each other are mostly the same, and zeros are what the fast compression is good at.
+        // Vertically adjacent pixels are mostly equal, and fast compression handles the resulting zeros well.
         encoder.set_filter(Filter::Up);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&pixels.rgb)?;
@@ -61,10 +61,10 @@ impl Figure {
         Ok(bytes)
     }
 
-    /// The chart as pixels, so many across.
+    /// The chart as pixels, at the given width.
     ///
     /// # Errors
-    /// A drawing that cannot be rendered.
+    /// The drawing cannot be rendered.
     pub fn pixels(&self, width: u32) -> Result<Pixels, FigureError> {
         let options = Options { fontdb: fonts(), font_family: "Noto Sans".to_owned(), ..Options::default() };
         let tree = Tree::from_str(&self.svg, &options)?;
@@ -72,7 +72,7 @@ impl Figure {
         let height = (tree.size().height() * scale).ceil() as u32;
         let mut pixmap = Pixmap::new(width, height).ok_or(FigureError::Size(width, height))?;
         resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixmap.as_mut());
-        // The sheet is opaque everywhere, so there is no alpha to undo.
+        // The background is opaque everywhere, so there is no alpha to remove.
         let rgb = pixmap.data().as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
         Ok(Pixels { width, height, rgb })
     }
@@ -84,8 +84,8 @@ pub enum FigureError {
     /// The SVG is not one.
     #[error("the chart cannot be read: {0}; expected SVG")]
     Svg(#[from] resvg::usvg::Error),
-    /// Too large, or of no size.
-    #[error("the chart is {0} × {1}; expected a size that fits the memory")]
+    /// It is too large, or empty.
+    #[error("the chart is {0} × {1}; expected a size that fits in memory")]
     Size(u32, u32),
     /// The encoder failed.
     #[error("the chart cannot be written as PNG: {0}")]

@@ -1,30 +1,30 @@
-//! Names as they are set in a chart.
+//! Names in charts.
 
 use crate::{
     analysis::{Results, number_of},
     report::document::numbers::{count, percent, whole},
 };
 
-/// The text without characters that XML does not allow, or that end a line.
+/// The text without line breaks and characters that XML does not allow.
 pub(super) fn clean(text: &str) -> String {
     text.chars().map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c }).collect()
 }
 
-/// Width of a text in a sans serif of ordinary width. Fonts differ, so it is an estimate, rather too large.
+/// Width of a text in a typical sans-serif font. Fonts differ, so this is an estimate that is rather too large.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let em = |c: char| match c {
         'i' | 'j' | 'l' | 'I' | '\'' | '|' => 0.29,
         ' ' | '.' | ',' | ':' | ';' | '!' | '(' | ')' | '[' | ']' | 'f' | 't' | 'r' | '-' | '/' => 0.39,
         'm' | 'w' | 'M' | 'W' | '@' | '%' | '…' | '∞' => 0.95,
         'A'..='Z' => 0.71,
-        // Scripts whose characters are as wide as they are high.
+        // Scripts with square characters.
         '\u{1100}'..='\u{11ff}' | '\u{2e80}'..='\u{d7ff}' | '\u{f900}'..='\u{faff}' | '\u{1f000}'.. => 1.0,
         _ => 0.59,
     };
     size * text.chars().map(em).sum::<f64>()
 }
 
-/// The text, or as much of its two ends as there is room for: levels often differ at the end.
+/// The text, or as much of its beginning and end as fits: levels often differ at the end.
 pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
     let text = clean(text);
     if width(&text, size) <= room {
@@ -39,7 +39,7 @@ pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
     (1..chars.len()).rev().map(ends).find(|short| width(short, size) <= room).unwrap_or_else(|| "…".to_owned())
 }
 
-/// A level as it is read: the depth `inf` is ∞.
+/// A level for readers: the depth `inf` is ∞.
 pub(super) fn level(name: &str) -> String {
     if name.eq_ignore_ascii_case("inf") {
         "∞".to_owned()
@@ -48,7 +48,7 @@ pub(super) fn level(name: &str) -> String {
     }
 }
 
-/// A factor as the title of an axis with its unit, as the heading of a legend, and within a sentence.
+/// The names of a factor as an axis title with its unit, as a legend heading, and within a sentence.
 fn names(factor: &str) -> [&str; 3] {
     match factor {
         "width" => ["Ramp width (proportion of the window)", "Width", "ramp width"],
@@ -58,12 +58,12 @@ fn names(factor: &str) -> [&str; 3] {
     }
 }
 
-/// A factor as the title of an axis, with its unit.
+/// A factor as an axis title, with its unit.
 pub(super) fn axis(factor: &str) -> &str {
     names(factor)[0]
 }
 
-/// A factor as the heading of a legend.
+/// A factor as a legend heading.
 pub(super) fn heading(factor: &str) -> &str {
     names(factor)[1]
 }
@@ -73,7 +73,7 @@ pub(super) fn in_sentence(factor: &str) -> String {
     clean(names(factor)[2])
 }
 
-/// What the ratings are about: bands, where the factors are those of our stimuli.
+/// What the ratings measure: visibility, if the factors are those of our stimuli.
 pub(super) fn rating(results: &Results) -> &'static str {
     let is_ours = |name: &str| ["width", "depth", "orientation_deg"].contains(&name);
     if results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {
@@ -83,13 +83,13 @@ pub(super) fn rating(results: &Results) -> &'static str {
     }
 }
 
-/// How much was measured: `8 participants, 1,920 ratings`.
+/// The size of the sample: `8 participants, 1,920 ratings`.
 pub(super) fn sample(results: &Results) -> String {
     let total = results.measured.counts.total();
     format!("{}, {}", count(results.people() as u64, "participant"), count(total, "rating"))
 }
 
-/// What the bars on means are, and how much was measured.
+/// What the error bars are, and the size of the sample.
 pub(super) fn bars(results: &Results) -> String {
     let sample = sample(results);
     if results.is_inferential() {
@@ -100,11 +100,11 @@ pub(super) fn bars(results: &Results) -> String {
             whole(bootstrap.replicates as u64)
         )
     } else {
-        format!("one participant, so there are no intervals; {sample}")
+        format!("there are no intervals, since there is only one participant; {sample}")
     }
 }
 
-/// Where only some levels are drawn: ` (12 of 30 are drawn)`.
+/// If only some levels are shown: ` (12 of 30 are shown)`.
 pub(super) fn some_of(shown: usize, all: usize) -> String {
-    if shown < all { format!(" ({shown} of {all} are drawn)") } else { String::new() }
+    if shown < all { format!(" ({shown} of {all} are shown)") } else { String::new() }
 }

@@ -1,5 +1,5 @@
-//! Mean ratings. Figure 4 of Bangay's paper: by one factor, one line a level of the other, and the reverse; measured, and
-//! as the model of vision predicts it. By orientation; and of every participant.
+//! Mean ratings: as in Figure 4 of Bangay's paper, by one factor with one line per level of the other, and the reverse,
+//! measured and as predicted by the model of vision; by orientation; and by participant.
 
 use std::collections::HashMap;
 
@@ -18,7 +18,7 @@ use crate::analysis::{
     summary::{by_cell, category_values},
 };
 
-/// Longest name in the legend.
+/// Maximum width of a name in the legend.
 const LONGEST_NAME: f64 = 180.0;
 
 /// A mean and its interval.
@@ -27,23 +27,23 @@ type Mean = (f64, Option<Interval>);
 /// Means by the levels of the factors shown.
 type Means = HashMap<Vec<String>, Mean>;
 
-/// The means along a line, by level of the factor across.
+/// The means along a line, by level of the factor on the horizontal axis.
 struct Line {
     name: String,
     series: Series,
     means: Vec<Option<Mean>>,
 }
 
-/// `figure4a` and, of two factors, `figure4b`: width and depth where there are both.
+/// `figure4a` and, if there are two factors, `figure4b`: width and depth if both exist.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let counts = project(&results.measured.counts, &chosen(results));
     let names = ["figure4a", "figure4b"];
     charts(&counts, &means(results, &counts), names, labels::rating(results), &labels::bars(results))
 }
 
-/// Figure 4 as the model of vision predicts it: `figure4a_predicted`, `figure4b_predicted`. `expected` is the rating in
-/// each of the counts' conditions, in the numbers of the categories; `None` where nothing is predicted. Conditions are
-/// averaged with the weight of their ratings.
+/// Figure 4 as predicted by the model of vision: `figure4a_predicted`, `figure4b_predicted`. `expected` is the rating in
+/// each condition of the counts, in numbers of the categories; `None` where nothing is predicted. Conditions are
+/// weighted by their number of ratings.
 pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     let (counts, factors) = (&results.measured.counts, chosen(results));
     let mut sums: HashMap<Vec<String>, (f64, f64)> = HashMap::new();
@@ -56,7 +56,7 @@ pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     }
     let means = sums.into_iter().map(|(levels, (sum, n))| (levels, (sum / n, None))).collect();
     let names = ["figure4a_predicted", "figure4b_predicted"];
-    let source = "by the model of vision, its criterion fitted to the ratings";
+    let source = "by the model of vision, with its criterion fitted to the ratings";
     charts(&project(counts, &factors), &means, names, "Predicted mean rating", source)
 }
 
@@ -71,7 +71,7 @@ fn means(results: &Results, counts: &Counts) -> Means {
     groups.map(|group| (group.names, (group.summary.mean, group.summary.interval))).collect()
 }
 
-/// The chart by each factor, one line a level of the other.
+/// The chart by each factor, with one line per level of the other.
 fn charts(counts: &Counts, means: &Means, names: [&'static str; 2], what: &str, source: &str) -> Vec<Figure> {
     let chart = |(x, name)| chart(counts, means, x, name, what, source);
     (0..counts.factors.len()).zip(names).map(chart).collect()
@@ -106,7 +106,7 @@ fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &st
         caption += &format!(", one {thing} for each level of {by_name}{some}");
     }
     caption += &format!("; {source}.");
-    // Of a single line there is no legend.
+    // A single line needs no legend.
     let by = by.filter(|_| lines.len() > 1);
     let heading = by.map(|by| labels::fit(labels::heading(&by.name), 56.0 + LONGEST_NAME, TEXT));
     let legend_width = heading.as_ref().map_or(0.0, |heading| {
@@ -127,7 +127,7 @@ fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &st
 
 fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line]) {
     let count = lines.len() as f64;
-    // Side by side, so that no interval hides another; lines allow less of it than points alone.
+    // Offset so that no interval hides another; lines allow a smaller offset than points alone.
     let most = if levels.ordered { 10.0 } else { 26.0 };
     let step = (0.75 * levels.gap() * panel.width() / count).min(most);
     for (index, line) in lines.iter().enumerate() {
@@ -159,8 +159,8 @@ fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bo
     }
 }
 
-/// `orientation`, where `orientation_deg` is a factor with several levels: by orientation, and by the angle to the nearest
-/// of the horizontal and the vertical.
+/// `orientation`, if `orientation_deg` is a factor with several levels: by orientation, and by the angle to the nearest
+/// horizontal or vertical.
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let (index, factor) = results.measured.counts.factor("orientation_deg")?;
     let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
@@ -200,7 +200,7 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     }))
 }
 
-/// Degrees to the nearest multiple of 90°, without the noise of binary fractions.
+/// Degrees to the nearest multiple of 90°, without binary rounding noise.
 fn distance_to_axis(angle: f64) -> f64 {
     let rest = angle.rem_euclid(90.0);
     (rest.min(90.0 - rest) * 1e6).round() / 1e6
@@ -216,7 +216,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let title = format!("{what} of every participant by {name}");
     let caption = if several {
         format!(
-            "{what} by {name}: a gray line is one participant, the thick line is the mean of all ratings; {sample}."
+            "{what} by {name}: each gray line is one participant, and the thick line is the mean of all ratings; {sample}."
         )
     } else {
         format!("{what} of the only participant by {name}; {sample}.")

@@ -1,7 +1,8 @@
 //! Charts of a study's results, for print and for the window: SVG, and pixels of the same drawing.
 //!
-//! Colors are those of Okabe & Ito (2008), which color-blind readers can distinguish too; markers, dashes and lightness
-//! say the same without any color. Text is 8 pt where a chart is set 8 cm wide, `proportions` of two factors at 12 cm.
+//! Colors are from Okabe & Ito (2008), whose palette color-blind readers can also distinguish; markers, dashes and
+//! lightness carry the same information without color. Text is 8 pt in a chart that is 8 cm wide, or 12 cm for
+//! `proportions` of two factors.
 
 mod axes;
 mod display;
@@ -23,7 +24,7 @@ pub use display::{calibration, intervals};
 pub use figure::{Figure, FigureError, Pixels};
 pub use means::predicted;
 
-/// Every chart for which there is something to draw, in the order of a report.
+/// Every chart that has data, in report order.
 pub fn all(results: &Results) -> Vec<Figure> {
     let kinds: [fn(&Results) -> Vec<Figure>; 6] = [
         means::figures,

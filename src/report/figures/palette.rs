@@ -1,5 +1,5 @@
-//! The colors of every chart, on paper and in the window, and the markers and dashes that distinguish series for readers
-//! who do not see colors.
+//! The colors of every chart, on paper and in the window, and the markers and dashes that distinguish series without
+//! color.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use std::fmt;
 pub struct Rgb(pub u8, pub u8, pub u8);
 
 impl fmt::Display for Rgb {
-    /// As SVG has it, `#0072b2`.
+    /// In SVG notation, `#0072b2`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
     }
@@ -26,12 +26,12 @@ pub const BLUE: Rgb = Rgb(0, 114, 178);
 pub const VERMILION: Rgb = Rgb(213, 94, 0);
 pub const PURPLE: Rgb = Rgb(204, 121, 167);
 
-/// Colors of series on white, the darkest first. Yellow is missing: it hardly shows on white.
+/// Colors of series on white, darkest first. Yellow is omitted because it is barely visible on white.
 pub const ON_WHITE: [Rgb; 7] = [BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
 /// Colors of series on a dark page.
 pub const ON_DARK: [Rgb; 7] = [ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE];
 
-/// Most series that can be distinguished in one chart.
+/// Maximum number of series that can be distinguished in one chart.
 pub const MOST_SERIES: usize = 12;
 
 /// Shape of a marker.
@@ -48,7 +48,7 @@ pub enum Marker {
 const MARKERS: [Marker; 6] =
     [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Inverted, Marker::Cross];
 
-/// Length of a dash, and of the gap after it; none for a solid line.
+/// Lengths of a dash and of the gap after it; `None` for a solid line.
 pub type Dash = Option<(f64, f64)>;
 
 const DASHES: [Dash; 4] = [None, Some((18.0, 8.0)), Some((8.0, 6.0)), Some((30.0, 7.0))];
@@ -70,7 +70,7 @@ impl Stroke {
 
 /// Axes.
 pub const AXIS: Stroke = Stroke::new(Rgb(60, 60, 60), 2.0);
-/// Lines across a panel at its ticks.
+/// Grid lines.
 pub const GRID: Stroke = Stroke::new(Rgb(222, 222, 222), 1.4);
 
 /// What distinguishes a series from the others.
@@ -82,7 +82,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// The series at this place; the lines of no two of [`MOST_SERIES`] are alike, even in gray.
+    /// The series with this index; no two of the first [`MOST_SERIES`] have the same line, even in gray.
     pub fn of(index: usize) -> Self {
         Self {
             color: ON_WHITE[index % ON_WHITE.len()],
@@ -107,7 +107,7 @@ impl Series {
     }
 }
 
-/// The color of an ordered category, from light to dark in even steps of lightness.
+/// The color of an ordered category, from light to dark in equal steps of lightness.
 pub fn category(index: usize, of: usize) -> Rgb {
     // A single hue: light means low, in color and in gray.
     const STOPS: [[f64; 3]; 4] =

@@ -1,4 +1,4 @@
-//! How often each category was used: a bar a level of the first factor, a panel a level of the second.
+//! How often each category was used, with one bar per level of the first factor and one panel per level of the second.
 
 use super::{
     axes::{EDGE, TEXT},
@@ -13,27 +13,27 @@ use crate::analysis::{
     counts::{Counts, Factor},
 };
 
-/// Size of text in a chart for the width of a page.
+/// Text size in a chart of page width.
 const SMALL: f64 = 20.0;
-/// Most panels of a chart.
+/// Maximum number of panels in a chart.
 const MOST_PANELS: usize = 10;
-/// Most panels side by side.
+/// Maximum number of panels in a row.
 const ABREAST: usize = 5;
-/// Most categories in the legend: of more, the colors between are clear.
+/// Maximum number of categories in the legend; readers can interpolate the colors between them.
 const MOST_NAMED: usize = 10;
-/// Most bars of a panel.
+/// Maximum number of bars in a panel.
 const MOST_BARS: usize = 40;
 
-/// What is drawn, and how large.
+/// The layout of the chart.
 struct Chart<'a> {
     counts: &'a Counts,
-    /// Level and name of every bar.
+    /// Level and name of each bar.
     bars: Vec<(usize, String)>,
-    /// The same of every panel.
+    /// Level and name of each panel.
     panels: Vec<(usize, String)>,
-    /// Size of text.
+    /// Text size.
     size: f64,
-    /// Distance of two bars.
+    /// Distance between bars.
     pitch: f64,
     /// Width of the names of the bars.
     label: f64,
@@ -64,7 +64,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     Some(Figure { wide, ..chart.figure(title, caption) })
 }
 
-/// The levels that are drawn, or a single one without a name.
+/// The levels shown, or a single one without a name.
 fn shown(factor: Option<&Factor>, most: usize) -> Vec<(usize, String)> {
     let Some(factor) = factor else { return vec![(0, String::new())] };
     evenly(factor.levels.len(), most).into_iter().map(|level| (level, labels::level(&factor.levels[level]))).collect()
@@ -121,7 +121,7 @@ impl Chart<'_> {
     fn panel(&self, svg: &mut Svg, name: &str, tallies: &[Vec<u64>], (left, top): Point, width: f64) {
         let (size, pitch) = (self.size, self.pitch);
         if let Some(factor) = self.counts.factors.get(1) {
-            // A text says what it is; a number does not.
+            // A text explains itself; a number does not.
             let heading = match factor.name.as_str() {
                 "depth" => format!("n = {name}"),
                 "orientation_deg" => format!("{name}°"),
@@ -136,7 +136,7 @@ impl Chart<'_> {
         }
         let bottom = top + pitch * self.bars.len() as f64;
         svg.line(&[(left, bottom), (left + width, bottom)], AXIS);
-        // The outer ones inward, away from the next panel's.
+        // The outer labels are shifted inward, away from those of the next panel.
         let ticks = [(0, Anchor::Start, true), (50, Anchor::Middle, width > 7.0 * size), (100, Anchor::End, true)];
         for (percent, anchor, named) in ticks {
             let x = left + f64::from(percent) / 100.0 * width;

@@ -1,8 +1,8 @@
-//! Counts over fewer or other factors: what a chart shows of a larger design.
+//! Counts over fewer or different factors, for charts of part of a larger design.
 
 use crate::analysis::counts::{CountRow, Counts, Factor};
 
-/// The same ratings under new factors. `levels` gives a condition's levels of these; none leaves its ratings out.
+/// The same ratings under new factors. `levels` returns a condition's levels of these; `None` excludes its ratings.
 pub(super) fn regroup(
     counts: &Counts,
     factors: Vec<Factor>,
@@ -34,13 +34,13 @@ pub(super) fn regroup(
     }
 }
 
-/// Only some of the factors; ratings without a level of one of them are left out.
+/// Only some of the factors; ratings that lack a level of one of them are excluded.
 pub(super) fn project(counts: &Counts, factors: &[usize]) -> Counts {
     let kept = factors.iter().map(|&factor| counts.factors[factor].clone()).collect();
     regroup(counts, kept, |condition| factors.iter().map(|&factor| condition[factor]).collect())
 }
 
-/// Indices of the factors in the order of their interest: those with several levels, width and depth before others.
+/// Indices of the factors that have several levels, width and depth first.
 pub(super) fn by_interest(counts: &Counts) -> Vec<usize> {
     let rank = |factor: &Factor| {
         let known = ["width", "depth"].iter().position(|name| *name == factor.name).unwrap_or(2);
@@ -51,7 +51,7 @@ pub(super) fn by_interest(counts: &Counts) -> Vec<usize> {
     order
 }
 
-/// At most so many of the first numbers, evenly, the first and the last among them.
+/// At most `most` evenly spaced indices below `all`, including the first and the last.
 pub(super) fn evenly(count: usize, most: usize) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();

@@ -1,4 +1,4 @@
-//! A sheet of SVG: lines, shapes and text in units of its view box, y downward.
+//! An SVG drawing: lines, shapes and text in units of its view box, with y pointing down.
 
 use std::fmt::Write as _;
 
@@ -9,13 +9,13 @@ use super::{
 
 /// Width of every chart.
 pub(super) const WIDTH: f64 = 800.0;
-/// Noto Sans is what the PNG is set in; without it, what every machine has.
+/// The PNG uses Noto Sans; the others are fallbacks that every machine has.
 const FAMILY: &str = "Noto Sans, Open Sans, Helvetica, Arial, sans-serif";
 
 /// A point.
 pub(super) type Point = (f64, f64);
 
-/// The side of a text that is at its place.
+/// Which part of a text is at its position.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -23,7 +23,7 @@ pub(super) enum Anchor {
     End,
 }
 
-/// How a text is set.
+/// The style of a text.
 #[derive(Clone, Copy)]
 pub(super) struct Font {
     size: f64,
@@ -47,7 +47,7 @@ impl Font {
         Self { upright: true, ..self }
     }
 
-    /// With its top at the place, where others have their middle.
+    /// With its top at the position; other texts have their middle there.
     pub const fn below(self) -> Self {
         Self { below: true, ..self }
     }
@@ -56,7 +56,7 @@ impl Font {
 /// What has been drawn.
 pub(super) struct Svg(String);
 
-/// A length to a hundredth, as short as can be.
+/// A length rounded to a hundredth, as short as possible.
 fn n(length: f64) -> f64 {
     // A sum of nothing is −0.
     (length * 100.0).round() / 100.0 + 0.0
@@ -83,9 +83,9 @@ fn attributes(stroke: Stroke) -> String {
 }
 
 impl Svg {
-    /// A whole drawing, with its title and description for readers who cannot see it.
+    /// A complete drawing, with a title and description for readers who cannot see it.
     pub fn draw(height: f64, title: &str, description: &str, paint: impl FnOnce(&mut Self)) -> String {
-        // Whole pixels, so that the last row is as white as the others.
+        // Whole pixels, so that the last row is fully white.
         let height = height.ceil();
         let (title, description) = (escaped(title), escaped(description));
         let mut svg = Self(format!(
@@ -108,7 +108,7 @@ impl Svg {
         self.element(format_args!("<polyline points=\"{}\" fill=\"none\" {}/>", listed(points), attributes(stroke)));
     }
 
-    /// A line through points with gaps where there are none. A point alone is a dash.
+    /// A line through points, with gaps where points are missing. An isolated point becomes a dash.
     pub fn path(&mut self, points: &[Option<Point>], stroke: Stroke) {
         for run in points.split(Option::is_none) {
             match *run {
@@ -159,7 +159,7 @@ impl Svg {
         ));
     }
 
-    /// An upright interval with caps.
+    /// A vertical interval with caps.
     pub fn interval(&mut self, x: f64, from: f64, to: f64, cap: f64, stroke: Stroke) {
         self.line(&[(x, from), (x, to)], stroke);
         for y in [from, to] {
@@ -185,7 +185,7 @@ impl Svg {
         self.polygon(&corners, color);
     }
 
-    /// A sample of a series, 46 wide from the left end `at`, with its name.
+    /// A legend entry: a sample of a series, 46 wide from its left end `at`, and the series' name.
     pub fn legend_entry(&mut self, (x, y): Point, series: Series, lined: bool, name: &str, size: f64) {
         if lined {
             self.line(&[(x, y), (x + 46.0, y)], series.line());

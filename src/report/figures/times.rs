@@ -11,10 +11,10 @@ use crate::{
     report::document::numbers::count,
 };
 
-/// Room between two panels.
+/// Space between two panels.
 const GAP: f64 = 36.0;
 
-/// `times`, where response times are known.
+/// `times`, if response times are known.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
     let n: u64 = results.times.iter().flatten().map(|quartiles| quartiles.n).sum();
     if n == 0 {
@@ -24,7 +24,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let several = results.is_inferential();
     let by = if several { "by rating and by participant" } else { "by rating" };
     let caption = format!(
-        "Time from the onset of the stimulus to the rating: median, and the middle half of the times as bars, {by}; {}, {}.",
+        "Time from the onset of the stimulus to the rating, {by}: median, with bars from the lower to the upper quartile; {}, {}.",
         count(results.people() as u64, "participant"),
         count(n, "response time"),
     );
@@ -44,7 +44,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         for (title, levels, times, panel) in &parts {
             values.draw(svg, panel, (panel.left == left).then_some("Response time (s)"));
             levels.draw(svg, panel, title);
-            // The middle half of the times as a bar, with the median.
+            // A bar between the quartiles, with the median.
             let (series, room) = (Series::only(), levels.gap() * panel.width());
             let (bar, radius) = ((0.3 * room).clamp(1.0, 12.0), (0.4 * room).clamp(1.5, MARKER));
             for (&at, times) in levels.at.iter().zip(*times).filter_map(|(at, times)| Some((at, times.as_ref()?))) {

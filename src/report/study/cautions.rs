@@ -1,4 +1,4 @@
-//! Cautions for the reader, in sentences: about the data, the model, and how participants answered.
+//! Cautions for the reader about the data, the model, and how participants answered.
 
 use std::collections::BTreeSet;
 
@@ -16,20 +16,20 @@ use crate::{
     store::ratings::Source,
 };
 
-/// Cohen's κ up to which agreement is "slight" at most, Landis & Koch (1977).
+/// Cohen's κ up to which agreement is at most "slight" (Landis & Koch, 1977).
 pub(super) const LOW_KAPPA: f64 = 0.2;
-/// From this proportion of one category, a participant counts as having used hardly any other.
+/// If at least this proportion of ratings is in one category, the participant hardly used the others.
 const NEARLY_ALL: f64 = 0.9;
-/// Fewer ratings do not show how a participant uses the scale.
+/// Minimum number of ratings that shows how a participant uses the scale.
 const FEW_RATINGS: u64 = 10;
-/// A median response time, in seconds, too short to look and decide.
+/// A median response time, in seconds, that is too short to look and decide.
 const HASTY_S: f64 = 0.3;
-/// A participant's median time is odd if it is this many times longer or shorter than the middle one.
+/// A participant's median time is unusual if it is this many times longer or shorter than the typical one.
 const ODD_TIMES: f64 = 3.0;
-/// Most names in one sentence.
+/// Maximum number of names in one sentence.
 const MOST_NAMES: usize = 6;
 
-/// All of them, the gravest first.
+/// All cautions, most serious first.
 pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
@@ -48,11 +48,12 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
         return None;
     }
     Some(if simulated.len() >= results.people() {
-        "These data are simulated: a program gave all ratings, and nothing here says anything about people.".to_owned()
+        "These data are simulated: all ratings come from a program, and the results say nothing about people."
+            .to_owned()
     } else {
         format!(
-            "Part of these data is simulated: a program gave the ratings of {} of {} ({}). The results mix them with \
-             those of people.",
+            "Some of these data are simulated: the ratings of {} of {} ({}) come from a program. The results combine them \
+             with ratings from people.",
             simulated.len(),
             count(results.people() as u64, "participant"),
             short_list(&simulated, MOST_NAMES)
@@ -66,18 +67,18 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
     }
     let plan = source.protocol.as_ref().map_or_else(String::new, |p| format!(" {} --participants 4,8,12", p.name));
     Some(format!(
-        "There is one participant: this page describes these ratings, and nothing follows from them for other people. \
-         The next step is more participants; “machband plan{plan}” estimates how many are needed."
+        "There is only one participant: this page describes these ratings, which do not generalize to other people. \
+         The next step is to measure more participants; “machband plan{plan}” estimates how many are needed."
     ))
 }
 
 fn faults(source: &Source) -> Option<String> {
     let files: BTreeSet<&str> = source.faults.iter().map(|fault| fault.file.as_str()).collect();
-    let (messages, files) = (count(source.faults.len() as u64, "fault"), count(files.len() as u64, "file"));
-    (!source.faults.is_empty()).then(|| format!("Reading found {messages} in {files}: see the health of the data."))
+    let (messages, files) = (count(source.faults.len() as u64, "error"), count(files.len() as u64, "file"));
+    (!source.faults.is_empty()).then(|| format!("There are {messages} in {files}; see “Data quality”."))
 }
 
-/// Absence of evidence is no evidence of absence.
+/// Absence of evidence is not evidence of absence.
 fn nothing_found(results: &Results) -> Option<String> {
     let unclear: Vec<&str> = names::varied(results)
         .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.p >= ALPHA))
@@ -86,12 +87,12 @@ fn nothing_found(results: &Results) -> Option<String> {
     let (people, unclear_list) = (count(results.people() as u64, "participant"), list(&unclear));
     (!unclear.is_empty()).then(|| {
         format!(
-            "This study, with {people}, found no clear difference by {unclear_list}. That does not show that there is none."
+            "This study, with {people}, found no clear difference by {unclear_list}. This does not show that there is none."
         )
     })
 }
 
-/// What the reader must know about the model before its numbers.
+/// What the reader must know about the model before reading its numbers.
 fn about_model(results: &Results) -> Vec<String> {
     let report = match &results.model {
         Ok(report) => report,
@@ -102,7 +103,7 @@ fn about_model(results: &Results) -> Vec<String> {
     let is_mentioned = notes.iter().any(|note| matches!(note, Note::RunawayVariance | Note::NoMixedModel));
     if results.is_inferential() && report.model.random.is_none() && !is_mentioned {
         cautions.push(
-            "The model treats all ratings as independent, although the ratings of one person belong together: its \
+            "The model treats all ratings as independent, although ratings of the same participant are related. Its \
              intervals are probably too narrow."
                 .to_owned(),
         );
@@ -113,14 +114,14 @@ fn about_model(results: &Results) -> Vec<String> {
         let p = p_is(test.p.filter(|p| *p < ALPHA)?);
         let term = names::factor(&test.term);
         Some(format!(
-            "The effect of {term} is not the same along the scale (proportional odds, {p}). Its one number is an average: \
+            "The effect of {term} is not the same along the scale (proportional odds, {p}). Its single coefficient is an average: \
              trust its direction more than its size."
         ))
     }));
     cautions
 }
 
-/// Whether a note is a caution. For one participant there is a caution of its own.
+/// Whether a note is a caution. A single participant has a separate caution.
 pub(super) fn is_serious(note: &Note) -> bool {
     matches!(
         note,
@@ -134,7 +135,7 @@ pub(super) fn is_serious(note: &Note) -> bool {
     )
 }
 
-/// Where no ratings whatsoever could distinguish a pair of levels.
+/// The factors for which no ratings could ever distinguish a pair of levels.
 fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<String> {
     let pairs = factor.pairs.as_ref().filter(|pairs| results.is_inferential() && pairs.cannot_reach(ALPHA))?;
     let people = count((results.people() - factor.incomplete.len()) as u64, "participant");
@@ -142,25 +143,26 @@ fn pairs_without_power(results: &Results, factor: &FactorResults) -> Option<Stri
     let least = if pairs.least_p >= 1.0 { "1".to_owned() } else { probability(pairs.least_p) };
     Some(match pairs.pairs.len() {
         1 => format!(
-            "Wilcoxon’s test cannot tell the levels of {name} apart: with {people} the smallest possible p is {least}, \
-             whatever the ratings."
+            "Wilcoxon’s test cannot tell the levels of {name} apart: with {people}, the smallest possible p is {least} \
+             regardless of the ratings."
         ),
         n => format!(
-            "No test can tell which levels of {name} differ: with {people} and {n} pairs the smallest p that Holm’s \
-             correction can give is {least}, whatever the ratings."
+            "No test can tell which levels of {name} differ: with {people} and {n} pairs, the smallest p that is \
+             possible after Holm’s correction is {least}, regardless of the ratings."
         ),
     })
 }
 
-/// What participants did that a reader should check: one category only, hasty answers, ratings not repeated.
+/// Behavior of participants that a reader should check: use of one category only, hasty answers, and low test–retest
+/// agreement.
 pub(super) fn oddities(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences: Vec<String> = subjects.iter().filter_map(|subject| one_category(results, subject)).collect();
-    // Several people with the same oddity share a sentence.
+    // Participants with the same peculiarity share a sentence.
     if let Some((who, least, most)) = odd(subjects, |s| s.kappa, |kappa| kappa <= LOW_KAPPA) {
         let (least, most) = (unit(least), unit(most));
         let kappa = if least == most { format!("= {least}") } else { format!("from {least} to {most}") };
-        sentences.push(format!("{who} agreed little with their own first ratings: κ {kappa}."));
+        sentences.push(format!("{who} showed little agreement between their first and second ratings: κ {kappa}."));
     }
     if let Some((who, _, most)) = odd(subjects, |s| Some(s.times?.median), |median| median < HASTY_S) {
         let most = fixed(most, 2);
@@ -186,7 +188,7 @@ fn one_category(results: &Results, subject: &SubjectResults) -> Option<String> {
     })
 }
 
-/// Those for whom a value is odd, by name, and the least and the greatest such value.
+/// The participants with an unusual value, by name, and the smallest and largest such value.
 fn odd(
     subjects: &[SubjectResults],
     value: impl Fn(&SubjectResults) -> Option<f64>,
@@ -202,13 +204,13 @@ fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {
     let medians: Vec<(&str, f64)> = subjects.iter().filter_map(|s| Some((participant(s), s.times?.median))).collect();
     let mut sorted: Vec<f64> = medians.iter().map(|(_, median)| *median).collect();
     sorted.sort_by(f64::total_cmp);
-    // With two, neither is the odd one.
+    // With two participants, neither is the unusual one.
     let Some(&middle) = sorted.get(sorted.len() / 2).filter(|_| sorted.len() > 2) else { return Vec::new() };
     (medians.into_iter())
-        // Hasty answers have had their sentence.
+        // Hasty answers already have a sentence.
         .filter(|(_, median)| *median > ODD_TIMES * middle || (*median * ODD_TIMES < middle && *median >= HASTY_S))
         .map(|(who, median)| {
-            let slow = if median > middle { "slowly" } else { "fast" };
+            let slow = if median > middle { "slowly" } else { "quickly" };
             let (own, usual) = (fixed(median, 2), fixed(middle, 2));
             format!("{who} answered unusually {slow}: the median time is {own} s; {usual} s is usual here.")
         })

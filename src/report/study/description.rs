@@ -1,4 +1,4 @@
-//! What was done and what came of it: the design; the ratings of every factor, condition and participant; response times.
+//! The design; the ratings by factor, condition and participant; and the response times.
 
 use super::{
     names::{self, participant},
@@ -21,13 +21,14 @@ use crate::{
     store::ratings::Source,
 };
 
-/// The design: what was varied, how often, how it was shown, and how much of it was done.
+/// The design: what was varied, how often, how it was shown, and how much of it was completed.
 pub(super) fn design(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("design", "Design");
     match &source.protocol {
-        Some(protocol) => section.facts("The design, by its definition", definition(source, protocol)),
-        None => section
-            .text("The files contain no definition of an experiment: this section describes the ratings themselves."),
+        Some(protocol) => section.facts("The design according to its definition", definition(source, protocol)),
+        None => section.text(
+            "The files contain no definition of an experiment, so this section describes the ratings themselves.",
+        ),
     }
     factors(&mut section, source, results);
     done(&mut section, source, results);
@@ -45,8 +46,8 @@ fn definition(source: &Source, protocol: &Protocol) -> Vec<(&'static str, String
     let mut rows = vec![
         ("Experiment", protocol.name.clone()),
         ("Stimulus", stimulus(protocol)),
-        ("Trials of each condition", whole(design.repetitions.into())),
-        ("Main trials of a session", whole(protocol.main_trials() as u64)),
+        ("Trials per condition", whole(design.repetitions.into())),
+        ("Main trials per session", whole(protocol.main_trials() as u64)),
         ("Practice trials, not analyzed", whole(design.practice.into())),
         ("Order", order(protocol)),
         ("Break", breaks),
@@ -61,7 +62,7 @@ fn definition(source: &Source, protocol: &Protocol) -> Vec<(&'static str, String
     rows
 }
 
-/// The stimulus and its parameters that do not vary.
+/// The stimulus and its constant parameters.
 fn stimulus(protocol: &Protocol) -> String {
     let stimulus = &protocol.stimulus;
     let fixed: Vec<String> = (stimulus.parameters().iter())
@@ -80,7 +81,7 @@ fn order(protocol: &Protocol) -> String {
         }
     };
     match protocol.design.max_run {
-        Some(run) => format!("{order}, at most {run} in a row with the same level"),
+        Some(run) => format!("{order}, with at most {run} consecutive trials at the same level"),
         None => order,
     }
 }
@@ -98,13 +99,13 @@ fn factors(section: &mut Section, source: &Source, results: &Results) {
         })
         .collect();
     if rows.is_empty() {
-        section.text("No factor was varied: all ratings are of one condition.");
+        section.text("No factor was varied, so all ratings are of one condition.");
     } else {
         section.table("Factors and their levels", &["Factor", "Levels rated"], &["Number", "Planned"], rows);
     }
 }
 
-/// Planned against done.
+/// Planned and completed trials.
 fn done(section: &mut Section, source: &Source, results: &Results) {
     let counts = &results.measured.counts;
     let planned: u64 = source.sessions.iter().filter_map(|session| session.planned).sum();
@@ -122,7 +123,7 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
     let found = counts.conditions.len();
     if let Some((least, most)) = least_and_most(results.cells.iter()) {
         let of = if found < possible {
-            format!(", of {} that these levels could form", whole(possible as u64))
+            format!(", of {} possible combinations of these levels", whole(possible as u64))
         } else {
             String::new()
         };
@@ -139,7 +140,9 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
         let few = results.subjects.iter().filter(|subject| subject.group.summary.n < most).map(participant);
         let few = short_list(&few.collect::<Vec<_>>(), 12);
         let (least, most) = (whole(least), whole(most));
-        section.text(format!("Participants gave {least} to {most} ratings. Fewer than the most came from {few}."));
+        section.text(format!(
+            "Participants gave {least} to {most} ratings each. These gave fewer than the maximum: {few}."
+        ));
     }
     if source.protocol.is_none() && !counts.subjects.is_empty() {
         section.text(format!("Participants: {}.", short_list(&counts.subjects, 12)));
@@ -152,21 +155,21 @@ fn least_and_most<'a>(groups: impl Iterator<Item = &'a Group> + Clone) -> Option
     Some((ns.clone().min()?, ns.max()?))
 }
 
-/// The description: every factor, every condition, every participant.
+/// Descriptive statistics by factor, condition and participant.
 pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("description", "Description");
     let intervals = if results.is_inferential() {
         format!(
-            "The {} intervals show how far a mean might differ with other participants: participants were resampled {} times.",
+            "The {} intervals show how much a mean might differ with other participants; they come from {} bootstrap samples of participants.",
             percent(results.options.bootstrap.level),
             whole(results.options.bootstrap.replicates as u64)
         )
     } else {
-        "With one participant there are no intervals for other people.".to_owned()
+        "With one participant, there are no intervals that apply to other people.".to_owned()
     };
     section.text(format!(
-        "A mean of ratings treats the categories as equal steps, which nobody has shown. It is a description; the \
-         model does not use it. {intervals}"
+        "A mean rating treats the categories as equally spaced, which is an assumption. It is descriptive only; the model \
+         does not use it. {intervals}"
     ));
     section.figures(figures, &["figure4a", "figure4b", "proportions", "subjects", "orientation"]);
     for factor in &results.factors {
@@ -187,7 +190,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     section
 }
 
-/// A table of groups of ratings, each with its names under these heads.
+/// A table of groups of ratings; `heads` are the columns of their names.
 fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[&str], rows: Vec<(Vec<String>, &Group)>) {
     let categories: Vec<String> = results.measured.counts.categories.iter().map(|c| format!("Rated {c}")).collect();
     let intervals = rows.iter().any(|(_, group)| group.summary.interval.is_some());
@@ -208,12 +211,12 @@ fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[&st
 pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("times", "Response times");
     if results.times.iter().all(Option::is_none) {
-        section.text("The files have no response times, or they were not read.");
+        section.text("The files contain no response times, or they were not read.");
         return section;
     }
     section.text(
-        "Times run from the onset of the stimulus to the rating, in seconds. They are counted in steps of 5\u{a0}%, so a \
-         quartile is right to 2.5\u{a0}%. They are described, not tested.",
+        "Times are measured from the onset of the stimulus to the rating, in seconds. They are binned in steps of 5\u{a0}%, so \
+         quartiles are accurate to 2.5\u{a0}%. They are described but not tested.",
     );
     section.figures(figures, &["times"]);
     let counts = &results.measured.counts;

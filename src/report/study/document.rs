@@ -1,4 +1,4 @@
-//! From files to a document: a study that was read, and the sections of its document in their order.
+//! From files to a document: reading a study, and the sections of its document in order.
 
 use std::path::PathBuf;
 
@@ -24,10 +24,10 @@ use crate::{
     },
 };
 
-/// What files say, and what was found wrong with them.
+/// The content of the files, and the faults found in them.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// Where the ratings come from.
+    /// The source of the ratings.
     pub source: Source,
     pub measured: Measured,
 }
@@ -36,7 +36,7 @@ impl Study {
     /// Reads files, and folders of them.
     ///
     /// # Errors
-    /// Where there is nothing to analyze at all. What is wrong with part of the input is in [`Source::faults`].
+    /// There is nothing to analyze. Faults in part of the input are in [`Source::faults`].
     pub fn read(paths: &[PathBuf], options: &ReadOptions) -> Result<Self, FileFaults> {
         let new = |shape: &Shape| {
             let mut builder = MeasuredBuilder::new(&shape.factors);
@@ -57,15 +57,15 @@ impl Study {
     }
 }
 
-/// What a document shows besides the results.
+/// What a document shows in addition to the results.
 #[derive(Clone, Copy, Default)]
 pub struct Parts<'a> {
     /// The charts.
     pub figures: &'a [Figure],
-    /// What the model of vision predicts of the ratings that the results are of; `figures` have it too. Without it there
-    /// is no section about that model.
+    /// Predictions of the model of vision for the analyzed ratings, which `figures` include. Without them there is no
+    /// section about that model.
     pub prediction: Option<&'a Result<StudyPrediction, PredictionError>>,
-    /// How to repeat the analysis, for readers who do not have it before them.
+    /// How to repeat the analysis, for readers who do not have it open.
     pub provenance: Option<&'a Provenance>,
 }
 

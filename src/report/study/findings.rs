@@ -1,4 +1,4 @@
-//! What a factor does, in sentences: the course of its means, how rare that would be by chance, how large it is.
+//! The effect of a factor, in sentences: the trend of its means, its probability under chance, and its size.
 
 use super::names;
 use crate::{
@@ -11,12 +11,12 @@ use crate::{
     report::document::numbers::{fixed, list, mean, p_is, range, ratio, short_list},
 };
 
-/// Significance level: below this probability a difference counts as more than chance.
+/// Significance level: below this probability, a difference counts as more than chance.
 pub(super) const ALPHA: f64 = 0.05;
-/// Kendall's τ of means and levels from which a course is called a tendency.
+/// Minimum |τ| (Kendall) between means and levels that is called a tendency.
 const TENDENCY: f64 = 0.7;
 
-/// The test whose probability a sentence may rely on.
+/// The test on whose probability a sentence relies.
 pub(super) struct Evidence {
     name: &'static str,
     chi_squared: f64,
@@ -24,21 +24,21 @@ pub(super) struct Evidence {
     pub p: f64,
 }
 
-/// A difference on the scale of the link: of two levels, or of one unit of a number.
+/// A difference on the scale of the link, between two levels or per unit of a number.
 struct Contrast {
     /// The level with the higher ratings, or the number's name.
     higher: String,
-    /// The other level; none for a number.
+    /// The other level; `None` for a number.
     lower: Option<String>,
-    /// Positive for levels; infinite where it has no finite estimate.
+    /// Positive for levels; infinite without a finite estimate.
     estimate: f64,
     /// Its 95 % interval.
     interval: Option<Interval>,
-    /// Whether the levels were chosen for being the extremes.
+    /// Whether the levels were chosen because they are the extremes.
     chosen: bool,
 }
 
-/// What a factor does.
+/// The effect of a factor.
 pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let Some(evidence) = evidence(results, factor) else {
         let none = if results.is_inferential() { " It could not be tested." } else { "" };
@@ -47,14 +47,14 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let found = evidence.p < ALPHA;
     let name = names::factor(&factor.name);
     let mut text = if found {
-        // What a small probability means.
+        // A small probability in words.
         let how = match evidence.p {
             p if p < 0.001 => "hardly ever",
             p if p < 0.01 => "rarely",
             _ => "not often",
         };
         format!(
-            "{}; if {name} made no difference, differences as large would {how} come up ({}: χ²({}) = {}, {}).",
+            "{}; if {name} made no difference, differences this large would {how} occur ({}: χ²({}) = {}, {}).",
             means(results, factor),
             evidence.name,
             evidence.df,
@@ -69,16 +69,16 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
             format!("mean ratings lie between {least} at {low} and {most} at {high}")
         };
         let p = p_is(evidence.p);
-        format!("By {name}, {span}, and this study cannot tell the levels apart ({}, {p}).", evidence.name)
+        format!("By {name}, {span}, and this study cannot distinguish the levels ({}, {p}).", evidence.name)
     };
-    // Among many levels that no test distinguishes, the two most different ones look different by chance alone.
+    // Among many levels that no test distinguishes, the two extremes differ by chance alone.
     let contrast = contrast(results, factor).filter(|contrast| found || !contrast.chosen);
     text.extend(contrast.map(|contrast| size(results, &contrast, found)));
     text.extend(second_opinion(results, factor, &evidence));
     text
 }
 
-/// The means in a sentence without its full stop. For one participant they describe these ratings and nothing more.
+/// The means in a sentence without its period. For one participant, they describe only these ratings.
 fn means(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(&factor.name);
     let (the_mean, of_these) = if results.is_inferential() {
@@ -101,7 +101,7 @@ fn means(results: &Results, factor: &FactorResults) -> String {
         }
         Some(tau) => {
             let verb = if tau > 0.0 { "rise" } else { "fall" };
-            // The highest and the lowest mean, if they are not at the ends.
+            // The highest and the lowest mean, if they are not at the first or last level.
             let (highest, lowest) = extremes(factor);
             let inside = |index: usize| (1..last).contains(&index);
             let mut turns: Vec<String> = Vec::new();
@@ -117,7 +117,7 @@ fn means(results: &Results, factor: &FactorResults) -> String {
     }
 }
 
-/// Kendall's τ-a of a factor's means and their positions, where it is at least a tendency: 1 where each step is upward.
+/// Kendall's τ-a between a factor's means and their positions, if it is at least a tendency; 1 if every step is upward.
 fn course(results: &Results, factor: &FactorResults) -> Option<f64> {
     let means: Vec<f64> = factor.levels.iter().map(|level| level.summary.mean).collect();
     let mut sum = 0.0;
@@ -130,14 +130,14 @@ fn course(results: &Results, factor: &FactorResults) -> Option<f64> {
     (names::is_ordered(&results.measured.counts, &factor.name) && tau.abs() >= TENDENCY).then_some(tau)
 }
 
-/// Indices of the levels with the highest and the lowest mean; of equal means the first level stands for both.
+/// Indices of the levels with the highest and the lowest mean; of equal means, the first level is chosen.
 fn extremes(factor: &FactorResults) -> (usize, usize) {
     let by_mean = |l: &usize, r: &usize| factor.levels[*l].summary.mean.total_cmp(&factor.levels[*r].summary.mean);
     let indices = || 0..factor.levels.len();
     (indices().rev().max_by(by_mean).unwrap_or(0), indices().min_by(by_mean).unwrap_or(0))
 }
 
-/// The lowest mean and the highest with their levels, `0.61` and `45°`; levels whose means are the same together.
+/// The lowest and the highest mean with their levels, `0.61` and `45°`; levels with equal means are joined.
 fn least_and_most(factor: &FactorResults) -> [(String, String); 2] {
     let (most, least) = extremes(factor);
     [least, most].map(|index| {
@@ -149,13 +149,13 @@ fn least_and_most(factor: &FactorResults) -> [(String, String); 2] {
     })
 }
 
-/// Whether the model knows which ratings belong together: its probabilities hold for people, not for ratings alone.
+/// Whether the model accounts for repeated measures, so that its probabilities generalize to other people.
 pub(super) fn is_clustered(results: &Results) -> bool {
     results.model.as_ref().is_ok_and(|report| report.model.random.is_some())
 }
 
-/// The likelihood-ratio test of the factor's main effect, if the model knows which ratings belong together; otherwise
-/// Friedman's. None from one participant.
+/// The likelihood-ratio test of the factor's main effect if the model accounts for repeated measures; otherwise
+/// Friedman's test. `None` for a single participant.
 pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
     if !results.is_inferential() {
         return None;
@@ -174,7 +174,7 @@ fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTes
     results.model.as_ref().ok()?.terms.iter().find(|test| test.part == Part::Location && test.term == name)
 }
 
-/// The term of a factor alone, as levels or as a number.
+/// The term of this factor only, as levels or as a number.
 fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
     results.spec.terms.iter().find(|term| match term.variables.as_slice() {
         [Variable::Factor(name)] => name == factor,
@@ -183,7 +183,8 @@ fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
     })
 }
 
-/// The size of a factor's effect: the ends of a course, else the extremes; none where an interaction makes it several.
+/// The size of a factor's effect between the ends of a trend, otherwise between the extremes; `None` if it depends on an
+/// interaction.
 fn contrast(results: &Results, factor: &FactorResults) -> Option<Contrast> {
     let report = results.model.as_ref().ok()?;
     let term = main_effect(results, &factor.name)?;
@@ -206,11 +207,11 @@ fn slope(model: &Model, term: &Term, name: &str) -> Option<Contrast> {
     Some(Contrast { higher: name.to_owned(), lower: None, estimate, interval, chosen: false })
 }
 
-/// The difference of two levels, from their coefficients and the covariance of these.
+/// The difference between two levels, from their coefficients and the covariance of these.
 fn difference(report: &ModelReport, factor: &FactorResults, first: usize, second: usize) -> Option<Contrast> {
     let model = &report.model;
     let own = model.coefficients.iter().filter(|c| c.term == factor.name).count();
-    // One level is the baseline; with a column left out, a level without a coefficient need not be it.
+    // One level is the baseline; if a column was dropped, a level without a coefficient is not necessarily the baseline.
     if own + 1 != factor.levels.len() || first == second {
         return None;
     }
@@ -236,19 +237,19 @@ fn difference(report: &ModelReport, factor: &FactorResults, first: usize, second
     Some(Contrast { higher, lower, estimate, interval: Interval::wald(estimate, Some(se)), chosen: false })
 }
 
-/// The size of an effect, as odds or on the latent scale.
+/// The size of an effect, as an odds ratio or on the latent scale.
 fn size(results: &Results, contrast: &Contrast, found: bool) -> String {
     let higher = &contrast.higher;
     if !contrast.estimate.is_finite() {
         let other = contrast.lower.as_deref().unwrap_or_default();
-        return format!(" No finite number says how much higher ratings at {higher} are than at {other}.");
+        return format!(" The difference between ratings at {higher} and at {other} has no finite estimate.");
     }
     let odds = results.spec.link == Link::Logit;
     let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
     let ends = range(contrast.interval, value);
     let interval = match contrast.interval {
         Some(_) if found => format!(" (95\u{a0}% interval {ends})"),
-        Some(_) => format!(", and anything from {ends} fits these data (95\u{a0}% interval)"),
+        Some(_) => format!(", but anything from {ends} is compatible with these data (95\u{a0}% interval)"),
         None => String::new(),
     };
     let estimate = value(contrast.estimate);
@@ -257,30 +258,32 @@ fn size(results: &Results, contrast: &Contrast, found: bool) -> String {
             format!("The odds of a higher rating at {higher} are estimated as {estimate} times those at {lower}")
         }
         (Some(lower), false) => {
-            format!("On the latent scale {higher} is estimated as {estimate} standard deviations above {lower}")
+            format!("On the latent scale, {higher} is estimated as {estimate} standard deviations above {lower}")
         }
-        (None, true) => format!("One unit more of {higher} multiplies the odds of a higher rating by {estimate}"),
+        (None, true) => {
+            format!("Each additional unit of {higher} multiplies the odds of a higher rating by {estimate}")
+        }
         (None, false) => {
-            format!("One unit more of {higher} shifts the latent rating by {estimate} standard deviations")
+            format!("Each additional unit of {higher} shifts the latent rating by {estimate} standard deviations")
         }
     };
     let chosen = if contrast.chosen {
-        " These two levels were picked because their means differ most, so their difference is probably overestimated."
+        " These two levels were chosen because their means differ most, so their difference is probably overestimated."
     } else {
         ""
     };
     format!(" {size}{interval}.{chosen}")
 }
 
-/// Where the test that takes each participant as one observation comes to another conclusion.
+/// A caution if the test that treats each participant as one observation disagrees.
 fn second_opinion(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Option<String> {
     let friedman = factor.friedman.filter(|_| is_clustered(results))?;
     if (friedman.p < ALPHA) == (evidence.p < ALPHA) {
         return None;
     }
-    let other = if friedman.p < ALPHA { "does tell them apart" } else { "cannot tell the levels apart" };
+    let other = if friedman.p < ALPHA { "does distinguish them" } else { "cannot distinguish the levels" };
     Some(format!(
-        " Friedman’s test, for which each participant is one observation, {other} ({}): read this with care.",
+        " Friedman’s test, which treats each participant as one observation, {other} ({}). Interpret this with caution.",
         p_is(friedman.p)
     ))
 }

@@ -1,4 +1,4 @@
-//! What is wrong with the data, or might be.
+//! Data quality: errors, exclusions, sessions, and how participants answered.
 
 use std::collections::BTreeMap;
 
@@ -14,26 +14,26 @@ use crate::{
 
 /// The section.
 pub(super) fn section(source: &Source, results: &Results) -> Section {
-    let mut section = Section::new("health", "Health of the data");
+    let mut section = Section::new("health", "Data quality");
     let sum = |of: fn(&FileRead) -> u64| whole(source.files.iter().map(of).sum());
     section.facts(
-        "What became of the rows",
+        "Rows read and excluded",
         [
             ("Files", whole(source.files.len() as u64)),
             ("Rows below the headers", sum(|file| file.rows)),
-            ("Left out: practice", sum(|file| file.practice)),
-            ("Left out: ratings taken back", sum(|file| file.superseded)),
-            ("Left out: rows with a fault", sum(|file| file.faulty)),
-            ("Left out: unfinished sessions, on request", sum(|file| file.unfinished)),
-            ("Rows that count", sum(|file| file.counted)),
-            ("Ratings in these rows", sum(|file| file.ratings)),
+            ("Excluded: practice", sum(|file| file.practice)),
+            ("Excluded: corrected ratings", sum(|file| file.superseded)),
+            ("Excluded: rows with errors", sum(|file| file.faulty)),
+            ("Excluded: unfinished sessions, on request", sum(|file| file.unfinished)),
+            ("Rows analyzed", sum(|file| file.counted)),
+            ("Ratings in analyzed rows", sum(|file| file.ratings)),
         ],
     );
     section.heading("Faults");
     if source.faults.is_empty() {
-        section.text("No fault was found in the files.");
+        section.text("No errors were found in the files.");
     } else {
-        section.text("Rows with a fault were left out; the rest was analyzed.");
+        section.text("Rows with errors were excluded; the rest was analyzed.");
         section.list(source.faults.iter().map(ToString::to_string).collect());
     }
     if !source.sessions.is_empty() {
@@ -49,13 +49,13 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     if oddities(results).is_empty() {
         section.heading("How participants answered");
         section.text(
-            "As far as is known, nobody used only one category, and no response times or repeated ratings stand out.",
+            "As far as the data show, every participant used several categories, and no response times or repeated ratings are unusual.",
         );
     }
     section
 }
 
-/// How many sessions are finished, as far as that is known; none where there are no sessions.
+/// How many sessions are finished, as far as is known; `None` if there are no sessions.
 pub(super) fn finished_sentence(source: &Source) -> Option<String> {
     let all = source.sessions.len();
     let unknown = source.sessions.iter().filter(|session| session.planned.is_none()).count();
@@ -97,15 +97,15 @@ fn screens(section: &mut Section, source: &Source) {
     section.heading("Screens and incidents");
     let measured = || source.sessions.iter().filter_map(|session| Some((session.dropped?, session.rated)));
     if measured().next().is_none() {
-        section.text("No session measured its frames.");
+        section.text("No session recorded its frames.");
     } else {
         section.text(format!(
-            "In {} of {} whose frames were measured, at least one frame was dropped.",
+            "In {} of {} with recorded frames, at least one frame was dropped.",
             whole(measured().map(|(dropped, _)| dropped).sum()),
             count(measured().map(|(_, rated)| rated).sum(), "trial")
         ));
     }
-    // Each problem with the number of sittings that had it.
+    // Each problem with its number of sittings.
     let mut problems: BTreeMap<&str, u64> = BTreeMap::new();
     let checks = || sittings::all(source).flat_map(|(_, sitting)| &sitting.preflight);
     for note in checks().filter(|note| !note.ok) {
@@ -126,19 +126,18 @@ fn screens(section: &mut Section, source: &Source) {
         })
         .collect();
     if !incidents.is_empty() {
-        section.text("Repaired or moved while sessions ran:");
+        section.text("Repairs and moves during sessions:");
         section.list(incidents);
     }
-    // What differs between sittings may stand for differences between people.
+    // Differences between sittings may be confounded with differences between people.
     let properties = sittings::properties(source);
     let different: Vec<&str> =
         properties.iter().filter(|(_, values)| values.len() > 1).map(|(name, _)| *name).collect();
     if different.is_empty() {
-        section.text("As far as is recorded, all sittings were run alike.");
+        section.text("According to the records, all sittings were run in the same way.");
     } else {
         let different = list(&different);
-        section
-            .warning(format!("Sittings differ in {different}: differences between participants may come from that."));
+        section.warning(format!("Sittings differ in {different}, which may explain differences between participants."));
     }
     let rows = (properties.into_iter())
         .map(|(name, values)| {
@@ -148,5 +147,5 @@ fn screens(section: &mut Section, source: &Source) {
             vec![name.to_owned(), values.join("; "), same.to_owned()]
         })
         .collect();
-    section.table("How the sittings were run", &["What", "Value", "Over sittings"], &[], rows);
+    section.table("How the sittings were run", &["Setting", "Value", "Across sittings"], &[], rows);
 }

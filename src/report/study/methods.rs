@@ -1,4 +1,4 @@
-//! Methods and results as a paper states them, with the numbers in place, and the literature they rely on.
+//! Methods and results for a paper, with numbers and references.
 
 use std::collections::BTreeSet;
 
@@ -16,22 +16,22 @@ use crate::{
     store::ratings::Source,
 };
 
-/// One publication a line, by name: how a text cites it, a tab, and its entry in the list.
+/// One publication per line, sorted by name: its citation, a tab, and its entry in the list.
 const PUBLICATIONS: &str = include_str!("references.txt");
 
-/// What a text cites.
+/// The publications cited so far.
 #[derive(Default)]
 struct Cited(BTreeSet<&'static str>);
 
 impl Cited {
-    /// Publications as a text cites them, separated by semicolons: gives the same text.
+    /// Records publications, given as a citation separated by semicolons, and returns the same text.
     fn cite(&mut self, publications: &'static str) -> &'static str {
         self.0.extend(publications.split("; "));
         publications
     }
 }
 
-/// The methods, and the list of what they cite.
+/// The methods and their references.
 pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&StudyPrediction>) -> (Section, Section) {
     let mut section = Section::new("methods", "Methods, ready to paste");
     let mut cited = Cited::default();
@@ -42,10 +42,10 @@ pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&St
         agreement(&mut cited, results),
         bootstrap(&mut cited, results),
         predicted.map(|predicted| vision(&mut cited, predicted)),
-        Some(format!("The analysis was made with machband {}.", env!("CARGO_PKG_VERSION"))),
+        Some(format!("The analysis was performed with machband {}.", env!("CARGO_PKG_VERSION"))),
     ];
     paragraphs.into_iter().flatten().for_each(|paragraph| section.text(paragraph));
-    // The section on agreement measures κ by this limit.
+    // The section on agreement compares κ with this limit.
     if results.kappa.is_some() {
         cited.cite("Landis & Koch, 1977");
     }
@@ -87,7 +87,7 @@ fn shown(cited: &mut Cited, protocol: &Protocol) -> String {
     format!(
         " Each session was planned to show every condition {times}, after {}. A uniform field of relative luminance {} was \
          shown for {} s before each stimulus. The answers were {answers}{scale}. The planned viewing distance was {} cm, and \
-         the stimulus was to be {}° wide.",
+         the planned width of the stimulus was {}°.",
         count(protocol.design.practice.into(), "practice trial"),
         protocol.recovery.level,
         protocol.recovery.duration_s,
@@ -120,7 +120,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         ("mixed ", format!(" and a random intercept for participants, fitted by maximum likelihood with {how}"))
     };
     let mut text = format!(
-        "Since ratings are ordered categories ({ordinal}), they were modeled with a cumulative-link {mixed}model ({family}) \
+        "Because ratings are ordered categories ({ordinal}), they were modeled with a cumulative-link {mixed}model ({family}) \
          with {link} link and {terms}{how} to {} (log-likelihood {}, AIC {}).",
         count(model.nobs, "rating"),
         fixed(model.loglik, 2),
@@ -133,7 +133,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
                 (term, ..) => format!("{term}, no test"),
             })
             .collect();
-        text += &format!(" Terms were tested by likelihood ratios: {}.", tests.join("; "));
+        text += &format!(" Terms were tested with likelihood-ratio tests: {}.", tests.join("; "));
     }
     Some(text)
 }
@@ -160,7 +160,7 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
         let how =
             if exact { format!(", exact by {}", cited.cite("Streitberg & Röhmel, 1986")) } else { String::new() };
         text += &format!(
-            " Pairs of levels were compared with Wilcoxon’s signed-rank test ({}{how}), corrected within each factor by \
+            " Pairs of levels were compared with Wilcoxon’s signed-rank test ({}{how}), corrected within each factor with \
              Holm’s method ({}).",
             cited.cite("Wilcoxon, 1945"),
             cited.cite("Holm, 1979")
@@ -173,8 +173,8 @@ fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
     let level = results.options.bootstrap.level;
     let alpha = results.alpha.map(|alpha| {
         format!(
-            "Agreement between participants was measured with Krippendorff’s ordinal α ({}); a participant’s repeated \
-             ratings were not compared with each other: α = {}{}.",
+            "Agreement between participants was measured with Krippendorff’s ordinal α ({}); repeated ratings \
+             of the same participant were not compared: α = {}{}.",
             cited.cite("Hayes & Krippendorff, 2007; Krippendorff, 2019"),
             unit(alpha.alpha),
             with_level(level, alpha.interval)
@@ -182,7 +182,7 @@ fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
     });
     let kappa = results.kappa.map(|(kappa, interval)| {
         format!(
-            "Agreement of first and second ratings was measured with Cohen’s κ with quadratic weights ({}): κ = {}{}{}.",
+            "Agreement between first and second ratings was measured with Cohen’s κ with quadratic weights ({}): κ = {}{}{}.",
             cited.cite("Cohen, 1968"),
             unit(kappa),
             if results.is_inferential() { " on average" } else { "" },
@@ -211,8 +211,8 @@ fn bootstrap(cited: &mut Cited, results: &Results) -> Option<String> {
 fn vision(cited: &mut Cited, predicted: &StudyPrediction) -> String {
     let comparison = &predicted.comparison;
     let mut text = format!(
-        "The visibility of the bands of every condition was predicted, for a window of {} and a white of {} cd/m², by a \
-         model of local energy ({}) in log-Gabor channels of light weighted by contrast sensitivity ({}).",
+        "The visibility of the bands in every condition was predicted, for a window of {} and a white of {} cd/m², with a \
+         local-energy model ({}) with log-Gabor channels weighted by contrast sensitivity ({}).",
         degrees(predicted),
         fixed(predicted.viewing.white_cd_m2, 0),
         cited.cite("Morrone & Burr, 1988"),
@@ -222,7 +222,7 @@ fn vision(cited: &mut Cited, predicted: &StudyPrediction) -> String {
         text += &format!(" Its rank correlation with the mean ratings was {}", unit(rho));
         if let (Some(each), Some([low, high])) = (comparison.with_subjects, comparison.ceiling) {
             text += &format!(
-                ", and with single participants {} on average, with a noise ceiling ({}) of {} to {}",
+                "; the mean for individual participants was {}, with a noise ceiling ({}) of {} to {}",
                 unit(each),
                 cited.cite("Nili et al., 2014"),
                 unit(low),

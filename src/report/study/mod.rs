@@ -1,8 +1,8 @@
-//! A study as a document: its sections and their sentences, from a plain-language summary down to what is needed to repeat
-//! the analysis.
+//! A study as a document: its sections and sentences, from a plain-language summary to the details needed to repeat the
+//! analysis.
 //!
-//! No fixed sentence may be false for some results; such sentences are computed. For a single participant there is no
-//! inference: no test, no interval, no probability.
+//! Any sentence that could be false for some results is computed. A single participant allows no inference: no test, no
+//! interval, no probability.
 
 mod cautions;
 mod description;

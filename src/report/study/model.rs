@@ -1,4 +1,4 @@
-//! The model: what was fitted, what came out, and whether its assumptions hold.
+//! The model: its specification, its results, and whether its assumptions hold.
 
 use super::{cautions::is_serious, findings::ALPHA};
 use crate::{
@@ -19,7 +19,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         Ok(report) => report,
         Err(error) => {
             section.warning(format!("No model could be fitted: {error}."));
-            section.text("The description and the rank tests do not depend on it.");
+            section.text("The descriptive statistics and the rank tests do not depend on it.");
             return section;
         }
     };
@@ -44,23 +44,23 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             fixed(random.sd, 3)
         ));
         let rows = random.subjects.iter().map(|s| vec![s.subject.clone(), fixed(s.mode, 2), fixed(s.sd, 2)]).collect();
-        let caption = "Shift of each participant; a positive one means higher ratings";
+        let caption = "Shift of each participant; positive values mean higher ratings";
         section.table(caption, &["Participant"], &["Shift", "Conditional SD"], rows);
     }
     if results.is_inferential() {
         tests(
             &mut section,
             "Does each term matter?",
-            "Each row compares the model with the one without the term. A small p says that ratings like these would be \
-             rare if the term had no effect. The probabilities are not corrected for the number of terms.",
+            "Each row compares the model with the one without the term. A small p means that ratings like these would \
+             be rare if the term had no effect. The p values are not corrected for the number of terms.",
             "Likelihood-ratio tests against the model without each term",
             &report.terms,
         );
         tests(
             &mut section,
-            "Is one number for each effect enough?",
-            "The model gives a term the same effect at every threshold (proportional odds). Each row tests this against \
-             an effect of its own at each threshold. This test leaves out the differences between participants.",
+            "Is one coefficient per effect enough?",
+            "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
+             against a separate effect at each threshold. This test ignores differences between participants.",
             "Tests of proportional odds",
             &report.proportional_odds,
         );
@@ -71,8 +71,8 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         }
         tests(
             &mut section,
-            "Do ratings scatter more under some conditions?",
-            "Each row tests whether a term also changes the spread of the ratings, leaving out the differences between \
+            "Are ratings more variable in some conditions?",
+            "Each row tests whether a term also changes the spread of the ratings. This test ignores differences between \
              participants.",
             "Tests of effects on the spread",
             &results.scale,
@@ -81,7 +81,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     section
 }
 
-/// What was fitted, in a line: `cumulative-link mixed model (Laplace), logit link, terms width, depth: …`.
+/// The fitted model in one line: `cumulative-link mixed model (Laplace), logit link, terms width, depth: …`.
 fn sentence(results: &Results, model: &Model) -> String {
     let method = match model.method.as_str() {
         "clm" => "cumulative-link model".to_owned(),
@@ -109,7 +109,7 @@ fn sentence(results: &Results, model: &Model) -> String {
     )
 }
 
-/// The call that fits the same model with R's `ordinal`.
+/// The call that fits the same model with R's `ordinal` package.
 fn call(results: &Results, model: &Model) -> String {
     let mut parts: Vec<String> = results.spec.terms.iter().map(|term| term.to_string().replace("num:", "")).collect();
     if parts.is_empty() {
@@ -139,9 +139,9 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
         ("", "", "", "")
     };
     section.text(format!(
-        "Ratings are ordered, but nothing says that the step from one category to the next is always the same size. The \
-         model therefore does not average ratings: it places thresholds on a scale of its own, the latent scale, and \
-         every condition{who} shifts the ratings along it. A positive shift means higher ratings."
+        "Ratings are ordered, but the steps between categories are not necessarily equal. The model therefore does not \
+         average ratings: it places thresholds on a latent scale, and every condition{who} shifts the ratings along this \
+         scale. A positive shift means higher ratings."
     ));
     section.code(format!("P(rating of condition i{by} ≤ j) = F(θ[j] − x[i]·β{shift}){normal}"));
     section.text(format!(
@@ -151,9 +151,9 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     section.text(sentence(results, model));
     if mixed && results.is_inferential() {
         section.text(
-            "In the model participants differ in how high they rate and in nothing else: every effect is the same for all. \
-             Where it is not, the intervals of the model are too narrow. The rank tests, for which each participant is \
-             one observation, do not assume it.",
+            "In the model, participants differ only in how high they rate; every effect is the same for all. If effects \
+             differ between participants, the model’s intervals are too narrow. The rank tests, which treat each participant \
+             as one observation, do not make this assumption.",
         );
     }
 }
@@ -161,7 +161,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
 fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     section.heading("Coefficients");
     if model.coefficients.is_empty() {
-        section.text("The model has no terms: it describes all ratings alike.");
+        section.text("The model has no terms, so it describes all ratings alike.");
     } else {
         section.text(meaning(results, model));
         let odds = model.link == Link::Logit;
@@ -173,7 +173,7 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     }
 }
 
-/// A table of coefficients, with odds ratios if asked for.
+/// A table of coefficients, with odds ratios if requested.
 fn coefficient_table(section: &mut Section, results: &Results, caption: &str, all: &[Coefficient], odds: bool) {
     let inferential = results.is_inferential();
     let mut numbers = vec!["Estimate"];
@@ -197,14 +197,15 @@ fn meaning(results: &Results, model: &Model) -> String {
     let mut variables = results.spec.terms.iter().flat_map(|term| &term.variables);
     let mut text = String::new();
     if variables.any(|variable| matches!(variable, Variable::Factor(_))) {
-        text += "A level’s coefficient is its shift against the factor’s baseline, the level without a coefficient. ";
+        text +=
+            "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. ";
     }
     text += match model.link {
         Link::Logit => "An odds ratio above 1 means that higher ratings are more likely.",
         Link::Probit => "One unit is a standard deviation of the latent ratings.",
     };
     if !results.is_inferential() {
-        text += " With one participant there are no intervals for other people, so none are given.";
+        text += " With one participant, there are no intervals that apply to other people, so none are given.";
     }
     text
 }

@@ -1,4 +1,4 @@
-//! Participants, factors, levels and categories as sentences and tables name them.
+//! Names of participants, factors, levels and categories in sentences and tables.
 
 use crate::{
     analysis::{
@@ -12,10 +12,10 @@ use crate::{
     report::document::numbers::{count, list},
 };
 
-/// The end of a column's name that says that its numbers are degrees.
+/// The suffix of a column in degrees.
 const DEGREES: &str = "_deg";
 
-/// The factor's name; `orientation` for `orientation_deg`, whose levels bear the unit.
+/// The factor's name; `orientation` for `orientation_deg`, whose levels carry the unit.
 pub(super) fn factor(name: &str) -> &str {
     name.strip_suffix(DEGREES).filter(|name| !name.is_empty()).unwrap_or(name)
 }
@@ -30,12 +30,12 @@ pub(super) fn level(factor: &str, level: &str) -> String {
     }
 }
 
-/// The level that a group of ratings is of.
+/// The level of a group of ratings.
 pub(super) fn level_of(factor: &FactorResults, group: &Group) -> String {
     level(&factor.name, group.names.first().map_or("", String::as_str))
 }
 
-/// The levels of a condition: `width 0.4, depth ∞`, of the factors that vary.
+/// The levels of a condition for the factors that vary: `width 0.4, depth ∞`.
 pub(super) fn condition(counts: &Counts, condition: u32) -> String {
     let levels = counts.factors.iter().zip(counts.level_names(condition));
     let parts: Vec<String> = (levels.filter(|(one, _)| one.levels.len() > 1))
@@ -49,7 +49,7 @@ pub(super) fn participant(subject: &SubjectResults) -> &str {
     subject.group.names.first().map_or("", String::as_str)
 }
 
-/// Whether "more of it" has a meaning: numbers that are no directions, for which going up leads back to the first.
+/// Whether "more of it" is meaningful, as for numbers other than directions, which are circular.
 pub(super) fn is_ordered(counts: &Counts, name: &str) -> bool {
     let is_direction =
         ["orientation", "angle", "hue", "direction"].iter().any(|word| name.to_lowercase().contains(word));
@@ -62,7 +62,7 @@ pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
     categories.map(|(rating, category)| format!("{rating} ({})", category.label)).collect()
 }
 
-/// The lowest and the highest category, with what they mean where a definition says so.
+/// The lowest and the highest category, with their labels if a definition has them.
 pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(String, String)> {
     let names = match protocol {
         Some(protocol) if protocol.response.categories.len() == counts.categories.len() => categories_of(protocol),
@@ -71,13 +71,13 @@ pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(Stri
     Some((names.first()?.clone(), names.last()?.clone()))
 }
 
-/// Whether the categories are texts, so that means count positions from 0.
+/// Whether the categories are texts, so that means are of their positions, counted from 0.
 pub(super) fn categories_are_texts(counts: &Counts) -> bool {
     counts.categories.iter().any(|category| !number_of(category).is_some_and(f64::is_finite))
 }
 
-/// Who gave how many ratings of what: `8 participants gave 1,920 ratings of 45 conditions, which differ in …`, of each
-/// factor that varies its name and this of its levels.
+/// The sample in a sentence: `8 participants gave 1,920 ratings of 45 conditions, which differ in …`, with the name of
+/// each factor that varies and the result of `levels`.
 pub(super) fn rated(who: &str, results: &Results, differ: &str, levels: impl Fn(&FactorResults) -> String) -> String {
     let counts = &results.measured.counts;
     let varied: Vec<String> = varied(results).map(|one| format!("{} ({})", factor(&one.name), levels(one))).collect();

@@ -1,4 +1,4 @@
-//! Everything that is needed to make the same report again.
+//! Everything that is needed to reproduce the report.
 
 use jiff::Timestamp;
 
@@ -8,21 +8,21 @@ use crate::{
     store::ratings::{FileRead, Layout, Source},
 };
 
-/// How an analysis was made.
+/// How an analysis was performed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Provenance {
     /// The program's version.
     pub version: String,
     /// The commit it was built from, or `unknown`.
     pub commit: String,
-    /// The command line, as a shell takes it.
+    /// The command line, quoted for a shell.
     pub command: String,
     /// When.
     pub made_at: Timestamp,
 }
 
 impl Provenance {
-    /// An analysis by this program, by this command, at this time.
+    /// An analysis by this program with this command at this time.
     pub fn new(command: impl Into<String>, made_at: Timestamp) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -32,17 +32,17 @@ impl Provenance {
         }
     }
 
-    /// An analysis by the process that runs, now: its arguments, the program by its name alone.
+    /// An analysis by the current process, now: its arguments, after the program's bare name.
     pub fn of_process() -> Self {
         let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
         Self::new(shell_command(arguments), Timestamp::now())
     }
 }
 
-/// This program with arguments, as a POSIX shell takes them.
+/// This program with arguments, quoted for a POSIX shell.
 pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
     let command: Vec<String> = std::iter::once(env!("CARGO_PKG_NAME").to_owned()).chain(arguments).collect();
-    // A shell passes no argument with a zero byte, which is all that could fail.
+    // Quoting fails only for a zero byte, which no shell can pass.
     shlex::try_join(command.iter().map(String::as_str)).unwrap_or_default()
 }
 
@@ -53,13 +53,13 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
     section.text("The same program, command and files give the same numbers on every machine.");
     section.code(provenance.command.clone());
     section.facts(
-        "How this page was made",
+        "How this page was created",
         [
             ("Program", format!("machband {}", provenance.version)),
             ("Commit", provenance.commit.clone()),
-            ("Made at", provenance.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
+            ("Created at", provenance.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
             ("Quadrature nodes", results.spec.quadrature.to_string()),
-            ("Seed of the bootstrap", bootstrap.seed.to_string()),
+            ("Bootstrap seed", bootstrap.seed.to_string()),
             ("Bootstrap samples", whole(bootstrap.replicates as u64)),
         ],
     );
@@ -73,7 +73,7 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
         vec![file.path.display().to_string(), layout.to_owned(), hash, whole(file.rows), whole(file.counted)]
     };
     let texts = ["File", "Kind", "SHA-256"];
-    section.table("Files", &texts, &["Rows", "Rows that count"], source.files.iter().map(row).collect());
+    section.table("Files", &texts, &["Rows", "Rows analyzed"], source.files.iter().map(row).collect());
     if let Some(protocol) = &source.protocol {
         section.heading("The definition");
         if let Some(hash) = &source.definition_sha256 {

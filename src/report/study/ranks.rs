@@ -1,5 +1,5 @@
-//! What needs no model: tests on ranks, for which each participant is one observation, and agreement, of participants
-//! with each other and of each with themselves.
+//! Model-free results: rank tests, which treat each participant as one observation, and agreement between and within
+//! participants.
 
 use super::{cautions::LOW_KAPPA, names};
 use crate::{
@@ -22,19 +22,19 @@ pub(super) fn section(results: &Results) -> Section {
     let mut section = Section::new("tests", "Rank tests");
     let tested: Vec<&FactorResults> = names::varied(results).collect();
     if !results.is_inferential() {
-        section.text("These tests compare people. With one participant there is nothing to test.");
+        section.text("These tests need several participants. With one participant, there is nothing to test.");
     } else if tested.is_empty() {
         section.text("No factor has two levels, so there is nothing to compare.");
     } else {
         section.text(
-            "For these tests the ratings of a participant at a level become one mean, and only the order of the means \
-             counts. Friedman’s test asks whether any level is rated differently; Kendall’s W says how far participants \
-             order the levels alike, from 0 (not at all) to 1 (entirely).",
+            "For these tests, each participant’s ratings at a level are averaged, and only the order of the means counts. \
+             Friedman’s test asks whether any level is rated differently; Kendall’s W measures how consistently participants \
+             order the levels, from 0 (not at all) to 1 (identically).",
         );
         friedman(&mut section, results, &tested);
         section.text(
-            "Wilcoxon’s signed-rank test compares two levels. Holm’s correction keeps the chance of any false alarm \
-             among all pairs of a factor at the stated level.",
+            "Wilcoxon’s signed-rank test compares two levels. Holm’s correction limits the probability of any false \
+             alarm among all pairs of a factor.",
         );
         tested.iter().for_each(|factor| pairs(&mut section, factor));
     }
@@ -59,11 +59,11 @@ fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]
     section.table("Friedman’s test of each factor", &["Factor"], &numbers, factors.iter().map(row).collect());
     for factor in factors.iter().filter(|factor| !factor.incomplete.is_empty()) {
         let (name, who) = (names::factor(&factor.name), short_list(&factor.incomplete, 12));
-        section.note(format!("Left out of the tests of {name}, because a level is missing: {who}."));
+        section.note(format!("Excluded from the tests of {name} because a level is missing: {who}."));
     }
     if results.people() < FEW_PARTICIPANTS {
         let people = results.people();
-        section.note(format!("With {people} participants the probabilities of Friedman’s test are approximate."));
+        section.note(format!("With {people} participants, the p values of Friedman’s test are approximate."));
     }
 }
 
@@ -82,16 +82,16 @@ fn pairs(section: &mut Section, factor: &FactorResults) {
         ]
     };
     section.heading(format!("Pairs of levels: {name}"));
-    let numbers = ["Difference of means", "Differences other than 0", "V", "p", "p by Holm"];
+    let numbers = ["Difference of means", "Nonzero differences", "V", "p", "Holm-corrected p"];
     let rows = pairs.pairs.iter().map(row).collect();
     section.table(format!("Wilcoxon’s signed-rank tests of {name}"), &["Pair"], &numbers, rows);
     let method = if pairs.pairs.iter().any(|pair| pair.test.method == PMethod::Normal) {
-        "Probabilities come from the normal distribution where there are more than 50 differences, and are exact elsewhere."
+        "The p values use the normal approximation if there are more than 50 differences; otherwise they are exact."
     } else {
-        "Probabilities are exact; differences of 0 are left out."
+        "The p values are exact; differences of 0 are excluded."
     };
     let least = probability(pairs.least_p);
-    section.note(format!("{method} The smallest p that these pairs could have after Holm’s correction is {least}."));
+    section.note(format!("{method} The smallest possible p of these pairs after Holm’s correction is {least}."));
 }
 
 /// Agreement.
@@ -103,7 +103,7 @@ pub(super) fn agreement(results: &Results) -> Section {
         Some(alpha) => {
             section.text(format!(
                 "Krippendorff’s ordinal α is {}{}, from {} of {} that two or more participants rated. 1 is perfect \
-                 agreement; 0 is what chance gives.",
+                 agreement; 0 is agreement by chance.",
                 unit(alpha.alpha),
                 with_level(level, alpha.interval),
                 count(alpha.ratings, "rating"),
@@ -111,7 +111,7 @@ pub(super) fn agreement(results: &Results) -> Section {
             ));
             section.note(
                 "Krippendorff’s limits of .800 and .667 are meant for coders who apply a rule. Participants may differ \
-                 because they see differently; then a low α is a finding and not a fault.",
+                 because they see differently; in that case, a low α is a finding and not an error.",
             );
         }
         None if results.is_inferential() => section.text(
@@ -122,12 +122,12 @@ pub(super) fn agreement(results: &Results) -> Section {
     section.heading("Within participants");
     let Some((kappa, interval)) = results.kappa else {
         section
-            .text("As far as the files show, no participant rated a condition twice, so repetition cannot be judged.");
+            .text("According to the files, no participant rated a condition twice, so test–retest agreement cannot be computed.");
         return section;
     };
     section.text(format!(
         "Cohen’s κ with quadratic weights compares a participant’s first and second rating of a condition. {} {}{}. 1 is \
-         perfect repetition, 0 is what chance gives, and Landis and Koch call agreement up to {} slight.",
+         perfect agreement, 0 is agreement by chance, and Landis and Koch call agreement up to {} slight.",
         if results.is_inferential() { "Its mean over participants is" } else { "It is" },
         unit(kappa),
         with_level(level, interval),

@@ -1,4 +1,4 @@
-//! What the sidecars of a study say together: who rated, on what, and what differs between sittings.
+//! The combined information from a study's sidecars: who rated, on which screen, and what differs between sittings.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,12 +19,12 @@ fn sittings(session: &SessionRead) -> impl Iterator<Item = &Sitting> {
     session.sidecar.iter().flat_map(|sidecar| &sidecar.sittings)
 }
 
-/// Whether a program, and not a person, gave ratings of a session.
+/// Whether any ratings of a session come from a program instead of a person.
 pub(super) fn is_simulated(session: &SessionRead) -> bool {
     sittings(session).any(|sitting| sitting.observer.is_some())
 }
 
-/// Subjects whose ratings a program gave, in whole or in part.
+/// Participants with any ratings that come from a program.
 pub(super) fn simulated(source: &Source) -> BTreeSet<&str> {
     source.sessions.iter().filter(|session| is_simulated(session)).map(|session| session.subject.as_str()).collect()
 }
@@ -35,7 +35,8 @@ pub(super) fn days(source: &Source) -> Option<(&str, &str)> {
     Some((days.first()?, days.last()?))
 }
 
-/// What may differ between sittings, and its values, each with the number of sittings; only what any of them records.
+/// Settings that may differ between sittings, and the number of sittings for each of their values; a setting that no
+/// sitting records is omitted.
 pub(super) fn properties(source: &Source) -> Vec<(&'static str, Vec<(String, usize)>)> {
     type Value = fn(&Sitting) -> Option<String>;
     let values_of: [(&'static str, Value); 7] = [
@@ -97,7 +98,7 @@ fn stimulus(sitting: &Sitting) -> Option<String> {
     Some(format!("{deg}° in {px} pixels{windowed}"))
 }
 
-/// At most so many decimals.
+/// A number with at most this many decimals.
 fn trimmed(number: f64, decimals: i32) -> f64 {
     let scale = 10_f64.powi(decimals);
     (number * scale).round() / scale

@@ -14,19 +14,19 @@ use crate::{
     store::ratings::Source,
 };
 
-/// Krippendorff's α from which he calls data reliable.
+/// Krippendorff's α from which data are considered reliable.
 const RELIABLE: f64 = 0.8;
-/// And from which he allows tentative conclusions.
+/// Krippendorff's α from which tentative conclusions are allowed.
 const TENTATIVE: f64 = 0.667;
 
-/// What a study says, in sentences.
+/// A study's conclusions, in sentences.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
     /// Who rated what.
     pub lead: Vec<String>,
-    /// What was found: an item for each factor, then agreement.
+    /// The findings: an item for each factor, then agreement.
     pub findings: Vec<String>,
-    /// What must be borne in mind, the gravest first.
+    /// Cautions, most serious first.
     pub cautions: Vec<String>,
 }
 
@@ -34,7 +34,7 @@ pub struct Summary {
 pub(super) fn section(source: &Source, results: &Results) -> Section {
     let Summary { lead, findings, mut cautions } = summary(source, results);
     let mut section = Section::new("summary", "Summary");
-    // First and plainly.
+    // First, and prominently.
     if cautions.first().is_some_and(|first| first.contains("simulated")) {
         section.warning(cautions.remove(0));
     }
@@ -63,8 +63,9 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     let who = count(results.people() as u64, "participant");
     let mut lead = vec![names::rated(&who, results, "which differ in", levels)];
     if let Some((low, high)) = names::ends(counts, source.protocol.as_ref()) {
-        let positions = if names::categories_are_texts(counts) { "; a mean counts their positions from 0" } else { "" };
-        lead.push(format!("Ratings go from {low} to {high}{positions}."));
+        let positions =
+            if names::categories_are_texts(counts) { "; means are of their positions, counted from 0" } else { "" };
+        lead.push(format!("Ratings range from {low} to {high}{positions}."));
     }
     if counts.total() > 0 {
         let values = category_values(counts);
@@ -83,16 +84,16 @@ fn between_participants(results: &Results) -> Option<String> {
     let (least, most) = (results.subjects.iter().min_by(by_mean)?, results.subjects.iter().max_by(by_mean)?);
     let own =
         |subject: &SubjectResults| format!("{} ({})", mean(subject.group.summary.mean), names::participant(subject));
-    Some(format!("Participants’ own means go from {} to {}.", own(least), own(most)))
+    Some(format!("The means of individual participants range from {} to {}.", own(least), own(most)))
 }
 
-/// Krippendorff's α and his own limits.
+/// Krippendorff's α, compared with his limits.
 fn agreement(results: &Results) -> Option<String> {
     let alpha = results.alpha?;
     let verdict = match alpha.alpha {
-        a if a >= RELIABLE => "at or above the .800 from which Krippendorff calls data reliable",
-        a if a >= TENTATIVE => "between .667 and .800, where Krippendorff allows tentative conclusions only",
-        _ => "below the .667 that Krippendorff requires even for tentative conclusions",
+        a if a >= RELIABLE => "at or above .800, the limit from which Krippendorff considers data reliable",
+        a if a >= TENTATIVE => "between .667 and .800, where Krippendorff allows only tentative conclusions",
+        _ => "below .667, Krippendorff’s limit for even tentative conclusions",
     };
     let interval = with_level(results.options.bootstrap.level, alpha.interval);
     Some(format!("Agreement between participants is α = {}{interval}: {verdict}.", unit(alpha.alpha)))
@@ -104,9 +105,9 @@ fn repetition(results: &Results) -> Option<String> {
     let kappa = unit(kappa);
     Some(if results.is_inferential() {
         format!(
-            "When participants rate a condition again, they agree with themselves by κ = {kappa} on average{interval}."
+            "When participants rate a condition twice, the mean agreement between their ratings is κ = {kappa}{interval}."
         )
     } else {
-        format!("When the participant rates a condition again, the ratings agree by κ = {kappa}.")
+        format!("When the participant rates a condition twice, the agreement between the ratings is κ = {kappa}.")
     })
 }

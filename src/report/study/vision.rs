@@ -1,5 +1,5 @@
-//! What the model of vision predicts: the paper's Figure 4 next to that of the ratings, how far its order is theirs, and
-//! where it is furthest from them.
+//! Predictions of the model of vision: the paper's Figure 4 next to that of the ratings, the agreement in rank order, and
+//! the largest deviations.
 
 use super::{names, sittings};
 use crate::{
@@ -15,7 +15,7 @@ use crate::{
     store::ratings::Source,
 };
 
-/// Conditions that are named for their distance from the ratings.
+/// Number of conditions reported because they deviate most from the ratings.
 const FURTHEST: usize = 3;
 
 /// The section; `figures` are the measured and the predicted ones.
@@ -35,7 +35,7 @@ pub(super) fn section(
     };
     let (counts, comparison) = (&results.measured.counts, &prediction.comparison);
     section.text(format!(
-        "A model of early vision is shown the stimulus of every condition, in a window {} wide on a screen whose white has \
+        "A model of early vision receives the stimulus of every condition, in a window {} wide on a screen whose white has \
          {} cd/m². It predicts how visible the bands are: 0 for none, 1 for bands that are just visible. It does not use \
          the ratings; only the criterion is fitted to them: {}.",
         degrees(prediction),
@@ -50,7 +50,7 @@ pub(super) fn section(
         .any(|(_, sitting)| sitting.observer.as_ref().is_some_and(|observer| observer["observer"] == "vision"));
     if is_circular {
         section.warning(
-            "Ratings of this study were simulated with this very model: that it predicts them says nothing about eyes.",
+            "Some or all ratings of this study were simulated with this same model, so their agreement with it says nothing about human vision.",
         );
     }
     section
@@ -66,14 +66,14 @@ fn criterion(comparison: &Comparison, counts: &Counts) -> String {
     let below: Vec<String> = counts.categories.iter().take(3).map(|category| names::level("", category)).collect();
     let thresholds: Vec<String> = comparison.criterion.thresholds.iter().map(|t| visibility(*t)).collect();
     format!(
-        "half of the ratings are above {} at a visibility of {}, with a spread of {} on its logarithm",
+        "half of the ratings are above {} at a visibility of {}, with a spread of {} in log visibility",
         list(&below),
         list(&thresholds),
         fixed(comparison.criterion.spread, 2)
     )
 }
 
-/// A visibility to three digits, without thousands: a threshold far from all stimuli can be anything.
+/// A visibility to three digits, without separated thousands: a threshold far from all stimuli can have any size.
 fn visibility(value: f64) -> String {
     if (0.01..10_000.0).contains(&value) {
         fixed(value, if value < 10.0 { 2 } else { 1 })
@@ -84,12 +84,13 @@ fn visibility(value: f64) -> String {
 
 fn order(comparison: &Comparison, counts: &Counts) -> String {
     let Some(rho) = comparison.rank_correlation else {
-        return "All conditions are predicted, or rated, alike: there is no order to compare.".to_owned();
+        return "All conditions have the same prediction or the same rating, so there is no order to compare."
+            .to_owned();
     };
     let all = counts.conditions.len();
     let of = if comparison.conditions < all { format!(" of {}", whole(all as u64)) } else { String::new() };
     format!(
-        "Over {}{of} {} and {}, the rank correlation of visibility and mean rating (Spearman) is {}.",
+        "Over {}{of} {} and {}, the rank correlation between visibility and mean rating (Spearman) is {}.",
         whole(comparison.conditions as u64),
         if all == 1 { "condition" } else { "conditions" },
         count(comparison.ratings, "rating"),
@@ -97,37 +98,37 @@ fn order(comparison: &Comparison, counts: &Counts) -> String {
     )
 }
 
-/// Where the prediction stands between nothing and all that can be predicted.
+/// The prediction compared with the noise ceiling.
 fn ceiling(comparison: &Comparison) -> String {
     let (Some(each), Some([low, high])) = (comparison.with_subjects, comparison.ceiling) else {
-        return "It is not known how much of the order could be predicted at all: that takes the agreement of two \
-                participants or more."
+        return "How much of the order any model could predict is not known: this requires the agreement of at least two \
+                participants."
             .to_owned();
     };
     let verdict = if each < low {
-        "The model is below it: participants predict each other better than the model does, so it misses some order in \
-         their ratings."
+        "The model is below it: participants predict each other better than the model does, so it misses some of the order \
+         in their ratings."
     } else if each <= high {
-        "The model is at it: it predicts a participant as well as the other participants do, and these ratings cannot \
-         tell it from a perfect one."
+        "The model reaches it: it predicts a participant as well as the other participants do, and these ratings cannot \
+         distinguish it from a perfect model."
     } else {
-        "The model is above it, which is more than agreement allows: so many ratings are alike that the measure is coarse."
+        "The model is above it, which is more than agreement allows: many ratings are equal, so the measure is coarse."
     };
     format!(
-        "With single participants the correlation is {} on average. The noise ceiling, which is how well they agree with \
-         the mean of the others and with the mean of all, is {} to {}. {verdict}",
+        "The mean correlation for individual participants is {}. The noise ceiling, which is how well each participant \
+         agrees with the mean of the others and with the mean of all, is {} to {}. {verdict}",
         unit(each),
         unit(low),
         unit(high)
     )
 }
 
-/// The conditions whose mean ratings are furthest from the prediction.
+/// The conditions whose mean ratings are farthest from the prediction.
 fn furthest(results: &Results, prediction: &StudyPrediction) -> Option<String> {
     let mut far: Vec<(u32, f64, f64)> = ((0..).zip(&results.cells).zip(&prediction.ratings))
         .filter_map(|((condition, cell), expected)| Some((condition, cell.summary.mean, (*expected)?)))
         .collect();
-    // Of equal distances the first conditions, so that equal ratings give an equal page.
+    // Among equal distances the first conditions win, so that the same ratings always give the same page.
     far.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
     let named: Vec<String> = (far.iter().take(FURTHEST))
         .map(|(condition, rated, expected)| {
@@ -136,5 +137,5 @@ fn furthest(results: &Results, prediction: &StudyPrediction) -> Option<String> {
         })
         .collect();
     (!named.is_empty())
-        .then(|| format!("The predictions furthest from the mean ratings are those for {}.", named.join("; for ")))
+        .then(|| format!("The predictions farthest from the mean ratings are those for {}.", named.join("; for ")))
 }

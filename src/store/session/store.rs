@@ -146,7 +146,7 @@ impl SessionStore {
             store.sidecar.seal = None;
             store.sidecar.sittings.push(sitting);
             if let Some(torn) = &recovered.torn {
-                store.note(format!("a half-written last row was cut off, and its trial is shown again: {torn:?}"));
+                store.note(format!("an incomplete last row was removed, and its trial was shown again: {torn:?}"));
             }
             if let Some(error) = unread {
                 store.note(format!("the frames of this sitting are not saved: {error}"));
