@@ -1,10 +1,10 @@
-//! Floor 6: the window: the App and its places. Nothing below this file uses it.
+//! Floor 6: the window with all its pages. No other floor uses it.
 //!
 //! | room | what |
 //! |---|---|
-//! | `ui` | the vocabulary of all pages |
-//! | `window` | the event loop, keys and their times, a window that is lost |
-//! | `analysis` | files in, the results out |
+//! | `ui` | the elements shared by all pages |
+//! | `window` | the event loop, keys and their times, loss of the window |
+//! | `analysis` | reading files and showing the results |
 //! | `explore` | every stimulus; shaders side by side |
 //! | `session` | preflight, instructions, trials, the end |
 //! | `display` | tools that measure the screen |
@@ -75,7 +75,7 @@ pub struct App {
     /// Started with a session: leaving it closes the window.
     direct: bool,
     monitors: Vec<Monitor>,
-    /// Home's fields as they were left, to come back to.
+    /// The last values of Home's fields.
     form: Form,
     /// Keys and clicks with the time of their arrival.
     input: Input,
@@ -104,7 +104,7 @@ impl App {
         Self { page, behind: None, direct, monitors: Vec::new(), form, input }
     }
 
-    /// Draws the page, and gives the one that it leads to.
+    /// Draws the page; returns the next page.
     fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) -> Step<Page> {
         let monitor = Monitor::current(ui.ctx(), frame);
         match &mut self.page {
@@ -144,7 +144,7 @@ impl App {
         }
     }
 
-    /// The page that a page leads back to; `None` to close the window.
+    /// The page to which a page leads back; `None` to close the window.
     fn page_behind(&mut self) -> Option<Page> {
         if let Some(page) = self.behind.take() {
             return Some(page);
@@ -154,13 +154,13 @@ impl App {
         }
         let mut form = self.form.clone();
         if matches!(&self.page, Page::Session(session) if session.is_complete()) {
-            // The next participant; an interrupted session stays, to be resumed.
+            // The next participant; an interrupted session stays, so that it can be resumed.
             form.participant.clear();
         }
         Some(Page::Home(Box::new(Home::again(form))))
     }
 
-    /// A window that closes while an answer is only in memory would lose it.
+    /// Prevents closing while an answer is only in memory, because it would be lost.
     fn keep_unsaved(&self, ctx: &egui::Context) {
         let unsaved = matches!(&self.page, Page::Session(session) if session.is_unsaved());
         if unsaved && ctx.input(|input| input.viewport().close_requested()) {
@@ -196,8 +196,8 @@ impl eframe::App for App {
         self.close();
     }
 
-    /// The page's ground, and the uniform field of a trial: clearing to it costs nothing, while a rectangle over the
-    /// whole screen would be most of a frame's work where there is no GPU.
+    /// The background of the page, and the uniform field of a trial. Clearing to it costs nothing; without a GPU, a
+    /// full-screen rectangle would be most of the work of a frame.
     fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.page {
             Page::Session(session) => session.ground(),

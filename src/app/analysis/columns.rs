@@ -1,4 +1,4 @@
-//! What the columns of a CSV file from elsewhere mean.
+//! Assigns meanings to the columns of a CSV file from another program.
 
 use std::path::{Path, PathBuf};
 
@@ -9,11 +9,11 @@ use crate::{
     store::ratings::ReadOptions,
 };
 
-/// Names that a column of participants often has; the first that fits is suggested.
+/// Common names of participant columns; the first match is suggested.
 const SUBJECTS: [&str; 6] = ["subject", "participant", "subj", "observer", "person", "id"];
-/// Of ratings.
+/// Common names of rating columns.
 const RESPONSES: [&str; 5] = ["rating", "response", "score", "answer", "resp"];
-/// Of counts; these as a whole name.
+/// Common names of count columns; these must match the whole name.
 const COUNTS: [&str; 4] = ["count", "n", "freq", "frequency"];
 
 /// The form.
@@ -28,8 +28,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// A form about the first CSV file among these paths; none where there is no such file, or where it has our header
-    /// and needs no form.
+    /// A form for the first CSV file among these paths; `None` if there is no such file, or if machband wrote it.
     pub fn needed(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
         let form = Self::of(paths, read_options)?;
         let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
@@ -37,7 +36,7 @@ impl Columns {
         (!known).then_some(form)
     }
 
-    /// A form about the first CSV file among these paths, as far as it was filled in before.
+    /// A form for the first CSV file among these paths, filled in with the previous choices.
     pub fn of(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
         let file = paths.iter().find_map(|path| first_csv(path))?;
         let header = header(&file)?;
@@ -57,7 +56,7 @@ impl Columns {
         })
     }
 
-    /// Draws the form; how to read, when that is asked for.
+    /// Draws the form; returns how to read the file once the user confirms.
     pub fn show(&mut self, ui: &mut egui::Ui) -> Option<ReadOptions> {
         section(ui, "What do the columns mean?");
         let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
@@ -75,7 +74,7 @@ impl Columns {
         ScrollArea::vertical().id_salt("factors").max_height(200.0).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
                 for (name, checked) in self.header.iter().zip(&mut self.factors) {
-                    // A column with another meaning is no factor.
+                    // A column with another meaning is not a factor.
                     if ![&self.subject, &self.response, &self.count].contains(&&Some(name.clone())) {
                         let response = ui.checkbox(checked, name);
                         label(ui, &response, &format!("Factor {name}"));
@@ -114,7 +113,7 @@ fn first_csv(path: &Path) -> Option<PathBuf> {
     files.filter(|path| path.is_file() && is_csv(path)).min()
 }
 
-/// The names in a file's first row; none where that is no row of names.
+/// The names in a file's first row; none if that row does not contain names.
 fn header(file: &Path) -> Option<Vec<String>> {
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_path(file).ok()?;
     let names: Vec<String> = reader.headers().ok()?.iter().map(|name| name.trim().to_owned()).collect();

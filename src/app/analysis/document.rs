@@ -1,4 +1,4 @@
-//! The document's skin in the window. A figure of the report is its own drawing, at the pixels that it takes up.
+//! Shows the document in the window. Each figure of the report is drawn at the size in pixels that it occupies.
 
 use std::sync::Arc;
 
@@ -18,10 +18,10 @@ use crate::{
     },
 };
 
-/// Widest figure, points, and widest of those made for the width of a page.
+/// Maximum width of a figure in points, and of a figure made for the width of a page.
 const WIDEST: [f32; 2] = [720.0, 1080.0];
 
-/// A document and what its tables and figures remember.
+/// A document and the state of its tables and figures.
 pub struct DocumentView {
     sections: Vec<SectionView>,
 }
@@ -39,7 +39,7 @@ enum BlockView {
 }
 
 impl DocumentView {
-    /// A document that is yet to be drawn. The pictures of an earlier one stay until the new ones are there.
+    /// A document that is not drawn yet. The images of the previous document stay until the new ones are ready.
     pub fn new(document: Document, earlier: Option<Self>) -> Self {
         let mut pictures: Vec<FigureView> = (earlier.into_iter())
             .flat_map(|view| view.sections)
@@ -68,7 +68,7 @@ impl DocumentView {
         self.sections.iter().map(|section| (section.id, section.heading))
     }
 
-    /// Draws the section at an address; whether there is one.
+    /// Draws the section at an address; returns whether it exists.
     pub fn show(&mut self, ui: &mut egui::Ui, id: &str) -> bool {
         let Some(section) = self.sections.iter_mut().find(|section| section.id == id) else { return false };
         ScrollArea::vertical().id_salt(id).auto_shrink(false).show(ui, |ui| {
@@ -119,17 +119,17 @@ struct FigureView {
     figure: Figure,
     drawn: Latest<u32, Arc<ColorImage>>,
     canvas: Canvas,
-    /// The last picture, and how many pixels it was to be wide; that of an earlier analysis until the new one is drawn.
+    /// The last image and its requested width in pixels; the image of the previous analysis until the new one is drawn.
     shown: Option<(Option<u32>, TextureHandle)>,
 }
 
 impl FigureView {
-    /// A figure that is yet to be drawn.
+    /// A figure that is not drawn yet.
     fn new(figure: Figure) -> Self {
         Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None }
     }
 
-    /// Shows the picture of an earlier figure until this one is drawn.
+    /// Shows the image of the previous figure until this one is drawn.
     fn replace(&mut self, earlier: Self) -> Option<Self> {
         if earlier.figure.name != self.figure.name {
             return Some(earlier);

@@ -1,4 +1,4 @@
-//! The analysis as files: what `machband analyze` writes, and the command that does the same.
+//! Exports the analysis: the files that `machband analyze` writes, and the command that writes the same.
 
 use std::{
     path::{Path, PathBuf},
@@ -18,26 +18,26 @@ use crate::{
     store::ratings::ReadOptions,
 };
 
-/// The field, and what came of the last export.
+/// The field and the outcome of the last export.
 pub struct Export {
     paths: Vec<PathBuf>,
     folder: String,
     dialog: Dialog,
     work: Option<(PathBuf, Work<Result<usize, String>>)>,
     outcome: Option<Result<String, String>>,
-    /// A folder with files in it, which may be written into if asked again.
+    /// A folder that contains files; a second click allows writing to it.
     occupied: Option<PathBuf>,
     copied: Option<String>,
 }
 
-/// What is to be written.
+/// What to write.
 pub struct Exported<'a> {
     /// What was read, and how.
     pub study: &'a Arc<Study>,
     pub read_options: &'a ReadOptions,
-    /// What came out of it.
+    /// The results.
     pub results: &'a Arc<Results>,
-    /// What the filters left, as a phrase; empty where that is everything.
+    /// What the filters left, as a phrase; empty if nothing was excluded.
     pub filter: String,
 }
 
@@ -57,7 +57,7 @@ impl Export {
         }
     }
 
-    /// Draws it; there is nothing to write while nothing is shown.
+    /// Draws the controls; nothing can be written while nothing is shown.
     pub fn show(&mut self, ui: &mut egui::Ui, exported: Option<&Exported<'_>>) {
         self.take_outcome(ui.ctx());
         let label = ui.label("Export to the folder");
@@ -123,14 +123,14 @@ impl Export {
         let (study, results, to) = (exported.study.clone(), exported.results.clone(), folder.clone());
         let mut command = self.command(exported);
         if !exported.filter.is_empty() {
-            // A comment of the shell: no command filters.
+            // A shell comment, because no command applies filters.
             command += &format!(" # filtered in the window: {}", exported.filter);
         }
         self.work = Some((folder, Work::start(ctx, move || write(&study, &results, &command, &to))));
     }
 
-    /// `machband analyze` of these files with these options and without filters; only what differs from the default is
-    /// named.
+    /// The `machband analyze` command for these files and options, without filters; options with default values are
+    /// omitted.
     fn command(&self, Exported { read_options, results, .. }: &Exported<'_>) -> String {
         let Options { terms, link, random, quadrature, scale, .. } = &results.options;
         let mut arguments = vec!["analyze".to_owned()];
@@ -153,9 +153,9 @@ impl Export {
     }
 }
 
-/// Writes everything that `machband analyze` writes; the number of files.
+/// Writes everything that `machband analyze` writes; returns the number of files.
 fn write(study: &Study, results: &Results, command: &str, folder: &Path) -> Result<usize, String> {
-    // The report is about the ratings that the results are of.
+    // The report covers the ratings on which the results are based.
     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
     let made = Provenance::new(command, Timestamp::now());
     let written = write_all(&shown, results, &made, folder, false).map_err(|error| error.to_string())?;

@@ -1,7 +1,7 @@
-//! The analysis: files in, the results document out.
+//! The analysis: reads files and shows the results document.
 //!
-//! [`page`] reads files; [`open_study`] filters and models what was read. The document is that of `machband analyze`:
-//! [`document`] is its skin in the window, with [`tables`](table) that can be sorted.
+//! [`page`] reads files; [`open_study`] filters and models the data.
+//! [`document`] shows the document of `machband analyze` in the window, with sortable [`tables`](table).
 
 mod columns;
 mod document;

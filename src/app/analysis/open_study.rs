@@ -1,4 +1,4 @@
-//! A study that is open: its filters and settings, and the document that comes of them.
+//! An open study: its filters and settings, and the resulting document.
 
 use std::{path::PathBuf, sync::Arc};
 
@@ -28,22 +28,22 @@ use crate::{
     store::ratings::{Layout, ReadOptions, SessionRead, Source},
 };
 
-/// Faults that are listed.
+/// Maximum number of listed errors.
 const MOST_FAULTS: usize = 200;
-/// Narrower than this, the data and filters are a view of their own.
+/// In a narrower window, the data and filters have a separate view.
 const NARROW: f32 = 700.0;
 /// The view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");
-/// The section that is computed when it is opened, since that takes a while.
+/// The section that is computed only when it is opened, because that takes a while.
 const VISION: (&str, &str) = ("vision", "What the model of vision predicts");
 
-/// Something that only the page can do.
+/// An action that only the page can perform.
 pub enum Request {
     /// Other data.
     OtherData,
     /// Other columns of the same file.
     Columns,
-    /// The same files, read in another way.
+    /// Read the same files with other options.
     Read(ReadOptions),
 }
 
@@ -54,7 +54,7 @@ pub struct OpenStudy {
     pub read_options: ReadOptions,
     filters: Filters,
     settings: Settings,
-    /// What was analyzed last, finished or not.
+    /// The last request, finished or not.
     asked: Option<Query>,
     work: Option<Work<Option<(Outcome, Document)>>>,
     /// The last outcome.
@@ -62,7 +62,7 @@ pub struct OpenStudy {
     /// The document with a prediction.
     predicting: Option<Work<Document>>,
     fault: Option<String>,
-    /// Why the files could not be read in another way.
+    /// Why the files could not be read with other options.
     not_reread: Option<String>,
     /// The address of the open section.
     section: &'static str,
@@ -70,7 +70,7 @@ pub struct OpenStudy {
     request: Option<Request>,
 }
 
-/// What is asked of the data.
+/// The analysis options.
 #[derive(Clone, Debug, PartialEq)]
 struct Query {
     filters: Filters,
@@ -104,7 +104,7 @@ impl OpenStudy {
         }
     }
 
-    /// The same files read in another way: what was chosen stays, as far as there still is a choice.
+    /// Replaces the data by the same files read with other options; selections that are still possible are kept.
     pub fn reread(study: Study, read_options: ReadOptions, before: Self) -> Self {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
@@ -117,14 +117,14 @@ impl OpenStudy {
         }
     }
 
-    /// The files could not be read in another way: what is here stays.
+    /// Records that the files could not be read with other options; the current data stay.
     pub fn keep(&mut self, read_options: &ReadOptions, fault: String) {
-        // Not to be asked for again and again.
+        // Do not request it repeatedly.
         self.read_options.also.clone_from(&read_options.also);
         self.not_reread = Some(fault);
     }
 
-    /// Draws everything; gives what only the page can do.
+    /// Draws everything; returns the action that only the page can perform.
     pub fn show(&mut self, ui: &mut egui::Ui) -> Step<Request> {
         self.take_outcome();
         self.analyze(ui.ctx());
@@ -165,7 +165,7 @@ impl OpenStudy {
         }
     }
 
-    /// Takes what has been computed.
+    /// Takes finished results.
     fn take_outcome(&mut self) {
         match self.work.as_ref().map(Work::poll) {
             None | Some(Progress::Going) => {}
@@ -187,7 +187,7 @@ impl OpenStudy {
         }
     }
 
-    /// Analyzes what is asked for, one thing at a time: newer questions wait, and only the last of them is answered.
+    /// Runs one analysis at a time: newer requests wait, and only the latest of them is run.
     fn analyze(&mut self, ctx: &egui::Context) {
         let Ok(options) = self.settings.options() else { return };
         let query = Query { filters: self.filters.clone(), options };
@@ -289,7 +289,7 @@ impl OpenStudy {
         let error = self.shown.as_ref().and_then(|(outcome, _)| outcome.results.model.as_ref().err());
         self.settings.show(ui, counts, self.filters.people(), error);
         ui.separator();
-        // What is on the page, and nothing that is still being computed.
+        // Only what is on the page, not what is still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
         let exported = outcome.map(|outcome| Exported {
             study: &self.study,
@@ -301,7 +301,7 @@ impl OpenStudy {
         self.read_columns_of_terms();
     }
 
-    /// Reads the files again where the terms name columns that are not read, or no longer name one that is.
+    /// Reads the files again if the terms name columns that were not read, or no longer name a column that was.
     fn read_columns_of_terms(&mut self) {
         let factors = self.study.measured.counts.factors.iter().map(|factor| factor.name.as_str());
         let usual: Vec<&str> = factors.filter(|name| !self.read_options.also.iter().any(|also| also == name)).collect();
@@ -312,7 +312,7 @@ impl OpenStudy {
     }
 }
 
-/// Where the ratings come from, in short; the document has the details.
+/// A short description of the source of the ratings; the document has the details.
 fn about(ui: &mut egui::Ui, source: &Source) {
     let title = match (&source.protocol, source.files.first()) {
         (Some(protocol), _) => format!("{}: {}", protocol.name, protocol.title),
@@ -342,14 +342,14 @@ fn about(ui: &mut egui::Ui, source: &Source) {
     });
 }
 
-/// There is much on this page: small text, thin scroll bars.
+/// This page is dense: small text, thin scroll bars.
 fn dense(ui: &mut egui::Ui) {
     theme::compact(ui);
     ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
 }
 
 impl Outcome {
-    /// Analyzes what the filters leave; none where that is nothing.
+    /// Analyzes what the filters leave; `None` if nothing is left.
     fn new(study: &Study, query: Query) -> Option<(Self, Document)> {
         let measured = query.filters.apply(&study.measured);
         if measured.counts.total() == 0 {

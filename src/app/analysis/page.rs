@@ -1,4 +1,4 @@
-//! The page: what is read, and what is shown of it.
+//! The page that reads and shows the data.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ use crate::{
 
 /// The page.
 pub struct Analysis {
-    /// The path as it is typed.
+    /// The path as typed.
     typed: String,
     /// Experiments that have data in the results folder.
     found: Vec<PathBuf>,
@@ -37,13 +37,13 @@ pub struct Analysis {
 /// Files that are being read.
 struct Pending {
     read_options: ReadOptions,
-    /// The files that are open now, in another way.
+    /// The currently open files, with other options.
     again: bool,
     work: Work<Result<Study, FileFaults>>,
 }
 
 impl Analysis {
-    /// The page without data, for what is in a results folder and elsewhere.
+    /// The page without data; offers the experiments of a results folder, and other files.
     pub fn new(results: &Path) -> Self {
         let entries = results.read_dir().into_iter().flatten().flatten();
         let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| has_data(path)).collect();
@@ -67,7 +67,7 @@ impl Analysis {
         page
     }
 
-    /// Reads files, and folders of them. What was being read before is forgotten.
+    /// Reads files and folders. An unfinished reading is discarded.
     fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, read_options: ReadOptions, again: bool) {
         let read_options = ReadOptions { details: true, ..read_options };
         self.paths.clone_from(&paths);
@@ -109,7 +109,7 @@ impl Analysis {
         }
     }
 
-    /// Takes what was read, if it is done.
+    /// Takes the data if reading has finished.
     fn take_study(&mut self) {
         let Some(pending) = &self.reading else { return };
         let read = match pending.work.poll() {
@@ -132,7 +132,7 @@ impl Analysis {
                 None => {
                     self.open = None;
                     self.columns = Columns::needed(&self.paths, &read_options);
-                    // Before any column is named there is nothing wrong with the names.
+                    // Before any column is selected, the selection is not an error.
                     let asked = self.columns.is_some() && read_options.subject.is_none();
                     self.fault = (!asked).then_some(fault);
                 }
@@ -140,7 +140,7 @@ impl Analysis {
         }
     }
 
-    /// Does what the study's own controls ask for.
+    /// Performs an action requested by the controls of the study.
     fn follow(&mut self, ctx: &egui::Context, request: Request) {
         match request {
             Request::OtherData => self.open = None,
@@ -151,7 +151,7 @@ impl Analysis {
         }
     }
 
-    /// The page while there is no study to show.
+    /// The page while no study is open.
     fn show_start(&mut self, ui: &mut egui::Ui) -> bool {
         let ctx = ui.ctx().clone();
         page_from(ui, 0.02, |ui| {
@@ -193,7 +193,7 @@ impl Analysis {
         })
     }
 
-    /// What there is to analyze; gives the file or folder that is to be opened.
+    /// Lists what can be analyzed; returns the file or folder to open.
     fn choose(&mut self, ui: &mut egui::Ui) -> Option<PathBuf> {
         let mut chosen = None;
         paragraph(

@@ -1,4 +1,4 @@
-//! What is asked of the data: whose ratings and of which levels, and which model.
+//! The selection of participants and levels, and the choice of model.
 
 use eframe::egui::{self, CollapsingHeader, DragValue, Key, ScrollArea, TextEdit};
 
@@ -15,7 +15,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filters {
     people: Vec<bool>,
-    /// The levels of each factor; where conditions have no value of it, a last one for these.
+    /// The levels of each factor; if some conditions have no value, a last level represents them.
     factors: Vec<Vec<bool>>,
 }
 
@@ -29,17 +29,17 @@ impl Filters {
         Self { people: vec![true; counts.subjects.len()], factors: factors.collect() }
     }
 
-    /// Whether anything is left out.
+    /// Whether anything is excluded.
     pub fn is_narrowed(&self) -> bool {
         self.people.contains(&false) || self.factors.iter().any(|levels| levels.contains(&false))
     }
 
-    /// Participants that are checked.
+    /// Selected participants.
     pub fn people(&self) -> usize {
         checked(&self.people)
     }
 
-    /// What is left of a study.
+    /// The selected part of a study.
     pub fn apply(&self, measured: &Measured) -> Measured {
         let is_checked = |(levels, level): (&Vec<bool>, &Option<u32>)| {
             level.map_or(levels.last(), |level| levels.get(level as usize)) == Some(&true)
@@ -50,7 +50,7 @@ impl Filters {
         )
     }
 
-    /// What is left, as a phrase; empty where nothing is left out.
+    /// The selection as a phrase; empty if nothing is excluded.
     pub fn sentence(&self, counts: &Counts) -> String {
         let mut parts = Vec::new();
         if self.people.contains(&false) {
@@ -68,7 +68,7 @@ impl Filters {
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts) {
         let title = format!("Participants: {} of {}", self.people(), self.people.len());
         list(ui, "participants", &title, &mut self.people, |ui, people| {
-            // A long list in a box of its own, of which only the visible part is drawn.
+            // A long list scrolls in its own box; only the visible part is drawn.
             let height = ui.spacing().interact_size.y;
             let area = ScrollArea::vertical().id_salt("people").max_height(190.0);
             area.show_rows(ui, height, people.len(), |ui, rows| {
@@ -95,12 +95,12 @@ fn checked(list: &[bool]) -> usize {
     list.iter().filter(|checked| **checked).count()
 }
 
-/// The levels of a factor, and what stands for none of them.
+/// The levels of a factor, and the label for conditions without a level.
 fn names(factor: &Factor) -> impl Iterator<Item = &str> {
     factor.levels.iter().map(String::as_str).chain(["missing"])
 }
 
-/// A list that folds away, below two buttons that check all or nothing. Its title may change, its place does not.
+/// A collapsible list below two buttons that select all or none. Its title may change; its position does not.
 fn list(ui: &mut egui::Ui, id: &str, title: &str, list: &mut [bool], add: impl FnOnce(&mut egui::Ui, &mut [bool])) {
     CollapsingHeader::new(title).id_salt(("filter", id)).show(ui, |ui| {
         ui.horizontal(|ui| {
@@ -122,19 +122,19 @@ fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
     name(ui, &response, &format!("{of} {text}"));
 }
 
-/// The choices as they stand in their controls.
+/// The values of the controls.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// Without terms.
     options: Options,
     /// The terms as they are being typed.
     typed: String,
-    /// And as they were when the field was left.
+    /// The terms when the field last lost focus.
     terms: String,
 }
 
 impl Settings {
-    /// What is to be computed.
+    /// The requested analysis.
     ///
     /// # Errors
     /// The text is not a list of terms.
@@ -175,7 +175,7 @@ impl Settings {
             "Factors by name, num:NAME for a number, a:b for an interaction, a*b for both and their interaction. \
              num:inv_n is 1/depth. Empty: every factor.",
         );
-        // Half a name is no name: the text counts when the field is left.
+        // An incomplete name is not a name: the text counts once the field loses focus.
         if field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
             self.terms.clone_from(&self.typed);
         }
@@ -185,7 +185,7 @@ impl Settings {
         }
     }
 
-    /// What the terms name that is none of these factors.
+    /// Names in the terms that are not among these factors.
     pub fn missing(&self, known: &[&str]) -> Vec<String> {
         let Ok(Options { terms: Some(terms), .. }) = self.options() else { return Vec::new() };
         let mut names: Vec<String> = Vec::new();
@@ -199,7 +199,7 @@ impl Settings {
     }
 }
 
-/// Whether a model failed because of its terms, so that the field is the place to say it.
+/// Whether a model failed because of its terms, so that the error is shown at the field.
 fn is_about_terms(error: &ModelError) -> bool {
     matches!(error, ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. })
 }

@@ -1,5 +1,4 @@
-//! A table of the document: it scrolls sideways, is sorted by a click on a column's name, and draws only its visible
-//! rows.
+//! A table of the document: it scrolls sideways, is sorted by clicking a column name, and draws only its visible rows.
 
 use eframe::egui::{
     self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2, WidgetInfo,
@@ -10,9 +9,9 @@ use crate::{
     report::document::Table,
 };
 
-/// Room within a column, points.
+/// Padding within a column, points.
 const PADDING: f32 = 16.0;
-/// Rows that are measured for the columns' widths; of more, only the longest texts.
+/// Rows measured for the column widths; in longer tables, only the longest texts are measured.
 const MEASURED: usize = 2000;
 
 /// A table and the order of its rows.
@@ -20,17 +19,17 @@ pub struct TableView {
     table: Table,
     /// Measured when it is first drawn.
     widths: Vec<f32>,
-    /// The column by which it is sorted, and whether downward.
+    /// The column by which it is sorted, and whether in descending order.
     sorted: Option<(usize, bool)>,
 }
 
 impl TableView {
-    /// A table in its own order.
+    /// A table in its original order.
     pub fn new(table: Table) -> Self {
         Self { table, widths: Vec::new(), sorted: None }
     }
 
-    /// Draws it as high as it is.
+    /// Draws it at its full height.
     pub fn show(&mut self, ui: &mut egui::Ui, id: usize) {
         ui.add_space(6.0);
         ui.horizontal_wrapped(|ui| {
@@ -67,7 +66,7 @@ impl TableView {
         }
     }
 
-    /// Draws the names of the columns; the one that was clicked.
+    /// Draws the column names; returns the one that was clicked.
     fn header(&self, ui: &mut egui::Ui, rect: Rect, height: f32) -> Option<usize> {
         let mut clicked = None;
         for (column, text) in self.table.header.iter().enumerate() {
@@ -75,7 +74,7 @@ impl TableView {
             let response = self.cell(ui, rect, height, (0, column), |ui| ui.add(button));
             name(ui, &response, &format!("Sort by {text}"));
             if let Some((_, down)) = self.sorted.filter(|(sorted, _)| *sorted == column) {
-                // An arrow on the side where there is room. Painted, since the font has none.
+                // An arrow on the side that has room. Painted, because the font has no arrows.
                 let is_text = column < self.table.texts;
                 let x = if is_text { response.rect.right() + 6.0 } else { response.rect.left() - 6.0 };
                 let (y, tip) = (response.rect.center().y, if down { 3.0 } else { -3.0 });
@@ -118,17 +117,17 @@ impl TableView {
                 } else {
                     texts.map(width).fold(0.0, f32::max)
                 };
-                // With room for the arrow of the column by which it is sorted.
+                // With room for the sort arrow.
                 widest.max(width(name) + PADDING) + PADDING
             })
             .collect()
     }
 
-    /// By a column: upward first, downward when it is clicked again.
+    /// Sorts by a column: ascending first, descending when clicked again.
     fn sort(&mut self, column: usize) {
         let down = self.sorted == Some((column, false));
         self.sorted = Some((column, down));
-        // Numbers before texts.
+        // Numbers before text.
         let key = |row: &[String]| (value(&row[column]).is_none(), value(&row[column]).unwrap_or_default());
         self.table.rows.sort_by(|a, b| {
             let ((a_text, a_number), (b_text, b_number)) = (key(a), key(b));
@@ -138,14 +137,14 @@ impl TableView {
         });
     }
 
-    /// Cells between tabs, as a spreadsheet takes them.
+    /// Cells separated by tabs, for spreadsheets.
     fn text(&self) -> String {
         let line = |row: &Vec<String>| row.join("\t").replace('−', "-") + "\n";
         std::iter::once(&self.table.header).chain(&self.table.rows).map(line).collect()
     }
 }
 
-/// The number that a cell begins with; none of a text.
+/// The number at the start of a cell; `None` for text.
 fn value(cell: &str) -> Option<f64> {
     let cell = cell.trim_start_matches(['<', '>', ' ']).replace('−', "-").replace(',', "").replace('∞', "inf");
     let number = cell.split([' ', '°']).next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Gamma by eye: what is matched, and γ with its interval.
+//! Gamma by eye: the matches, and γ with its interval.
 
 use std::{
     path::Path,
@@ -22,7 +22,7 @@ use crate::{
     store::matches::{self, MatchFile},
 };
 
-/// Periods per degree from which rows of full contrast blend: near the limit of visual acuity, 50 to 60.
+/// Periods per degree above which rows of full contrast blend: near the limit of visual acuity, 50 to 60.
 const BLEND_PER_DEG: f64 = 40.0;
 
 /// The settings.
@@ -95,7 +95,7 @@ impl Method for ByEye {
     }
 }
 
-/// From where rows of this period blend.
+/// The distance from which rows of this period blend.
 fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
     let otherwise = "If you sit closer, squint or take off your glasses until you cannot see the rows.";
     let Some(viewing) = viewing else {

@@ -1,5 +1,5 @@
-//! What measuring with a photometer and matching by eye have in common: the settings, a run on the full screen that can be
-//! left and resumed, the findings, a check of them, and the profile to save.
+//! The parts shared by the photometer and matching by eye: the settings, a full-screen run that can be paused and
+//! resumed, the findings, a check of them, and the profile to save.
 
 use std::path::{Path, PathBuf};
 
@@ -24,40 +24,40 @@ pub trait Method {
 
     /// Name of the page.
     const TITLE: &'static str;
-    /// What is done, in a sentence or two.
+    /// What the method does, in one or two sentences.
     const INTRODUCTION: &'static str;
     /// What is measured, in the plural: readings, matches.
     const ITEMS: &'static str;
-    /// What a file of them looks like.
+    /// The format of a measurement file.
     const FORMAT: &'static str;
-    /// The button that begins.
+    /// Label of the start button.
     const BEGIN: &'static str;
 
     /// The settings of this method.
     fn fields(&mut self, ui: &mut Ui, viewing: Option<&Viewing>);
 
-    /// Number of items and seconds that they take.
+    /// Number of items and their duration in seconds.
     ///
     /// # Errors
     /// Settings that cannot be run.
     fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String>;
 
-    /// Begins a run, or resumes the one that is in the file.
+    /// Begins a run, or resumes the one in the file.
     ///
     /// # Errors
-    /// Settings that cannot be run; a file of other settings, or one that cannot be written.
+    /// Settings that cannot be run; a file with other settings, or one that cannot be written.
     fn begin(&self, channels: &[Channel], file: &Path) -> Result<Self::Run, String>;
 }
 
-/// Measurements that are being taken. Each is in the file before the next is asked for.
+/// A run that takes measurements. Each is in the file before the next is requested.
 pub trait Run {
-    /// Draws a frame: back to pause, next when all is measured.
+    /// Draws a frame; returns back to pause, and next when everything is measured.
     fn show(&mut self, ui: &mut Ui) -> Step<()>;
 
-    /// Items measured, and all.
+    /// Number of measured items, and of all items.
     fn progress(&self) -> (usize, usize);
 
-    /// Items that are to be measured again before a profile can be made of them.
+    /// Items that must be measured again before a profile can be made.
     fn questionable(&self) -> Vec<usize> {
         Vec::new()
     }
@@ -66,24 +66,24 @@ pub trait Run {
     fn repeat(&mut self, _: &[usize]) {}
 }
 
-/// What measurements say.
+/// The findings from measurements.
 pub trait Findings: Sized {
     /// Reads a file of measurements.
     ///
     /// # Errors
-    /// Why no profile can be made of it, a line a fault.
+    /// Why no profile can be made from it, one error per line.
     fn read(path: &Path) -> Result<Self, String>;
 
-    /// In a few lines, with any choice that is left.
+    /// A summary in a few lines, with any remaining choice.
     fn summary(&mut self, ui: &mut Ui);
 
     /// Plots and tables.
     fn details(&self, ui: &mut Ui);
 
-    /// What is known of the screen, with what was found; `None` where that is too little.
+    /// The known profile updated with the findings; `None` if they are insufficient.
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile>;
 
-    /// What the screen was measured with.
+    /// The instrument used.
     fn instrument(&self) -> String;
 }
 
@@ -91,7 +91,7 @@ pub trait Findings: Sized {
 pub struct SavedProfile {
     /// Where it is.
     pub path: PathBuf,
-    /// In the place of another.
+    /// Whether it replaced another.
     pub replaced: bool,
 }
 
@@ -100,12 +100,12 @@ type Found<M> = (PathBuf, Result<(<M as Method>::Findings, ProfileForm), String>
 
 /// The page of a method: settings, then a run, then the findings, then a check of them.
 pub struct Calibrate<M: Method> {
-    /// What is known of the screen besides what this measures.
+    /// What is known about the screen apart from these measurements.
     known: DisplayProfile,
     method: M,
     /// Of the screen.
     name: String,
-    /// Where the measurements go; follows the name until another is typed.
+    /// The file for the measurements; follows the name until the user types another path.
     path: String,
     /// Red, green and blue; gray.
     channels: [bool; 2],
@@ -113,17 +113,17 @@ pub struct Calibrate<M: Method> {
     file: String,
     dialog: Dialog,
     fault: Option<String>,
-    /// The file of a run that was left, how many items were measured, and how many there are.
+    /// The file of a paused run, the number of measured items, and the number of all items.
     paused: Option<(PathBuf, usize, usize)>,
-    /// The measurements that are being taken, or that led to findings and are to be repeated in part.
+    /// The current run, or the run that led to the findings and may be repeated in part.
     run: Option<M::Run>,
-    /// A file of measurements, and what it says.
+    /// A file of measurements and the findings from it.
     found: Option<Found<M>>,
     check: Option<CheckPage>,
 }
 
 impl<M: Method> Calibrate<M> {
-    /// For the screen that `known` describes so far.
+    /// For the screen that `known` describes.
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
         let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let path = suggested(&name, M::ITEMS);
@@ -132,12 +132,12 @@ impl<M: Method> Calibrate<M> {
         Self { known, method, name, path, channels, file, dialog, fault, paused, run, found, check }
     }
 
-    /// Takes what is known of the screen by now.
+    /// Updates what is known about the screen.
     pub fn update(&mut self, known: DisplayProfile) {
         self.known = known;
     }
 
-    /// Draws the stage. `viewing` says from where the screen is seen.
+    /// Draws the stage. `viewing` has the viewing distance.
     pub fn show(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> Step<SavedProfile> {
         if let Some(check) = &mut self.check {
             if check.show(ui) == Step::Back {
@@ -204,7 +204,7 @@ impl<M: Method> Calibrate<M> {
         Channel::ALL.into_iter().filter(wanted).collect()
     }
 
-    /// That the file has measurements already; `None` where it is a new one.
+    /// A note that the file already contains measurements; `None` for a new file.
     fn begun(&self) -> Option<String> {
         let path = Path::new(self.path.trim());
         match &self.paused {
@@ -248,7 +248,7 @@ impl<M: Method> Calibrate<M> {
             }
             Step::Next(()) => {
                 self.paused = None;
-                // A run that is over lets go of its file before that is read.
+                // A finished run closes its file before the file is read.
                 self.run = (!run.questionable().is_empty()).then_some(run);
                 self.find(self.path.trim().into());
             }
@@ -318,7 +318,7 @@ impl ProfileForm {
         Self { name: name.to_owned(), by, with, path, fault: None }
     }
 
-    /// Draws the fields and the button; gives the profile once it is written.
+    /// Draws the fields and the button; returns the profile once it is written.
     fn show(&mut self, ui: &mut Ui, found: &DisplayProfile) -> Option<SavedProfile> {
         section(ui, "Profile");
         for (label, value) in [
@@ -343,7 +343,7 @@ impl ProfileForm {
         saved
     }
 
-    /// What was found, with what is typed about it.
+    /// The findings, with the typed details.
     fn filled(&self, found: &DisplayProfile) -> DisplayProfile {
         let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
         let measured = Measurement { on: Some(today()), by: some(&self.by), with: some(&self.with) };
@@ -376,7 +376,7 @@ pub fn series(channel: Channel) -> (Color32, MarkerShape) {
     }
 }
 
-/// Where measurements of a screen go unless told otherwise.
+/// Default file for the measurements of a screen.
 fn suggested(name: &str, items: &str) -> String {
     format!("calibration/{}_{items}.csv", file_name(name))
 }

@@ -19,30 +19,30 @@ const NUMBER: f32 = 80.0;
 /// Smallest outline, physical pixels.
 const LEAST_PX: f32 = 100.0;
 
-/// The card helper: an outline to be made as large as a card.
+/// The card helper: an outline that the user adjusts to the size of a card.
 pub struct CardHelper {
     card_px: f32,
-    /// The slider, once it was drawn and given the keyboard.
+    /// The slider, once it has been drawn and has keyboard focus.
     slider: Option<Id>,
 }
 
 impl CardHelper {
-    /// Starts from the outline that the present width would give.
+    /// Starts from the outline for the current width.
     pub fn new(screen_width_cm: f64, screen_width_px: u32) -> Self {
         let px_per_cm = f64::from(screen_width_px) / screen_width_cm.clamp(1.0, 1000.0);
         Self { card_px: (px_per_cm * CARD_WIDTH_CM) as f32, slider: None }
     }
 
-    /// Draws it; gives the screen's width in cm.
+    /// Draws it; returns the screen's width in cm.
     pub fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> Step<f64> {
-        // Enter in the number's field ends the typing, and on a button it is the button's.
+        // Enter in the number field ends typing; on a button it activates the button.
         let free = ctx.memory(|memory| memory.focused()).is_none_or(|focused| self.slider == Some(focused));
         let accepted = free && self.slider.is_some() && ctx.input(|input| input.key_pressed(Key::Enter));
         let room = ctx.content_rect().size() - Vec2::splat(2.0 * (PADDING + AROUND));
         let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(PADDING);
         let shown = egui::Modal::new(Id::unique("card")).frame(frame).show(ctx, |ui| {
             ui.set_width(room.x.min(COLUMN.max(self.outline(ctx).x)));
-            // As high as the window allows: what the dialog took before does not bind it when the outline grows.
+            // As high as the window allows: the dialog's previous height does not limit it when the outline grows.
             let scrolling = ScrollArea::vertical().max_height(room.y).min_scrolled_height(room.y);
             scrolling.show(ui, |ui| self.content(ui, screen_width_px, accepted)).inner
         });
@@ -100,7 +100,7 @@ impl CardHelper {
     }
 }
 
-/// The screen's width in cm, and the ways out.
+/// The screen's width in cm, and the buttons.
 fn buttons(ui: &mut egui::Ui, width: f64, accepted: bool) -> Step<f64> {
     ui.label(format!("The screen is {width:.1} cm wide."));
     ui.horizontal_wrapped(|ui| {

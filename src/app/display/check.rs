@@ -14,7 +14,7 @@ use crate::{
 /// Side of a field and of the patch in it, physical pixels; both whole periods of rows and of pairs.
 const FIELD_PX: u32 = 176;
 const PATCH_PX: u32 = 88;
-/// How wrong the fields for comparison are.
+/// Gamma error of the comparison fields.
 const ERROR: f64 = 0.2;
 
 /// The fields of a channel: what each shows, and its picture.
@@ -24,7 +24,7 @@ type Fields = Vec<(String, TextureHandle)>;
 pub struct CheckPage {
     profile: DisplayProfile,
     pairs: bool,
-    /// Thickness of the rows, and the fields of each channel with what they show.
+    /// Thickness of the rows, and the fields of each channel with their content.
     made: Option<(u32, [(Channel, Fields); 4])>,
 }
 
@@ -55,7 +55,7 @@ impl CheckPage {
             ui.add_space(8.0);
             for (channel, fields) in self.made.iter().flat_map(|(_, made)| made) {
                 ui.strong(channel.capitalized());
-                // As many in a line as there is room for.
+                // As many per line as fit.
                 let side = FIELD_PX as f32 / ui.ctx().pixels_per_point();
                 let gap = ui.spacing().item_spacing.x;
                 let in_line = ((ui.available_width() + gap) / (side + gap)).floor().max(1.0) as usize;

@@ -1,4 +1,4 @@
-//! Geometry: how large the screen is, how far away it is, and how large a degree is then.
+//! Geometry: the size of the screen, the viewing distance, and the resulting size of a degree.
 
 use eframe::egui::{self, Color32, Stroke, TextEdit, Vec2};
 
@@ -11,24 +11,24 @@ use crate::{
     display::{GeometryError, Screen, Viewing, geometry::distance_cm},
 };
 
-/// Centimeters of the ruler that is drawn.
+/// Length of the drawn ruler in centimeters.
 const RULER_CM: u32 = 10;
 
 /// The page.
 pub struct GeometryPage {
     window_deg: String,
-    /// What the screen itself reports, once it was asked.
+    /// The width that the screen reports, once queried.
     reported_cm: Option<Option<f64>>,
     card: Option<CardHelper>,
 }
 
 impl GeometryPage {
-    /// `window_deg` is the size that the experiment plans.
+    /// `window_deg` is the stimulus size that the experiment plans.
     pub fn new(window_deg: f64) -> Self {
         Self { window_deg: window_deg.to_string(), reported_cm: None, card: None }
     }
 
-    /// Draws the page; width and distance are Home's fields.
+    /// Draws the page; width and distance are the fields of Home.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step {
         let (back, ()) = tool_page(ui, "Size and distance", |ui| {
             ui.label("Visual angles are correct only if the screen's width and the viewing distance are correct.");
@@ -120,13 +120,13 @@ impl GeometryPage {
 }
 
 fn viewing(monitor: &Monitor, fields: &ScreenFields) -> Result<Viewing, GeometryError> {
-    // A text that is not a number is outside every range.
+    // Text that is not a number is outside every range.
     let number = |text: &str| number(text).unwrap_or(f64::NAN);
     let screen = Screen::new(monitor.width_px, monitor.height_px, number(&fields.screen_width_cm))?;
     Viewing::new(screen, number(&fields.distance_cm))
 }
 
-/// A ruler and the length of a degree, to be held against real ones.
+/// A ruler and the length of a degree, for comparison with a real ruler.
 fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
     let points_per_cm = (viewing.screen().px_per_cm() / f64::from(ui.ctx().pixels_per_point())) as f32;
     ui.add_space(12.0);

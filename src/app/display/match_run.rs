@@ -1,4 +1,4 @@
-//! The matches on the screen one by one, and the keys.
+//! Shows the matches one at a time and handles the keys.
 
 use eframe::egui::{self, CursorIcon, Event, Key, TextureHandle};
 
@@ -15,16 +15,16 @@ use crate::{
 const TEXT_ROOM: f32 = 34.0;
 /// Smallest field, physical pixels.
 const LEAST_PX: u32 = 64;
-/// The field's side over the patch's.
+/// Side of the field relative to the side of the patch.
 const FIELD_PER_PATCH: u32 = 3;
 
 /// A run and its file.
 pub struct MatchRun {
     matching: Matching,
     file: MatchFile,
-    /// The window's time at which the picture appears; `None` until the first frame after a pause.
+    /// The window's time at which the image appears; `None` until the first frame after a pause.
     due_s: Option<f64>,
-    /// The window's time at the first picture.
+    /// The window's time at the first image.
     start_s: Option<f64>,
     shown: Option<(Match, u32, TextureHandle)>,
     /// Why the last match is not in the file yet.
@@ -67,7 +67,7 @@ impl MatchRun {
         }
     }
 
-    /// After a match: the gap. A match that is not in the file is written again with the next.
+    /// After a match: the blank interval. A match that could not be written is written with the next one.
     fn next(&mut self, saved: Result<(), StoreError>, now: f64) {
         self.unsaved = saved.err().map(|error| error.to_string());
         self.due_s = Some(now + GAP_S);
@@ -112,7 +112,7 @@ impl MatchRun {
 }
 
 impl Run for MatchRun {
-    /// One frame: keys, then the picture.
+    /// One frame: keys, then the image.
     fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
         let now = ui.input(|input| input.time);
         let mut due_s = *self.due_s.get_or_insert(now + GAP_S);
@@ -143,7 +143,7 @@ impl Run for MatchRun {
     }
 }
 
-/// Keys that went down, in order, and whether each only repeats.
+/// Pressed keys in order, and whether each is a repeat.
 fn pressed(ui: &egui::Ui) -> Vec<(Key, bool)> {
     ui.input(|input| {
         let of = |event: &Event| match event {

@@ -1,4 +1,4 @@
-//! The display lab: the profile in use, and the tools that measure the screen.
+//! The display lab: the current profile, and the tools that measure the screen.
 //!
 //! | file | what |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! The patches, one by one, and a line to type what the photometer reads.
+//! Shows the patches one at a time, with a line for typing the photometer reading.
 
 use std::path::{Path, PathBuf};
 
@@ -18,11 +18,11 @@ use crate::{
 
 /// Height of the line at the bottom, points.
 const LINE: f32 = 96.0;
-/// Gray around a patch: the code of about a fifth of the light.
+/// Gray around a patch: the code for about a fifth of full light.
 const AROUND: Color32 = Color32::from_gray(128);
-/// Text on the line: dim, so that its light does not reach the photometer.
+/// Text on the line: dim, so that it does not affect the photometer.
 const DIM: Color32 = Color32::from_gray(0x70);
-/// A fall against a lower level that a typing mistake makes, and noise does not.
+/// A decrease from a lower level that indicates a typing error rather than noise.
 const FALL: f64 = 0.95;
 
 /// How patches are shown.
@@ -36,26 +36,26 @@ pub struct PatchView {
     pub gray_around: bool,
 }
 
-/// Patches in their order, and what was read of them.
+/// Patches in order, and their readings.
 pub struct PatchRun {
     patches: Vec<Patch>,
     taken: Vec<Option<f64>>,
-    /// Patches to be shown, by their place in the plan; the first is on the screen.
+    /// Patches still to be shown, as indices into the plan; the first is on the screen.
     queue: Vec<usize>,
     path: PathBuf,
     view: PatchView,
     entry: String,
-    /// The line is to take the keyboard with all of its text selected, so that typing replaces it.
+    /// Whether the line should take keyboard focus with its text selected, so that typing replaces it.
     select: bool,
     /// When the patch on the screen appeared.
     since: Option<f64>,
     message: Option<String>,
-    /// A reading that is to be typed again before it is believed.
+    /// An implausible reading, which must be entered twice.
     unconfirmed: Option<f64>,
 }
 
 impl PatchRun {
-    /// Begins, or resumes from the file of an earlier time.
+    /// Begins a run, or resumes one from its file.
     ///
     /// # Errors
     /// The file belongs to other settings, or cannot be written.
@@ -89,7 +89,7 @@ impl PatchRun {
             message: None,
             unconfirmed: None,
         };
-        // Before the first reading, so that a place that cannot be written shows now.
+        // Before the first reading, so that an unwritable file is reported now.
         run.write()?;
         Ok(run)
     }
@@ -148,7 +148,7 @@ impl PatchRun {
         }
     }
 
-    /// Takes what is typed as the reading of a patch.
+    /// Takes the typed text as the reading of a patch.
     fn accept(&mut self, at: usize, left_s: f64) {
         self.select = true;
         let value = number(&self.entry).filter(|value| *value >= 0.0);
@@ -169,11 +169,11 @@ impl PatchRun {
         };
     }
 
-    /// Keeps a reading, on disk too; gives what went wrong.
+    /// Keeps a reading in memory and on disk; returns any error.
     fn take(&mut self, at: usize, value: f64) -> Option<String> {
         let before = self.taken[at].replace(value);
         if let Err(error) = self.write() {
-            // It remains in the line, to be tried again.
+            // The text stays in the line, so that the user can try again.
             self.taken[at] = before;
             return Some(error.to_string());
         }
@@ -183,7 +183,7 @@ impl PatchRun {
         None
     }
 
-    /// The next patch: its line, empty or with what was read before.
+    /// The next patch: its line is empty or has the previous reading.
     fn fresh(&mut self, before: Option<f64>) {
         self.entry = before.map_or_else(String::new, |value| value.to_string());
         self.select = true;
@@ -192,7 +192,7 @@ impl PatchRun {
         self.unconfirmed = None;
     }
 
-    /// Why a reading may be mistyped: less light than a lower level gave, or more than a higher one.
+    /// Why a reading may be mistyped: it is below the reading of a lower level, or above the reading of a higher one.
     fn implausible(&self, at: usize, value: f64) -> Option<String> {
         let patch = self.patches[at];
         let others = self.patches.iter().zip(&self.taken).enumerate();
@@ -236,7 +236,7 @@ impl Run for PatchRun {
         (self.taken.iter().flatten().count(), self.taken.len())
     }
 
-    /// The patches that faults of the readings name.
+    /// The patches to which errors in the readings refer.
     fn questionable(&self) -> Vec<usize> {
         let faults = Readings::new(self.readings()).err().unwrap_or_default();
         let is_named = |patch: &Patch| {
@@ -256,13 +256,13 @@ impl Run for PatchRun {
     }
 }
 
-/// The line, which is the same from patch to patch.
+/// The identifier of the line, the same for all patches.
 fn field_id() -> egui::Id {
     egui::Id::unique("reading of the photometer")
 }
 
-/// Gives the line the keyboard and selects its text. To be done before the line is drawn: what is typed in the same
-/// frame then replaces the text as well.
+/// Gives the line keyboard focus and selects its text. Must be called before the line is drawn, so that text typed in
+/// the same frame also replaces the selection.
 fn select_all(ctx: &egui::Context, text: &str) {
     ctx.memory_mut(|memory| memory.request_focus(field_id()));
     let mut state = TextEdit::load_state(ctx, field_id()).unwrap_or_default();

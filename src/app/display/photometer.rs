@@ -1,4 +1,4 @@
-//! Calibration with a photometer: what is measured, and the models that were fitted.
+//! Calibration with a photometer: the measurements and the fitted models.
 
 use std::path::Path;
 
@@ -18,11 +18,11 @@ use crate::{
     store::readings,
 };
 
-/// Seconds that reading and typing take, for the estimate.
+/// Assumed time for reading and typing, seconds.
 const READING_S: f64 = 5.0;
 /// Steps of a curve in the plot.
 const STEPS: usize = 100;
-/// Room for the numbers of a plot's axis, points: the same for all, so that their encoded values line up.
+/// Room for the numbers of a plot's axis, points: the same in all plots, so that their encoded values line up.
 const AXIS_ROOM: f32 = 80.0;
 
 /// The settings.
@@ -87,7 +87,7 @@ impl Method for Photometer {
 /// Fitted readings.
 pub struct PhotometerFindings {
     calibration: Calibration,
-    /// `None` for the one that cross-validation prefers.
+    /// `None` for the model that cross-validation prefers.
     family: Option<Family>,
 }
 
@@ -176,7 +176,7 @@ fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
     ]
 }
 
-/// A plot over all encoded values, as wide as the others beside its axis.
+/// A plot over all encoded values, aligned with the other plots.
 fn plot<'a>(id: &'static str, height: f32, values: &'static str) -> Plot<'a> {
     let plot = still_plot(id).include_x(0.0).include_x(1.0).y_axis_min_width(AXIS_ROOM).height(height);
     plot.x_axis_label("encoded value").y_axis_label(values)

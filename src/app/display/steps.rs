@@ -1,4 +1,4 @@
-//! Steps of equal brightness: the table, and the wedge to look at.
+//! Steps of equal brightness: the table and the wedge.
 
 use eframe::egui::{self, TextureHandle};
 
@@ -12,11 +12,11 @@ use crate::{
     light::{CodeImage, Samples},
 };
 
-/// Lowest intensity where black was not measured and none is typed.
+/// Lowest intensity if black was not measured and no value is typed.
 const ASSUMED_I0: f64 = 0.005;
 /// Height of the wedge, physical pixels.
 const HEIGHT_PX: u32 = 140;
-/// Most steps: as many as 8 bits have codes.
+/// Maximum number of steps: the number of 8-bit codes.
 const MOST: usize = 255;
 
 /// The page.

@@ -1,4 +1,4 @@
-//! The profile in use, and the tools.
+//! The current profile and the list of tools.
 
 use eframe::egui::{self, Color32, RichText};
 
@@ -30,15 +30,15 @@ enum Tool {
 
 /// The page.
 pub struct Display {
-    /// Home's fields: the profile's path, the screen's width and the distance are set here too.
+    /// The fields of Home: the profile's path, the screen's width, and the distance can also be set here.
     fields: ScreenFields,
     /// Side of the planned stimulus, degrees.
     window_deg: f64,
-    /// The path that the profile was read from, and what was found there.
+    /// The path from which the profile was read, and the result.
     read: Option<(String, Result<DisplayProfile, String>)>,
     tool: Option<Tool>,
     dialog: Dialog,
-    /// What a tool wrote; shown for as long as it is in use.
+    /// The profile that a tool wrote; shown while it is in use.
     saved: Option<SavedProfile>,
     /// Both outlive their pages, so that a paused run can be resumed.
     photometer: Calibrate<Photometer>,
@@ -46,7 +46,7 @@ pub struct Display {
 }
 
 impl Display {
-    /// The tools, with what Home's fields say.
+    /// The tools, with the values of Home's fields.
     pub fn new(fields: ScreenFields, window_deg: f64) -> Self {
         let known = fields.profile().unwrap_or_default();
         let photometer = Calibrate::new(Photometer::default(), known.clone(), [true, true]);
@@ -55,7 +55,7 @@ impl Display {
         Self { fields, window_deg, read, tool, dialog, saved, photometer, by_eye }
     }
 
-    /// Home's fields, as they are now.
+    /// The current values of Home's fields.
     pub fn fields(&self) -> &ScreenFields {
         &self.fields
     }
@@ -95,7 +95,7 @@ impl Display {
         Step::Stay
     }
 
-    /// The profile that Home names, read once for each path.
+    /// The profile named in Home, read once per path.
     fn profile(&mut self) -> Result<DisplayProfile, String> {
         let path = self.fields.profile.trim().to_owned();
         if self.read.as_ref().is_none_or(|(read, _)| *read != path) {
@@ -104,7 +104,7 @@ impl Display {
         self.read.as_ref().map_or_else(|| Ok(DisplayProfile::default()), |(_, found)| found.clone())
     }
 
-    /// Screen and distance, where both are known.
+    /// Screen and distance, if both are known.
     fn viewing(&self, monitor: &Monitor) -> Option<Viewing> {
         let width_cm = number(&self.fields.screen_width_cm)?;
         let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm).ok()?;
@@ -149,7 +149,7 @@ impl Display {
         match found {
             Ok(profile) => {
                 hint(ui, format!("{}.", profile.sentence()));
-                // The sentence above says so of an assumption.
+                // The sentence above already says that it is assumed.
                 let warning = profile.measured.as_ref().and_then(|_| profile.warning(today()));
                 warning.iter().for_each(|warning| note(ui, warning));
             }

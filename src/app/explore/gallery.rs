@@ -23,20 +23,21 @@ const SAMPLES: u32 = 1024;
 const SIZES: [u32; 4] = [256, 384, 512, 768];
 /// Dithers to choose from.
 const DITHERS: [&str; 4] = ["none", "ordered", "blue-noise", "random"];
-/// In a narrower window the picture is below its controls.
+/// In a narrower window, the image is below its controls.
 const NARROW: f32 = 760.0;
 /// Width of the labels' column.
 const LABELS: f32 = 108.0;
-/// Predicted bands; the curves have other colors.
+/// Color of predicted bands; the curves have other colors.
 const BAND: Color32 = Color32::from_rgb(0xe0, 0x90, 0xc0);
-/// Strength whose mark is longest; a band that is just visible has the shortest. Shares of the plotted light's range.
+/// The strength with the longest mark; a just-visible band has the shortest. Lengths are shares of the plotted range of
+/// light.
 const STRONGEST: f64 = 100.0;
 const MARKS: [f64; 2] = [0.06, 0.22];
 
 /// The page.
 pub struct Gallery {
     entry: usize,
-    /// Each parameter as it stands in its control.
+    /// The value of each parameter's control.
     values: Vec<(&'static Parameter, String)>,
     size: u32,
     dither: Dither,
@@ -48,10 +49,10 @@ pub struct Gallery {
     prediction: Prediction,
 }
 
-/// What is wrong with parameters, by name, and with all of them together.
+/// Errors of single parameters, by name, and of their combination.
 type Faults = Vec<(Option<&'static str>, String)>;
 
-/// What is on the page now, and what it was made from.
+/// The current content of the page, and what it was made from.
 struct Shown {
     recipe: Recipe,
     texture: TextureHandle,
@@ -65,7 +66,7 @@ struct Curves {
 }
 
 impl Gallery {
-    /// For a screen that `display` describes, seen from `distance_cm` centimeters where that is known.
+    /// For a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
     pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
         let mut gallery = Self {
             prediction: Prediction::new(Place::new(&display, distance_cm)),
@@ -91,7 +92,7 @@ impl Gallery {
         self.values = stimulus.parameters().iter().map(|parameter| (parameter, value(parameter.name))).collect();
     }
 
-    /// The stimulus that the controls describe, or what is wrong: by parameter, and as a whole.
+    /// The stimulus that the controls describe, or the errors: per parameter, and as a whole.
     fn stimulus(&self) -> Result<Stimulus, Faults> {
         let mut stimulus = catalog::all()[self.entry].default_stimulus();
         let mut faults = Vec::new();
@@ -161,7 +162,7 @@ impl Gallery {
         self.shown = Some(Shown { recipe, texture, curves });
     }
 
-    /// Everything that can be set or exported; gives whether to go back.
+    /// Draws all settings and exports; returns whether to go back.
     fn controls(&mut self, ui: &mut Ui, faults: &Faults) -> bool {
         let back = ui::heading(ui, "Gallery");
         let mut chosen = self.entry;
@@ -242,7 +243,8 @@ impl Gallery {
     }
 }
 
-/// An arrow from the curve at a predicted band: up for a bright band and down for a dark one, the longer the stronger.
+/// An arrow from the curve at a predicted band: up for a bright band and down for a dark one; stronger bands have
+/// longer arrows.
 fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]]) {
     let light = || curve.iter().map(|point| point[1]);
     let (least, most) = (light().fold(f64::INFINITY, f64::min), light().fold(f64::NEG_INFINITY, f64::max));
@@ -259,7 +261,8 @@ fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]]) {
     plot.points(Points::new(name, vec![[mark.place, tip]]).color(BAND).shape(shape).radius(5.0).filled(true));
 }
 
-/// The useful range of a parameter and the slider's step; `None` for one that is not a number, or not only.
+/// The useful range of a parameter and the slider's step; `None` for a parameter that can have values other than
+/// numbers.
 fn slider_range(parameter: &str) -> Option<(f64, f64, f64)> {
     Some(match parameter {
         "width" | "low" | "high" | "side" => (0.0, 1.0, 0.005),
@@ -273,8 +276,8 @@ fn slider_range(parameter: &str) -> Option<(f64, f64, f64)> {
     })
 }
 
-/// A control for one parameter: a slider where it has a range, else a text with the usual values to choose from. A value
-/// outside the range can be typed, and is then explained.
+/// A control for one parameter: a slider if it has a range, otherwise a text field with a list of common values. A
+/// value outside the range can be typed, and the error is then shown.
 fn control(ui: &mut Ui, parameter: &'static Parameter, text: &mut String) {
     let name = parameter.name.replace('_', " ").replace(" deg", ", °");
     Field::new(&name).column(LABELS).show(ui, |ui, label| match (slider_range(parameter.name), text.parse::<f64>()) {
@@ -303,7 +306,7 @@ fn control(ui: &mut Ui, parameter: &'static Parameter, text: &mut String) {
     });
 }
 
-/// A color as every model writes it.
+/// A color in the notation of every model.
 fn color_in_models(parameter: &Parameter, text: &str) -> Vec<String> {
     let is_color = parameter.name.starts_with("color");
     text.parse::<StimulusColor>().ok().filter(|_| is_color).map_or_else(Vec::new, StimulusColor::in_models)
@@ -321,7 +324,7 @@ fn plot(
     ui::still_plot(id)
         .width(width)
         .height(200.0)
-        // Nearly uniform light is shown as uniform: rounding is not magnified.
+        // Nearly uniform light is shown as uniform, so that rounding is not magnified.
         .include_y(lowest - 0.02)
         .include_y(lowest + 0.02)
         .x_axis_label("position, window sides")
@@ -348,7 +351,7 @@ impl Curves {
     }
 }
 
-/// The slope between every two neighboring points, halfway between them.
+/// The slope between each pair of neighboring points, at their midpoint.
 pub fn slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
     points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()

@@ -1,4 +1,4 @@
-//! Pages for exploring: the gallery of stimuli, shaders side by side, and what the vision model predicts of either.
+//! Pages for exploring: the gallery of stimuli, shaders side by side, and the predictions of the vision model for both.
 
 pub mod gallery;
 mod prediction;

@@ -1,5 +1,5 @@
-//! What the vision model predicts: of a stimulus in the gallery, at once if it varies along a line and otherwise on a thread of
-//! its own; and how predictions are shown: as marks along a line, pictures of band maps, and numbers.
+//! Predictions of the vision model for stimuli in the gallery: immediately if the stimulus varies in one direction, and
+//! otherwise on a separate thread. Predictions are shown as marks along a line, as band maps, and as numbers.
 
 use eframe::egui::{self, TextureHandle};
 
@@ -11,10 +11,10 @@ use crate::{
     vision::{Band, BandMap, Criterion, LinePrediction, Polarity, Visibility, luminances, pooled},
 };
 
-/// Degrees that the window takes where nothing is known of the screen's size: as in `machband predict`.
+/// Size of the window in degrees if the size of the screen is unknown: as in `machband predict`.
 const WINDOW_DEG: f64 = 10.0;
 
-/// How far away and how bright the stimulus is.
+/// The viewing distance and luminance of the stimulus.
 #[derive(Clone, Copy)]
 pub struct Place {
     viewing: Option<Viewing>,
@@ -22,7 +22,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// On a screen that `display` describes, `distance_cm` centimeters away.
+    /// On a screen described by `display`, viewed from `distance_cm` centimeters.
     pub fn new(display: &DisplayProfile, distance_cm: Option<f64>) -> Self {
         let viewing = || {
             let ([columns, rows], width) = (display.native_px?, display.screen_width_cm?);
@@ -32,7 +32,7 @@ impl Place {
         Self { viewing: viewing(), white_cd_m2 }
     }
 
-    /// Degrees that a window of `size` pixels takes.
+    /// Size in degrees of a window of `size` pixels.
     fn window_deg(&self, size: u32) -> f64 {
         self.viewing.map_or(WINDOW_DEG, |viewing| f64::from(size) / viewing.px_per_degree())
     }
@@ -66,32 +66,32 @@ impl Place {
 /// A stimulus, and its side in pixels.
 type Key = (Stimulus, u32);
 
-/// What is predicted of a stimulus.
+/// The prediction for a stimulus.
 struct Predicted {
     visibility: Visibility,
-    /// The bands of one that varies along a line.
+    /// The bands of a stimulus that varies in one direction.
     marks: Vec<Mark>,
-    /// The bands of any other, over its picture.
+    /// The bands of any other stimulus, over its image.
     map: Option<CodeImage>,
 }
 
-/// The prediction of the stimulus that is shown.
+/// The prediction for the displayed stimulus.
 pub struct Prediction {
     place: Place,
     line: Option<(Key, Result<Predicted, String>)>,
     picture: Latest<Key, Predicted>,
     texture: Option<(Key, TextureHandle)>,
-    /// Whether the map of an image's bands takes its place.
+    /// Whether the band map is shown instead of the image.
     shows_map: bool,
 }
 
 impl Prediction {
-    /// As seen from `place`.
+    /// As viewed from `place`.
     pub fn new(place: Place) -> Self {
         Self { place, line: None, picture: Latest::default(), texture: None, shows_map: false }
     }
 
-    /// Follows the stimulus that is shown.
+    /// Updates the prediction for the displayed stimulus.
     pub fn refresh(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) {
         let (place, key) = (self.place, (stimulus.clone(), size));
         if !stimulus.is_line() {
@@ -107,7 +107,7 @@ impl Prediction {
         line.or_else(|| self.picture.get(key))
     }
 
-    /// The map of the bands, where it is wanted and there.
+    /// The band map, if it is selected and available.
     pub fn texture(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) -> Option<TextureHandle> {
         let key = (stimulus.clone(), size);
         let map = self.get(&key)?.as_ref().ok()?.map.as_ref().filter(|_| self.shows_map)?;
@@ -126,7 +126,7 @@ impl Prediction {
         }
     }
 
-    /// The numbers, and the switch between an image and its map.
+    /// Draws the numbers, and the switch between the image and its map.
     pub fn show(&mut self, ui: &mut egui::Ui, stimulus: &Stimulus, size: u32) {
         match self.get(&(stimulus.clone(), size)) {
             Some(Ok(predicted)) => {
@@ -150,7 +150,7 @@ impl Prediction {
     }
 }
 
-/// Where the bands are, for someone who does not see them.
+/// The positions of the bands, for screen readers.
 pub fn description(marks: &[Mark]) -> String {
     if marks.is_empty() {
         return "no predicted band".to_owned();
@@ -167,15 +167,15 @@ const ONE_BAND_PERIODS: f64 = 0.5;
 /// Strength of a band that is just visible; weaker bands are not shown.
 const JUST_VISIBLE: f64 = 1.0;
 
-/// Weaker peaks are noise, and no band that a coarser channel could join.
+/// Weaker peaks are noise, not bands that a coarser channel could join.
 const LEAST: f64 = 0.25;
-/// A band stands where the finest channel has it whose peak reaches this share of the strongest peak.
+/// A band is located by the finest channel whose peak reaches this share of the strongest peak.
 const DISTINCT: f64 = 0.5;
 
 /// One band along a line, over all channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Window sides from the middle.
+    /// Distance from the center in window sides.
     pub place: f64,
     /// Bright or dark.
     pub polarity: Polarity,
@@ -183,8 +183,8 @@ pub struct Mark {
     pub strength: f64,
 }
 
-/// The visible bands of a line, each once. Fine channels locate a band exactly and coarse channels a little off, so
-/// each peak joins the nearest band that finer channels have found.
+/// The visible bands of a line, each listed once. Fine channels locate a band precisely and coarse channels less so;
+/// each peak therefore joins the nearest band that finer channels have found.
 fn marks(view: &LinePrediction, window_deg: f64) -> Vec<Mark> {
     let mut finest_first: Vec<&Band> = view.bands.iter().filter(|band| band.strength >= LEAST).collect();
     finest_first.sort_by(|a, b| b.frequency.total_cmp(&a.frequency));
@@ -253,7 +253,7 @@ impl Drawing<'_> {
         CodeImage { width, height, samples: Samples::Eight(codes.collect()) }
     }
 
-    /// Of the place `at`, in pixels of the map from the center of its first.
+    /// The strength at `at`, in map pixels from the center of the first pixel.
     fn code(&self, at: [f64; 2]) -> u8 {
         let [column, row] = at.map(|place| place.round() as isize);
         let mut strength = 0.0_f64;

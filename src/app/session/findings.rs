@@ -1,4 +1,5 @@
-//! What the preflight finds about the screen, the window and the stimulus, each in one sentence, and what it asks.
+//! The findings of the preflight about the screen, the window, and the stimulus, each in one sentence, and its
+//! questions.
 
 use eframe::egui;
 
@@ -17,21 +18,21 @@ use crate::{
     },
 };
 
-/// Places across a picture at which its light is compared with the field's.
+/// Positions across an image at which its light is compared with that of the field.
 const SAMPLES: u32 = 64;
 
-/// What was found.
+/// The findings.
 pub struct Findings {
     pub notes: Vec<PreflightNote>,
-    /// What the session needs; `None` where it cannot run.
+    /// The values that the session needs; `None` if it cannot run.
     pub prepared: Option<Prepared>,
 }
 
-/// The screen of the sitting before.
+/// The screen of the previous sitting.
 pub struct Before {
     /// In words.
     profile: String,
-    /// Whether its profile is the one that is in use now.
+    /// Whether its profile is the current one.
     same_profile: bool,
     size_px: u64,
 }
@@ -72,7 +73,7 @@ fn note(check: &str, ok: bool, sentence: impl Into<String>) -> PreflightNote {
     PreflightNote { check: check.to_owned(), ok, sentence: sentence.into() }
 }
 
-/// Everything but the steps of light, which never change. `scale`: physical pixels a point.
+/// Everything except the steps of light, which never change. `scale`: physical pixels per point.
 pub fn all(
     request: &Request,
     before: Option<&Before>,
@@ -85,7 +86,7 @@ pub fn all(
     let name = monitor.name.as_ref().map_or_else(|| "(no name)".to_owned(), |name| format!("{name:?}"));
     let [width, height] = [monitor.width_px, monitor.height_px];
     let scale = format!("The system's scale is {scale}. Stimuli are still drawn in physical pixels.");
-    // The mode's own timing is exact; the window system rounds it.
+    // The timing of the mode is exact; the window system rounds it.
     let reported = platform.refresh_hz.or(monitor.refresh_hz);
     let refresh = match reported {
         Some(hz) => format!("The system reports {hz:.3} Hz."),
@@ -142,7 +143,7 @@ fn frame_interval(frames: &FrameTimes) -> PreflightNote {
     note("frame_interval", steady, sentence)
 }
 
-/// Whether codes reach the screen as they are.
+/// Whether codes reach the screen unchanged.
 fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
     let system = platform.window_system;
     let (ok, composited) = match platform.composited {
@@ -190,7 +191,7 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
     notes
 }
 
-/// Whether the profile is of this screen and still good.
+/// Whether the profile is for this screen and still valid.
 fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platform) -> Vec<PreflightNote> {
     let is_measured = display.measured.is_some();
     let mut notes = vec![note("display_profile", is_measured, format!("Display profile: {}.", display.sentence()))];
@@ -211,7 +212,7 @@ fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platf
     notes
 }
 
-/// Screen and distance, and the side of the stimulus in physical pixels; `None` where it does not fit.
+/// Screen and distance, and the side of the stimulus in physical pixels; `None` if it does not fit.
 fn geometry(
     request: &Request,
     monitor: &Monitor,
@@ -249,10 +250,11 @@ fn geometry(
     fits.then_some((viewing, size_px))
 }
 
-/// The largest step of any channel's light, in time, between the uniform field and any picture: what an eye must bear.
+/// The largest change over time of any channel's light between the uniform field and any stimulus, which participants
+/// must tolerate.
 pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     let field = protocol.stimulus.field_light(protocol.recovery.level);
-    // A definition that was loaded has its conditions.
+    // A loaded definition always has conditions.
     let conditions = protocol.conditions().unwrap_or_default();
     let lights = conditions.iter().flat_map(|condition| condition.stimulus.profile(SAMPLES));
     let steps = lights.flat_map(|light| [0, 1, 2].map(|channel| (light[channel] - field[channel]).abs()));
@@ -271,12 +273,12 @@ pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     note("light_steps", gentle, sentence)
 }
 
-/// What no system reports, asked of the person at the screen: what was checked, the statement to confirm by a glance at
-/// the screen or into its menu, and whether it was confirmed. Nothing here holds a session up.
+/// A question that no system can answer, for the person at the screen: its name, the statement to confirm by looking at
+/// the screen or its menu, and whether it was confirmed. None of these blocks a session.
 pub struct Questions(Vec<(&'static str, &'static str, bool)>);
 
 impl Questions {
-    /// What is left to ask when the system has reported what it knows.
+    /// The remaining questions after the system's report.
     pub fn new(platform: &Platform, display: &DisplayProfile) -> Self {
         let questions = [
             (
@@ -312,7 +314,7 @@ impl Questions {
         Self(wanted.map(|(_, check, statement)| (check, statement, false)).collect())
     }
 
-    /// Draws the statements, each with a box to tick.
+    /// Draws the statements, each with a checkbox.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         for (_, statement, confirmed) in &mut self.0 {
             ui.checkbox(confirmed, *statement);

@@ -1,4 +1,4 @@
-//! The end: thanks, the participant's own ratings, and where they are.
+//! The last page: thanks, the participant's ratings, and their location.
 
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -14,22 +14,22 @@ use crate::{
 pub struct Finish {
     protocol: Protocol,
     path: PathBuf,
-    /// Every planned trial is rated.
+    /// Whether every planned trial is rated.
     complete: bool,
-    /// The factor along the horizontal axis, and the one that has a line for each level.
+    /// The factor of the horizontal axis, and the factor with one line per level.
     along: Option<Factor>,
     by: Option<Factor>,
     /// Name and points of each line.
     lines: Vec<(String, Vec<[f64; 2]>)>,
     opened: Option<String>,
-    /// The frames in one sentence, where there were any.
+    /// The frames in one sentence, if there were any.
     frames: Option<String>,
-    /// What of the sitting's end could not be written.
+    /// The error if the end of the sitting could not be recorded.
     fault: Option<String>,
 }
 
 impl Finish {
-    /// For a session that was completed or left.
+    /// For a completed or abandoned session.
     pub fn new(
         protocol: Protocol,
         rows: &[TrialRecord],
@@ -146,14 +146,14 @@ impl Finish {
     }
 }
 
-/// Means over the main trials, last attempts only; the horizontal place of a level is its index.
+/// Means over the main trials, last attempts only; the horizontal position of a level is its index.
 fn mean_lines(
     protocol: &Protocol,
     rows: &[TrialRecord],
     along: &Factor,
     by: Option<&Factor>,
 ) -> Vec<(String, Vec<[f64; 2]>)> {
-    // Later attempts overwrite earlier ones: rows come in the order in which they were given.
+    // Later attempts overwrite earlier ones, because rows are in chronological order.
     let last: BTreeMap<u32, &TrialRecord> =
         rows.iter().filter(|row| row.phase == Phase::Main).map(|row| (row.trial, row)).collect();
     let index = |row: &TrialRecord, factor: &Factor| {

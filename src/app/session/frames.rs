@@ -8,23 +8,23 @@ use crate::{
     experiment::FrameCount,
 };
 
-/// A refresh, and who knows it: `reported` by the system, `measured`, or `unknown`.
+/// A refresh and its source: `reported` by the system, `measured`, or `unknown`.
 pub type KnownRefresh = (Option<Refresh>, &'static str);
 
-/// The refresh of the screen, also when the window is moved to another one.
+/// The refresh of the screen, updated if the window moves to another screen.
 pub struct ScreenRefresh {
-    /// Name and rate of the monitor at the start, to recognize another one, and what the preflight found of it.
+    /// Name and rate of the monitor at the start, to detect another monitor, and the preflight's finding about it.
     first: (Option<String>, Option<f64>, KnownRefresh),
     now: KnownRefresh,
 }
 
 impl ScreenRefresh {
-    /// What the preflight found of a monitor.
+    /// The preflight's finding about a monitor.
     pub fn new(monitor: &Monitor, found: KnownRefresh) -> Self {
         Self { first: (monitor.name.clone(), monitor.refresh_hz, found), now: found }
     }
 
-    /// For the monitor that shows the window now; gives a note where the refresh has changed.
+    /// For the monitor that shows the window; returns a note if the refresh has changed.
     pub fn update(&mut self, monitor: &Monitor) -> Option<String> {
         let before = self.now.0;
         let (name, hz, found) = &self.first;
@@ -45,7 +45,7 @@ impl ScreenRefresh {
         self.now.0.map_or(FrameCount::Frames, |refresh| FrameCount::Against(refresh.seconds()))
     }
 
-    /// The frames of a sitting in one sentence, for the experimenter; `None` where nothing was counted.
+    /// The frames of a sitting in one sentence, for the experimenter; `None` if none were counted.
     pub fn sentence(&self, times: &FrameTimes) -> Option<String> {
         let ms = |seconds: f64| format!("{:.1} ms", seconds * 1e3);
         let (median, p99) = (ms(times.quantile(0.5)?), ms(times.quantile(0.99)?));
@@ -62,7 +62,7 @@ impl ScreenRefresh {
         Some(format!("{counted} frames, half of them within {median} and 99 % within {p99}: {verdict}."))
     }
 
-    /// The frames of a sitting for its sidecar; `None` where nothing was counted. `file`: the name of the file with every
+    /// The frames of a sitting for its sidecar; `None` if none were counted. `file`: the name of the file with every
     /// interval.
     pub fn summary(&self, times: &FrameTimes, file: Option<String>) -> Option<Value> {
         let round = |seconds: f64| (seconds * 1e6).round() / 1e6;

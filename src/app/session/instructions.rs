@@ -1,4 +1,4 @@
-//! What a participant reads between trials. Each page leads on, or, from the pause, out of the session.
+//! The pages that participants read between trials. Each page leads on; the pause page can also leave the session.
 
 use eframe::egui::{self, Key, ProgressBar, TextureHandle};
 
@@ -15,13 +15,13 @@ pub const INSTRUCTION_PAGES: usize = 2;
 /// Largest side of a category's picture, points.
 const PICTURE: f32 = 150.0;
 
-/// An example of each category, drawn with the session's own colors: width and depth of a ramp whose brighter band
-/// most people see as that category describes. They are examples for the eye, not answers: Bangay §3.2's findings put
-/// them in this order.
+/// An example of each category, drawn in the colors of the session: width and depth of a ramp whose brighter band most
+/// people see as that category describes. They are illustrations, not correct answers; the order follows the findings
+/// of Bangay §3.2.
 const EXAMPLES: [(f64, Depth); 4] =
     [(0.9, Depth::Finite(4)), (0.9, Depth::Finite(2)), (0.6, Depth::Finite(1)), (0.12, Depth::Finite(1))];
 
-/// Pictures of the categories, made once for a size.
+/// Images of the categories, made once per size.
 #[derive(Default)]
 pub struct CategoryPictures {
     size: u32,
@@ -53,7 +53,7 @@ fn drawn(protocol: &Protocol, (width, depth): (f64, Depth)) -> Stimulus {
         Depth::Infinite => ParameterValue::Text("inf".to_owned()),
     };
     for (name, value) in [("width", width.into()), ("depth", depth), ("orientation_deg", 0.0.into())] {
-        // A kind without this parameter shows itself as it is.
+        // A kind without this parameter is shown unchanged.
         let _ = stimulus.set(name, &value);
     }
     stimulus
@@ -146,7 +146,7 @@ pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Step<()> {
 }
 
 fn next(ui: &mut egui::Ui, texts: &Texts) -> Step<()> {
-    // A control that has the keyboard's focus takes Space and Enter for itself.
+    // A control with keyboard focus handles Space and Enter itself.
     let focused = ui.ctx().memory(|memory| memory.focused().is_some());
     let key = !focused && ui.input(|input| input.key_pressed(Key::Space) || input.key_pressed(Key::Enter));
     let clicked = ui::primary(ui, &texts.next, true, &texts.next_key);

@@ -1,4 +1,4 @@
-//! Preflight: what the screen really is, in plain sentences, before anything is measured on it.
+//! Preflight: describes the actual screen in plain sentences before the session.
 
 use std::time::Duration;
 
@@ -15,9 +15,9 @@ use crate::{
     store::sidecar::PreflightNote,
 };
 
-/// How long frames are measured, seconds, after the window has come to rest.
+/// Duration of the frame measurement, seconds, after the window has settled.
 const MEASURE_S: f64 = 1.0;
-/// How many are measured at least.
+/// Minimum number of measured frames.
 const MEASURE_FRAMES: usize = 30;
 /// Longest wait for the window to become full screen, seconds.
 const SETTLE_S: f64 = 0.7;
@@ -25,20 +25,20 @@ const SETTLE_S: f64 = 0.7;
 /// The page.
 pub struct Preflight {
     request: Request,
-    /// What the interrupted sitting had.
+    /// The screen of the interrupted sitting.
     before: Option<Before>,
     since: Option<f64>,
     frames: FrameTimes,
-    /// What the system reports about the screen and what is left to ask, once the window has come to rest.
+    /// The system's report about the screen and the remaining questions, once the window has settled.
     platform: Option<(Platform, Questions)>,
-    /// How far light steps between field and picture.
+    /// The change of light between field and stimulus.
     light_steps: PreflightNote,
     /// Why the session could not begin.
     refused: Option<String>,
 }
 
 impl Preflight {
-    /// For a session; the window is on its way to full screen.
+    /// For a session; the window is becoming full screen.
     pub fn new(request: Request) -> Self {
         let before = if request.resume { Before::read(&request) } else { None };
         let light_steps = findings::light_steps(&request.protocol);
@@ -97,7 +97,7 @@ impl Preflight {
         Step::Back
     }
 
-    /// Gives whether the session is to begin, and whether the page is left.
+    /// Returns whether the session begins, and whether the user leaves the page.
     fn draw(&self, ui: &mut egui::Ui, notes: &[PreflightNote], questions: &mut Questions, ready: bool) -> (bool, bool) {
         let escaped = ui::escaped(ui);
         let proceed = ui::shortcut(ui, Key::Space) || ui::shortcut(ui, Key::Enter);

@@ -1,4 +1,4 @@
-//! What a session leaves on disk: its rows, its frames, the hashes of its pictures, and the sidecar that describes them.
+//! The files of a session: its rows, its frames, the hashes of its images, and the sidecar that describes them.
 
 use std::{
     collections::BTreeMap,
@@ -48,7 +48,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Makes or finds the files; gives the session too, and its time at the start of this sitting.
+    /// Creates or opens the files; also returns the session, and its time at the start of this sitting.
     pub fn begin(
         request: &Request,
         prepared: &Prepared,
@@ -98,7 +98,7 @@ impl Recording {
         Ok((recording, session, offset))
     }
 
-    /// Puts a row on disk; where that fails, it is kept in memory for [`SessionStore::retry`].
+    /// Writes a row to disk; on failure, the row is kept in memory for [`SessionStore::retry`].
     pub fn record(&mut self, session: &mut Session, response: &TrialResponse) -> Result<(), StoreError> {
         self.input.rated(response.uncertainty);
         let context = RowContext {
@@ -121,31 +121,31 @@ impl Recording {
         self.store.append_frames(&rows);
     }
 
-    /// Takes the picture of a condition, to hash it.
+    /// Takes the image of a condition and hashes it.
     pub fn picture(&self, condition: usize, picture: CodeImage) {
         if let Some(hasher) = &self.hasher {
-            // A thread that has ended takes none; its pictures then have no hash, which says so.
+            // A terminated thread takes no images; the missing hashes show this.
             let _ = hasher.pictures.send((condition, picture));
         }
     }
 
-    /// The rows; none remain.
+    /// Takes the rows.
     pub fn take_rows(&mut self) -> Vec<TrialRecord> {
         std::mem::take(&mut self.rows)
     }
 
-    /// Where the rows are.
+    /// Path of the rows.
     pub fn csv(&self) -> &Path {
         self.store.csv()
     }
 
-    /// Ends the sitting in the sidecar, once; gives what could not be written, which goes to stderr too. A sidecar that
-    /// cannot be written now says less, and takes nothing with it.
+    /// Ends the sitting in the sidecar, once; returns the write error, which is also printed to stderr. If the sidecar
+    /// cannot be written now, it lacks these details, but no other data are lost.
     pub fn close(&mut self, session: &mut Session, screen: &ScreenRefresh) -> Option<String> {
         if std::mem::replace(&mut self.closed, true) {
             return None;
         }
-        // An answer that is in memory only has its last chance.
+        // The last attempt to save an answer that is only in memory.
         let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
         self.store_frames(session);
         self.store.describe_input(self.input.summary());
@@ -157,21 +157,21 @@ impl Recording {
         let ended = self.store.finish(complete, Timestamp::now().to_string(), summary);
         let faults: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
         for fault in &faults {
-            // Where nobody reads stderr, nothing is lost.
+            // If stderr is closed, nothing is lost.
             let _ = writeln!(std::io::stderr(), "error: {fault}");
         }
         (!faults.is_empty()).then(|| faults.join("\n"))
     }
 }
 
-/// Hashes pictures on a thread of its own, so that no frame waits for them.
+/// Hashes images on a separate thread, so that no frame waits for them.
 struct Hasher {
     pictures: Sender<(usize, CodeImage)>,
     hashes: JoinHandle<BTreeMap<usize, String>>,
 }
 
 impl Hasher {
-    /// `None` where the system gives no thread, and the pictures then have no hash.
+    /// `None` if the system cannot create a thread; the images then have no hashes.
     fn start() -> Option<Self> {
         let (pictures, shown) = channel::<(usize, CodeImage)>();
         let hash = move || {
@@ -205,8 +205,8 @@ fn viewing(request: &Request, prepared: &Prepared) -> Value {
     })
 }
 
-/// Session time at which a resumed sitting starts: by the wall clock, but never before what is recorded, since a clock
-/// can be turned back.
+/// Session time at which a resumed sitting starts: by the wall clock, but never before the last recorded time, because
+/// a clock can be set back.
 fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
     let recorded = Duration::from_secs_f64(elapsed_s);
     let Some(first) = first else { return recorded };

@@ -1,4 +1,4 @@
-//! The session that is to be run, and what the preflight settles about it.
+//! The requested session, and the values that the preflight determines.
 
 use std::path::PathBuf;
 
@@ -8,26 +8,26 @@ use crate::{
     experiment::{Identity, Protocol},
 };
 
-/// A session that is to be run, with everything checked that can be checked before the screen is known.
+/// A requested session. Everything that can be checked without knowing the screen has been checked.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The definition.
     pub protocol: Protocol,
-    /// Whose session.
+    /// The participant.
     pub identity: Identity,
-    /// Seed of the order; `None` for a fresh one, or on resume the one it had.
+    /// Seed of the order; `None` for a new one, or for the recorded one when resuming.
     pub seed: Option<u64>,
     /// Results folder.
     pub results: PathBuf,
-    /// What is known of the screen.
+    /// What is known about the screen.
     pub display: DisplayProfile,
-    /// Eye to screen, cm.
+    /// Viewing distance, cm.
     pub distance_cm: f64,
-    /// Width of the screen in cm; `None` to assume 96 pixels an inch.
+    /// Width of the screen in cm; `None` to assume 96 pixels per inch.
     pub screen_width_cm: Option<f64>,
     /// Resume an interrupted session.
     pub resume: bool,
-    /// In a window instead of the full screen.
+    /// Run in a window instead of full screen.
     pub windowed: bool,
 }
 
@@ -36,13 +36,13 @@ pub fn stimulus_side_px(viewing: &Viewing, window_deg: f64) -> u32 {
     viewing.px_from_deg(window_deg).round().clamp(1.0, f64::from(u32::MAX)) as u32
 }
 
-/// What the preflight settled.
+/// The values determined by the preflight.
 pub struct Prepared {
     /// Screen and distance.
     pub viewing: Viewing,
     /// Side of the stimulus in physical pixels.
     pub size_px: u32,
-    /// Against what frames are judged.
+    /// The refresh against which frames are judged.
     pub refresh: KnownRefresh,
     /// The window in physical pixels.
     pub window: (u32, u32),

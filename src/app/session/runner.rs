@@ -20,12 +20,12 @@ enum Stage {
 pub struct Runner(Stage);
 
 impl Runner {
-    /// Begins with the preflight; the window is on its way to full screen.
+    /// Begins with the preflight; the window is becoming full screen.
     pub fn new(request: Request) -> Self {
         Self(Stage::Preflight(Box::new(Preflight::new(request))))
     }
 
-    /// Draws a frame. Leads on to the analysis of a data set. `direct` where leaving the session closes the window.
+    /// Draws a frame. Can lead to the analysis of a data set. `direct`: leaving the session closes the window.
     pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor, input: &mut Input, direct: bool) -> Step<PathBuf> {
         let next = match &mut self.0 {
             Stage::Preflight(preflight) => preflight.show(ui, monitor).map(Stage::Trials),
@@ -43,7 +43,7 @@ impl Runner {
         }
     }
 
-    /// What is behind everything else.
+    /// The background color.
     pub fn ground(&self) -> Color32 {
         if let Stage::Trials(trials) = &self.0 { trials.ground() } else { theme::PAGE }
     }
@@ -58,7 +58,7 @@ impl Runner {
         matches!(&self.0, Stage::Trials(trials) if trials.is_unsaved())
     }
 
-    /// Ends the trials, if they run; gives the file of their rows.
+    /// Ends the trials, if they are running; returns the file of their rows.
     pub fn close(&mut self) -> Option<&Path> {
         let Stage::Trials(trials) = &mut self.0 else { return None };
         trials.close();

@@ -1,4 +1,4 @@
-//! The trials on the screen: turns input into events, and states into pictures.
+//! The trials on the screen: translates input into events, and states into images.
 
 use std::{collections::BTreeSet, path::Path, time::Duration};
 
@@ -25,16 +25,16 @@ use crate::{
     store::{StoreError, sidecar::PreflightNote},
 };
 
-/// Number of textures in memory: the stimulus on the screen and the one that comes next.
+/// Number of textures in memory: the current stimulus and the next one.
 const TEXTURES_KEPT: usize = 2;
-/// How long the cursor stays after the mouse moved, where the scale can be clicked, seconds.
+/// How long the cursor stays visible after mouse movement if the scale can be clicked, seconds.
 const CURSOR_S: f64 = 2.0;
 
 /// Widest button of the scale, points.
 const WIDEST: f32 = 250.0;
 /// Between two buttons, points.
 const GAP: f32 = 6.0;
-/// Below this width a label would be cut: the key alone says more.
+/// Below this width, a label would be cut off, so only the key is shown.
 const NARROWEST: f32 = 100.0;
 
 /// A session that runs.
@@ -49,23 +49,23 @@ pub struct Trials {
     /// The recovery field's color.
     field: Color32,
     size_px: u32,
-    /// Condition and picture, the latest last.
+    /// Condition and image, the latest last.
     textures: Vec<(usize, TextureHandle)>,
     categories: CategoryPictures,
     screen: ScreenRefresh,
-    /// Clicked on the scale in the frame before, which still showed the stimulus.
+    /// The rating clicked in the previous frame, which still showed the stimulus.
     clicked: Option<(u8, PressTime)>,
     scale_shown: bool,
     trouble: Option<Trouble>,
     resumed: bool,
     mouse_moved_s: f64,
-    /// Keys that are down, by their place: a key that is held repeats, and counts once. Its meaning can change while it
-    /// is down (Shift, Num Lock), so the window system's own word for a repetition is not enough.
+    /// Pressed keys, by physical position: a held key repeats but counts once. Its meaning can change while it is down
+    /// (Shift, Num Lock), so the repeat flag of the window system is not sufficient.
     held: BTreeSet<Key>,
 }
 
 impl Trials {
-    /// Makes or finds the files and shows the first page.
+    /// Creates or opens the files and shows the first page.
     pub fn begin(
         ctx: &egui::Context,
         request: &Request,
@@ -75,7 +75,7 @@ impl Trials {
     ) -> Result<Self, StoreError> {
         let screen = ScreenRefresh::new(monitor, prepared.refresh);
         let (recording, session, offset) = Recording::begin(request, prepared, notes, monitor, &screen)?;
-        // A window that kept its least size on a smaller screen would show part of the stimulus, unnoticed.
+        // On a screen smaller than the minimum window size, part of the stimulus would be cut off unnoticed.
         ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(Vec2::splat(1.0)));
         let quantizer = Quantizer::new(&request.display.transfers, Bits::Eight);
         let protocol = &request.protocol;
@@ -106,19 +106,19 @@ impl Trials {
         self.session.is_storing()
     }
 
-    /// One frame: input, time, picture.
+    /// One frame: input, time, image.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, input: &mut Input) -> Step<Box<Finish>> {
         let window_s = ui.input(|input| input.time);
         let now = self.session_time(window_s);
         if self.trouble.is_some() {
             self.session.interrupt_frames();
-            // Keys mean nothing to the session now, but those that go up must not count as held later.
+            // The session ignores keys now, but released keys must not count as held later.
             self.fresh_keys(ui);
             self.remedy(ui, now);
             return Step::Stay;
         }
         let was_main = self.phase() == Some(Phase::Main);
-        // The window may be moved to another monitor, and a monitor set to another rate.
+        // The window may be moved to another monitor, and the refresh rate may change.
         if let Some(note) = self.screen.update(monitor) {
             self.session.judge_against(self.screen.frames());
             self.recording.store.note(note);
@@ -127,28 +127,28 @@ impl Trials {
         self.pause_if_too_small(ui.ctx(), now);
         self.step(Event::Frame, now);
         if self.phase() == Some(Phase::Main) && !was_main {
-            // Practiced: from here on nothing but field and stimulus, unless the participant asks for the scale.
+            // After practice, only the field and the stimulus are shown, unless the participant requests the scale.
             self.scale_shown = false;
         }
         if self.is_trial() {
-            // Every refresh is a frame: timing is held to them, and dropped ones are seen.
+            // Draw at every refresh, because timing depends on it and dropped frames are detected.
             ui.ctx().request_repaint();
         }
         self.prepare(ui.ctx());
         self.draw(ui, now, window_s, input)
     }
 
-    /// The session's time at a time of the window, seconds.
+    /// Converts a time of the window to session time, seconds.
     fn session_time(&self, window_s: f64) -> Duration {
         self.offset + Duration::try_from_secs_f64(window_s - self.window_start_s).unwrap_or_default()
     }
 
-    /// The phase of the trial at hand.
+    /// The phase of the current trial.
     fn phase(&self) -> Option<Phase> {
         self.session.current().map(|trial| self.session.schedule().trials[trial].phase)
     }
 
-    /// Keys that have just gone down, in the order in which they came: what each means, and its place.
+    /// Keys pressed since the last frame, in order: the logical and the physical key.
     fn fresh_keys(&mut self, ui: &egui::Ui) -> Vec<(Key, Key)> {
         let mut fresh = Vec::new();
         for event in ui.input(|input| input.events.clone()) {
@@ -181,8 +181,8 @@ impl Trials {
                 Key::Escape => self.step(Event::Pause, now),
                 Key::Backspace => self.step(Event::TakeBack, now),
                 Key::S if self.is_trial() => self.scale_shown = !self.scale_shown,
-                // Some keyboards give the digits of the top row only with Shift; the key itself is then what counts. A
-                // letter counts by what it says: its place differs between keyboards.
+                // On some keyboards, the top row gives digits only with Shift; the physical key counts then. Letters
+                // count by meaning, because their positions differ between keyboards.
                 _ => {
                     let digit = place.name().starts_with(|c: char| c.is_ascii_digit()).then_some(place);
                     let pressed_at = input.key(place);
@@ -194,7 +194,7 @@ impl Trials {
         }
     }
 
-    /// The stimulus is rated: when the key or click was stamped, or else now.
+    /// Rates the stimulus at the timestamp of the key or click, or otherwise now.
     fn rate(&mut self, rating: u8, pressed_at: Option<PressTime>, now: Duration) {
         let event = match pressed_at {
             Some(PressTime { at_s, uncertainty }) => Event::RateAt { rating, at: self.session_time(at_s), uncertainty },
@@ -221,7 +221,7 @@ impl Trials {
 
     fn step(&mut self, event: Event, now: Duration) {
         let Effect::Record(response) = self.session.step(event, now) else { return };
-        // On disk before anything else happens; the field is on the screen meanwhile.
+        // Saved before anything else happens; the screen shows the field in the meantime.
         match self.recording.record(&mut self.session, &response) {
             Ok(()) => _ = self.session.step(Event::Stored, now),
             Err(error) => self.trouble = Some(Trouble::new(error.to_string())),
@@ -239,7 +239,7 @@ impl Trials {
             Ok(()) => {
                 self.trouble = None;
                 self.session.step(Event::Stored, now);
-                // The participant has looked at this page and not at the field, so the recovery starts over.
+                // The participant looked at this page rather than at the field, so the recovery starts over.
                 self.session.step(Event::Pause, now);
                 self.session.step(Event::Resume, now);
             }
@@ -264,7 +264,7 @@ impl Trials {
         }
     }
 
-    /// The picture of the trial at hand, ready before it is due.
+    /// The image of the current trial, prepared in advance.
     fn prepare(&mut self, ctx: &egui::Context) {
         let Some(trial) = self.session.current() else { return };
         let schedule = self.session.schedule();
@@ -321,7 +321,7 @@ impl Trials {
         Step::Stay
     }
 
-    /// What stands behind everything else: the uniform field during trials.
+    /// The background: the uniform field during trials.
     pub fn ground(&self) -> Color32 {
         if self.is_trial() && self.trouble.is_none() { self.field } else { theme::PAGE }
     }
@@ -344,7 +344,7 @@ impl Trials {
             ui.ctx().set_cursor_icon(CursorIcon::None);
         }
         if let Some(rating) = clicked {
-            // This frame shows the stimulus; the next one answers.
+            // This frame still shows the stimulus; the next one responds.
             let frame = PressTime { at_s: window_s, uncertainty: None };
             self.clicked = Some((rating, input.click().unwrap_or(frame)));
         }
@@ -364,19 +364,19 @@ impl Trials {
         )))
     }
 
-    /// Where the rows are.
+    /// Path of the rows.
     pub fn csv(&self) -> &Path {
         self.recording.csv()
     }
 
-    /// Ends the sitting, once; gives what could not be written.
+    /// Ends the sitting, once; returns the write error, if any.
     pub fn close(&mut self) -> Option<String> {
         self.recording.close(&mut self.session, &self.screen)
     }
 }
 
-/// The rating scale at the lower edge, the only thing on the screen besides field and stimulus, and it can be hidden.
-/// Gives the rating that was clicked. `enabled` while there is something to rate.
+/// The rating scale at the lower edge: the only element besides field and stimulus, and it can be hidden. Returns the
+/// clicked rating. `enabled` while there is something to rate.
 fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Option<u8> {
     let mut rated = None;
     let count = scale.categories.len().max(1) as f32;
@@ -392,7 +392,7 @@ fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Opti
                         false => format!("{}  {}", category.key, category.label),
                     };
                     let button = Button::new(RichText::new(text).small()).frame(enabled).wrap();
-                    // Two lines where a label may need them, the same for all.
+                    // Two lines for all labels if any label needs them.
                     let height = if (NARROWEST..WIDEST).contains(&width) { 46.0 } else { ui.spacing().interact_size.y };
                     let size = Vec2::new(width.max(height), height);
                     let response = ui.add_enabled_ui(enabled, |ui| ui.add_sized(size, button)).inner;

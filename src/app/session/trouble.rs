@@ -15,9 +15,9 @@ pub struct Trouble {
 
 /// What to try.
 pub enum Remedy {
-    /// The same place again.
+    /// Try the same folder again.
     Retry,
-    /// Another results folder.
+    /// Use another results folder.
     MoveTo(PathBuf),
 }
 

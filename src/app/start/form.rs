@@ -1,4 +1,4 @@
-//! What Home asks for, and what is wrong with it, field by field.
+//! The form of Home, and the errors of each field.
 
 use std::{
     collections::BTreeMap,
@@ -18,7 +18,7 @@ use crate::{
 /// Width of the labels, points.
 pub const LABELS: f32 = 190.0;
 
-/// The form's texts as typed.
+/// The text of the fields as typed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Form {
     /// Built-in name or path.
@@ -29,13 +29,13 @@ pub struct Form {
     pub session: String,
     /// The screen and the distance from it.
     pub screen: ScreenFields,
-    /// The experiment without color, for someone with a color deficiency.
+    /// Whether to run without color, for participants with a color vision deficiency.
     pub gray: bool,
     /// Folder.
     pub results: String,
 }
 
-/// A field of the form, by which its faults are known.
+/// A field of the form, used to identify errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
     Experiment,
@@ -61,30 +61,30 @@ impl Part {
     }
 }
 
-/// What a form means on a monitor.
+/// The result of checking a form for a monitor.
 #[derive(Debug)]
 pub struct Checked {
-    /// The definition, if it is one.
+    /// The definition, if it is valid.
     pub protocol: Option<Protocol>,
-    /// The profile, sRGB if none is named.
+    /// The profile; sRGB if none is named.
     pub display: Option<DisplayProfile>,
     faults: BTreeMap<Part, String>,
     /// This participant and session have an unfinished file: Start means resume.
     pub resume: bool,
     /// Side of the stimulus on this screen in physical pixels, and pixels per degree.
     pub stimulus_px: Option<(u32, f64)>,
-    /// The session to run, where nothing is wrong.
+    /// The session to run, if there are no errors.
     pub request: Option<Request>,
 }
 
 impl Checked {
-    /// A field of the form with what is wrong with it.
+    /// A field of the form with its error.
     pub fn field(&self, part: Part) -> Field<'_> {
         let fault = self.faults.get(&part).map_or("", String::as_str);
         Field::new(part.label()).column(LABELS).fault(fault)
     }
 
-    /// Whether something is wrong with a field.
+    /// Whether a field has an error.
     pub fn is_wrong(&self, part: Part) -> bool {
         self.faults.contains_key(&part)
     }
@@ -104,7 +104,7 @@ impl Default for Form {
 }
 
 impl Form {
-    /// Fills in what follows from the definition and is still empty.
+    /// Fills empty fields with values from the definition.
     pub fn suggest(&mut self, monitor: &Monitor) {
         if self.screen.screen_width_cm.is_empty() {
             self.screen.screen_width_cm = format!("{:.1}", monitor.assumed_width_cm());
@@ -169,7 +169,7 @@ impl Form {
         Checked { protocol, display, faults, resume, stimulus_px, request }
     }
 
-    /// The definition, in gray where that is asked for and it has a color.
+    /// The definition, converted to gray if requested and if it has a color.
     fn protocol(&self) -> Result<Protocol, String> {
         let protocol = definition::open(&self.experiment).map_err(|error| error.to_string())?;
         Ok(match protocol.in_gray() {
@@ -207,7 +207,7 @@ impl Form {
     }
 }
 
-/// Why results cannot be saved there, as far as this can be known without writing.
+/// Why results cannot be saved there, as far as can be determined without writing.
 fn results_fault(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
         return Some("no folder is named; expected a path".to_owned());

@@ -1,4 +1,4 @@
-//! Home: what to run, for whom, on which screen.
+//! Home: selects the experiment, the participant, and the screen.
 
 use std::{path::PathBuf, rc::Rc};
 
@@ -29,7 +29,7 @@ pub enum Destination {
         /// Side of the planned stimulus, degrees.
         window_deg: f64,
     },
-    /// The gallery, for a display at a distance in cm, where that is known.
+    /// The gallery, for a display at a distance in cm, if that is known.
     Gallery(Box<DisplayProfile>, Option<f64>),
     /// The shading demo.
     Shading,
@@ -41,9 +41,9 @@ pub enum Destination {
 #[derive(Default)]
 pub struct Home {
     form: Form,
-    /// What the form means on a monitor; made anew when either has changed.
+    /// The result of checking the form for a monitor; updated if either has changed.
     checked: Option<(Form, Monitor, Rc<Checked>)>,
-    /// A screen width that the program filled in, and where it is from.
+    /// A screen width that the program filled in, and its source.
     width_origin: Option<(String, &'static str)>,
     card: Option<CardHelper>,
     experiment: Dialog,
@@ -56,7 +56,7 @@ pub struct Home {
 }
 
 impl Home {
-    /// Home as it was left.
+    /// Home with its previous values.
     pub fn again(form: Form) -> Self {
         Self { form, ..Self::default() }
     }
@@ -68,7 +68,7 @@ impl Home {
 
     /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui, here: &Monitor, monitors: &[Monitor]) -> Step<Destination> {
-        // The form is about the monitor that the session will use, wherever this window is.
+        // The form refers to the monitor that the session will use, wherever this window is.
         let chosen = self.monitor_choice.filter(|_| self.full_screen).and_then(|index| monitors.get(index));
         let monitor = chosen.unwrap_or(here);
         if !self.started {
@@ -99,7 +99,7 @@ impl Home {
 
     fn choose_experiment(&mut self, name_or_path: String) {
         self.form.experiment = name_or_path;
-        // The planned distance belongs to the definition, and so does its color.
+        // The planned distance and the color belong to the definition.
         self.form.gray = false;
         self.form.screen.distance_cm.clear();
     }
@@ -226,7 +226,7 @@ impl Home {
         });
     }
 
-    /// Gives whether the screen is to be measured.
+    /// Returns whether the user wants to measure the screen.
     fn profile_field(&mut self, ui: &mut egui::Ui, checked: &Checked) -> bool {
         checked.field(Part::Profile).show(ui, |ui, label| {
             let path = &mut self.form.screen.profile;
@@ -238,7 +238,7 @@ impl Home {
             let measure = ui.horizontal_wrapped(line).inner;
             if let Some(display) = &checked.display {
                 ui::hint(ui, display.sentence());
-                // An assumption says itself that it is one.
+                // The description of an assumed profile already says so.
                 if let Some(warning) = display.warning(today()).filter(|_| display.measured.is_some()) {
                     ui::note(ui, warning);
                 }
@@ -301,7 +301,7 @@ impl Home {
 
     fn other_pages(&mut self, ui: &mut egui::Ui, checked: &Checked) -> Option<Destination> {
         let buttons = |ui: &mut egui::Ui| {
-            // All three in one line, so that the example below needs no scrolling.
+            // All three on one line, so that the example below is visible without scrolling.
             ui.spacing_mut().button_padding.x = 8.0;
             let [gallery, shading, analysis] =
                 ["Gallery of stimuli…", "Shading demo…", "Analyze results…"].map(|text| ui.button(text).clicked());

@@ -1,4 +1,4 @@
-//! Home: what is to be run, for whom, on which screen.
+//! Home: selects the experiment, the participant, and the screen.
 
 mod form;
 mod home;

@@ -1,4 +1,4 @@
-//! How evenly frames come, measured while something changes with each of them.
+//! Measures how regular frame intervals are while the content changes with every frame.
 
 mod report;
 mod run;

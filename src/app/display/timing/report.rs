@@ -1,4 +1,4 @@
-//! What a measurement of frames found.
+//! The result of a frame measurement.
 
 use std::{fmt::Write as _, time::Duration};
 
@@ -7,20 +7,20 @@ use crate::{
     display::frames::{ESTIMATE_LEAST, FrameTimes, Refresh},
 };
 
-/// Frame intervals, and what they are judged against.
+/// Frame intervals and the refresh against which they are judged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimingReport {
-    /// Judged against the refresh, where there is one.
+    /// Judged against the refresh, if it is known.
     times: FrameTimes,
     /// The screen's refresh.
     pub refresh: Option<Refresh>,
-    /// Where it comes from: `reported`, `measured` or `unknown`.
+    /// Its source: `reported`, `measured` or `unknown`.
     pub source: &'static str,
 }
 
 impl TimingReport {
-    /// From intervals in microseconds. The refresh is the monitor's, or the one that the frames follow by themselves;
-    /// where they scatter there is none, and no frame is judged.
+    /// From intervals in microseconds. The refresh is that of the monitor, or else the one that the frames follow. If
+    /// the intervals scatter, there is no refresh, and no frame is judged.
     #[must_use]
     pub fn new(intervals_us: &[u32], monitor: &Monitor) -> Self {
         let reported = monitor.refresh_hz.and_then(Refresh::from_hz);
@@ -46,7 +46,7 @@ impl TimingReport {
         self.times.intervals_us()
     }
 
-    /// What was found: a name and a value in each row.
+    /// The findings: a name and a value in each row.
     #[must_use]
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let ms = |p: f64| self.times.quantile(p).map_or_else(String::new, |s| format!("{:.3} ms", s * 1e3));
@@ -70,7 +70,7 @@ impl TimingReport {
         ]
     }
 
-    /// Whether the frames follow the screen's refresh one by one; `None` where there are too few to judge.
+    /// Whether there is one frame per refresh; `None` if there are too few frames to judge.
     #[must_use]
     pub fn is_one_by_one(&self) -> Option<bool> {
         let enough = self.intervals_us().len() >= ESTIMATE_LEAST;
@@ -99,7 +99,7 @@ impl TimingReport {
         }
     }
 
-    /// That the frames follow no refresh, and how they come instead.
+    /// States that the frames do not follow a refresh, and describes their intervals.
     fn scatter(&self) -> String {
         let ms = |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3;
         let judged = match self.refresh {
@@ -114,7 +114,7 @@ impl TimingReport {
         )
     }
 
-    /// Every interval: `frame` from 1, `interval_us`, `dropped` 0 or 1, empty where it is not known.
+    /// Every interval: `frame` from 1, `interval_us`, `dropped` 0 or 1, empty if unknown.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "frame,interval_us,dropped\n".to_owned();

@@ -1,4 +1,4 @@
-//! A measurement that runs, what is drawn meanwhile, and the window of `machband timing`, which measures and closes.
+//! A running measurement, what is drawn during it, and the window of `machband timing`, which measures and closes.
 
 use std::{sync::mpsc::Sender, time::Duration};
 
@@ -12,7 +12,7 @@ use crate::{
     stimulus::{MachBand, Stimulus},
 };
 
-/// Frames before the measurement: caches fill, and a window comes to rest.
+/// Frames before the measurement, while caches fill and the window settles.
 const SETTLING: u32 = 30;
 /// How long the warning is shown before something flickers, seconds.
 const WARNING_S: f64 = 3.0;
@@ -20,7 +20,7 @@ const WARNING_S: f64 = 3.0;
 pub const FLICKER_WARNING: &str = "A patch will flicker between black and white with every frame. Flicker can cause seizures in people with photosensitive epilepsy: do not look at it, and keep anyone at risk from looking at it.";
 /// Side of the trial's stimulus, physical pixels.
 const STIMULUS_PX: u32 = 512;
-/// Frames of field, and then of stimulus, of a trial.
+/// Frames of the field, and then of the stimulus, in a trial.
 const FIELD_FRAMES: u32 = 30;
 const STIMULUS_FRAMES: u32 = 60;
 /// From the patch to the edge of the window, physical pixels.
@@ -54,7 +54,7 @@ pub struct Patch {
 }
 
 impl Default for Patch {
-    /// Small, so that as little of the eye as possible sees it.
+    /// Small, so that it stimulates as little of the retina as possible.
     fn default() -> Self {
         Self { size_px: 96, place: Place::Corner }
     }
@@ -63,7 +63,7 @@ impl Default for Patch {
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimingPlan {
-    /// What is drawn meanwhile.
+    /// What is drawn during the measurement.
     pub scene: Scene,
     /// Frames to measure, at least 2.
     pub frames: u32,
@@ -74,23 +74,23 @@ pub struct TimingPlan {
 /// A measurement.
 pub struct TimingRun {
     plan: TimingPlan,
-    /// When the warning began; what does not flicker needs none.
+    /// When the warning began; content that does not flicker needs no warning.
     warned: Option<f64>,
     frame: u32,
     times: FrameTimes,
     quantizer: Quantizer,
-    /// The trial, from 0, and its picture.
+    /// The trial, from 0, and its image.
     picture: Option<(u32, TextureHandle)>,
 }
 
 impl TimingRun {
-    /// Ready to begin; a flicker begins after a warning.
+    /// Ready to begin; flicker begins after a warning.
     pub fn new(plan: TimingPlan) -> Self {
         let quantizer = Quantizer::new(Transfer::Srgb, Bits::Eight);
         Self { plan, warned: None, frame: 0, times: FrameTimes::default(), quantizer, picture: None }
     }
 
-    /// Draws a frame and asks for the next; the report when all are measured.
+    /// Draws a frame and requests the next; returns the report when all are measured.
     pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> Option<TimingReport> {
         let now = ui.input(|input| input.time);
         ui.ctx().request_repaint();
@@ -116,7 +116,7 @@ impl TimingRun {
     /// The color behind everything.
     pub fn ground(&self) -> Color32 {
         match self.plan.scene {
-            // Nothing of the warning's page remains behind the patch.
+            // No part of the warning page remains behind the patch.
             Scene::Patch if self.frame > 0 => Color32::BLACK,
             Scene::Patch => PAGE,
             Scene::Trial => pixels::field(&self.quantizer, stimulus(0).field_light(0.5)),
@@ -127,7 +127,7 @@ impl TimingRun {
     fn draw_trial(&mut self, ui: &mut Ui) {
         let trial = self.frame / (FIELD_FRAMES + STIMULUS_FRAMES);
         if self.picture.as_ref().is_none_or(|(made, _)| *made != trial) {
-            // As in a session: made while the field is shown.
+            // As in a session, made while the field is shown.
             let texture = pixels::texture(ui.ctx(), "timing", &stimulus(trial), STIMULUS_PX, &self.quantizer);
             self.picture = Some((trial, texture));
         }
@@ -143,7 +143,7 @@ impl TimingRun {
 /// A different stimulus for each trial.
 fn stimulus(trial: u32) -> Stimulus {
     let mut stimulus = Stimulus::MachBand(MachBand::default());
-    // A direction that every Mach band has.
+    // A valid orientation of every Mach band.
     let _ = stimulus.set("orientation_deg", &f64::from(45 * (trial % 8)).into());
     stimulus
 }
@@ -172,13 +172,13 @@ fn warn(ui: &mut Ui, left_s: f64) {
     });
 }
 
-/// What `machband timing` asks of the window.
+/// A measurement that `machband timing` requests from the window.
 pub struct TimingRequest {
     /// What is measured.
     pub plan: TimingPlan,
-    /// On the whole screen.
+    /// Whether it is full screen.
     pub fullscreen: bool,
-    /// Where the report goes; nothing is sent where the window is closed before its end.
+    /// Receives the report; nothing is sent if the window is closed early.
     pub report: Sender<TimingReport>,
 }
 
@@ -205,7 +205,7 @@ impl TimingPage {
         let report = self.run.show(ui, monitor);
         self.done = report.is_some() || ui.input(|input| input.key_pressed(Key::Escape));
         if let Some(report) = report {
-            // Nobody may be waiting for it any more.
+            // The receiver may be gone.
             let _ = self.report.send(report);
         }
         self.done

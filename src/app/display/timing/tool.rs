@@ -1,4 +1,4 @@
-//! How evenly this screen shows frames: settings, a table and a plot.
+//! The timing tool: settings, a table, and a plot of the frame intervals.
 
 use std::path::Path;
 
@@ -41,7 +41,7 @@ impl Default for TimingTool {
 }
 
 impl TimingTool {
-    /// Draws the measurement, or the settings and what was found.
+    /// Draws the measurement, or the settings and the findings.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step {
         if let Some(run) = &mut self.run {
             let report = run.show(ui, monitor);

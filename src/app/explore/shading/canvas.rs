@@ -1,4 +1,4 @@
-//! The picture on the page: what can be dragged on it, and what is drawn over it.
+//! The image on the page: dragging, and overlays.
 
 use eframe::egui::{
     self, Color32, CursorIcon, EventFilter, Id, Key, Pos2, Rect, Response, Sense, Shape, Stroke, TextureId, Vec2,
@@ -7,7 +7,7 @@ use eframe::egui::{
 use super::comparison::Comparison;
 use crate::app::ui::{describe, pixels, theme};
 
-/// Degrees that an arrow key turns, and with Shift.
+/// Degrees of rotation per arrow key, and with Shift.
 const STEPS_DEG: [f64; 2] = [5.0, 1.0];
 
 /// What is shown of the two pictures.
@@ -16,15 +16,15 @@ pub enum Layer {
     /// One on either side of the divider.
     #[default]
     Split,
-    /// How far they are apart, amplified.
+    /// Their amplified difference.
     Difference,
-    /// The creases of each on its side of the divider.
+    /// The creases, each image on its side of the divider.
     Creases,
-    /// The bands that the model of vision predicts, of each on its side of the divider.
+    /// The bands that the vision model predicts, each image on its side of the divider.
     Bands,
 }
 
-/// What dragging on the picture moves.
+/// What dragging on the image moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DragTarget {
     /// The mesh turns.
@@ -36,20 +36,20 @@ pub enum DragTarget {
     ScanLine,
 }
 
-/// How the pictures are shown: none of this changes a picture.
+/// How the images are shown; none of this changes an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewSettings {
     /// What is shown.
     pub layer: Layer,
     /// What a drag moves.
     pub target: DragTarget,
-    /// Where the divider is, as a share of the picture's width.
+    /// Position of the divider, as a share of the image's width.
     pub divider: f64,
     /// How much the difference is amplified.
     pub factor: u8,
     /// Whether the scan line is shown, with its plots.
     pub scan: bool,
-    /// Its ends, as shares of the picture's width and height.
+    /// Its ends, as shares of the image's width and height.
     pub line: [Pos2; 2],
 }
 
@@ -147,7 +147,7 @@ fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, settings:
     }
 }
 
-/// How often the arrow keys to the right and downward were pressed for a control that has the keyboard's focus.
+/// Number of presses of the right and down arrow keys (left and up are negative) for the control with keyboard focus.
 fn arrows(ui: &egui::Ui, response: &Response) -> [f64; 2] {
     let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
@@ -177,14 +177,14 @@ fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
     dragged
 }
 
-/// Draws the picture: the columns left of the divider from one texture, the rest from the other.
+/// Draws the image: the columns left of the divider from one texture, the rest from the other.
 pub fn draw(ui: &egui::Ui, rect: Rect, textures: [TextureId; 2], size: [u32; 2], settings: &ViewSettings) {
     let column = settings.column(size[0]);
     pixels::draw_columns(ui, textures[0], size, 0..column, rect.min);
     pixels::draw_columns(ui, textures[1], size, column..size[0], rect.min);
 }
 
-/// Draws what lies over the picture: divider, scan line, light.
+/// Draws the overlays: divider, scan line, light.
 pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &ViewSettings) {
     let painter = ui.painter().with_clip_rect(rect.expand(9.0));
     if settings.layer != Layer::Difference {
@@ -194,7 +194,7 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &V
     }
     if settings.scan {
         let [from, to] = settings.line.map(|end| rect.lerp_inside(end.to_vec2()));
-        // Dark next to light, to be visible on any picture.
+        // Dark next to light, so that it is visible on any image.
         painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(120)));
         painter.line_segment([from, to], Stroke::new(1.0, Color32::from_gray(0xe0)));
         painter.circle(from, 4.0, Color32::from_gray(0x20), Stroke::new(1.5, Color32::from_gray(0xe0)));
@@ -218,7 +218,7 @@ pub fn draw_note(ui: &egui::Ui, rect: Rect, text: &str) {
     painter.galley(at, text, Color32::WHITE);
 }
 
-/// The sign that the divider can be moved: two arrowheads on a disc.
+/// The handle of the divider: two arrowheads on a disc.
 fn grip(painter: &egui::Painter, at: Pos2) {
     painter.circle(at, 9.0, Color32::from_gray(0x30), Stroke::new(1.0, Color32::from_gray(0xc0)));
     for side in [-1.0, 1.0] {
@@ -228,7 +228,7 @@ fn grip(painter: &egui::Painter, at: Pos2) {
     }
 }
 
-/// Where the light is; hollow behind the surface.
+/// The position of the light; hollow if it is behind the surface.
 fn sun(painter: &egui::Painter, at: Pos2, before: bool) {
     let fill = if before { theme::NOTE } else { Color32::TRANSPARENT };
     painter.circle(at, 6.0, fill, Stroke::new(1.5, theme::NOTE));

@@ -1,5 +1,5 @@
-//! What is compared: a surface in its light, drawn by two renderers; and comparisons by name: the page's first, and the
-//! paper's figures.
+//! A comparison: a lit surface drawn by two renderers; and named comparisons: the initial one, and the figures of the
+//! paper.
 
 use std::path::Path;
 
@@ -16,24 +16,24 @@ use crate::{
     store,
 };
 
-/// Faces of a file that meet at more than this have a crease between them, degrees: none do, to show what shaders do.
+/// Crease angle for meshes from files, degrees: 180 disables creases, which shows the effect of the shaders.
 const CREASE_DEG: f64 = 180.0;
 
 /// Which surface.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MeshChoice {
-    /// By its name, with a number of vertices where that can be chosen.
+    /// A named shape, with the number of vertices if it can be chosen.
     Named(Shape, usize),
     /// An OBJ file, by its path.
     File(String),
 }
 
-/// Everything that decides the two pictures except their size.
+/// Everything that determines the two images except their size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// The surface.
     pub mesh: MeshChoice,
-    /// How it is turned, lit and seen.
+    /// Rotation, lighting, and view.
     pub scene: Scene,
     /// Left and right.
     pub sides: [Renderer; 2],
@@ -54,12 +54,12 @@ impl Default for Comparison {
 }
 
 impl Comparison {
-    /// What `side` makes of `frame`.
+    /// The shot of `frame` by the renderer of `side`.
     pub fn shot<'f>(&self, side: &Renderer, frame: &'f crate::shading::Frame) -> Shot<'f> {
         side.shoot(frame, &(&self.transfer).into())
     }
 
-    /// Turns the mesh by `right` degrees to the right and `down` degrees downward, as the eye sees it.
+    /// Rotates the mesh by `right` degrees to the right and `down` degrees downward, from the viewer's perspective.
     pub fn turn(&mut self, right: f64, down: f64) {
         let before = self.scene.view(1, 1).rotation;
         let turn = DMat3::from_rotation_x(down.to_radians()) * DMat3::from_rotation_y(right.to_radians());
@@ -67,14 +67,15 @@ impl Comparison {
         self.scene.rotate_deg = [x, y, z].map(f64::to_degrees);
     }
 
-    /// Where the light comes from, degrees: to the right of the eye, and above it.
+    /// Direction of the light in degrees: to the right of the eye, and above it.
     #[must_use]
     pub fn light_deg(&self) -> [f64; 2] {
         let toward = self.scene.light.normalize_or(DVec3::Z);
         [toward.x.atan2(toward.z), toward.y.clamp(-1.0, 1.0).asin()].map(f64::to_degrees)
     }
 
-    /// Puts the light there. Straight above and straight below have no right and left: it stays a hair away from them.
+    /// Sets the direction of the light. Directly above and below, right and left are undefined, so the light stays
+    /// slightly off these directions.
     pub fn set_light_deg(&mut self, [right, up]: [f64; 2]) {
         let (right, up) = (right.to_radians(), up.clamp(-89.9, 89.9).to_radians());
         self.scene.light = DVec3::new(right.sin() * up.cos(), up.sin(), right.cos() * up.cos());
@@ -86,7 +87,7 @@ impl Comparison {
         self.set_light_deg([from_right + right, from_up + up]);
     }
 
-    /// Every parameter, so that anyone can make the picture again.
+    /// All parameters, so that anyone can reproduce the image.
     #[must_use]
     pub fn describe(&self) -> Value {
         let side = |side: &Renderer| {
@@ -109,7 +110,7 @@ impl Comparison {
 }
 
 impl MeshChoice {
-    /// Its name on the page: of a file without the folder.
+    /// Its name on the page; for a file, without the folder.
     #[must_use]
     pub fn title(&self) -> String {
         match self {
@@ -132,7 +133,7 @@ impl MeshChoice {
     }
 }
 
-/// The name of a renderer on the page, with the options that have an effect.
+/// The name of a renderer on the page, including the options that have an effect.
 #[must_use]
 pub fn title(renderer: &Renderer) -> String {
     let shade = renderer.shade;
@@ -176,13 +177,13 @@ pub fn depth_title(depth: Depth) -> String {
     if depth == Depth::Infinite { "∞".to_owned() } else { depth.to_string() }
 }
 
-/// To three decimals at most.
+/// With at most three decimals.
 fn rounded(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }
 
-/// Comparisons by name, what the page begins with and the paper's figures: a mesh, and the shader that is compared with
-/// Gouraud's. The views and lights of the paper's figures are not known.
+/// Named comparisons, the initial one and the figures of the paper: a mesh, and the shader that is compared with
+/// Gouraud's. The views and lights of the paper's figures are unknown.
 pub fn presets() -> Vec<(&'static str, MeshChoice, Shade)> {
     let fixed = |n, boundary| Shade { depth: Depth::Finite(n), boundary, ..Shade::new(Shader::Fixed) };
     let vertex = |n, b| Shade { vertex: Correction::Printed, ..fixed(n, b) };

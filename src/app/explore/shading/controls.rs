@@ -18,7 +18,7 @@ use crate::{
 
 /// Width of the labels, points.
 const LABEL: f32 = 84.0;
-/// Most vertices on the slider; a file can have more.
+/// Maximum of the vertices slider; a file can have more.
 const MOST_VERTICES: f64 = 20_000.0;
 /// Distance of the eye in a perspective view, radii.
 const PERSPECTIVE: f64 = 3.0;
@@ -77,7 +77,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     }
 }
 
-/// Which mesh, and how it is turned.
+/// The mesh and its rotation.
 pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
     let vertices = if let MeshChoice::Named(_, vertices) = compared.mesh { vertices } else { 313 };
     let mut meshes: Vec<_> = Shape::ALL.iter().map(|shape| MeshChoice::Named(*shape, vertices)).collect();
@@ -88,7 +88,7 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
     if let MeshChoice::Named(shape, vertices) = &mut compared.mesh
         && shape.has_vertices()
     {
-        // Another shape may need more.
+        // Another shape may need more vertices.
         *vertices = (*vertices).max(shape.least_vertices());
         field("vertices", "Vertices").show(ui, |ui, _| {
             ui.spacing_mut().slider_width = (ui.available_width() - 62.0).max(60.0);
@@ -119,7 +119,7 @@ pub fn light(ui: &mut egui::Ui, compared: &mut Comparison) {
     }
 }
 
-/// What the surface does with light.
+/// How the surface reflects light.
 pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
     field("color", "Color").show(ui, |ui, _| {
         ui.horizontal(|ui| {
@@ -162,7 +162,7 @@ pub fn transfer(ui: &mut egui::Ui, compared: &mut Comparison) {
     field("display", "Display transfer function").choice(ui, &mut compared.transfer, &transfers, title);
 }
 
-/// What draws, where the graphics card can.
+/// Selects CPU or graphics card, if the graphics card is available.
 pub fn drawn_by(ui: &mut egui::Ui, drawer: &mut Drawer) {
     if let Ok(card) = drawer.gpu_name() {
         let title = |by: &DrawnBy| if *by == DrawnBy::Cpu { "CPU".to_owned() } else { card.clone() };

@@ -16,18 +16,18 @@ use crate::{
     store,
 };
 
-/// The field, its button and what came of it.
+/// The field, its button, and the outcome.
 #[derive(Default)]
 pub struct Export {
-    /// What was typed; `None` for the suggested name.
+    /// The typed name; `None` for the suggested one.
     typed: Option<String>,
     outcome: Option<Result<String, String>>,
-    /// A file that exists, and is overwritten when the button is clicked again.
+    /// An existing file that is overwritten if the button is clicked again.
     overwrite: Option<PathBuf>,
 }
 
 impl Export {
-    /// Draws them. `view` gives the view's pixels and parameters when they are wanted.
+    /// Draws the controls. `view` returns the pixels and parameters of the view on request.
     pub fn show(
         &mut self,
         ui: &mut egui::Ui,
@@ -59,7 +59,7 @@ impl Export {
     }
 }
 
-/// The view's parameters; `full_scale` is the strength that is lightest or darkest in a map of predicted bands.
+/// The parameters of the view; `full_scale` is the strength shown lightest or darkest in a map of predicted bands.
 pub fn parameters(
     compared: &Comparison,
     settings: &ViewSettings,

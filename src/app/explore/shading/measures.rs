@@ -1,5 +1,5 @@
-//! What is measured of both sides: creases, and the bands that the model of vision predicts, on a thread of their own while
-//! nothing is dragged; and light and its slope along a line, from the shaders themselves and not from pixels.
+//! Measurements of both sides: creases and the bands that the vision model predicts, on a separate thread while nothing
+//! is dragged; and light and its slope along a line, computed by the shaders rather than from pixels.
 
 use std::sync::Arc;
 
@@ -22,7 +22,8 @@ use crate::{
     vision::{Visibility, luminance, luminances},
 };
 
-/// Longest shorter side of the picture that bands are predicted from, pixels: more would change little, and take longer.
+/// Maximum length of the shorter side of the image used for predictions, pixels: a larger image would change little and
+/// take longer.
 const LONGEST_PX: u32 = 512;
 /// Assumed size of the shorter side of the picture, degrees.
 pub const SHORTER_SIDE_DEG: f64 = 10.0;
@@ -31,15 +32,15 @@ pub const SHORTER_SIDE_DEG: f64 = 10.0;
 pub struct Measured {
     /// Cells of a table.
     cells: [Vec<String>; 2],
-    /// More about them.
+    /// Details.
     details: [String; 2],
-    /// Where on the picture.
+    /// The maps.
     pub maps: [CodeImage; 2],
-    /// What is lightest, or darkest, in the maps.
+    /// The value shown lightest, or darkest, in the maps.
     pub full_scale: f64,
 }
 
-/// How something is measured: of a comparison of this surface at this size.
+/// A measurement function for a comparison of this surface at this size.
 type Measure = fn(&Comparison, &Surface, [u32; 2]) -> Result<Measured, String>;
 
 /// A measurement of the pictures that are shown.
@@ -50,7 +51,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Starts measuring the pictures by `measure`, unless that is done or under way.
+    /// Starts measuring the images by `measure`, unless that is finished or in progress.
     pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures, measure: Measure) {
         self.latest.want(ctx, pictures.edition, || {
             let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
@@ -59,12 +60,12 @@ impl Measurement {
         });
     }
 
-    /// What was measured of this edition of the pictures, if it is known already.
+    /// The measurement of this version of the images, if available.
     pub fn get(&self, edition: u64) -> Option<&Measured> {
         self.latest.get(&edition)?.as_ref().ok()
     }
 
-    /// The maps on the screen, if they are there already.
+    /// The maps on the screen, if available.
     pub fn textures(&mut self, ctx: &egui::Context, edition: u64) -> Option<&[TextureHandle; 2]> {
         let Some(Ok(measured)) = self.latest.get(&edition) else { return None };
         if self.textures.as_ref().is_none_or(|(of, _)| *of != edition) {
@@ -73,7 +74,7 @@ impl Measurement {
         self.textures.as_ref().map(|(_, textures)| textures)
     }
 
-    /// Why there is nothing yet, or never; `None` where there is something.
+    /// Why there is no result yet, or none at all; `None` if there is one.
     pub fn status(&self, edition: u64) -> Option<String> {
         match self.latest.get(&edition) {
             None => Some("Computing…".to_owned()),
@@ -82,7 +83,7 @@ impl Measurement {
         }
     }
 
-    /// The number at `place` of a side, with more about it.
+    /// The number at `place` of a side, with details.
     pub fn cell(&self, ui: &mut egui::Ui, which: usize, place: usize, edition: u64) {
         let (cell, details) = match self.latest.get(&edition) {
             Some(Ok(measured)) => (measured.cells[which][place].as_str(), measured.details[which].as_str()),
@@ -96,12 +97,12 @@ impl Measurement {
     }
 }
 
-/// How steep the creases are: rms, 95th percentile, and the rms in units of Gouraud's.
+/// Steepness of the creases: rms, 95th percentile, and the rms relative to Gouraud's.
 pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 2]) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, width, height);
     let gouraud = Creases::of_gouraud(&frame);
     let sides = compared.sides.map(|side| compared.shot(&side, &frame).creases());
-    // Both to one scale: white is what Gouraud's shader has at the 95th percentile.
+    // Both on one scale: white is the 95th percentile of Gouraud's shader.
     let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
     let map = |creases| quantizer.quantize(&crease::picture(&frame, creases, gouraud.p95));
     let cells = |creases: &Creases| {
@@ -116,7 +117,7 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
     })
 }
 
-/// The size at which pictures of `size` pixels are predicted: of the same shape, and not too large.
+/// The size used for predictions of images of `size` pixels: the same aspect ratio, and not too large.
 #[must_use]
 pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     let shorter = size[0].min(size[1]).max(1);
@@ -126,7 +127,7 @@ pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| (f64::from(side) * f64::from(LONGEST_PX) / f64::from(shorter)).round() as u32)
 }
 
-/// How visible the predicted bands are, and that in units of Gouraud's.
+/// The visibility of the predicted bands, also relative to Gouraud's.
 pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
     let [width, height] = predicted_size(size);
     let frame = compared.scene.frame(surface, width, height);
@@ -162,10 +163,10 @@ pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result
 const DENSITY: f64 = 4.0;
 const MOST: f64 = 4096.0;
 
-/// A curve in pieces, since there is none where there is no surface.
+/// A curve in pieces, with gaps where there is no surface.
 type Curve = Vec<Vec<[f64; 2]>>;
 
-/// The curves of both sides, over pixels from the line's beginning.
+/// The curves of both sides, over pixels from the start of the line.
 pub struct Scan {
     edition: u64,
     line: [Pos2; 2],

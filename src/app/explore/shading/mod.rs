@@ -2,12 +2,12 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `comparison` | what is compared; comparisons by name |
-//! | `pictures` | drawing: on the graphics card, on the processor, and only what has changed |
+//! | `comparison` | the comparison; named comparisons |
+//! | `pictures` | drawing on the graphics card or the CPU, only if something has changed |
 //! | `measures` | creases and predicted bands of both sides; light along a line |
-//! | `canvas` | the picture and what can be dragged on it |
+//! | `canvas` | the image and dragging on it |
 //! | `controls`, `export` | the panel |
-//! | `page` | all of it together |
+//! | `page` | the complete page |
 
 mod canvas;
 mod comparison;

@@ -1,4 +1,4 @@
-//! The page: the controls, the view, and what keeps both up to date.
+//! The page: the controls, the view, and their updates.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ use crate::{
 
 /// Height of the plots below the picture, points.
 const PLOTS: f32 = 170.0;
-/// A window narrower than this has the view, of this height, above the controls.
+/// In a window narrower than this, the view has this height and is above the controls.
 const NARROW: f32 = 640.0;
 const NARROW_VIEW: f32 = 560.0;
 /// Height of the numbers below the picture.
@@ -37,7 +37,7 @@ const NUMBERS: f32 = 156.0;
 pub struct ShadingPage {
     compared: Comparison,
     settings: ViewSettings,
-    /// The last that could be made.
+    /// The last valid one.
     surface: Option<(MeshChoice, Arc<Surface>)>,
     drawer: Option<Drawer>,
     pictures: Option<Pictures>,
@@ -148,7 +148,7 @@ impl ShadingPage {
         }
     }
 
-    /// Shows another mesh; if it cannot be made, the current one stays.
+    /// Shows another mesh; if it cannot be created, the current mesh stays.
     fn load(&mut self, choice: MeshChoice) {
         self.file.fault = match choice.mesh() {
             Ok(mesh) => {
@@ -211,7 +211,7 @@ impl ShadingPage {
         });
     }
 
-    /// The renderers' names over their halves.
+    /// The names of the renderers above their halves.
     fn titles(&mut self, ui: &mut egui::Ui, titles: &[String; 2]) {
         let text = |i: usize| RichText::new(&titles[i]).strong().color(SIDES[i]);
         let height = ui.spacing().interact_size.y;
@@ -241,7 +241,7 @@ impl ShadingPage {
         });
     }
 
-    /// Draws and measures again what has changed.
+    /// Redraws and remeasures what has changed.
     fn update(&mut self, ctx: &egui::Context, size: [u32; 2]) {
         if self.surface.as_ref().is_none_or(|(choice, _)| *choice != self.compared.mesh) {
             self.load(self.compared.mesh.clone());
@@ -281,7 +281,7 @@ impl ShadingPage {
             (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
             (Layer::Difference, None, _) => return,
             (_, _, Some(maps)) => maps.each_ref().map(TextureHandle::id),
-            // The pictures themselves, until the maps are there.
+            // The images themselves, until the maps are ready.
             _ => pictures.sides.each_ref().map(Picture::id),
         };
         canvas::draw(ui, rect, textures, size, &self.settings);
@@ -336,7 +336,7 @@ impl ShadingPage {
         );
     }
 
-    /// The view's pixels as they are on the screen, without the marks.
+    /// The pixels of the view as on the screen, without overlays.
     fn pixels(&self) -> Option<CodeImage> {
         let pictures = self.pictures.as_ref()?;
         if self.settings.layer == Layer::Difference {

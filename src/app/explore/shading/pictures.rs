@@ -1,5 +1,5 @@
-//! The two pictures of a comparison: drawn by the processor or by the graphics card, on the window's own device, and anew
-//! only when something has changed.
+//! The two images of a comparison, drawn by the CPU or by the graphics card of the window, and redrawn only if
+//! something has changed.
 
 use std::{sync::Arc, time::Instant};
 
@@ -29,17 +29,17 @@ pub enum DrawnBy {
     Gpu,
 }
 
-/// The processor, and the graphics card where it can draw.
+/// The CPU, and the graphics card if it can draw.
 pub struct Drawer {
-    /// What the processor's pictures are shown on, left and right.
+    /// Textures for the images of the CPU, left and right.
     canvases: [Canvas; 2],
     gpu: Result<WindowGpu, String>,
-    /// What is to draw, if both can.
+    /// The preferred one, if both can draw.
     pub wanted: DrawnBy,
 }
 
 impl Drawer {
-    /// The window's graphics card, if it has one. A software adapter is no faster than the processor, which is then
+    /// The window's graphics card, if it has one. A software adapter is no faster than the CPU, which is then
     /// preferred.
     pub fn new(state: Option<&RenderState>) -> Drawer {
         let gpu = match state {
@@ -63,7 +63,7 @@ impl Drawer {
         }
     }
 
-    /// The graphics card's name, or why it does not draw.
+    /// The name of the graphics card, or the reason why it does not draw.
     pub fn gpu_name(&self) -> Result<String, &str> {
         self.gpu.as_ref().map(WindowGpu::name).map_err(String::as_str)
     }
@@ -75,7 +75,7 @@ impl Drawer {
         {
             match gpu.draw(shot) {
                 Ok((picture, ms)) => return Picture { image: Image::Gpu(picture), ms },
-                // From here on the processor draws, and the page says why.
+                // From now on, the CPU draws, and the page says why.
                 Err(error) => self.gpu = Err(error.to_string()),
             }
         }
@@ -114,7 +114,7 @@ impl Picture {
         }
     }
 
-    /// Its codes; `None` where they cannot be read back from the graphics card.
+    /// Its codes; `None` if they cannot be read back from the graphics card.
     pub fn codes(&self) -> Option<CodeImage> {
         match &self.image {
             Image::Cpu(pixels, _) => {
@@ -134,11 +134,11 @@ pub struct Pictures {
     /// The surface that they show.
     pub surface: Arc<Surface>,
     by: DrawnBy,
-    /// Counts the changes of either picture.
+    /// Counts the changes of either image.
     pub edition: u64,
     /// The surface on the screen, in linear light.
     pub frame: Frame,
-    /// How long the frame took, ms: vertices turned and lit.
+    /// Time for the frame, ms: transforming and lighting the vertices.
     pub frame_ms: f64,
     /// Left and right.
     pub sides: [Picture; 2],
@@ -159,7 +159,7 @@ impl Pictures {
             [p.frame.width, p.frame.height] == size
                 && (Arc::ptr_eq(&p.surface, surface), p.by, &p.compared) == (true, drawer.by(), compared)
         };
-        // Others are dropped before new ones are drawn: they hold the card's memory.
+        // Old images are dropped before new ones are drawn, because they occupy memory of the card.
         if let Some(before) = before.filter(is_right) {
             return before;
         }
@@ -172,7 +172,7 @@ impl Pictures {
     }
 }
 
-/// How far two pictures are apart, and what that was made from.
+/// The difference between two images, and its inputs.
 pub struct Difference {
     edition: u64,
     factor: u8,
@@ -183,8 +183,8 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// That of `pictures` times `factor`, or `before` if it is up to date; `None` where a picture cannot be read back from
-    /// the graphics card.
+    /// The difference of `pictures` times `factor`, or `before` if it is up to date; `None` if an image cannot be read
+    /// back from the graphics card.
     pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures, factor: u8) -> Option<Difference> {
         if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
             return Some(before);
@@ -197,7 +197,7 @@ impl Difference {
     }
 }
 
-/// The left picture up to a column and the right one from it on: what the divider shows.
+/// The left image up to a column and the right image from that column on, as at the divider.
 pub fn divided([left, right]: [&CodeImage; 2], column: u32) -> CodeImage {
     combined(left, right, |x, left, right| if x < column { left } else { right })
 }
@@ -242,7 +242,7 @@ impl WindowGpu {
         format!("{}, {:?}", self.info.name, self.info.backend)
     }
 
-    /// Draws a shot, and gives the milliseconds until it was done.
+    /// Draws a shot; returns the time in milliseconds.
     ///
     /// # Errors
     /// When the frame is too large for the card, or the driver fails.
