@@ -1,4 +1,4 @@
-//! Checks what a file is, and finds every fault in it, not only the first.
+//! Identifies a file and finds every fault in it, not only the first.
 
 use std::{collections::HashMap, path::Path};
 
@@ -16,7 +16,7 @@ use crate::{
 pub struct Checked {
     /// What it is.
     pub sentence: String,
-    /// The display profile, if it is one: whether it can be relied on depends on the day.
+    /// The display profile, if it is one: whether it is reliable depends on today's date.
     pub profile: Option<DisplayProfile>,
 }
 
@@ -26,8 +26,8 @@ impl From<String> for Checked {
     }
 }
 
-/// Checks a definition, a display profile, an observer (`.toml`), a result file, a photometer's readings or matches by eye
-/// (`.csv`), an image (`.png`), or a built-in definition by its name, and says in one sentence what it is.
+/// Checks a definition, a display profile, an observer (`.toml`), a result file, photometer readings or matches by eye
+/// (`.csv`), an image (`.png`), or a built-in definition by its name, and describes it in one sentence.
 ///
 /// # Errors
 /// Every fault.
@@ -100,12 +100,12 @@ fn check_results(path: &Path) -> Result<String, FileFaults> {
     let mut lines = HashMap::new();
     let repeated = rows.iter().zip(2..).filter_map(|(row, line)| {
         let first = lines.insert(row.row_id.as_str(), line)?;
-        let message = format!("row_id {} is already in line {first}; expected every row_id once", row.row_id);
+        let message = format!("row_id {} already appears in line {first}; expected every row_id once", row.row_id);
         Some(FileFault::at(path, (line, 1), message))
     });
     FileFaults::none(repeated.collect())?;
     Ok(format!(
-        "result file: {} rows; the order was not checked, which needs a session's file and its sidecar",
+        "result file: {} rows; the order was not checked, which requires a session's file and its sidecar",
         rows.len()
     ))
 }
@@ -114,7 +114,7 @@ fn check_session(path: &Path) -> Result<String, FileFaults> {
     let session = Recorded::open(path).map_err(|error| FileFaults(error.faults(path)))?;
     let mut faults = session.row_faults();
     if let Some(torn) = &session.torn {
-        let message = format!("the file ends within a row, {torn:?}; expected whole rows");
+        let message = format!("the file ends in the middle of a row, {torn:?}; expected complete rows");
         faults.push(FileFault::at(path, (session.rows.len() + 2, 1), message));
     }
     FileFaults::none(faults)?;
@@ -122,7 +122,7 @@ fn check_session(path: &Path) -> Result<String, FileFaults> {
     Ok(format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated"))
 }
 
-/// The name of a table's first column; `None` where there is none to be read.
+/// The name of a table's first column; `None` if it cannot be read.
 fn first_column(path: &Path) -> Option<String> {
     let text = std::fs::read(path).ok()?;
     let name = text.split(|byte| b",;\r\n".contains(byte)).next()?;
@@ -132,14 +132,14 @@ fn first_column(path: &Path) -> Option<String> {
 fn check_readings(path: &Path) -> Result<String, FileFaults> {
     let readings = readings::open(path)?;
     let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
-    Ok(format!("{} readings of a photometer, {}", readings.all().len(), channels.join(", ")))
+    Ok(format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")))
 }
 
 fn check_matches(path: &Path) -> Result<String, FileFaults> {
     Ok(format!("{} matches of a display by eye", matches::open(path)?.len()))
 }
 
-/// The frames beside a result file.
+/// The frames of a session, next to its result file.
 fn check_frames(path: &Path) -> Result<String, FileFaults> {
     let rows = frames::read(path)?;
     let intervals: usize = rows.iter().map(|row| row.intervals_us.len()).sum();

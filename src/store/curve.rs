@@ -8,12 +8,12 @@ use crate::{
     stimulus::{place, recipe::Recipe},
 };
 
-/// One place of a profile.
+/// One point of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Window sides from the center, along the orientation.
+    /// Distance from the center along the orientation, in window widths.
     pub x: f64,
-    /// Light asked of the strongest channel.
+    /// Requested light of the strongest channel.
     pub linear: f64,
     /// Codes of red, green and blue.
     pub codes: [u16; 3],
@@ -21,8 +21,8 @@ pub struct Sample {
     pub emitted: f64,
 }
 
-/// A profile at the pixel centers of the recipe's size, along the orientation through the center; dithered as a row of
-/// pixels would be.
+/// A profile at the pixel centers of the recipe's size, along the orientation through the center, dithered like a row of
+/// pixels.
 pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
     let (stimulus, size) = (&recipe.stimulus, recipe.size);
     let strongest = stimulus.strongest_channel();

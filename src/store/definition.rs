@@ -20,7 +20,7 @@ use crate::{
 
 /// A definition that comes with the program: name and TOML text.
 pub struct BuiltIn {
-    /// What `machband run NAME` takes.
+    /// The name for `machband run NAME`.
     pub name: &'static str,
     /// The file in `experiments/`.
     pub text: &'static str,
@@ -40,7 +40,7 @@ built_in!("quick", "bangay2003", "orientation", "shaders");
 /// A definition by the name of a built-in one, or by the path of a file.
 ///
 /// # Errors
-/// Every fault of the file, or that there is neither such a name nor such a file.
+/// Every fault of the file, or neither such a name nor such a file exists.
 pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
     if let Some(built_in) = BUILT_IN.iter().find(|built_in| built_in.name == name_or_path) {
         return parse(built_in.name, built_in.text);
@@ -71,7 +71,7 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileFaults> {
     document.finish(protocol)
 }
 
-/// Reads the definition that a sidecar keeps.
+/// Reads the definition in a sidecar.
 ///
 /// # Errors
 /// Every fault.
@@ -90,13 +90,13 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileFaults>
     FileFaults::none(faults).map(|()| protocol)
 }
 
-/// SHA-256 of what a definition means, in lower-case hexadecimal: comments and layout do not change it.
+/// SHA-256 of the content of a definition, in lower-case hexadecimal; comments and layout do not change it.
 pub fn hash(protocol: &Protocol) -> String {
     let canonical = serde_json::to_vec(protocol).unwrap_or_default();
     sha256(&canonical)
 }
 
-/// A definition as it is in its file.
+/// A definition in the form of its file.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Form {
@@ -130,7 +130,7 @@ impl Default for ResponseForm {
 }
 
 impl Form {
-    /// The definition, and everything that is wrong with it.
+    /// The definition and all its faults.
     fn protocol(self) -> (Protocol, Vec<Fault>) {
         let mut faults = Faults::default();
         let name = self.name.unwrap_or_else(|| {
@@ -151,7 +151,7 @@ impl Form {
             viewing: self.viewing,
             instructions: self.instructions,
         };
-        // What is wrong with a value that could not be read follows from that.
+        // A value that could not be read would only cause follow-up faults.
         let unread: HashSet<String> = faults.0.iter().map(|fault| fault.path.clone()).collect();
         faults.0.extend(protocol.faults().into_iter().filter(|fault| !unread.contains(&fault.path)));
         (protocol, faults.0)
@@ -200,7 +200,7 @@ fn factors(given: Map<String, Value>, stimulus: &Stimulus, faults: &mut Faults) 
             _ if !is_known(stimulus, "factors", &name, faults) => {}
             Value::Array(levels) => {
                 let level = |(i, level)| {
-                    // As the stimulus writes it, so that `1` and `1.0`, or `grey` and `gray`, are one level.
+                    // Normalized by the stimulus, so that `1` and `1.0`, or `grey` and `gray`, are the same level.
                     let written = |level: ParameterValue| {
                         let mut probe = stimulus.clone();
                         probe.set(&name, &level).ok().and_then(|()| probe.get(&name)).unwrap_or(level)
@@ -247,7 +247,7 @@ fn scale(form: ResponseForm, faults: &mut Faults) -> ResponseScale {
         let message = format!("response.keys has {} keys; expected {count}, one for each label", keys.len());
         faults.add("response.keys", message);
     }
-    // A missing key is already a fault; a digit replaces it.
+    // A missing key is already reported; a digit replaces it.
     let keys = digits().enumerate().map(|(i, digit)| keys.get(i).copied().unwrap_or(digit));
     let categories = form.labels.into_iter().zip(keys).map(|(label, key)| Category { label, key }).collect();
     ResponseScale { question: form.question, categories }

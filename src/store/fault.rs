@@ -1,11 +1,11 @@
-//! What can be wrong with a file, and where.
+//! Faults of files and their locations.
 
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
 };
 
-/// One fault: where, what is wrong, and what is expected.
+/// One fault: its location, what is wrong, and what is expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileFault {
     /// The file, or the name of a built-in definition.
@@ -32,7 +32,7 @@ impl FileFault {
         Self { position: Some(position), ..Self::whole(file, message) }
     }
 
-    /// A fault of a file as a whole.
+    /// A fault of a whole file.
     pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self { file: file.as_ref().display().to_string(), position: None, message: message.into() }
     }
@@ -50,7 +50,7 @@ pub(super) fn position(text: &str, offset: usize) -> (usize, usize) {
 pub struct FileFaults(pub Vec<FileFault>);
 
 impl FileFaults {
-    /// A single fault of the file as a whole.
+    /// A single fault of the whole file.
     pub fn whole(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self(vec![FileFault::whole(file, message)])
     }
@@ -72,16 +72,16 @@ impl std::fmt::Display for FileFaults {
 /// How many faults in one column of a table are kept.
 const KEPT: usize = 5;
 
-/// What is wrong with the rows of a table: of many faults in one column the first are kept, and the others counted.
+/// The faults of a table's rows: the first ones in each column are kept, and the others are counted.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RowFaults {
     kept: Vec<FileFault>,
-    /// How many there are in each column, kept or not; none is the row as a whole.
+    /// The number of faults in each column, kept or not; `None` is the row as a whole.
     counts: BTreeMap<Option<usize>, usize>,
 }
 
 impl RowFaults {
-    /// Adds a fault; its line and column are asked for only if it is kept.
+    /// Adds a fault; its line and column are computed only if it is kept.
     pub fn add(&mut self, file: &str, cell: Option<usize>, message: String, place: impl FnOnce() -> (usize, usize)) {
         let count = self.counts.entry(cell).or_default();
         *count += 1;
@@ -90,43 +90,43 @@ impl RowFaults {
         }
     }
 
-    /// Every fault that was kept, and how many more there are; `columns` are the names in the header.
+    /// The faults that were kept, and how many more there are; `columns` are the names in the header.
     pub fn finish(self, file: &str, columns: &[impl AsRef<str>]) -> Vec<FileFault> {
         let mut faults = self.kept;
         faults.sort_by_key(|fault| fault.position);
         for (cell, count) in self.counts.into_iter().filter(|(_, count)| *count > KEPT) {
             let column = cell.and_then(|cell| columns.get(cell));
             let column = column.map_or(String::new(), |name| format!(" in {}", name.as_ref()));
-            let message = format!("{} more rows have a fault{column}; expected none", count - KEPT);
+            let message = format!("{} more rows have errors{column}; expected none", count - KEPT);
             faults.push(FileFault::whole(file, message));
         }
         faults
     }
 }
 
-/// Why results could not be stored or found again.
+/// Why results could not be stored or found.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// The system refused.
-    #[error("{}: cannot {action}: {source}; expected a place that can be read and written", path.display())]
+    /// An I/O error.
+    #[error("{}: cannot {action}: {source}; expected a readable and writable path", path.display())]
     Io {
-        /// What was touched.
+        /// The file or folder.
         path: PathBuf,
-        /// What was tried, as a verb.
+        /// The attempted action, as a verb.
         action: &'static str,
-        /// The system's reason.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A new session would overwrite an old one.
-    #[error("{}: this participant and session already have a file; expected another session, or --resume to continue it", .0.display())]
+    #[error("{}: this session of this participant already exists; expected another session, or --resume to continue it", .0.display())]
     Exists(PathBuf),
-    /// Another program writes the same session.
-    #[error("{}: another machband is writing this session; expected it to be closed first", .0.display())]
+    /// Another program is writing the same session.
+    #[error("{}: another machband process is writing this session; expected it to be closed first", .0.display())]
     InUse(PathBuf),
     /// There is nothing to resume.
-    #[error("{}: no such session; expected one that was interrupted", .0.display())]
+    #[error("{}: no such session; expected an interrupted session", .0.display())]
     NothingToResume(PathBuf),
-    /// The file on disk is not what was written.
+    /// The file on disk differs from what was written.
     #[error("{}: {what}; expected the file as this session left it", path.display())]
     Changed {
         /// The data file.
@@ -134,7 +134,7 @@ pub enum StoreError {
         /// How it differs.
         what: String,
     },
-    /// The interrupted session belongs to other settings.
+    /// The interrupted session has different settings.
     #[error("{}: {what}", path.display())]
     Mismatch {
         /// The sidecar or data file.
@@ -142,12 +142,12 @@ pub enum StoreError {
         /// What differs, and what is expected.
         what: String,
     },
-    /// A link is where results belong.
-    #[error("{}: is a link to {}; expected a file or folder of its own, or a link in place of the whole results folder", path.display(), target.display())]
+    /// A link is in place of results.
+    #[error("{}: is a link to {}; expected a regular file or folder (only the results folder itself may be a link)", path.display(), target.display())]
     Link {
         /// The link.
         path: PathBuf,
-        /// Where it leads.
+        /// Its target.
         target: PathBuf,
     },
     /// A file does not parse.
@@ -164,7 +164,7 @@ impl StoreError {
         }
     }
 
-    /// An I/O error, with the path and what was tried.
+    /// An I/O error with the path and the attempted action.
     pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
         Self::Io { path: path.to_owned(), action, source }
     }

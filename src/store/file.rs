@@ -1,4 +1,4 @@
-//! Files on disk: read whole, written whole or not at all, or appended to row by row.
+//! Files on disk: read as a whole, written atomically, or appended to row by row.
 
 use std::{
     fs::{self, File, OpenOptions, TryLockError},
@@ -15,13 +15,13 @@ use super::{
     table::shortened,
 };
 
-/// Largest text file, in bytes. The largest that makes sense has a few thousand.
+/// Maximum size of a text file in bytes. The largest sensible one has a few thousand.
 const LARGEST_TEXT: u64 = 1 << 20;
 
 /// Reads a whole UTF-8 file of at most 1 MiB: a definition, a profile, an observer.
 ///
 /// # Errors
-/// As [`read_bytes`]; not UTF-8, with the line and column.
+/// As for [`read_bytes`]; text that is not UTF-8, with the line and column.
 pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
     String::from_utf8(read_bytes(path, LARGEST_TEXT, "a readable file")?).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
@@ -34,7 +34,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
 /// Reads a whole file of at most `most` bytes; `expected` says what it should be.
 ///
 /// # Errors
-/// Missing, a folder, too large, or not readable.
+/// The file is missing, a folder, too large, or not readable.
 pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u8>, FileFaults> {
     let fail = |message: String| FileFaults::whole(path, message);
     let refused = |error: std::io::Error| fail(format!("cannot be opened: {error}; expected {expected}"));
@@ -43,7 +43,7 @@ pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u
         return Err(fail(format!("is a folder; expected {expected}")));
     }
     let mut bytes = Vec::new();
-    // Bounded while reading, not by the length alone: a pipe or a device has none.
+    // The limit applies while reading, since a pipe or a device has no length.
     File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(refused)?;
     if bytes.len() as u64 > most {
         let size = metadata.len().max(bytes.len() as u64);
@@ -57,10 +57,10 @@ pub(super) fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Ends the name of a temporary file.
+/// Suffix of a temporary file.
 pub(super) const TEMPORARY: &str = ".tmp";
 
-/// Writes a JSON file, whole or not at all, and onto the disk.
+/// Writes a JSON file atomically and syncs it to disk.
 ///
 /// # Errors
 /// The system's refusal.
@@ -70,7 +70,7 @@ pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreErr
     write_whole(path, &text, true)
 }
 
-/// Writes a file that can be made again, whole or not at all.
+/// Writes a reproducible file atomically.
 ///
 /// # Errors
 /// The system's refusal.
@@ -78,8 +78,8 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> {
     write_whole(path, content, false)
 }
 
-/// Writes a file so that a reader sees the old one or the new one and never half of either. `durable`: the same holds
-/// after a power cut; what can be made again need not wait for the disk.
+/// Writes a file so that a reader sees either the old one or the new one, never part of one. With `durable`, this also
+/// holds after a power failure; reproducible files need not wait for the disk.
 ///
 /// # Errors
 /// The system's refusal.
@@ -88,13 +88,13 @@ pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<
     if durable { sync_folder(path) } else { Ok(()) }
 }
 
-/// Writes a temporary file beside `path` and gives it that name. The temporary file is removed when anything fails.
+/// Writes a temporary file next to `path` and renames it. The temporary file is removed if anything fails.
 fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<()> {
     let mut prefix = path.file_name().unwrap_or_default().to_owned();
     prefix.push(".");
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(TEMPORARY);
-    // As any other file; a temporary file would otherwise be readable by its owner only.
+    // Permissions of a regular file; only the owner could read a temporary file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut temporary = builder.tempfile_in(folder_of(path))?;
@@ -102,15 +102,15 @@ fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<(
     if durable {
         temporary.as_file().sync_all()?;
     }
-    // A disk may take less than it says: half a file must not replace a whole one.
+    // A disk may store less than it reports: half a file must not replace a whole one.
     let kept = temporary.as_file().metadata()?.len();
     if kept != content.len() as u64 {
-        return Err(Error::other(format!("{kept} of {} bytes were kept", content.len())));
+        return Err(Error::other(format!("only {kept} of {} bytes were stored", content.len())));
     }
     fs::rename(temporary.path(), path)
 }
 
-/// Makes a folder and those above it.
+/// Creates a folder and its parents.
 ///
 /// # Errors
 /// The system's refusal.
@@ -123,8 +123,8 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Removes the temporary files that killed programs left in a folder and whose names begin with `prefix`: those of at
-/// least this age, since another program may be about to use its own. A file that cannot be removed does no harm.
+/// Removes the temporary files with this `prefix` that killed programs left in a folder. Only files of at least this age
+/// are removed, since another program may still be using its own. A file that cannot be removed does no harm.
 pub(super) fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -137,7 +137,7 @@ pub(super) fn remove_temporary(folder: &Path, prefix: &str, age: Duration) {
     }
 }
 
-/// Makes a new or changed name in a folder survive a power cut, on systems that support it: Windows does not open
+/// Makes a new or changed name in a folder survive a power failure, if the system supports it: Windows does not open
 /// folders as files.
 ///
 /// # Errors
@@ -148,7 +148,7 @@ pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
     }
     let folder = folder_of(file);
     let opened = match File::open(folder) {
-        // A folder may take files and show none.
+        // A folder may accept files but not list them.
         Err(error) if error.kind() == ErrorKind::PermissionDenied => return Ok(()),
         opened => opened.map_err(io(folder, "sync"))?,
     };
@@ -159,10 +159,10 @@ pub(super) fn sync_folder(file: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// Whether something with this name exists. A disk that gives no answer does not mean that nothing exists.
+/// Whether something with this name exists. A disk that does not respond does not mean that nothing exists.
 ///
 /// # Errors
-/// The system's refusal to answer.
+/// The system does not answer.
 pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
     match fs::metadata(path) {
         Ok(_) => Ok(true),
@@ -173,30 +173,29 @@ pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
 
 /// A file that only grows, locked against a second program while it is open.
 ///
-/// Its whole content is also kept in memory, so that nothing is lost if the disk fails or disappears: the next call tries
-/// again, and [`AppendFile::move_to`] continues in another place.
+/// Its whole content is also kept in memory, so that nothing is lost if the disk fails or disappears: the next call
+/// retries, and [`AppendFile::move_to`] continues in another location.
 #[derive(Debug)]
 pub(super) struct AppendFile {
     path: PathBuf,
     /// `None` until the first write.
     file: Option<File>,
     content: Vec<u8>,
-    /// How much of the content is known to be in the file.
+    /// How many bytes of the content are known to be in the file.
     written: usize,
-    /// The beginning of a line whose writing was interrupted. The next write cuts it off.
+    /// The beginning of a line whose write was interrupted. The next write removes it.
     torn: Option<String>,
-    /// Whether rows are on disk when [`AppendFile::append`] returns; if not, a power cut may take the last of them.
+    /// Whether rows are on disk when [`AppendFile::append`] returns; if not, a power failure may lose the last ones.
     durable: bool,
 }
 
 impl AppendFile {
-    /// A file that does not exist yet; the first write makes it, and never touches an existing one.
+    /// A file that does not exist yet; the first write creates it, and never touches an existing one.
     pub fn new(path: &Path, durable: bool, content: Vec<u8>) -> Self {
         Self { path: path.to_owned(), file: None, content, written: 0, torn: None, durable }
     }
 
-    /// Opens, locks and reads a file. It is not changed until the next write, which
-    /// begins an empty file with `header`.
+    /// Opens, locks and reads a file. It is not changed until the next write, which starts an empty file with `header`.
     ///
     /// # Errors
     /// [`StoreError::InUse`], the system's refusal, or a file without a whole line that begins otherwise.
@@ -216,12 +215,12 @@ impl AppendFile {
         &self.path
     }
 
-    /// Everything that belongs in the file: whole lines.
+    /// Everything that belongs in the file, as complete lines.
     pub fn content(&self) -> &[u8] {
         &self.content
     }
 
-    /// The beginning of a line whose writing was interrupted, where the file ended within one when it was opened.
+    /// The beginning of an interrupted line, if the file ended within one when it was opened.
     pub fn torn(&self) -> Option<&str> {
         self.torn.as_deref()
     }
@@ -231,10 +230,10 @@ impl AppendFile {
         sha256(&self.content)
     }
 
-    /// Adds rows. They are kept in memory from here on, and in the file when this returns without an error.
+    /// Adds rows. They are kept in memory from now on, and are in the file when this returns without an error.
     ///
     /// # Errors
-    /// As [`AppendFile::flush`].
+    /// As for [`AppendFile::flush`].
     pub fn append(&mut self, rows: &[u8]) -> Result<(), StoreError> {
         self.content.extend_from_slice(rows);
         self.flush()
@@ -243,8 +242,8 @@ impl AppendFile {
     /// Writes what is not in the file yet.
     ///
     /// # Errors
-    /// [`StoreError::Exists`] where the file would be made; [`StoreError::Changed`] where it is no longer the one that
-    /// was written; the system's refusal.
+    /// [`StoreError::Exists`] if a new file would replace another; [`StoreError::Changed`] if it is no longer the file that
+    /// was written; I/O errors.
     pub fn flush(&mut self) -> Result<(), StoreError> {
         if self.file.is_some() {
             return self.write();
@@ -259,7 +258,7 @@ impl AppendFile {
         let synced = |this: &Self| if this.durable { sync_folder(&this.path) } else { Ok(()) };
         let begun = locked.and_then(|()| self.write()).and_then(|()| synced(self));
         if begun.is_err() {
-            // This program has just made it: half a file must not block the next attempt.
+            // This program has just created it: half a file must not block the next attempt.
             let _ = fs::remove_file(&self.path);
             (self.file, self.written) = (None, 0);
         }
@@ -268,7 +267,7 @@ impl AppendFile {
 
     fn write(&mut self) -> Result<(), StoreError> {
         let Some(file) = &mut self.file else { return Ok(()) };
-        // After a failed write the file may hold part of a row: back to what is known to be whole.
+        // After a failed write, the file may contain part of a row: return to the last known complete state.
         let from = self.written as u64;
         let mut write = || {
             file.set_len(from)?;
@@ -282,8 +281,8 @@ impl AppendFile {
         Ok(())
     }
 
-    /// A file that was deleted, or whose folder was, can still be written to on some systems, and the rows are lost
-    /// when the program ends. So its name is looked up after each write.
+    /// On some systems, a file can still be written to after it or its folder was deleted, and the rows are lost when
+    /// the program ends. Therefore its name is looked up after each write.
     fn verify(&self) -> Result<(), StoreError> {
         let changed = |what: String| StoreError::Changed { path: self.path.clone(), what };
         let expected = self.content.len() as u64;
@@ -294,10 +293,10 @@ impl AppendFile {
         }
     }
 
-    /// Puts everything into a new file and continues there. The old file stays as it is.
+    /// Writes everything into a new file and continues there. The old file is not changed.
     ///
     /// # Errors
-    /// The new place refuses; the old one is then kept.
+    /// The new location cannot be written; the old one is then kept.
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
         let mut moved = Self::new(path, self.durable, self.content.clone());
         moved.flush()?;
@@ -306,10 +305,10 @@ impl AppendFile {
     }
 }
 
-/// Unlocks at once: a program started a moment ago may still hold its copy of the file open, and the lock with it.
+/// Unlocks at once: a child process may still hold a copy of the open file, and with it the lock.
 impl Drop for AppendFile {
     fn drop(&mut self) {
-        // Closing unlocks too, so a refusal changes nothing.
+        // Closing also unlocks, so an error changes nothing.
         let _ = self.file.as_ref().map(File::unlock);
     }
 }
@@ -324,11 +323,11 @@ fn lock(file: &File, path: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// Splits the content of a file of rows into its whole lines and the beginning of a line whose writing was interrupted.
+/// Splits the content of a file of rows into its complete lines and the beginning of an interrupted line.
 ///
-/// A power cut may also leave zero bytes where the system had enlarged the file and not yet filled it: after the last
-/// line, or within it. Zeros before the last line are no interrupted writing, since each line was on disk before the
-/// next; they are left for the parser to report.
+/// A power failure may also leave zero bytes, after or within the last line, if the system had enlarged the file but not
+/// yet filled it. Zeros before the last line are not from an interrupted write, since each line was on disk before the
+/// next; the parser reports them.
 pub(super) fn split_torn(mut content: Vec<u8>) -> (Vec<u8>, Option<String>) {
     let end_of_line = |content: &[u8]| content.iter().rposition(|byte| *byte == b'\n').map_or(0, |newline| newline + 1);
     let whole = end_of_line(&content);
@@ -338,10 +337,10 @@ pub(super) fn split_torn(mut content: Vec<u8>) -> (Vec<u8>, Option<String>) {
     (content, (!torn.is_empty()).then_some(text))
 }
 
-/// The whole lines of a file of rows; where there is none yet, its header.
+/// The complete lines of a file of rows; if there are none yet, its header.
 ///
 /// # Errors
-/// The file does not begin with this header, and so is not to be cut off.
+/// The file does not begin with this header, and so must not be truncated.
 pub(super) fn begun(path: &Path, whole: Vec<u8>, torn: Option<&str>, header: Vec<u8>) -> Result<Vec<u8>, FileFaults> {
     let found = torn.unwrap_or_default();
     if !whole.is_empty() {

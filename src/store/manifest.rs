@@ -1,5 +1,5 @@
-//! The images of a definition's conditions, and the list of them. An interrupted run can be resumed: images that are still
-//! as they were written are not made again.
+//! The images of a definition's conditions, and their manifest. An interrupted run can be resumed: unchanged images are
+//! not made again.
 
 use std::{
     collections::HashMap,
@@ -21,11 +21,10 @@ use crate::{
     stimulus::recipe::Recipe,
 };
 
-/// Longest part of a file name that is made of levels.
+/// Maximum length of the levels in a file name.
 const NAME_MAX: usize = 120;
 
-/// A folder of images being made. Until all are there, each shard lists its own in a file that it adds a line to for each
-/// image.
+/// A folder of images being made. Until all exist, each shard lists its own images in a file, one line per image.
 #[derive(Debug)]
 pub struct Manifest<'a> {
     folder: PathBuf,
@@ -36,18 +35,18 @@ pub struct Manifest<'a> {
     shards: usize,
     list: PathBuf,
     file: Mutex<File>,
-    /// How many of this shard's images are there already.
+    /// How many of this shard's images already exist.
     pub kept: usize,
-    /// Indices of those that are to be made.
+    /// Indices of the images to make.
     pub missing: Vec<usize>,
 }
 
 impl<'a> Manifest<'a> {
-    /// Opens a folder for the shard `index` of `shards`, counted from 1, making it if need be, and finds which of its
-    /// images are already there.
+    /// Opens or creates a folder for the shard `index` of `shards`, counted from 1, and determines which of its images
+    /// already exist.
     ///
     /// # Errors
-    /// The folder cannot be made or written.
+    /// The folder cannot be created or written.
     pub fn open(
         folder: &Path,
         protocol: &Protocol,
@@ -95,12 +94,12 @@ impl<'a> Manifest<'a> {
     pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<(), StoreError> {
         let bytes = image::write_recipe(&self.folder.join(&self.rows[i].0), &self.recipes[i], quantizer)?;
         let line = line(&self.rows[i], &sha256(&bytes), &self.recipes[i]);
-        // A panic elsewhere leaves the file as valid as before. One write a line: a line of a killed run is whole or the last.
+        // A panic elsewhere leaves the file valid. With one write per line, only the last line of a killed run can be incomplete.
         let mut file = self.file.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         file.write_all(&line).map_err(io(&self.list, "write"))
     }
 
-    /// Joins the lists of all shards into `manifest.csv` if every image is there. Gives whether it is.
+    /// Joins the lists of all shards into `manifest.csv` if every image exists, and returns whether that is so.
     ///
     /// # Errors
     /// The system's refusal.
@@ -108,7 +107,7 @@ impl<'a> Manifest<'a> {
         let lists: Vec<PathBuf> =
             (1..=self.shards).map(|index| self.folder.join(list_name(index, self.shards))).collect();
         let texts: Vec<String> = lists.iter().map(|path| fs::read_to_string(path).unwrap_or_default()).collect();
-        // Each line begins with the number of its image, and one that another shard is writing does not end yet.
+        // Each line begins with the number of its image; a line that another shard is still writing has no end yet.
         let mut lines: Vec<&str> = texts.iter().flat_map(|text| text.split_inclusive('\n')).collect();
         lines.retain(|line| line.ends_with('\n'));
         lines.sort_unstable();
@@ -118,7 +117,7 @@ impl<'a> Manifest<'a> {
         let manifest = [table::line(&self.header), lines.concat().into_bytes()].concat();
         write_whole(&self.folder.join("manifest.csv"), &manifest, true)?;
         for list in lists {
-            // Left behind, it does no harm.
+            // A leftover file does no harm.
             let _ = fs::remove_file(list);
         }
         Ok(true)
@@ -130,7 +129,7 @@ fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> 
     table::line([file.as_str(), hash].into_iter().chain(levels.iter().chain(&image).map(String::as_str)))
 }
 
-/// `007_width-0.02_depth-1.png`: the number makes it unique, the levels are for people.
+/// `007_width-0.02_depth-1.png`: the number makes it unique, and the levels are for readers.
 fn file_name(number: usize, digits: usize, names: &[&str], levels: &[String]) -> String {
     let mut name = format!("{number:0digits$}");
     for (factor, level) in names.iter().zip(levels) {

@@ -1,5 +1,5 @@
-//! The matches of a display by eye: one CSV file, one row a match, on disk before the next picture. A match that is taken
-//! back stays in the file, followed by a row that cancels it.
+//! Matches of a display by eye: one CSV file with one row per match, on disk before the next picture. A match that is
+//! undone stays in the file, followed by a row that cancels it.
 
 use std::path::Path;
 
@@ -13,9 +13,9 @@ use crate::display::{
     matching::{Match, Rows},
 };
 
-/// The columns. `event` is `answer` or `taken-back`; `lit` of `period` rows, `row_px` pixels thick, have the code `hi`, the
-/// others `lo`; `patch` is the matched code; `time_s` is the time since the first picture; `seed` is that of the order.
-/// `level`, `catch` and `judgement` are from the time when there was a staircase too.
+/// The columns. `event` is `answer` or `taken-back`; `lit` of `period` rows, `row_px` pixels thick, have the code `hi` and
+/// the others `lo`; `patch` is the matched code; `time_s` is the time since the first picture; `seed` is the seed of the
+/// order. `level`, `catch` and `judgement` are left over from a former staircase method.
 const COLUMNS: &str = "event,trial,channel,level,catch,lit,period,row_px,lo,hi,patch,judgement,time_s,seed";
 
 /// The file of a run.
@@ -25,7 +25,7 @@ pub struct MatchFile {
     seed: u64,
 }
 
-/// A row as it is read; no match where it is from a staircase.
+/// A parsed row; without a match if it is from a staircase.
 struct Row {
     is_taken_back: bool,
     found: Option<Match>,
@@ -33,7 +33,7 @@ struct Row {
 }
 
 impl MatchFile {
-    /// Creates the file, and its folder if necessary. An existing file is never replaced.
+    /// Creates the file, and its folder if necessary. Never replaces an existing file.
     ///
     /// # Errors
     /// The system's refusal.
@@ -44,10 +44,10 @@ impl MatchFile {
         Ok(Self { file, seed })
     }
 
-    /// Opens a file to continue it, and gives the matches in it. Half a row, which a power cut can leave, is dropped.
+    /// Opens a file to continue it, and returns its matches. An incomplete last row, as after a power failure, is dropped.
     ///
     /// # Errors
-    /// A file that another program writes, or that is not one of matches.
+    /// Another program is writing the file, or it is not a file of matches.
     pub fn resume(path: &Path) -> Result<(Self, Vec<Match>), StoreError> {
         let file = AppendFile::open(path, true, format!("{COLUMNS}\n").into_bytes())?;
         let rows = rows(&path.display().to_string(), file.content())?;
@@ -64,7 +64,7 @@ impl MatchFile {
     /// Adds the match `number`, from 1, made `time_s` seconds after the first picture.
     ///
     /// # Errors
-    /// The disk refuses; the next call writes it too.
+    /// The write fails; the next call writes the match as well.
     pub fn accept(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
         self.event("answer", number, found, time_s)
     }
@@ -72,7 +72,7 @@ impl MatchFile {
     /// Records that a match no longer counts.
     ///
     /// # Errors
-    /// As [`MatchFile::accept`].
+    /// As for [`MatchFile::accept`].
     pub fn take_back(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
         self.event("taken-back", number, found, time_s)
     }
@@ -86,7 +86,7 @@ impl MatchFile {
     }
 }
 
-/// Reads the matches that count, in their order.
+/// Reads the matches that count, in order.
 ///
 /// # Errors
 /// Every row that does not parse, with its line and column.
@@ -139,5 +139,5 @@ fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
 }
 
 fn number<T: std::str::FromStr>(cell: usize, text: &str) -> Result<T, (usize, String)> {
-    text.parse().map_err(|_| (cell, format!("{text:?} is not a whole number in range; expected one")))
+    text.parse().map_err(|_| (cell, format!("{text:?} is not a whole number in the valid range; expected one")))
 }

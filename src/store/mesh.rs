@@ -1,17 +1,17 @@
 //! Meshes (Wavefront OBJ).
 //!
-//! Read are vertices (`v`), normals (`vn`) and faces (`f`), of any number of corners, by positive and relative indices;
-//! objects and groups make one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved
-//! surfaces) is passed over.
+//! Supported are vertices (`v`), normals (`vn`) and faces (`f`) with any number of corners, by positive and relative
+//! indices; all objects and groups form one mesh. Everything else (texture coordinates, lines, materials, smoothing
+//! groups, curved surfaces) is ignored.
 //!
-//! **Vertices in exactly one position are one**: programs write a position again for each of its normals, and without
-//! that every such seam would be a border, at which nothing is smooth. Positions that are only nearly equal stay apart, and
-//! an edge between them is two borders. Where a file holds both sides of a sheet, or bodies that touch along an edge, those
-//! edges then have more than two sides, and are shaded as such.
+//! **Vertices at exactly the same position are merged**: programs repeat a position for each of its normals, and without
+//! merging every such seam would be a border without smooth shading. Positions that are only nearly equal stay separate,
+//! and an edge between them becomes two borders. If a file contains both sides of a sheet, or bodies that touch along an
+//! edge, those edges have more than two sides, and are shaded as such.
 //!
-//! **Normals**: the file's, where it has them; where a corner has none, or one that is zero or not a number, the average
-//! of the faces around it. Normals of the file make creases where they differ; averages where faces meet at more than
-//! the angle of the crease.
+//! **Normals** come from the file if it has them. A corner without one, or with one that is zero or not a number, gets the
+//! average of the faces around it. Normals from the file make creases where they differ; averaged normals make creases
+//! where faces meet at more than the crease angle.
 
 use std::{borrow::Cow, collections::HashMap, path::Path};
 
@@ -20,14 +20,14 @@ use glam::DVec3;
 use super::{FileFault, FileFaults, file::read_bytes, table::shortened};
 use crate::shading::{Mesh, MeshError, Polygons, mesh::LARGEST_COORDINATE};
 
-/// Largest file, in bytes: about two million triangles.
+/// Maximum file size in bytes: about two million triangles.
 const LARGEST_FILE: u64 = 1 << 28;
 
-/// Reads an OBJ file. Where the file has no normals, faces that meet at more than `crease_deg` degrees do not share any;
-/// 180 makes everything smooth.
+/// Reads an OBJ file. Without normals in the file, faces that meet at more than `crease_deg` degrees do not share a
+/// normal; 180 makes everything smooth.
 ///
 /// # Errors
-/// A file that cannot be read or is too large; otherwise what [`parse`] finds.
+/// A file that cannot be read or is too large; otherwise as for [`parse`].
 pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileFaults> {
     parse(&path.display().to_string(), &read_bytes(path, LARGEST_FILE, "an OBJ file")?, crease_deg)
 }
@@ -36,8 +36,8 @@ pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileFaults> {
 ///
 /// # Errors
 /// The first faults, each with its line and column: content that is not text, numbers or indices that cannot be read,
-/// coordinates that are not finite, vertices and normals that do not exist, faces with too few corners. A file without
-/// faces, or whose faces have no area.
+/// coordinates that are not finite, vertices and normals that do not exist, faces with too few corners; also a file
+/// without faces, or whose faces have no area.
 pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileFaults> {
     let (positions, polygons) = polygons(file, content)?;
     Mesh::from_polygons(&positions, &polygons, crease_deg).map_err(|error| {
@@ -50,13 +50,13 @@ pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileFa
     })
 }
 
-/// Most corners of a face: cutting it into triangles takes their square.
+/// Maximum number of corners of a face: triangulation takes quadratic time.
 const MOST_CORNERS: usize = 4096;
 
-/// Most faults reported of one file.
+/// Maximum number of faults reported per file.
 const MOST_FAULTS: usize = 20;
 
-/// The distinct positions in the order in which faces use them, and the faces.
+/// The distinct positions, in order of use by faces, and the faces.
 ///
 /// # Errors
 /// The first faults, each with its line and column.
@@ -73,7 +73,7 @@ fn polygons(file: &str, content: &[u8]) -> Result<(Vec<DVec3>, Polygons), FileFa
 /// A line of a file and its number, from 1.
 type Line<'a> = (usize, Cow<'a, [u8]>);
 
-/// The lines with their numbers, from 1. A backslash at its end continues a line.
+/// The lines with their numbers, from 1. A backslash at the end of a line continues it on the next.
 ///
 /// # Errors
 /// The number of a line that is not text.
@@ -110,14 +110,14 @@ fn keyword(line: &[u8]) -> &[u8] {
 
 #[derive(Default)]
 struct Reader {
-    /// How many vertices and normals the whole file has: a face may come before them.
+    /// Number of vertices and normals in the whole file, since a face may come before them.
     counts: [usize; 2],
     vertices: Vec<DVec3>,
     /// `None` for one that is zero or not finite.
     normals: Vec<Option<DVec3>>,
     /// The corners of all faces, each with its vertex and its normal, from 0.
     corners: Vec<(usize, Option<usize>)>,
-    /// Where each face ends in `corners`.
+    /// The end of each face in `corners`.
     ends: Vec<usize>,
 }
 
@@ -138,7 +138,7 @@ impl Reader {
         match keyword {
             b"v" => {
                 let vertex = statement.vertex(&words);
-                // Counted even if wrong, so that the indices after it stay right.
+                // Counted even if invalid, so that later indices stay correct.
                 self.vertices.push(*vertex.as_ref().unwrap_or(&DVec3::ZERO));
                 vertex.map(drop)
             }
@@ -172,7 +172,7 @@ impl Reader {
         Ok(())
     }
 
-    /// The index, from 0, that `text`, a part of `word`, means.
+    /// The index, from 0, that `text`, a part of `word`, refers to.
     fn index(&self, statement: &Statement<'_>, word: &str, kind: usize, text: &str) -> Result<usize, FileFault> {
         let given: i64 = text.parse().map_err(|_| statement.not_a_corner(word))?;
         let (above, count) = ([self.vertices.len(), self.normals.len()][kind], self.counts[kind]);
@@ -181,16 +181,16 @@ impl Reader {
         let problem = match given {
             0 => "; expected an index from 1, or -1 for the last".to_owned(),
             ..0 if found <= above => return Ok(above - found),
-            ..0 => format!(", there are {above} above; expected -1 for the last, or 1…"),
+            ..0 => format!(", since there are {above} above; expected -1 for the last, or 1…"),
             _ if found <= count => return Ok(found - 1),
-            _ if kind == 1 && count == 0 => ", the file has none; expected a corner without one".to_owned(),
+            _ if kind == 1 && count == 0 => ", since the file has none; expected a corner without one".to_owned(),
             _ => format!("; expected 1…{count}"),
         };
         let name = ["vertex", "normal"][kind];
         Err(statement.fault(word, format!("{name} {given} does not exist{problem}")))
     }
 
-    /// Vertices in exactly one position are one.
+    /// Merges vertices at exactly the same position.
     fn polygons(self) -> (Vec<DVec3>, Polygons) {
         let mut positions = Vec::new();
         let mut sites = HashMap::new();

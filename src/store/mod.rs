@@ -2,16 +2,16 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | a session's data set, rows, frames and sidecar: written, resumed, read back, proved | [`session`] |
+//! | a session's data set, rows, frames and sidecar: writing, resuming, reading, verifying | [`session`] |
 //! | any table of ratings | [`ratings`] |
 //! | recorded sessions as BIDS or Psych-DS | [`mod@export`] |
 //! | images (PNG), and many of them | [`image`], [`manifest`] |
 //! | meshes (OBJ) | [`mesh`] |
 //! | definitions, display profiles, simulated observers (TOML) | [`definition`], [`profile`], [`observer`] |
 //! | photometer readings, matches by eye, profiles of a stimulus (CSV) | [`readings`], [`mod@matches`], [`curve`] |
-//! | what a file is, and everything that is wrong with it | [`check`](mod@check) |
+//! | identifying any file and finding all its faults | [`check`](mod@check) |
 //!
-//! Below them: files that are whole or appended to, located tables and TOML.
+//! Below these: atomic and append-only files, and tables and TOML with locations.
 
 pub mod check;
 pub mod curve;

@@ -12,7 +12,7 @@ use crate::{
     vision::Criterion,
 };
 
-/// The default observer's file, as it comes with the program.
+/// The default observer's file, built into the program.
 pub const PAPER: &str = include_str!("../../experiments/observers/paper.toml");
 
 /// Reads an observer.
@@ -23,7 +23,7 @@ pub fn open(path: &Path) -> Result<OrderedLogit, FileFaults> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
 
-/// Reads an observer from its text; what is absent keeps its default.
+/// Reads an observer from its text; absent keys keep their defaults.
 ///
 /// # Errors
 /// Every fault with its line and column.
@@ -54,7 +54,7 @@ pub fn open_vision(path: &Path) -> Result<VisionRater, FileFaults> {
     parse_vision(&path.display().to_string(), &read_text(path)?)
 }
 
-/// Reads an observer based on the vision model from its text; what is absent keeps its default.
+/// Reads an observer based on the vision model from its text; absent keys keep their defaults.
 ///
 /// # Errors
 /// Every fault with its line and column.

@@ -23,14 +23,14 @@ use crate::{
 /// name = "Left monitor"
 /// transfer = "gog:2.2,1.05,-0.05"   # srgb | linear | gamma:G | gog:GAMMA,GAIN,OFFSET | table;
 /// # encoded = [0.0, 0.5, 1.0]       # or three joined by "/" for red, green and blue
-/// # linear = [0.0, 0.22, 1.0]       # with "table": encoded values and the light they give, both rising from 0 to 1
+/// # linear = [0.0, 0.22, 1.0]       # with "table": encoded values and their light, both increasing from 0 to 1
 /// black_cd_m2 = 0.12
 /// white_cd_m2 = 251.0
 /// bits = 8
 /// screen_width_cm = 53.1
 /// native_px = [2560, 1440]
 ///
-/// [measured]                        # or a text in its place
+/// [measured]                        # or a text instead
 /// on = "2026-01-31"
 /// by = "N. N."
 /// with = "a photometer"
@@ -95,7 +95,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileFaults> {
     document.finish(profile)
 }
 
-/// A profile as it is in a file.
+/// A profile in the form of its file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ProfileForm {
@@ -180,14 +180,14 @@ fn transfers(form: &ProfileForm, document: &mut Document<'_>) -> Transfers {
         [("transfer", form.transfer.is_some()), ("encoded", form.encoded.is_some()), ("linear", form.linear.is_some())]
     {
         if is_there {
-            document.fault(key, format!("{key} cannot be combined with [channels]; expected one or the other"));
+            document.fault(key, format!("{key} cannot be combined with [channels]; expected only one of them"));
         }
     }
     let mut one = |name: &str, form: &TransferForm| {
         let path = format!("channels.{name}.transfer");
         let found: Transfers = transfer(&path, &form.transfer, &form.encoded, &form.linear, document);
         if found.uniform().is_none() {
-            document.fault(&path, format!("{path} has several transfer functions; expected one"));
+            document.fault(&path, format!("{path} has several transfer functions; expected only one"));
         }
         found.channels()[0].clone()
     };
@@ -206,7 +206,7 @@ fn transfer(
             .map(|table| Transfer::Table(table).into())
             .map_err(|error| error.to_string())
     } else if encoded.is_some() || linear.is_some() {
-        Err("encoded and linear belong to transfer = \"table\"; expected that, or neither list".to_owned())
+        Err("encoded and linear require transfer = \"table\"; expected that, or neither list".to_owned())
     } else {
         text.parse::<Transfers>().map_err(|error| format!("{error} (or table)"))
     };
@@ -259,7 +259,7 @@ fn measured<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Measure
     deserializer.deserialize_any(Visitor).map(Some)
 }
 
-/// What is known of the profile, in the form of its file.
+/// The known values of the profile, in the form of its file.
 fn table(profile: &DisplayProfile) -> Table {
     Table::try_from(ProfileForm::from(profile)).unwrap_or_default()
 }
@@ -277,7 +277,7 @@ pub fn hash(profile: &DisplayProfile) -> String {
     sha256(canonical.as_bytes())
 }
 
-/// Writes a profile, whole or not at all; [`open`](fn@open) reads it back the same.
+/// Writes a profile atomically; [`open`](fn@open) reads it back unchanged.
 ///
 /// # Errors
 /// The system's refusal.

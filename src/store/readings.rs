@@ -1,4 +1,4 @@
-//! Readings of a photometer (CSV): `channel,level,luminance_cd_m2`.
+//! Photometer readings (CSV): `channel,level,luminance_cd_m2`.
 
 use std::path::Path;
 
@@ -16,10 +16,10 @@ use crate::display::{
 /// The columns, in the order in which they are written. Further columns are ignored.
 pub const COLUMNS: [&str; 3] = ["channel", "level", "luminance_cd_m2"];
 
-/// Reads readings that a profile can be made from, in the order in which they were taken.
+/// Reads readings that are sufficient for a profile, in the order in which they were taken.
 ///
 /// # Errors
-/// Every fault, that of a cell with its line and column; of many in one column the first, with their number.
+/// Every fault, with line and column if it is in a cell; of many in one column, the first ones and their number.
 pub fn open(path: &Path) -> Result<Readings, FileFaults> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
@@ -27,7 +27,7 @@ pub fn open(path: &Path) -> Result<Readings, FileFaults> {
 /// Reads readings from their text; `file` names it in messages.
 ///
 /// # Errors
-/// As [`open`].
+/// As for [`open`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileFaults> {
     let rows = rows(file, text)?;
     Readings::new(rows.iter().map(|row| row.reading).collect()).map_err(|found| {
@@ -52,19 +52,19 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileFaults> {
     })
 }
 
-/// What levels outside 0…1 beside luminances within are likely to be.
-const EXCHANGED: &str = " (every luminance_cd_m2 is within 0…1: are the columns level and luminance_cd_m2 exchanged?)";
+/// The likely cause of levels outside 0…1 with luminances inside 0…1.
+const EXCHANGED: &str = " (every luminance_cd_m2 is within 0…1: are the columns level and luminance_cd_m2 swapped?)";
 
-/// Reads the readings in a file that may not be complete, to resume it.
+/// Reads the readings in a possibly incomplete file, to resume it.
 ///
 /// # Errors
-/// Cells that are not readings, each with its line and column; of many in one column the first, with their number.
+/// Cells that are not readings, with line and column; of many in one column, the first ones and their number.
 pub fn open_begun(path: &Path) -> Result<Vec<Reading>, FileFaults> {
     let rows = rows(&path.display().to_string(), &read_text(path)?)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
 }
 
-/// Writes readings, whole or not at all, and onto the disk.
+/// Writes readings atomically and syncs them to disk.
 ///
 /// # Errors
 /// The system's refusal.
@@ -84,7 +84,7 @@ struct Row {
 }
 
 fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
-    // Spreadsheets of half the world separate by semicolons, since the comma is their decimal point.
+    // In many countries, spreadsheets separate cells with semicolons, since the comma is the decimal separator.
     let first = text.lines().next().unwrap_or_default();
     let separator = if first.contains(';') && !first.contains(',') { b';' } else { b',' };
     let (mut rows, mut faults) = (Vec::new(), RowFaults::default());
@@ -99,7 +99,7 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileFaults> {
             return;
         };
         let [Some(channel_at), Some(level_at), Some(luminance_at)] = columns else { return };
-        // More fields than the header names: which of them are the reading cannot be known.
+        // With more fields than the header has, the reading cannot be identified.
         if cells.len() > width {
             let why = if separator == b',' { " (a decimal comma?)" } else { "" };
             return faults.add(file, None, format!("{} fields; expected {width}{why}", cells.len()), || row.place(0));

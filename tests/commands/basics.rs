@@ -67,7 +67,7 @@ fn two_runs_into_one_folder_do_not_meet() {
         for child in [first, &resume].map(|run| start(&run[..])) {
             let output = child.wait_with_output().unwrap();
             let error = text(&output.stderr);
-            let known = ["another machband is writing", "already have a file"];
+            let known = ["another machband process is writing", "of this participant already exists"];
             assert!(matches!(output.status.code(), Some(0 | 1)), "{error}");
             assert!(error.is_empty() || known.iter().any(|known| error.contains(known)), "{error}");
         }
@@ -233,7 +233,7 @@ fn check_names_every_fault_of_every_file() {
     lines[5] = lines[5].replacen(",yellow,9", ",yellow,", 1);
     write("twice.csv", &(lines.join("\n") + "\n"));
     let error = fails(folder.path(), &["check", "twice.csv"], 1);
-    assert!(error.contains("twice.csv:4:1: row_id S001_1_practice_0002_1 is already in line 3"), "{error}");
+    assert!(error.contains("twice.csv:4:1: row_id S001_1_practice_0002_1 already appears in line 3"), "{error}");
     // A large file of nothing is not repeated in its message.
     fs::File::create(folder.path().join("large.csv")).unwrap().set_len(100 << 20).unwrap();
     let error = fails(folder.path(), &["check", "large.csv"], 1);

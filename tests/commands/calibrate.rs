@@ -41,7 +41,7 @@ fn a_profile_a_plot_and_a_report_are_made_of_readings() {
     // Both files are what `check` takes them for.
     let checked = machband(folder.path(), &["check", "r.csv", "left.toml"]);
     let found = text(&checked.stdout);
-    assert!(found.contains("36 readings of a photometer, red, green, blue, gray"), "{found}");
+    assert!(found.contains("36 photometer readings, red, green, blue, gray"), "{found}");
     assert!(checked.status.success() && found.contains("display profile Left (γ 2.200"), "{found}");
     let made = profile::open(&folder.path().join("left.toml")).unwrap();
     assert_eq!(made.name, "Left");
@@ -176,7 +176,7 @@ fn a_decimal_comma_is_no_reading() {
     std::fs::write(&path, format!("channel,level,luminance_cd_m2\n{rows}")).unwrap();
     let told = readings::open_begun(&path).unwrap_err().to_string();
     assert!(told.contains("r.csv:2:1: 4 fields; expected 3 (a decimal comma?)\n"), "{told}");
-    assert!(told.lines().count() == 6 && told.ends_with("r.csv: 4 more rows have a fault; expected none"), "{told}");
+    assert!(told.lines().count() == 6 && told.ends_with("r.csv: 4 more rows have errors; expected none"), "{told}");
     fails(folder.path(), &split("calibrate r.csv --out p.toml"), 1);
     assert!(!folder.path().join("p.toml").exists());
 }
@@ -192,15 +192,15 @@ fn of_many_faults_in_a_column_the_first_are_named() {
         found[0].starts_with("r.csv:4:3: level ") && found[0].contains("outside 0…1; expected the code"),
         "{found:?}"
     );
-    assert!(found[0].contains("are the columns level and luminance_cd_m2 exchanged?"), "{found:?}");
-    assert_eq!(found[5], format!("r.csv: {} more rows have a fault in level; expected none", outside - 5));
+    assert!(found[0].contains("are the columns level and luminance_cd_m2 swapped?"), "{found:?}");
+    assert_eq!(found[5], format!("r.csv: {} more rows have errors in level; expected none", outside - 5));
     // Codes for levels are no exchange, and other columns keep lines of their own.
     let codes: String = (0..9).map(|step| format!("g,{},{}\n", 31 * step, 0.3 + f64::from(step * step))).collect();
     let found = faults(&format!("channel,level,luminance_cd_m2\n{codes}g,248,-1\nr,0,-2\n"));
     assert_eq!(found.len(), 8, "{found:?}");
     assert!(found[0].contains("looks like a code") && !found[0].contains("exchanged"), "{found:?}");
     assert!(found[5].contains("luminance -1") && found[6].contains("luminance -2"), "{found:?}");
-    assert_eq!(found[7], "r.csv: 4 more rows have a fault in level; expected none");
+    assert_eq!(found[7], "r.csv: 4 more rows have errors in level; expected none");
 }
 
 #[test]

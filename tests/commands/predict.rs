@@ -133,7 +133,7 @@ fn what_cannot_be_predicted_is_said() {
         ("black.png", "all black"),
         ("dot.png", "1 × 1 pixels is too small"),
         ("small.png", "20 × 20 pixels is too small"),
-        ("text.png", "not a whole PNG"),
+        ("text.png", "not a complete PNG"),
         ("none.png", "cannot be opened"),
     ] {
         let error = fails(folder.path(), &["predict", "--image", file, "--window", "0.1"], 1);

@@ -134,10 +134,11 @@ fn two_at_once(sweep: &Sweep, rows: usize) -> Counts {
     let before = fs::read(scene.csv()).unwrap();
     let second = scene.resume(&scene.first());
     let (csv, code) = (scene.csv().display().to_string(), second.status.code());
-    let sentence = format!("error: {csv}: another machband is writing this session; expected it to be closed first\n");
+    let sentence =
+        format!("error: {csv}: another machband process is writing this session; expected it to be closed first\n");
     assert_eq!((code, &second.stderr), (Some(1), &sentence));
     let fresh = run::ended(&mut run::binary(&sweep.definition(DEFINITION), &scene.first(), false));
-    assert!(fresh.status.code() == Some(1) && fresh.stderr.contains("already have a file"), "{fresh:?}");
+    assert!(fresh.status.code() == Some(1) && fresh.stderr.contains("of this participant already exists"), "{fresh:?}");
     assert_eq!(fs::read(scene.csv()).unwrap(), before);
     let report = waiting.end();
     assert!(report.done && report.errors.is_empty(), "{report:?}");

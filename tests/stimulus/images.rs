@@ -104,7 +104,7 @@ fn a_changed_image_is_detected() {
     assert!(message.contains("1 pixels differ") && message.contains("(3, 3)"), "{message}");
 
     for (content, expected) in
-        [(&b"no image at all"[..], "not a whole PNG"), (&std::fs::read(&path).unwrap()[..200], "whole PNG")]
+        [(&b"no image at all"[..], "not a complete PNG"), (&std::fs::read(&path).unwrap()[..200], "complete PNG")]
     {
         std::fs::write(&path, content).unwrap();
         let message = image::prove(&path).unwrap_err().to_string();

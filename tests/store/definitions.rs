@@ -461,7 +461,7 @@ fn display_profiles_and_observers_are_checked_alike() {
         (table, "0.2, 1]", "0.2, 0.1]", "3:1", "expected"),
         (table, "[0, 0.2, 1]", "[0, 1]", "3:1", "expected"),
         (table, "[0, 0.2, 1]", "[0, nan, 1]", "5:14", "expected"),
-        (table, "\"table\"", "\"srgb\"", "3:1", "belong to transfer = \"table\""),
+        (table, "\"table\"", "\"srgb\"", "3:1", "require transfer = \"table\""),
     ];
     for (text, from, to, position, part) in cases {
         let error = profile::parse("p.toml", &text.replacen(from, to, 1)).expect_err(to);

@@ -500,7 +500,7 @@ mod faults {
         });
         assert_eq!((said.len(), counted), (6, 12));
         assert_eq!(said[4], "S1.csv:6:18: experiment is \"x\"; expected small-one, as in the first row");
-        assert_eq!(said[5], "S1.csv: 13 more rows have a fault in experiment; expected none");
+        assert_eq!(said[5], "S1.csv: 13 more rows have errors in experiment; expected none");
     }
 
     #[test]

@@ -98,7 +98,7 @@ fn every_row_that_is_touched_is_named() {
             edit_lines(csv, |lines| lines.extend_from_within(lines.len() - 1..))
         }),
         ("was recorded before the row above it", |csv| edit_lines(csv, |lines| lines.swap(7, 8))),
-        ("ends within a row", |csv| edit(csv, |text| text[..text.len() - 10].to_owned())),
+        ("ends in the middle of a row", |csv| edit(csv, |text| text[..text.len() - 10].to_owned())),
         ("_data.csv: was changed since the session ended", |csv| {
             edit_lines(csv, |lines| {
                 let mut cells: Vec<&str> = lines[9].split(',').collect();

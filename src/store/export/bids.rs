@@ -1,5 +1,5 @@
-//! BIDS 1.11, behavioral data: a table and a sidecar for each session, what the sessions of a task share once at the top,
-//! the pictures below `stimuli`, and the data as they were recorded below `sourcedata`.
+//! BIDS 1.11, behavioral data: a table and a sidecar for each session, the metadata of each task at the top level, the
+//! pictures below `stimuli`, and the data as recorded below `sourcedata`.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -25,15 +25,15 @@ use crate::{
 const VERSION: &str = "1.11.1";
 /// A missing value.
 const MISSING: &str = "n/a";
-/// Columns of ours that BIDS knows by another name; the first two lead the table, and the picture's file follows. Onset and
-/// duration keep our names: under those of BIDS, a behavioral table is taken for one of events.
+/// Our columns that BIDS calls by another name. The first two come first in the table, followed by the picture's file.
+/// Onset and duration keep our names: with the BIDS names, a behavioral table would be mistaken for a table of events.
 const RENAMED: [(&str, &str); 4] = [
     ("phase", "trial_type"),
     ("response_time_s", "response_time"),
     ("subject_id", "participant_id"),
     ("session_id", "session_id"),
 ];
-/// How many of them lead the table.
+/// How many of them come first in the table.
 const LEADING: usize = 2;
 /// The column that names the picture.
 const STIM_FILE: &str = "stim_file";
@@ -67,7 +67,7 @@ fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path)
     write_file(&folder.join(format!("{stem}.tsv")), table(session, stimuli).as_bytes())?;
     let mut sidecar = of_session(session);
     if !common {
-        // Sessions of one name that differ in their definition each have their own.
+        // Sessions with the same name but different definitions each have their own.
         sidecar.append(&mut of_task(&session.protocol));
     }
     write_json(&folder.join(format!("{stem}.json")), &sidecar.into())
@@ -81,7 +81,7 @@ fn ordered(columns: &[Column]) -> Vec<(Option<usize>, &str)> {
     places.map(|place| place.map_or((None, STIM_FILE), |(i, column)| (Some(*i), name(column)))).collect()
 }
 
-/// What BIDS calls a column.
+/// The BIDS name of a column.
 fn name(column: &Column) -> &str {
     RENAMED.iter().find(|(ours, _)| *ours == column.name).map_or(&column.name, |(_, theirs)| theirs)
 }
@@ -99,7 +99,7 @@ fn table(session: &Recorded, stimuli: &Stimuli) -> String {
     text
 }
 
-/// A cell of the table: never empty, and without what separates cells.
+/// A cell of the table: never empty, and without separators.
 fn clean(name: &str, cell: &str) -> String {
     match name {
         _ if cell.is_empty() => MISSING.to_owned(),
@@ -109,7 +109,7 @@ fn clean(name: &str, cell: &str) -> String {
     }
 }
 
-/// What all sessions of a task share: what was asked, and what the columns mean.
+/// Metadata that all sessions of a task share: the instructions and the meaning of the columns.
 fn of_task(protocol: &Protocol) -> Map<String, Value> {
     let columns = columns(protocol);
     let mut entries = keys([
@@ -119,7 +119,7 @@ fn of_task(protocol: &Protocol) -> Map<String, Value> {
     ]);
     for (place, name) in ordered(&columns) {
         let described = place.map_or_else(
-            || json!({ "Description": "The picture that was shown, below stimuli/." }),
+            || json!({ "Description": "File of the picture that was shown, below stimuli/." }),
             |place| described(&columns[place]),
         );
         entries.insert(name.to_owned(), described);
@@ -156,7 +156,7 @@ fn described(column: &Column) -> Value {
 fn of_session(session: &Recorded) -> Map<String, Value> {
     let sittings = &session.sidecar.sittings;
     let presented: Vec<Map<String, Value>> = sittings.iter().map(presentation).collect();
-    // Where sittings differ, the session as a whole has no one value.
+    // If sittings differ, the session as a whole has no single value.
     let mut common = presented.first().cloned().unwrap_or_default();
     common.retain(|key, value| presented.iter().all(|other| other.get(key) == Some(value)));
     let each = sittings.iter().zip(presented).map(|(sitting, presented)| {
@@ -180,14 +180,14 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
     ])
 }
 
-/// Screen and program by the names and units of BIDS; what is not known is left out. `n/a`: there was no screen.
+/// Screen and program with the names and units of BIDS; unknown values are omitted. `n/a` means that there was no screen.
 fn presentation(sitting: &Sitting) -> Map<String, Value> {
     let number = |part: &Option<Value>, key: &str| part.as_ref()?.get(key)?.as_f64();
     let (wide, high) = (number(&sitting.monitor, "width_px"), number(&sitting.monitor, "height_px"));
     let pixels = wide.zip(high).filter(|(wide, _)| *wide > 0.0);
     let measured = sitting.viewing.as_ref().and_then(|viewing| viewing.get("screen_width_measured")?.as_bool());
     let width = number(&sitting.viewing, "screen_width_cm").filter(|_| measured == Some(true));
-    // Pixels are square, as they are to the program.
+    // The program assumes square pixels.
     let size = width.zip(pixels).map(|(width, (wide, high))| json!([meters(width), meters(width * high / wide)]));
     let refresh_hz = number(&sitting.frames, "refresh_s").filter(|seconds| *seconds > 0.0).map(f64::recip);
     let refresh_hz = refresh_hz.or(number(&sitting.monitor, "refresh_hz"));
@@ -206,7 +206,7 @@ fn presentation(sitting: &Sitting) -> Map<String, Value> {
     ])
 }
 
-/// Meters of centimeters, to a hundredth of a millimetre.
+/// Centimeters to meters, rounded to a hundredth of a millimeter.
 fn meters(centimeters: f64) -> Value {
     rounded(centimeters / 100.0, 1e5)
 }
@@ -215,7 +215,7 @@ fn rounded(value: f64, steps: f64) -> Value {
     ((value * steps).round() / steps).into()
 }
 
-/// The description of the whole data set, with what people wrote into those of the experiments.
+/// The description of the whole data set, with the entries that people added to those of the experiments.
 fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
     let written = written(experiments);
     let titles: Vec<&str> = experiments.iter().map(|one| one.sessions[0].protocol.title.as_str()).collect();
@@ -245,13 +245,15 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
             [one] => {
                 let value = doi(theirs, one);
                 if value.is_none() {
-                    notes.push(format!("{DESCRIPTION}: {ours} is {one:?}, which is not a DOI; it is left out"));
+                    notes.push(format!("{DESCRIPTION}: {ours} is {one:?}, which is not a DOI; it is omitted"));
                 }
                 value.map(Value::from)
             }
             several => {
                 let count = several.len();
-                notes.push(format!("{DESCRIPTION}: the experiments have {count} values of {ours}; none is used"));
+                notes.push(format!(
+                    "{DESCRIPTION}: the experiments have {count} different values of {ours}; none is used"
+                ));
                 None
             }
         };
@@ -262,7 +264,7 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Value {
     entries.into()
 }
 
-/// A DOI in the form of BIDS; values of other keys are unchanged.
+/// A DOI in BIDS form; values of other keys are unchanged.
 fn doi(key: &str, value: &str) -> Option<String> {
     if key != "DatasetDOI" {
         return Some(value.to_owned());
@@ -282,7 +284,7 @@ fn written(experiments: &[Experiment]) -> Vec<Value> {
     files.iter().filter_map(|path| serde_json::from_slice(&std::fs::read(path).ok()?).ok()).collect()
 }
 
-/// Texts of a value of schema.org: a text, a thing with a name, or a list of them.
+/// Texts of a schema.org value: a text, an object with a name, or a list of these.
 fn texts(value: &Value) -> Vec<String> {
     match value {
         Value::String(text) => vec![text.clone()],
@@ -310,27 +312,27 @@ fn readme(experiments: &[Experiment]) -> String {
         );
     }
     text + "
-One row of a `_beh.tsv` is one trial; `n/a` is a missing value. Rows whose `trial_type` is practice are not data. A corrected
+Each row of a `_beh.tsv` file is one trial; `n/a` is a missing value. Rows whose `trial_type` is practice are not data. A corrected
 response is a separate row with `attempt` + 1; the last attempt of a trial counts. `TrialsRated` below `TrialsPlanned`
-marks a session that was not finished; its `Sittings` say what ran it and on which screen. A sitting with a
-`SimulatedObserver` had neither a participant nor a screen.
+marks an unfinished session. `Sittings` describes the program and the screen. A sitting with a `SimulatedObserver` had
+neither a participant nor a screen.
 
-`stim_file` names the picture below `stimuli/`, made again from its recipe; its hash matches what was shown.
-`sourcedata/` holds the data as they were recorded: a Psych-DS data set for each experiment, with the definition, the display
-profile and what happened during each session in the JSON next to each CSV.
+`stim_file` names the picture below `stimuli/`, which was rendered again from its recipe; its hash matches what was shown.
+`sourcedata/` contains the data as recorded: a Psych-DS data set for each experiment. The JSON file next to each CSV file
+contains the definition, the display profile and a record of the session.
 "
 }
 
-/// In the form that the standard asks: a version, the day of the last sitting, what there is.
+/// In the form that the standard requires: a version, the date of the last sitting, and the content.
 fn changes(experiments: &[Experiment]) -> String {
     let sittings = experiments.iter().flat_map(|one| &one.sessions).flat_map(|session| &session.sidecar.sittings);
     let last = sittings.filter_map(|sitting| sitting.started_at.parse::<jiff::Timestamp>().ok()).max();
     let day = last.unwrap_or_default().strftime("%Y-%m-%d").to_string();
     let version = env!("CARGO_PKG_VERSION");
-    format!("1.0.0 {day}\n  - Sessions up to this day, exported by machband {version}.\n")
+    format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n")
 }
 
-/// One row a participant, with no more than is known: sessions, and whether anybody sat there.
+/// One row per participant, with only what is known: the sessions, and whether a person or a simulation rated.
 fn write_participants(experiments: &[Experiment], to: &Path) -> Result<(), StoreError> {
     let mut participants: BTreeMap<&str, Vec<&Recorded>> = BTreeMap::new();
     for session in experiments.iter().flat_map(|experiment| &experiment.sessions) {
@@ -351,11 +353,11 @@ fn write_participants(experiments: &[Experiment], to: &Path) -> Result<(), Store
     let described = json!({
         "participant_id": { "Description": "Participant." },
         "observer": {
-            "Description": "Who rated.",
+            "Description": "Type of observer.",
             "Levels": { "person": "A person", "simulated": "A simulated observer", "both": "Some sessions each" },
         },
         "sessions": { "Description": "Sessions of all tasks in this data set." },
-        "complete_sessions": { "Description": "Those of them with every planned trial rated." },
+        "complete_sessions": { "Description": "Sessions in which every planned trial was rated." },
     });
     write_json(&to.join("participants.json"), &described)
 }

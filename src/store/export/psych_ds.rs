@@ -1,4 +1,4 @@
-//! Psych-DS. The results folder is such a data set already; the copy has whole rows only, and describes every column.
+//! Psych-DS. The results folder already is such a data set; the copy has only complete rows, and describes every column.
 
 use std::{fs, path::Path};
 
@@ -65,7 +65,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path) -> Result<(), StoreEr
     Ok(())
 }
 
-/// Cuts off a row that is half written, and removes the seal, which holds no longer.
+/// Removes an incomplete last row, and the seal, which is then no longer valid.
 fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
     if session.torn.is_none() {
         return Ok(());
@@ -81,7 +81,7 @@ fn tidy(session: &Recorded, data: &Path) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// Copies the content alone: the new file is writable even if the data set is write-protected.
+/// Copies only the content, so that the new file is writable even if the data set is write-protected.
 fn copy_file(from: &Path, to: &Path) -> Result<(), StoreError> {
     let content = fs::read(from).map_err(io(from, "read"))?;
     write_file(to, &content)

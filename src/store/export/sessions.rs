@@ -1,4 +1,4 @@
-//! The sessions to be exported, read and checked.
+//! Reads and checks the sessions to export.
 
 use std::{
     collections::BTreeMap,
@@ -21,19 +21,19 @@ pub(super) struct Experiment {
 }
 
 impl Experiment {
-    /// Whether its sessions have one definition, and so the same columns with the same meaning.
+    /// Whether its sessions share one definition, and thus the same columns with the same meaning.
     pub fn has_one_definition(&self) -> bool {
         self.sessions.iter().all(|session| session.protocol == self.sessions[0].protocol)
     }
 }
 
-/// The data set that a data file belongs to: the folder around its `data`.
+/// The data set of a data file: the folder that contains its `data` folder.
 pub(super) fn dataset(csv: &Path) -> Option<&Path> {
     let data = csv.parent()?;
     (data.file_name()? == "data").then(|| data.parent())?
 }
 
-/// Reads all sessions, or names all their faults.
+/// Reads all sessions, or reports all their faults.
 pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileFaults> {
     let (sessions, faults): (Vec<_>, Vec<_>) = files.par_iter().partition_map(|csv| match Recorded::open(csv) {
         Ok(session) => match faults(&session) {
@@ -46,9 +46,9 @@ pub(super) fn read(files: &[PathBuf]) -> Result<Vec<Recorded>, FileFaults> {
     Ok(sessions)
 }
 
-/// What keeps a session that can be read from leaving its folder.
+/// Why a readable session must not be exported.
 fn faults(session: &Recorded) -> Vec<FileFault> {
-    // The name becomes that of a folder, and a sidecar may say anything.
+    // The name becomes a folder name, and a sidecar may contain anything.
     let name = name_fault(&session.protocol.name).map(|message| FileFault::whole(&session.sidecar_path, message));
     let mut faults: Vec<FileFault> = name.into_iter().chain(session.row_faults()).collect();
     let columns = columns(&session.protocol);
@@ -64,15 +64,15 @@ fn faults(session: &Recorded) -> Vec<FileFault> {
     faults
 }
 
-/// Leaves out what is not complete where that is asked, and notes what is not.
+/// Excludes incomplete sessions if requested; otherwise notes them.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
         let (rated, planned) = session.rated();
         if rated == planned && session.torn.is_none() {
             return true;
         }
-        let torn = if session.torn.is_some() { ", and a row is half written" } else { "" };
-        let done = if complete_only { "the session is left out" } else { "its whole rows are exported" };
+        let torn = if session.torn.is_some() { ", and the last row is incomplete" } else { "" };
+        let done = if complete_only { "the session is excluded" } else { "its complete rows are exported" };
         notes.push(format!("{}: {rated} of {planned} trials are rated{torn}; {done}", session.csv.display()));
         !complete_only
     });
@@ -80,8 +80,8 @@ pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &m
 }
 
 /// # Errors
-/// Two sessions that claim one place: by their names, where a file system does not tell upper from lower case, or where
-/// names of tasks lose their hyphens.
+/// Two sessions with the same path: because of their names, because the file system ignores case, or because task names
+/// lose their hyphens.
 pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, FileFaults> {
     let mut places: BTreeMap<String, &Recorded> = BTreeMap::new();
     let mut subjects: BTreeMap<String, &str> = BTreeMap::new();
@@ -91,14 +91,14 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
         let known = subjects.entry(subject.to_ascii_lowercase()).or_insert(subject);
         if *known != subject {
             let message = format!(
-                "participant {subject} and participant {known} differ only in upper and lower case; expected IDs that differ in more than that"
+                "participant IDs {subject} and {known} differ only in case; expected IDs that differ in other ways"
             );
             faults.push(FileFault::whole(&session.csv, message));
         }
         let place = format!("{}/{subject}/{id}", session.protocol.task()).to_ascii_lowercase();
         if let Some(other) = places.insert(place, session) {
             let message = format!(
-                "is the same session of the same task as {}; expected each once, and experiments whose names differ in more than hyphens",
+                "is the same session of the same task as {}; expected each session once, and experiment names that differ in more than hyphens",
                 other.csv.display()
             );
             faults.push(FileFault::whole(&session.csv, message));

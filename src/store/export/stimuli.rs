@@ -1,4 +1,4 @@
-//! The pictures that were shown, each once: rendered again from the sidecars' recipes and compared with the hashes there.
+//! The distinct pictures that were shown, rendered again from the sidecars' recipes and compared with the hashes there.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap, HashSet},
@@ -23,25 +23,25 @@ use crate::{
 
 /// Digits of a hash in a file's name.
 const HASH_SHOWN: usize = 8;
-/// Longest part of a file's name that levels fill.
+/// Maximum length of the levels in a file name.
 const LONGEST_LABEL: usize = 150;
 
-/// Which file shows what: its name by data file, sitting from 1 and condition from 0.
+/// The file name for each data file, sitting (from 1) and condition (from 0).
 #[derive(Default)]
 pub(super) struct Stimuli(HashMap<(PathBuf, u32, usize), String>);
 
 impl Stimuli {
-    /// Name of the file that a row showed, below the folder of the stimuli.
+    /// Name of the file that a row showed, relative to the stimuli folder.
     pub(super) fn of(&self, session: &Recorded, row: &TrialRecord) -> Option<&str> {
         let condition = session.condition(row)?;
         self.0.get(&(session.csv.clone(), row.sitting, condition)).map(String::as_str)
     }
 }
 
-/// Writes every picture into `folder`. Returns their number too.
+/// Writes every picture into `folder`, and also returns their number.
 ///
 /// # Errors
-/// Every picture that differs from the one that was shown; the system's refusal.
+/// Every picture that differs from the one that was shown; I/O errors.
 pub(super) fn write(
     experiments: &[Experiment],
     folder: &Path,
@@ -62,7 +62,7 @@ pub(super) fn write(
             let known = session.sidecar.sittings.get((sitting as usize).saturating_sub(1));
             let Some(pictures) = known.and_then(|sitting| sitting.pictures.as_ref()) else {
                 notes.push(format!(
-                    "{}: does not say how the pictures of sitting {sitting} were made; their stim_file is n/a",
+                    "{}: does not describe how the pictures of sitting {sitting} were made; their stim_file is n/a",
                     session.sidecar_path.display()
                 ));
                 continue;
@@ -89,7 +89,7 @@ pub(super) fn write(
     let unproved = files.len() - proved.len();
     if unproved > 0 {
         notes.push(format!(
-            "stimuli: {unproved} of {} pictures have no recorded hash, because their sitting was not ended; they follow the sidecar",
+            "stimuli: {unproved} of {} pictures have no recorded hash, because their sitting did not end properly; they are rendered from the sidecar",
             files.len()
         ));
     }
@@ -102,7 +102,7 @@ pub(super) fn write(
     Ok((Stimuli(shown), files.len()))
 }
 
-/// `mach-band_width-0.4_depth-1`: for people; the hash after it makes it unique.
+/// `mach-band_width-0.4_depth-1`: for readers; the hash after it makes the name unique.
 fn label(protocol: &Protocol, condition: &Condition) -> String {
     let mut label = condition.stimulus.kind().to_owned();
     for (factor, level) in protocol.factors.iter().zip(&condition.levels) {

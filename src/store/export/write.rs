@@ -1,4 +1,4 @@
-//! An export: sessions in, a whole folder out.
+//! Exports sessions as one complete folder.
 
 use std::{
     collections::HashSet,
@@ -10,12 +10,12 @@ use std::{
 use super::{bids, psych_ds, sessions};
 use crate::store::{FileFaults, StoreError, fault::io, file::make_folder, ratings};
 
-/// What a data set is exported as.
+/// Format of an export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {
-    /// Brain Imaging Data Structure 1.11, behavioral data: one data set for all experiments.
+    /// Brain Imaging Data Structure 1.11, behavioral data: one data set for all experiments
     Bids,
-    /// Psych-DS 1.5: a data set for each experiment.
+    /// Psych-DS 1.5: one data set per experiment
     PsychDs,
 }
 
@@ -28,18 +28,18 @@ pub struct Exported {
     pub sessions: usize,
     /// Their rows.
     pub rows: usize,
-    /// Pictures, where the format has any.
+    /// Number of pictures, if the format includes them.
     pub pictures: usize,
-    /// What readers of the data should know, each once and as `WHERE: what`.
+    /// Notes for readers of the data, each once, as `WHERE: what`.
     pub notes: Vec<String>,
 }
 
-/// Exports the sessions in `from`, a results folder, that of one experiment, or its `data` folder, into the new or empty
-/// folder `to`. `complete_only` leaves out sessions with trials that are not rated.
+/// Exports the sessions in `from` (a results folder, the folder of one experiment, or its `data` folder) into the new or
+/// empty folder `to`. `complete_only` excludes sessions with unrated trials.
 ///
 /// # Errors
 /// `to` is not empty or is inside the data; no session; every fault of every session that cannot be read, was changed,
-/// or is there twice; pictures that differ from those that were shown; the system's refusal. Nothing is written then.
+/// or exists twice; pictures that differ from those that were shown; I/O errors. Nothing is written then.
 pub fn export(from: &Path, to: &Path, format: Format, complete_only: bool) -> Result<Exported, StoreError> {
     let files = ratings::data_files(from)?;
     let to = target(from, to, &files)?;
@@ -84,7 +84,7 @@ fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreErr
     Ok(full)
 }
 
-/// The full path, without links, of what may not exist yet.
+/// The full path, without links, of a file or folder that may not exist yet.
 fn full_path(path: &Path) -> std::io::Result<PathBuf> {
     let path = std::path::absolute(path)?;
     match (path.canonicalize(), path.parent(), path.file_name()) {
@@ -95,21 +95,21 @@ fn full_path(path: &Path) -> std::io::Result<PathBuf> {
     }
 }
 
-/// Fills a temporary folder beside `to`, and moves it there when it is whole.
+/// Fills a temporary folder next to `to`, and renames it when it is complete.
 fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) -> Result<(), StoreError> {
     let (Some(parent), Some(name)) = (to.parent(), to.file_name()) else {
-        return Err(FileFaults::whole(to, "is not a folder that can be made; expected one").into());
+        return Err(FileFaults::whole(to, "cannot be created as a folder; expected another path").into());
     };
     make_folder(parent)?;
     let prefix = format!(".{}.", name.to_string_lossy());
     let mut builder = tempfile::Builder::new();
     let temporary = builder.prefix(&prefix).suffix(".tmp").tempdir_in(parent).map_err(io(parent, "write"))?;
-    // Within the temporary folder, which is its owner's alone.
+    // Inside the temporary folder, which only its owner can access.
     let folder = temporary.path().join(name);
     make_folder(&folder)?;
     fill(&folder)?;
     if to.exists() {
-        // Fails where something was put there meanwhile.
+        // Fails if something was put there in the meantime.
         fs::remove_dir(to).map_err(io(to, "replace"))?;
     }
     fs::rename(&folder, to).map_err(io(to, "write"))

@@ -1,4 +1,4 @@
-//! Images (PNG): stimuli written with the recipe that made them and proved from it, and any other image as light.
+//! Images (PNG): stimuli, written with their recipe and verified against it, and any other image as light.
 
 mod read;
 mod write;

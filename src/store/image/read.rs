@@ -1,4 +1,4 @@
-//! PNG files read: any image as light, and images of this program compared with the recipes in them.
+//! Reading PNG files: any image as light, and images from this program compared with their recipes.
 
 use std::{
     fs::File,
@@ -20,17 +20,17 @@ use crate::{
     store::{FileFaults, file::read_bytes},
 };
 
-/// Largest side of an image that is taken as light, pixels.
+/// Maximum side of an image that is read as light, in pixels.
 const SIDE_MAX: u32 = 8192;
-/// Largest file, bytes: more than the largest image of ours takes without compression.
+/// Maximum file size in bytes: more than our largest image needs without compression.
 const FILE_MAX: u64 = 2 << 30;
-/// How many bytes one byte of a PNG can become at most: what DEFLATE reaches is 1032.
+/// Maximum expansion of a byte of PNG data; DEFLATE reaches 1032.
 const EXPANSION_MAX: usize = 1040;
 
-/// Reads any PNG, gray, color or palette, as the light that a screen makes of its codes.
+/// Reads any PNG (gray, color or palette) as the light that a screen produces from its codes.
 ///
 /// # Errors
-/// Not readable, not a whole PNG, too large, or with an alpha channel: what shows through it is not known.
+/// The file is not readable, not a complete PNG, too large, or has an alpha channel, whose background is unknown.
 pub fn read_light(path: &Path, transfers: &Transfers) -> Result<LinearImage, FileFaults> {
     parse_light(&path.display().to_string(), &content(path)?, transfers)
 }
@@ -38,7 +38,7 @@ pub fn read_light(path: &Path, transfers: &Transfers) -> Result<LinearImage, Fil
 /// Reads the content of a PNG as light; `name` names it in messages.
 ///
 /// # Errors
-/// As [`read_light`].
+/// As for [`read_light`].
 pub fn parse_light(name: &str, content: &[u8], transfers: &Transfers) -> Result<LinearImage, FileFaults> {
     let (image, _) = decode(name, content, |_| SIDE_MAX)?;
     let encoded: Vec<f64> = match &image.samples {
@@ -62,14 +62,14 @@ fn decode(
     side_max: impl Fn(&Info<'_>) -> u32,
 ) -> Result<(CodeImage, Info<'static>), FileFaults> {
     let fail = |message: String| FileFaults::whole(name, message);
-    let broken = |error: DecodingError| fail(format!("is not a whole PNG: {error}; expected an image"));
+    let broken = |error: DecodingError| fail(format!("is not a complete PNG: {error}; expected an image"));
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(broken)?;
     let info = reader.info().clone();
     let (width, height, side_max) = (info.width, info.height, side_max(&info));
     if width.max(height) > side_max {
-        return Err(fail(format!("has {width} × {height} pixels; expected at most {side_max} a side")));
+        return Err(fail(format!("has {width} × {height} pixels; expected at most {side_max} per side")));
     }
     let (color, depth) = reader.output_color_type();
     let copies = match color {
@@ -77,14 +77,14 @@ fn decode(
         ColorType::Rgb => 1,
         _ => {
             return Err(fail(
-                "has an alpha channel, and what shows through it is not known; expected an opaque image".to_owned(),
+                "has an alpha channel, and its background is not known; expected an opaque image".to_owned(),
             ));
         }
     };
-    // Otherwise a small file that claims to hold a huge image would take the memory before the lie is found.
+    // Otherwise a small file that claims to contain a huge image would exhaust the memory before the error is found.
     let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(EXPANSION_MAX));
     let Some(size) = size else {
-        return Err(fail(format!("is too short for {width} × {height} pixels; expected a whole PNG")));
+        return Err(fail(format!("is too short for {width} × {height} pixels; expected a complete PNG")));
     };
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(broken)?;
@@ -99,7 +99,7 @@ fn decode(
     Ok((CodeImage { width, height, samples }, info))
 }
 
-/// An image file of this program.
+/// An image file from this program.
 #[derive(Clone, Debug)]
 pub struct ReadBack {
     /// How it was made.
@@ -108,7 +108,7 @@ pub struct ReadBack {
     pub reduction: Option<Reduction>,
     /// Its halftone, if any.
     pub halftone: Option<Screen>,
-    /// What is in it.
+    /// Its pixels.
     pub image: CodeImage,
 }
 
@@ -126,7 +126,7 @@ pub(crate) fn recipe_text(path: &Path) -> Option<String> {
 /// Reads an image with its recipe.
 ///
 /// # Errors
-/// Not readable, not a PNG of this program, or too large.
+/// The file is not readable, not a PNG from this program, or too large.
 pub fn read(path: &Path) -> Result<ReadBack, FileFaults> {
     parse(&path.display().to_string(), &content(path)?)
 }
@@ -158,29 +158,29 @@ fn parsed<T: FromStr<Err: std::fmt::Display>>(info: &Info<'_>, keyword: &str) ->
     parsed.transpose().map_err(|error| format!("its text chunk `{keyword}`: {error}"))
 }
 
-/// Proves an image: renders its recipe again and compares every code. Returns a sentence that says what it is.
+/// Verifies an image: renders its recipe again and compares every code. Returns a sentence that describes it.
 ///
 /// # Errors
-/// As [`read`]; or how many codes differ, and the first of them.
+/// As for [`read`]; or the number of codes that differ, and the first of them.
 pub fn prove(path: &Path) -> Result<String, FileFaults> {
     prove_content(&path.display().to_string(), &content(path)?)
 }
 
-/// As [`prove`], of the content of an image; `name` names it in messages.
+/// As [`prove`], for the content of an image; `name` names it in messages.
 ///
 /// # Errors
-/// As [`prove`].
+/// As for [`prove`].
 pub fn prove_content(name: &str, content: &[u8]) -> Result<String, FileFaults> {
     let read = parse(name, content)?;
     let (image, recipe) = (&read.image, &read.recipe);
     let fail = |message: String| FileFaults::whole(name, message);
     if recipe.size == 0 || recipe.size > SIZE_MAX {
-        return Err(fail(format!("its recipe asks for {} pixels a side; expected 1…{SIZE_MAX}", recipe.size)));
+        return Err(fail(format!("its recipe specifies {} pixels per side; expected 1…{SIZE_MAX}", recipe.size)));
     }
     let side = recipe.size * read.halftone.map_or(1, |screen| screen.matrix.size());
     if (image.width, image.height) != (side, side) {
         let (width, height) = (image.width, image.height);
-        return Err(fail(format!("has {width} × {height} pixels; expected {side} a side, by its recipe")));
+        return Err(fail(format!("has {width} × {height} pixels; expected {side} per side, according to its recipe")));
     }
     let expected = read.expected().map_err(&fail)?;
     if std::mem::discriminant(&expected.samples) != std::mem::discriminant(&image.samples) {
@@ -226,7 +226,7 @@ impl ReadBack {
         let palette = self.reduction.map_or_else(String::new, |reduction| format!(", palette {reduction}"));
         let halftone = self.halftone.map_or_else(String::new, |screen| format!(", halftone {screen}"));
         format!(
-            "image of {}, {} pixels a side, {} bits, {transfer}, dither {}{palette}{halftone}: every code matches its recipe",
+            "image of {}, {} pixels per side, {} bits, {transfer}, dither {}{palette}{halftone}: every code matches its recipe",
             recipe.stimulus.kind(),
             recipe.size,
             recipe.bits,

@@ -1,4 +1,4 @@
-//! Images written as PNG: gray where the color allows, with what the codes mean and how they were made.
+//! Writing images as PNG, in gray if the color allows, with the meaning of the codes and the recipe.
 
 use std::{borrow::Cow, path::Path};
 
@@ -29,7 +29,7 @@ const SRGB_CHROMATICITIES: [[u32; 2]; 4] = [[31_270, 32_900], [64_000, 33_000], 
 /// Entries of the tone curves in an embedded profile.
 const CURVE_POINTS: u16 = 4096;
 
-/// Renders a recipe and writes it as PNG, whole or not at all. Returns the file's bytes.
+/// Renders a recipe and writes it atomically as PNG. Returns the file's bytes.
 ///
 /// # Errors
 /// The system's refusal.
@@ -37,11 +37,10 @@ pub fn write_recipe(path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Resu
     save(path, encode(&recipe.codes(quantizer), &recipe.transfers, &[(KEYWORD, describe(recipe))]))
 }
 
-/// Renders a recipe, reduces it to a palette and writes an indexed PNG. Returns the image, which knows its error in linear
-/// light.
+/// Renders a recipe, reduces it to a palette and writes an indexed PNG. Returns the image with its error in linear light.
 ///
 /// # Errors
-/// 16 bits, which have no palette, or the system's refusal.
+/// 16 bits, for which there is no palette, or I/O errors.
 pub fn write_reduced(
     path: &Path,
     recipe: &Recipe,
@@ -57,7 +56,7 @@ pub fn write_reduced(
     Ok(image)
 }
 
-/// Renders a recipe as dots of a device with few codes, each pixel a cell, and writes it.
+/// Renders a recipe as dots for a device with few codes, one cell per pixel, and writes it.
 ///
 /// # Errors
 /// The system's refusal.
@@ -67,7 +66,7 @@ pub fn write_halftone(path: &Path, recipe: &Recipe, screen: Screen) -> Result<()
     save(path, encode(&image, &recipe.transfers, &texts)).map(drop)
 }
 
-/// Writes the picture of a shaded mesh; `parameters` say how it was made.
+/// Writes the image of a shaded mesh, with the `parameters` that made it.
 ///
 /// # Errors
 /// The system's refusal.
@@ -77,7 +76,7 @@ pub fn write_shaded(
     transfers: &Transfers,
     parameters: &serde_json::Value,
 ) -> Result<(), StoreError> {
-    // Text chunks are Latin-1, and the path of a mesh may be anything: JSON can say it in ASCII.
+    // Text chunks are Latin-1, and the path of a mesh may be anything; JSON can escape it in ASCII.
     let escape = |c: char| {
         let units = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|u| format!("\\u{u:04x}")).collect::<String>();
         if c.is_ascii() { c.to_string() } else { units(c) }
@@ -86,7 +85,7 @@ pub fn write_shaded(
     save(path, encode(image, transfers, &[(SHADED_KEYWORD, text)])).map(drop)
 }
 
-/// Writes codes for a screen with sRGB's transfer function, without saying how they were made.
+/// Writes codes for a screen with the sRGB transfer function, without a recipe.
 ///
 /// # Errors
 /// The system's refusal.
@@ -114,14 +113,14 @@ fn save(path: &Path, bytes: Result<Vec<u8>, png::EncodingError>) -> Result<Vec<u
     Ok(bytes)
 }
 
-/// The recipe as it is in an image.
+/// The recipe in the form that an image contains.
 pub fn describe(recipe: &Recipe) -> String {
     serde_json::to_string(recipe).unwrap_or_default()
 }
 
-/// An image file as bytes. Equal inputs give equal bytes.
+/// An image file as bytes. The same input always gives the same bytes.
 fn encode(image: &CodeImage, transfers: &Transfers, texts: &[(&str, String)]) -> Result<Vec<u8>, png::EncodingError> {
-    // Equal codes are gray only if the channels are alike.
+    // Equal codes are gray only if the channels have the same transfer function.
     let gray = transfers.uniform().is_some() && is_gray(&image.samples);
     let mut info = png::Info::with_size(image.width, image.height);
     info.color_type = if gray { png::ColorType::Grayscale } else { png::ColorType::Rgb };
@@ -132,7 +131,7 @@ fn encode(image: &CodeImage, transfers: &Transfers, texts: &[(&str, String)]) ->
     with_meaning(info, transfers, gray, texts, &raw_samples(&image.samples, gray))
 }
 
-/// Adds what the codes mean and how they were made, and encodes.
+/// Adds the meaning of the codes and the recipe, and encodes the image.
 fn with_meaning(
     mut info: png::Info<'_>,
     transfers: &Transfers,
@@ -159,7 +158,7 @@ fn with_meaning(
     if transfers.uniform() == Some(&Transfer::Srgb) {
         encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
     }
-    // Neighboring rows of a stimulus are all but equal: their difference is zeros, and a fast coder is enough.
+    // Neighboring rows of a stimulus are almost equal, so their differences are mostly zero, and fast compression suffices.
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Up);
     for (keyword, text) in texts {
@@ -181,7 +180,7 @@ fn is_gray(samples: &Samples) -> bool {
     }
 }
 
-/// The samples as PNG stores them: one a pixel for gray, 16 bits most significant byte first.
+/// The samples as PNG stores them: one per pixel for gray, 16 bits with the most significant byte first.
 fn raw_samples(samples: &Samples, gray: bool) -> Cow<'_, [u8]> {
     let step = if gray { 3 } else { 1 };
     match samples {
@@ -203,7 +202,7 @@ fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
     let [red, green, blue] = transfers.channels();
     let mut profile =
         if gray { moxcms::ColorProfile::new_gray_with_gamma(1.0) } else { moxcms::ColorProfile::new_srgb() };
-    // A fixed date: equal inputs give equal bytes.
+    // A fixed date, so that the same input always gives the same bytes.
     profile.creation_date_time =
         moxcms::ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, hours: 0, minutes: 0, seconds: 0 };
     profile.cicp = None;

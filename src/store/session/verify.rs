@@ -113,7 +113,9 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
     let line = recorded.rows.len() + 2;
     match &recorded.torn {
         Some(torn) if is_complete => {
-            let message = format!("the file ends within a row, {torn:?}; expected whole rows of a complete session");
+            let message = format!(
+                "the file ends in the middle of a row, {torn:?}; expected the complete rows of a complete session"
+            );
             found.faults.push(FileFault::at(&recorded.csv, (line, 1), message));
         }
         Some(_) => found.notes.push(format!(
