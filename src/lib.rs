@@ -1,14 +1,14 @@
 //! machband: measure, analyze, generate and predict the visibility of Mach bands.
 //!
 //! **Scope.** Full-screen rating experiments on luminance ramps (width, continuity depth, orientation), their exact
-//! stimulus images, their data; shaders of meshes without the bands. **Not in scope**: reaction-time or threshold paradigms in general, other modalities,
-//! anything over a network.
+//! stimulus images, their data; shaders of meshes without the bands. **Not in scope**: reaction-time or threshold
+//! paradigms in general, other modalities, anything over a network.
 //!
 //! **Units.** Light is linear and relative to the brightest that the screen shows, 0…1, unless a name says `encoded`
 //! or `code`. Angles are degrees; visual angles say so. Lengths on the screen are physical pixels or cm. Times are
 //! seconds or [`std::time::Duration`]. Widths of a ramp are proportions of the stimulus window.
 //!
-//! **The map**, each floor using itself and the floors above it in this list only:
+//! **The map.** A module uses only modules with a lower floor number:
 //!
 //! | floor | module | what |
 //! |---|---|---|

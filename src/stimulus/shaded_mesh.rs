@@ -56,7 +56,7 @@ kind! {
     /// highlight adds up to `highlight`. Rendered in linear light by the f64 reference, so that equal parameters give
     /// equal bytes on every machine.
     ShadedMesh = "shaded-mesh" where contradictions {
-        shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch", ["flat", "gouraud", "phong", "exact", "cut", "patch"];
+        shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", Shader::EXPECTED, ["flat", "gouraud", "phong", "exact", "cut", "patch"];
         depth: Depth = Depth::Finite(3), Range::Any, "", "Continuity depth n of the strips at the edges", "a whole number from 1 to 32, or inf", ["1", "3", "5"];
         boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; above 1/3 only cut differs", ["0.05", "0.2", "0.33"];
         vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7: off, printed or repaired", "off, printed or repaired", ["off", "repaired"];

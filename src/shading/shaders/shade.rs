@@ -62,6 +62,10 @@ pub struct Shade {
 }
 
 impl Shader {
+    /// Their names, in an error message.
+    pub const EXPECTED: &str =
+        "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch";
+
     /// Whether it interpolates light between the vertices: what corrections correct.
     #[must_use]
     pub const fn interpolates_light(self) -> bool {
@@ -93,9 +97,9 @@ impl Shade {
     /// Whether n and b change anything.
     #[must_use]
     pub fn has_strip(&self) -> bool {
-        use Shader::{Flat, Gouraud, Patch, Phong, Quadratic};
+        use Shader::{Cut, Exact, Fixed, Gradient, GradientRepaired};
         let corrected = self.vertex != Correction::Off || self.reweight == Correction::Printed;
-        !matches!(self.shader, Flat | Gouraud | Phong | Quadratic | Patch)
+        matches!(self.shader, Fixed | Gradient | GradientRepaired | Exact | Cut)
             || corrected && self.shader.interpolates_light()
     }
 }

@@ -137,7 +137,7 @@ impl MeshChoice {
 #[must_use]
 pub fn title(renderer: &Renderer) -> String {
     let shade = renderer.shade;
-    let mut text = shader_title(shade.shader).to_owned();
+    let mut text = shader_title(shade.shader);
     if shade.has_strip() {
         text += &format!(" ({}, {})", depth_title(shade.depth), rounded(shade.boundary));
     }
@@ -156,20 +156,11 @@ pub fn title(renderer: &Renderer) -> String {
     text
 }
 
-/// The name of a shader on the page.
-pub fn shader_title(shader: Shader) -> &'static str {
-    match shader {
-        Shader::Flat => "Flat",
-        Shader::Gouraud => "Gouraud",
-        Shader::Phong => "Phong",
-        Shader::Quadratic => "Quadratic",
-        Shader::Fixed => "Fixed, as printed",
-        Shader::Gradient => "Gradient, as printed",
-        Shader::GradientRepaired => "Gradient, repaired",
-        Shader::Exact => "Exact",
-        Shader::Cut => "Cut",
-        Shader::Patch => "Patch",
-    }
+/// The name of a shader on the page: "Gradient, repaired" for "gradient-repaired".
+pub fn shader_title(shader: Shader) -> String {
+    let (first, rest) = shader.name().split_at(1);
+    let printed = if matches!(shader, Shader::Fixed | Shader::Gradient) { ", as printed" } else { "" };
+    format!("{}{}{printed}", first.to_uppercase(), rest.replace('-', ", "))
 }
 
 /// The continuity depth on the page.

@@ -49,8 +49,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     ui.label(RichText::new(place).strong().color(SIDES[which]));
     let name = |control: &str| format!("{place} {control}");
     let shade = &mut side.shade;
-    field("shader", &name("shader"))
-        .choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader).to_owned());
+    field("shader", &name("shader")).choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader));
     if shade.shader == Shader::Patch {
         let title = |gradients: &Gradients| match gradients {
             Gradients::Curvature => "mesh curvature".to_owned(),

@@ -6,7 +6,7 @@ use wgpu::util::DeviceExt as _;
 
 use super::{
     pack,
-    pipeline::{DEPTH_FORMAT, Overrides, WGSL, layout, overrides, pipeline},
+    pipeline::{DEPTH_FORMAT, Overrides, layout, overrides, pipeline, wgsl},
 };
 use crate::{
     light::{CodeImage, Samples, Transfer},
@@ -65,7 +65,7 @@ impl Gpu {
             return Err(GpuError::NoStorage(storage));
         }
         guarded(device, || {
-            let source = wgpu::ShaderSource::Wgsl(WGSL.into());
+            let source = wgpu::ShaderSource::Wgsl(wgsl().into());
             let module = wgpu::ShaderModuleDescriptor { label: Some("shading"), source };
             Gpu {
                 device: device.clone(),

@@ -83,18 +83,6 @@ fn shade_pixel(corner: Corner) -> @location(0) vec4f {
 
 // The light of a pixel, by the shader chosen, then the corrections.
 
-// The order of `Shader::ALL`.
-const FLAT = 0u;
-const GOURAUD = 1u;
-const PHONG = 2u;
-const QUADRATIC = 3u;
-const FIXED = 4u;
-const GRADIENT = 5u;
-const GRADIENT_REPAIRED = 6u;
-const EXACT = 7u;
-const CUT = 8u;
-const PATCH = 9u;
-
 fn pixel_light(t: Corner, w: vec3f) -> vec3f {
     var light = shaded(t, w);
     let b = min(globals.boundary, 1.0 / 3.0);

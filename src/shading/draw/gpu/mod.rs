@@ -17,4 +17,3 @@ mod pack;
 mod pipeline;
 
 pub use card::{Gpu, GpuError, codes};
-pub use pipeline::WGSL;

@@ -1,4 +1,4 @@
-//! A frame as the bytes that the WGSL reads; the layouts are those of `wgsl/bindings.wgsl`.
+//! A frame as the bytes that the WGSL reads; the layouts are those of `gpu/bindings.wgsl`.
 
 use glam::{DVec2, DVec3};
 
@@ -170,10 +170,10 @@ const GOG_POINTS: u32 = 4096;
 /// Rows of [`constants`] a triangle, three entries each: one for each corner, or for the edge opposite it.
 pub const fn rows(shader: Shader) -> u32 {
     match shader {
-        Shader::Gouraud | Shader::Phong | Shader::Fixed => 0,
         Shader::Flat | Shader::Quadratic | Shader::Gradient | Shader::GradientRepaired | Shader::Exact => 1,
         Shader::Cut => 2,
         Shader::Patch => 3,
+        _ => 0,
     }
 }
 
@@ -181,7 +181,6 @@ pub const fn rows(shader: Shader) -> u32 {
 fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
     let triangles = 0..frame.triangles.len();
     match shade.shader {
-        Shader::Gouraud | Shader::Phong | Shader::Fixed => Vec::new(),
         Shader::Flat => triangles.flat_map(|t| [four(flat::light(frame, t), 0.0); 3]).collect(),
         Shader::Quadratic => {
             triangles.flat_map(|t| quadratic::bulges(frame, t).map(|bulge| four(bulge, 0.0))).collect()
@@ -193,6 +192,7 @@ fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
             let patches = Patches::new(frame, shade.gradients);
             triangles.flat_map(|t| ordinates(&patches.control_points[t])).collect()
         }
+        _ => Vec::new(),
     }
 }
 

@@ -9,8 +9,8 @@ use crate::{
     },
 };
 
-/// The whole of the WGSL.
-pub const WGSL: &str = concat!(
+/// The WGSL but for the numbers of the shaders.
+const SOURCE: &str = concat!(
     include_str!("bindings.wgsl"),
     include_str!("../../shaders/strips.wgsl"),
     include_str!("../../shaders/fixed.wgsl"),
@@ -22,6 +22,15 @@ pub const WGSL: &str = concat!(
     include_str!("lighting.wgsl"),
     include_str!("main.wgsl"),
 );
+
+/// The whole of the WGSL, with the number of each shader as a constant: `GRADIENT_REPAIRED` for "gradient-repaired".
+pub fn wgsl() -> String {
+    let constant = |shader: &Shader| {
+        let name = shader.name().replace('-', "_").to_uppercase();
+        format!("const {name} = {}u;\n", position(Shader::ALL, *shader))
+    };
+    Shader::ALL.iter().map(constant).collect::<String>() + SOURCE
+}
 
 /// How depth is kept.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
