@@ -1,4 +1,4 @@
-//! Pictures put on the screen pixel for pixel, by a shader that does nothing else.
+//! Draws images on the screen pixel for pixel, with a shader that does nothing else.
 //!
 //! egui's own shader filters, tints and dithers whatever it draws. Where the processor does the work of a graphics card,
 //! it takes ten times as long for the same codes.
@@ -34,10 +34,10 @@ struct Textures {
     queue: wgpu::Queue,
 }
 
-/// The shader, stored with egui's own.
+/// The shader, stored with the shaders of egui.
 struct Pipeline(wgpu::RenderPipeline);
 
-/// Makes the shader. Without graphics, or where the screen's format would change codes, egui draws instead.
+/// Creates the shader. Without graphics, or if the screen's format would change codes, egui draws instead.
 pub fn install(cc: &CreationContext<'_>) {
     let Some(state) = cc.wgpu_render_state.as_ref().filter(|state| !state.target_format.is_srgb()) else { return };
     let pipeline = pipeline(state);
@@ -116,8 +116,8 @@ pub struct Part {
     pub size: [f32; 2],
 }
 
-/// Uploads a new picture at once: egui does so only when the frame is drawn, and the first frame that shows a picture is
-/// the one that counts. `false` without graphics.
+/// Uploads a new image immediately: egui would upload it only when the frame is drawn, and the first frame that shows
+/// an image is the one that counts. `false` without graphics.
 pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::ImageDelta) -> bool {
     let found: Option<Textures> = ctx.data(|data| data.get_temp(Id::NULL));
     let Some(Textures { renderer, device, queue }) = found else { return false };
@@ -125,8 +125,8 @@ pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::Ima
     true
 }
 
-/// Draws a part of a picture pixel for pixel; `false` where egui has to, because the picture is not uploaded yet or there
-/// are no graphics.
+/// Draws a part of an image pixel for pixel; `false` if egui must draw it, because the image is not uploaded yet or
+/// there are no graphics.
 pub fn draw(ui: &egui::Ui, texture: TextureId, part: Part) -> bool {
     let Some(Textures { renderer, .. }) = ui.ctx().data(|data| data.get_temp(Id::NULL)) else { return false };
     let Some(codes) = renderer.read().texture(&texture).map(|texture| texture.bind_group.clone()) else {
@@ -178,7 +178,7 @@ impl CallbackTrait for Blit {
         let (Some(Pipeline(pipeline)), Some(corners)) = (resources.get::<Pipeline>(), self.corners.get()) else {
             return;
         };
-        // The whole window, so that a picture that reaches beyond its edge is not squeezed.
+        // The whole window, so that an image that extends beyond its edge is not squeezed.
         let [width, height] = info.screen_size_px.map(|side| side as f32);
         pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
         pass.set_pipeline(pipeline);

@@ -1,4 +1,4 @@
-//! The desktop's own file dialogs, on a thread of their own so that the window is still drawn.
+//! The file dialogs of the desktop, on a separate thread so that the window is still drawn.
 
 use std::{
     path::PathBuf,
@@ -31,8 +31,8 @@ pub struct Dialog {
 }
 
 impl Dialog {
-    /// The button that opens the dialog, called `name` for a screen reader. Puts what is chosen into `path`, and gives
-    /// whether anything was.
+    /// The button that opens the dialog, named `name` for screen readers. Puts the chosen path into `path`; returns
+    /// whether one was chosen.
     pub fn browse(&mut self, ui: &mut egui::Ui, ask: Ask, name: &str, path: &mut String) -> bool {
         let button = ui.button("Browse…");
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
@@ -62,7 +62,7 @@ impl Dialog {
                 Ask::Data => dialog.add_filter("CSV", &["csv"]).add_filter("all files", &["*"]).pick_files(),
                 Ask::Folder => one(dialog.pick_folder()),
             };
-            // The window may be gone; then nobody needs the answer.
+            // The window may be closed; then nobody needs the answer.
             let _ = send.send(paths);
             ctx.request_repaint();
         });
@@ -70,26 +70,26 @@ impl Dialog {
         self.missing = false;
     }
 
-    /// Says so where the last one never opened.
+    /// Shows an error if the last dialog never opened.
     pub fn missing_fault(&self, ui: &mut egui::Ui) {
         if self.missing {
             text::fault(ui, "The system could not open a file dialog. Type the path, or drop a file on this window.");
         }
     }
 
-    /// The path chosen, once; of several the first.
+    /// The chosen path, once; the first of several.
     pub fn take(&mut self) -> Option<PathBuf> {
         self.take_all()?.into_iter().next()
     }
 
-    /// All paths chosen, once.
+    /// All chosen paths, once.
     pub fn take_all(&mut self) -> Option<Vec<PathBuf>> {
         let (answer, opened) = self.open.as_ref()?;
         let paths = match answer.try_recv() {
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => None,
             Ok(paths) => {
-                // Nobody closes a dialog this fast: there was none. The system does not say so itself.
+                // Nobody closes a dialog this fast, so none was opened. The system itself does not report this.
                 self.missing = paths.is_none() && opened.elapsed() < Duration::from_millis(400);
                 paths
             }

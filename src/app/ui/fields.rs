@@ -9,11 +9,11 @@ use eframe::{
 
 use super::text;
 
-/// A page narrower than this many widths of its label column has the labels above the controls.
+/// On a page narrower than this many label columns, the labels are above the controls.
 const NARROW: f32 = 2.7;
 /// Room for a slider's number, points.
 const NUMBER: f32 = 62.0;
-/// Least room for a slider and its number on a line that has begun, points.
+/// Minimum remaining room on a line for a slider and its number, points.
 const SLIDER: f32 = 190.0;
 
 /// A control and its label, on one line that wraps or in a column of labels.
@@ -34,17 +34,17 @@ impl<'a> Field<'a> {
         Self { label, name: None, hint: "", suffix: "", fault: "", width: None, column: None }
     }
 
-    /// The label stands in a column of this width.
+    /// The label is in a column of this width.
     pub fn column(self, width: f32) -> Self {
         Self { column: Some(width), ..self }
     }
 
-    /// Another name than the label, for screen readers.
+    /// A name for screen readers, if it differs from the label.
     pub fn named(self, name: &'a str) -> Self {
         Self { name: Some(name), ..self }
     }
 
-    /// What an empty text field shows.
+    /// Hint in an empty text field.
     pub fn hint(self, hint: &'a str) -> Self {
         Self { hint, ..self }
     }
@@ -54,7 +54,7 @@ impl<'a> Field<'a> {
         Self { suffix, ..self }
     }
 
-    /// What is wrong, below the control; nothing where it is empty.
+    /// The error below the control; none if it is empty.
     pub fn fault(self, fault: &'a str) -> Self {
         Self { fault, ..self }
     }
@@ -64,7 +64,7 @@ impl<'a> Field<'a> {
         Self { width: Some(width), ..self }
     }
 
-    /// Draws the label and whatever belongs to it; `add` gets the label's identifier, for [`Response::labelled_by`].
+    /// Draws the label and its control; `add` gets the identifier of the label, for [`Response::labelled_by`].
     pub fn show<R>(self, ui: &mut Ui, add: impl FnOnce(&mut Ui, Id) -> R) -> R {
         let Some(column) = self.column else {
             let line = |ui: &mut Ui| {
@@ -123,7 +123,7 @@ impl<'a> Field<'a> {
                 None if ui.available_size_before_wrap().x < SLIDER => ui.end_row(),
                 None => {}
             }
-            // A slider rounds what it is given, and would call that a change.
+            // A slider rounds its value, and would report that as a change.
             let mut shown = (value.to_f64() * scale).round() / scale;
             let slider = Slider::new(&mut shown, range.start().to_f64()..=range.end().to_f64())
                 .step_by(step)
@@ -137,7 +137,7 @@ impl<'a> Field<'a> {
         })
     }
 
-    /// One of several, from a list that opens.
+    /// A choice from a drop-down list.
     pub fn choice<T: Clone + PartialEq>(
         self,
         ui: &mut Ui,
@@ -163,7 +163,7 @@ impl<'a> Field<'a> {
         })
     }
 
-    /// One of several, all of them in view.
+    /// A choice with all options visible.
     pub fn radio<T: Clone + PartialEq>(self, ui: &mut Ui, value: &mut T, all: &[(T, &str)]) {
         self.show(ui, |ui, _| {
             for (one, text) in all {
@@ -183,8 +183,8 @@ impl<'a> Field<'a> {
     }
 }
 
-/// A number as it is typed; `None` where the text is none.
+/// A typed number; `None` if the text is not a number.
 pub fn number(text: &str) -> Option<f64> {
-    // A comma is the decimal point of half the world.
+    // Many countries use a decimal comma.
     text.trim().replace(',', ".").parse().ok().filter(|value: &f64| value.is_finite())
 }

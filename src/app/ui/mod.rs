@@ -1,13 +1,13 @@
-//! The vocabulary of every page: what a field, a note, a plot or a page looks like is written here once.
+//! The elements of every page: the look of fields, notes, plots, and pages is defined here once.
 //!
 //! | file | what |
 //! |---|---|
 //! | [`theme`] | colors, sizes, the palette of plots |
 //! | [`text`] | paragraphs, hints, notes, faults |
-//! | [`page`] | pages, their headings, main buttons and keys; where a page leads |
+//! | [`page`] | pages, their headings, main buttons, and keys; navigation |
 //! | [`fields`] | labeled controls; numbers as they are typed |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
-//! | [`plot`] | plots that do not drag; tables |
+//! | [`plot`] | static plots; tables |
 //! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
 //! | [`screen`], [`platform`] | the monitor, and what the window system knows of it |
 //! | [`work`] | long computations, while the window is still drawn |

@@ -1,4 +1,4 @@
-//! Pages: a column of text and controls, its heading, its main button and its keys, and where a page leads.
+//! Pages: a column of text and controls with a heading, a main button, and keys; and navigation.
 
 use std::convert::Infallible;
 
@@ -6,19 +6,19 @@ use eframe::egui::{self, CentralPanel, Color32, Frame, Key, Popup, RichText, Scr
 
 use super::{text::quiet, theme::COLUMN};
 
-/// Where a page leads after a frame. A page that leads nowhere but back is a `Step` without a type.
+/// Where a page leads after a frame. A page that can only lead back is a `Step` without a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step<T = Infallible> {
     /// The page stays.
     Stay,
-    /// Back to the page before.
+    /// Back to the previous page.
     Back,
     /// On, with what the next page needs.
     Next(T),
 }
 
 impl<T> Step<T> {
-    /// Back, or nowhere yet.
+    /// Back, or stay.
     pub fn back_if(back: bool) -> Self {
         if back { Self::Back } else { Self::Stay }
     }
@@ -45,12 +45,12 @@ pub fn page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
     page_from(ui, 0.18, add)
 }
 
-/// A page that begins below this share of the window's height.
+/// A page that begins at this share of the window's height.
 pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
     let column = |ui: &mut Ui| {
         let width = ui.available_width().min(COLUMN);
         let margin = (ui.available_width() - width) / 2.0;
-        // A small window has no room to give away.
+        // A small window has no room to spare.
         let spare = ui.available_height() - 560.0;
         ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
         let content = |ui: &mut Ui| {
@@ -67,8 +67,8 @@ pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R 
     CentralPanel::default().frame(Frame::NONE.inner_margin(24.0)).show(ui, scrolling).inner
 }
 
-/// A page of its own for one tool: its name, the way back, and its content. Gives whether it was left, by the button or
-/// by Escape, and what the content gave.
+/// A page for one tool: its name, a back button, and its content. Returns whether the user left it, with the button or
+/// Escape, and the result of the content.
 pub fn tool_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> (bool, R) {
     let escaped = escaped(ui);
     page_from(ui, 0.02, |ui| {
@@ -79,7 +79,7 @@ pub fn tool_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> 
     })
 }
 
-/// A page's name and the button that leads back from it: gives whether that was clicked.
+/// The name of a page and its back button; returns whether the button was clicked.
 pub fn heading(ui: &mut Ui, name: &str) -> bool {
     ui.horizontal_wrapped(|ui| {
         ui.heading(name);
@@ -105,7 +105,7 @@ pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
     .inner
 }
 
-/// Whether a key was pressed that means the page: a control with the keyboard's focus takes keys for itself.
+/// Whether a key for the page was pressed: a control with keyboard focus handles keys itself.
 pub fn shortcut(ui: &Ui, key: Key) -> bool {
     let focused = ui.memory(|memory| memory.focused().is_some());
     !focused && ui.input(|input| input.key_pressed(key))

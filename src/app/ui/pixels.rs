@@ -1,4 +1,4 @@
-//! From codes to the screen: the only place that makes a texture.
+//! From codes to the screen: the only place that creates textures.
 //!
 //! A texture drawn at physical pixels, without filtering and tint, reaches the screen byte for byte.
 
@@ -28,7 +28,7 @@ pub fn texture(
     texture_of(ctx, name, &stimulus.codes(size, quantizer))
 }
 
-/// Uploads an image; the screen takes 8 bits, and an image of 16 is black.
+/// Uploads an image; the screen takes 8 bits, and a 16-bit image is black.
 pub fn texture_of(ctx: &egui::Context, name: &str, image: &CodeImage) -> TextureHandle {
     let size = [image.width as usize, image.height as usize];
     let pixels = match image.bytes() {
@@ -44,7 +44,7 @@ fn load(ctx: &egui::Context, name: &str, pixels: Arc<ColorImage>) -> TextureHand
     texture
 }
 
-/// A texture whose picture is another with every frame: it is made once, and each picture is uploaded once.
+/// A texture whose image changes with every frame: it is created once, and each image is uploaded once.
 #[derive(Default)]
 pub struct Canvas {
     /// The frame in which the texture was made, and the texture.
@@ -52,10 +52,11 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// Puts a picture in the place of the one before.
+    /// Replaces the image.
     pub fn put(&mut self, ctx: &egui::Context, name: &str, pixels: Arc<ColorImage>) -> TextureHandle {
         let frame = ctx.cumulative_frame_nr();
-        // In the frame that made it, egui has its first picture still to upload, and would put it over this one.
+        // In the frame that created the texture, egui has yet to upload the first image, which would overwrite this
+        // one.
         if let Some((made, texture)) = &self.made
             && *made != frame
             && texture.size() == pixels.size
@@ -75,8 +76,7 @@ pub fn field(quantizer: &Quantizer, light: [f32; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// Reserves room for a picture in a page and draws it there, pixel for pixel. `label` says what it shows, for screen
-/// readers.
+/// Reserves room for an image on a page and draws it there, pixel for pixel. `label` describes it for screen readers.
 pub fn picture(ui: &mut egui::Ui, texture: &TextureHandle, label: &str) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(texture.size_vec2() / ui.ctx().pixels_per_point(), Sense::hover());
     describe(&response, label);

@@ -1,6 +1,7 @@
-//! What the window system knows about the screen: above all, whether codes reach it unchanged.
+//! What the window system reports about the screen, in particular whether codes reach it unchanged.
 //!
-//! X11 reports most of it through RandR. What no system reports, the preflight asks the person at the screen.
+//! X11 reports most of it through RandR. The preflight asks the person at the screen about everything that no system
+//! reports.
 
 use serde::Serialize;
 use x11rb::{
@@ -14,28 +15,28 @@ use x11rb::{
 
 use super::screen::Monitor;
 
-/// What is known; `None` where the system does not report it.
+/// The known properties; `None` if the system does not report them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Platform {
     /// `X11`, `Wayland`, or the system's name.
     pub window_system: &'static str,
-    /// Whether a compositor stands between the window and the screen.
+    /// Whether there is a compositor between the window and the screen.
     pub composited: Option<bool>,
-    /// Whether the graphics card passes codes on as they are: its gamma ramps are straight.
+    /// Whether the graphics card leaves codes unchanged: its gamma ramps are straight.
     pub ramps_straight: Option<bool>,
-    /// Whether the system resamples the picture on its way to the screen.
+    /// Whether the system resamples the image on its way to the screen.
     pub resampled: Option<bool>,
-    /// Pixels that the screen is driven with.
+    /// Pixels of the current mode.
     pub mode_px: Option<[u32; 2]>,
-    /// Pixels that the screen itself prefers: its own.
+    /// Native pixels of the screen.
     pub own_px: Option<[u32; 2]>,
-    /// Width of the lit part in cm, as the screen says.
+    /// Width of the display area in cm, as reported by the screen.
     pub width_cm: Option<f64>,
-    /// Refreshes a second, from the mode's own timing.
+    /// Refreshes per second, from the timing of the mode.
     pub refresh_hz: Option<f64>,
-    /// Whether the screen can vary its refresh.
+    /// Whether the screen supports variable refresh.
     pub variable_refresh: Option<bool>,
-    /// Whether the screen can be in a high dynamic range.
+    /// Whether the screen supports high dynamic range.
     pub hdr: Option<bool>,
 }
 
@@ -58,7 +59,7 @@ impl Platform {
         }
     }
 
-    /// Adds what the X server reports; `None` where it does not answer.
+    /// Adds what the X server reports; `None` if it does not answer.
     fn ask_x11(mut self, monitor: &Monitor) -> Option<Self> {
         let (x, number) = RustConnection::connect(None).ok()?;
         let root = x.setup().roots.get(number)?.root;
@@ -101,13 +102,13 @@ fn px(mode: &ModeInfo) -> [u32; 2] {
     [mode.width.into(), mode.height.into()]
 }
 
-/// Refreshes a second of a mode; `None` where it has no timing, as a virtual screen's.
+/// Refreshes per second of a mode; `None` if it has no timing, as on virtual screens.
 fn refresh_hz(mode: &ModeInfo) -> Option<f64> {
     let pixels = f64::from(mode.htotal) * f64::from(mode.vtotal);
     (mode.dot_clock > 0 && pixels > 0.0).then(|| f64::from(mode.dot_clock) / pixels)
 }
 
-/// Whether the part of the desktop that the screen shows has other sides than the mode: then it is scaled.
+/// Whether the visible part of the desktop differs in size from the mode, so that it is scaled.
 fn is_resampled(mode: &ModeInfo, crtc: &randr::GetCrtcInfoReply) -> bool {
     let turned =
         crtc.rotation.contains(randr::Rotation::ROTATE90) || crtc.rotation.contains(randr::Rotation::ROTATE270);
@@ -115,7 +116,7 @@ fn is_resampled(mode: &ModeInfo, crtc: &randr::GetCrtcInfoReply) -> bool {
     (width, height) != (crtc.width, crtc.height)
 }
 
-/// Whether the driver says that the output can vary its refresh.
+/// Whether the driver says that the output supports variable refresh.
 fn vrr_capable(x: &RustConnection, output: randr::Output) -> Option<bool> {
     let property = x.intern_atom(true, b"vrr_capable").ok()?.reply().ok()?.atom;
     if property == x11rb::NONE {
@@ -126,11 +127,11 @@ fn vrr_capable(x: &RustConnection, output: randr::Output) -> Option<bool> {
     reply.data.first().map(|value| *value != 0)
 }
 
-/// Whether a gamma ramp passes every code on; `None` where there is none. A ramp that is dark throughout is none either:
-/// virtual screens have such.
+/// Whether a gamma ramp leaves every code unchanged; `None` if there is no ramp. A ramp that is dark throughout, as on
+/// virtual screens, does not count.
 fn is_straight(ramp: &[u16]) -> Option<bool> {
     let last = ramp.len().checked_sub(1).filter(|last| *last > 0 && ramp[*last] > 0)?;
     let off = |(i, value): (usize, &u16)| (f64::from(*value) - i as f64 / last as f64 * f64::from(u16::MAX)).abs();
-    // A code of 8 bits is 257 of a ramp's.
+    // An 8-bit code is 257 steps of a ramp.
     Some(ramp.iter().enumerate().map(off).fold(0.0, f64::max) < 257.0)
 }

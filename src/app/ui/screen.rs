@@ -1,4 +1,4 @@
-//! The monitor as the system describes it, and what is typed about it.
+//! The monitor as described by the system, and the typed settings.
 
 use std::path::Path;
 
@@ -6,8 +6,8 @@ use eframe::egui;
 
 use crate::{display::DisplayProfile, store::profile};
 
-/// A monitor as the window system describes it. A macro, since the type is the window system's own and is named nowhere
-/// else here.
+/// A monitor as described by the window system. A macro, because the type belongs to the window system and is not named
+/// anywhere else here.
 macro_rules! described {
     ($monitor:expr) => {{
         let size = $monitor.size();
@@ -21,7 +21,7 @@ macro_rules! described {
     }};
 }
 
-/// What is known of the monitor that shows the window.
+/// What is known about the monitor that shows the window.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Monitor {
     /// The system's name for it.
@@ -61,7 +61,7 @@ impl Monitor {
         }
     }
 
-    /// Width in cm if its pixels were 1/96 inch apart, the size that systems assume of a screen they do not know.
+    /// Width in cm if its pixels were 1/96 inch apart, which systems assume for unknown screens.
     pub fn assumed_width_cm(&self) -> f64 {
         f64::from(self.width_px) / self.scale.max(0.1) / 96.0 * 2.54
     }
@@ -73,22 +73,22 @@ pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
     (size.x.round() as u32, size.y.round() as u32)
 }
 
-/// What is typed about the screen. Home and the display lab share it.
+/// The typed settings of the screen, shared by Home and the display lab.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScreenFields {
     /// Path of a display profile; empty for sRGB.
     pub profile: String,
     /// Width of the visible screen, cm.
     pub screen_width_cm: String,
-    /// Eye to screen, cm.
+    /// Viewing distance, cm.
     pub distance_cm: String,
 }
 
 impl ScreenFields {
-    /// The display profile, sRGB where none is named.
+    /// The display profile; sRGB if none is named.
     ///
     /// # Errors
-    /// What is wrong with the file, a line a fault.
+    /// The errors in the file, one per line.
     pub fn profile(&self) -> Result<DisplayProfile, String> {
         match self.profile.trim() {
             "" => Ok(DisplayProfile::default()),
@@ -96,13 +96,13 @@ impl ScreenFields {
         }
     }
 
-    /// Whether the screen's width is the one that nobody measured or typed.
+    /// Whether the screen's width is assumed rather than measured or typed.
     pub fn width_is_assumed(&self, monitor: &Monitor) -> bool {
         self.screen_width_cm.trim() == format!("{:.1}", monitor.assumed_width_cm())
     }
 }
 
-/// The date, by the system's clock.
+/// The date according to the system clock.
 pub fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }

@@ -1,4 +1,4 @@
-//! Texts: paragraphs, hints, notes and faults.
+//! Text: paragraphs, hints, notes, and errors.
 
 use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetText};
 
@@ -9,7 +9,7 @@ pub fn quiet(text: impl Into<String>) -> RichText {
     RichText::new(text).small().color(QUIET)
 }
 
-/// A text that wraps.
+/// Text that wraps.
 pub fn paragraph(ui: &mut Ui, text: impl Into<WidgetText>) {
     ui.add(Label::new(text).wrap());
 }
@@ -19,17 +19,17 @@ pub fn hint(ui: &mut Ui, text: impl Into<String>) {
     paragraph(ui, quiet(text));
 }
 
-/// Small print that is worth knowing.
+/// A note worth reading.
 pub fn note(ui: &mut Ui, text: impl Into<String>) {
     small(ui, text, NOTE);
 }
 
-/// What is wrong, next to the field or button concerned.
+/// An error, next to the field or button concerned.
 pub fn fault(ui: &mut Ui, text: impl Into<String>) {
     small(ui, text, FAULT);
 }
 
-/// What has worked.
+/// A success message.
 pub fn good(ui: &mut Ui, text: impl Into<String>) {
     small(ui, text, GOOD);
 }
@@ -38,7 +38,7 @@ fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
     paragraph(ui, RichText::new(text).small().color(color));
 }
 
-/// The outcome of an action, where there was one.
+/// The outcome of an action, if any.
 pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
     match outcome {
         Some(Ok(done)) => hint(ui, done),
@@ -53,7 +53,7 @@ pub fn section(ui: &mut Ui, text: impl Into<String>) {
     paragraph(ui, RichText::new(text).strong().size(18.0));
 }
 
-/// A tick, or an exclamation mark. Painted, since not every font has them.
+/// A check mark or an exclamation mark. Painted, because not every font has them.
 pub fn tick(ui: &mut Ui, good: bool) {
     let (rect, _) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::hover());
     let at = |x: f32, y: f32| rect.lerp_inside(Vec2::new(x, y));
@@ -76,7 +76,7 @@ pub fn describe(response: &Response, text: &str) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, text));
 }
 
-/// Gives a control a name of its own for screen readers.
+/// Names a control for screen readers.
 pub fn name(ui: &Ui, response: &Response, name: &str) {
     let ctx: &egui::Context = ui.ctx();
     ctx.accesskit_node_builder(response.id, |node| node.set_label(name));

@@ -1,4 +1,4 @@
-//! Colors and sizes of all pages: neutral grays, so that pages between trials leave the eye's adaptation alone.
+//! Colors and sizes of all pages: neutral grays, so that pages between trials do not change the eye's adaptation.
 
 use eframe::egui::{self, Color32, FontId, TextStyle, Vec2, style::HandleShape};
 use egui_plot::MarkerShape;
@@ -15,7 +15,7 @@ pub const GOOD: Color32 = Color32::from_rgb(0x90, 0xd0, 0xa0);
 pub const QUIET: Color32 = Color32::from_gray(0xb4);
 /// The page.
 pub const PAGE: Color32 = Color32::from_gray(0x22);
-/// Widest line of running text, points.
+/// Maximum line width of running text, points.
 pub const COLUMN: f32 = 680.0;
 
 /// Colors of the series of a plot: those of the figures, on a dark page.
@@ -29,7 +29,7 @@ pub const SERIES: [Color32; 7] = {
     }
     colors
 };
-/// A marker of its own for each series, so that color is not needed.
+/// A different marker for each series, so that color is not needed.
 pub const MARKERS: [MarkerShape; 7] = [
     MarkerShape::Circle,
     MarkerShape::Square,
@@ -39,10 +39,10 @@ pub const MARKERS: [MarkerShape; 7] = [
     MarkerShape::Cross,
     MarkerShape::Plus,
 ];
-/// The left and the right of two pictures that are compared.
+/// Colors of the left and right images in a comparison.
 pub const SIDES: [Color32; 2] = [SERIES[1], NOTE];
 
-/// Color and marker of a series. After all colors, the same ones come with other markers.
+/// Color and marker of a series. After all colors are used, they repeat with other markers.
 pub fn series(index: usize) -> (Color32, MarkerShape) {
     (SERIES[index % SERIES.len()], MARKERS[(index + index / SERIES.len()) % MARKERS.len()])
 }
@@ -76,7 +76,7 @@ pub fn apply(ctx: &egui::Context) {
         style.visuals.widgets.inactive.bg_fill = Color32::from_gray(0x48);
         style.visuals.widgets.inactive.weak_bg_fill = Color32::from_gray(0x40);
         style.visuals.widgets.inactive.bg_stroke = egui::Stroke::new(1.0, Color32::from_gray(0x68));
-        // What has the keyboard's focus stands out; what the mouse is over, less.
+        // The control with keyboard focus stands out; the control under the mouse, less so.
         style.visuals.widgets.active.bg_stroke = egui::Stroke::new(2.5, Color32::WHITE);
         style.visuals.widgets.hovered.bg_stroke = egui::Stroke::new(1.0, Color32::from_gray(0xa0));
         style.visuals.selection.bg_fill = Color32::from_rgb(0x4a, 0x5a, 0x80);

@@ -1,19 +1,19 @@
-//! Long computations on threads of their own, so that the window is still drawn.
+//! Long computations on separate threads, so that the window is still drawn.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use eframe::egui;
 
-/// Something that is being computed. If it is dropped before it is done, its result is lost.
+/// A running computation. If it is dropped before it is done, its result is lost.
 pub struct Work<T>(Receiver<T>);
 
-/// How far work has come.
+/// The state of a computation.
 pub enum Progress<T> {
     /// It is not done.
     Going,
     /// Its result, once.
     Done(T),
-    /// It ended without a result: a defect of the program, not of the data.
+    /// It ended without a result: an error in the program, not in the data.
     Lost,
 }
 
@@ -23,16 +23,16 @@ impl<T: Send + 'static> Work<T> {
         let (send, receive) = channel();
         let ctx = ctx.clone();
         std::thread::spawn(move || {
-            // Dropped last, also where the computation panics: the window then finds nobody at the other end.
+            // Dropped last, even if the computation panics: the window then finds the channel closed.
             let _repaint = Repaint(ctx);
             let send = send;
-            // Newer work may have taken this one's place; then nobody needs the result.
+            // Newer work may have replaced this; then nobody needs the result.
             let _ = send.send(compute());
         });
         Self(receive)
     }
 
-    /// How far it has come.
+    /// The current state.
     pub fn poll(&self) -> Progress<T> {
         match self.0.try_recv() {
             Ok(result) => Progress::Done(result),
@@ -42,7 +42,7 @@ impl<T: Send + 'static> Work<T> {
     }
 }
 
-/// Has the window drawn when it goes out of scope.
+/// Requests a repaint of the window when it goes out of scope.
 struct Repaint(egui::Context);
 
 impl Drop for Repaint {
@@ -51,7 +51,7 @@ impl Drop for Repaint {
     }
 }
 
-/// One computation at a time, for the key that was wanted last: a new one begins when the one before is done.
+/// One computation at a time, for the last requested key: a new one begins when the previous one is done.
 pub struct Latest<K, T> {
     going: Option<(K, Work<Result<T, String>>)>,
     done: Option<(K, Result<T, String>)>,
@@ -64,7 +64,7 @@ impl<K, T> Default for Latest<K, T> {
 }
 
 impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
-    /// Sees that the result for `key` comes: `job` is asked for what computes it, when that is to begin.
+    /// Ensures that the result for `key` is computed: `job` returns the computation when it is about to begin.
     pub fn want<F>(&mut self, ctx: &egui::Context, key: K, job: impl FnOnce() -> F)
     where
         F: FnOnce() -> Result<T, String> + Send + 'static,
@@ -76,7 +76,7 @@ impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
         }
     }
 
-    /// The result for `key`, as soon as it is there; of no other.
+    /// The result for `key` once it is available, and for no other key.
     pub fn get(&self, key: &K) -> Option<&Result<T, String>> {
         self.done.as_ref().filter(|(done, _)| done == key).map(|(_, result)| result)
     }

@@ -1,4 +1,4 @@
-//! The event loop: eframe's, with keys and clicks stamped before they are handed to it.
+//! The event loop: that of eframe, with keys and clicks timestamped before they are passed to it.
 
 use std::{
     mem::ManuallyDrop,
@@ -21,14 +21,14 @@ use super::{
     program::{Failure, Shared, WindowError},
 };
 
-/// A loop that comes back from waiting this late had nothing to do, and was woken by what it then finds.
+/// A loop that wakes after at least this time was idle, and was woken by the events that it then finds.
 const SLEPT: Duration = Duration::from_micros(500);
 
 /// Runs the window until it is closed.
 ///
 /// # Errors
-/// [`WindowError::Refused`] with the reason of the window system or the graphics driver; [`WindowError::Lost`] where one
-/// of them has gone meanwhile.
+/// [`WindowError::Refused`] with the reason of the window system or the graphics driver; [`WindowError::Lost`] if one
+/// of them was lost while the window was open.
 pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<(), WindowError> {
     let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
     listen_to_log();
@@ -37,7 +37,7 @@ pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<()
     Failure::catch_panics();
     program.report_at_exit();
     let inner = eframe::create_native("machband", options, creator, &events);
-    // What is broken is not taken apart: its parts would ask a window system or a graphics card that is gone.
+    // Broken parts are not dropped, because they would call a window system or a graphics card that was lost.
     let mut handler = ManuallyDrop::new(Handler {
         inner,
         program,
@@ -61,29 +61,29 @@ pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<()
     if let Ok(Err(error)) = ran {
         return Err(refused(&error));
     }
-    // eframe says why it stopped in its log alone.
+    // eframe gives the reason for stopping only in its log.
     match LOGGED.lock().unwrap_or_else(PoisonError::into_inner).take() {
         Some(reason) => Err(WindowError::Refused(reason)),
         None => Ok(()),
     }
 }
 
-/// Stamps keys and clicks, and hands everything on.
+/// Timestamps keys and clicks, and passes everything on.
 struct Handler<'a> {
     inner: EframeWinitApplication<'a>,
-    /// The program in the window, to be closed where the window is lost.
+    /// The program in the window, to close it if the window is lost.
     program: Shared,
     stamps: Stamps,
-    /// When this round had asked for all that had arrived: where its drawing began. `None` until then.
+    /// When this iteration had read all events and began drawing; `None` until then.
     polled: Option<Instant>,
-    /// When the last round was over.
+    /// When the last iteration ended.
     idle_since: Option<Instant>,
-    /// Since when no event has been read.
+    /// Time since which no event has been read.
     unseen_since: Instant,
 }
 
 impl<'a> Handler<'a> {
-    /// Hands an event on, unless window or graphics are lost: then the session is closed, and the loop ends.
+    /// Passes an event on, unless the window or the graphics are lost: then the session is closed, and the loop ends.
     fn hand_on(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
         let failure = self.program.failure();
         if failure.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
@@ -95,8 +95,8 @@ impl<'a> Handler<'a> {
         }
     }
 
-    /// A round begins: its events have arrived since the round before read them, or, where that went to sleep with nothing
-    /// to do, have just woken it.
+    /// Begins an iteration: its events have arrived since the previous iteration read events, or have just woken an
+    /// idle loop.
     fn wake(&mut self, now: Instant) {
         let slept = self.idle_since.is_some_and(|since| now.saturating_duration_since(since) > SLEPT);
         self.unseen_since = if slept { now } else { self.polled.take().unwrap_or(now) };
@@ -124,7 +124,7 @@ impl<'a> Handler<'a> {
     }
 }
 
-/// Digits and letters by their place, the keys that can be an answer.
+/// Digits and letters by position: the keys that can be an answer.
 fn key(physical: PhysicalKey) -> Option<Key> {
     let PhysicalKey::Code(code) = physical else { return None };
     let name = format!("{code:?}");
@@ -177,7 +177,7 @@ impl ApplicationHandler<UserEvent> for Handler<'_> {
 
 /// Why eframe gave up.
 static LOGGED: Mutex<Option<String>> = Mutex::new(None);
-/// What eframe's log says before the reason.
+/// The text before the reason in the log of eframe.
 const GAVE_UP: &str = "Exiting because of error: ";
 
 struct Listener;
@@ -201,7 +201,7 @@ impl log::Log for Listener {
 fn listen_to_log() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // A program that has a log of its own keeps it, and then knows the reason.
+        // A program with its own log keeps it, and then knows the reason.
         if log::set_logger(&Listener).is_ok() {
             log::set_max_level(log::LevelFilter::Error);
         }

@@ -1,7 +1,8 @@
-//! Keys and clicks, stamped when the window system hands them over and not when the frame comes that answers them.
+//! Keys and clicks, timestamped when the window system delivers them rather than in the frame that responds to them.
 //!
-//! The event loop stamps ([`Stamps::press`]); the session asks for the stamp of a key that egui reports
-//! ([`Input::key`]). Without an event loop of our own, as in tests, nothing is stamped and the frame's time stands in.
+//! The event loop sets timestamps ([`Stamps::press`]); the session looks up the timestamp of a key that egui reports
+//! ([`Input::key`]). Without our own event loop, as in tests, there are no timestamps, and the time of the frame is
+//! used.
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -13,9 +14,9 @@ use eframe::egui::Key;
 /// What was pressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pressed {
-    /// A key, by its place on the keyboard.
+    /// A key, by its position on the keyboard.
     Key(Key),
-    /// A button of the mouse, let go: only then it is a click.
+    /// A released mouse button: only the release makes a click.
     Click,
 }
 
@@ -23,18 +24,18 @@ pub enum Pressed {
 #[derive(Clone, Copy, Debug)]
 struct Press {
     what: Pressed,
-    /// When it was handed over.
+    /// When it was delivered.
     at: Instant,
-    /// For how long no event had been taken up before.
+    /// How long no event had been read before.
     unseen: Duration,
 }
 
-/// What was pressed since the last frame: the event loop writes, the window reads.
+/// Presses since the last frame: the event loop writes, the window reads.
 #[derive(Clone, Debug, Default)]
 pub struct Stamps(Arc<Mutex<Vec<Press>>>);
 
 impl Stamps {
-    /// Something was pressed, and events had last been read `unseen` before.
+    /// Records a press; events were last read `unseen` earlier.
     pub fn press(&self, what: Pressed, at: Instant, unseen: Duration) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(Press { what, at, unseen });
     }
@@ -49,11 +50,11 @@ impl Stamps {
 pub struct PressTime {
     /// The window's time, seconds.
     pub at_s: f64,
-    /// For how long at most it may have waited for that, where it is known.
+    /// The maximum time that it may have waited, if known.
     pub uncertainty: Option<Duration>,
 }
 
-/// The presses of a frame with their stamps.
+/// The presses of a frame with their timestamps.
 #[derive(Debug, Default)]
 pub struct Input {
     /// `None` without an event loop of our own.
@@ -64,21 +65,21 @@ pub struct Input {
 }
 
 impl Input {
-    /// With what an event loop stamps.
+    /// With the timestamps of an event loop.
     pub fn stamped(stamps: Stamps) -> Self {
         Self { stamps: Some(stamps), ..Self::default() }
     }
 
-    /// A frame begins: `now` is the window's time, seconds, taken a moment before `clock`.
+    /// Begins a frame: `now` is the window's time, seconds, taken a moment before `clock`.
     pub fn frame(&mut self, now: f64, clock: Instant) {
-        // The moment between the two is never negative: the earliest zero is the nearest.
+        // The delay between the two is never negative, so the earliest zero is the most accurate.
         if let Some(zero) = Duration::try_from_secs_f64(now).ok().and_then(|now| clock.checked_sub(now)) {
             self.zero = Some(self.zero.map_or(zero, |before| before.min(zero)));
         }
         self.fresh = self.stamps.as_ref().map(Stamps::take).unwrap_or_default();
     }
 
-    /// The stamp of a key that went down before this frame, by its place. Each is given once, in their order.
+    /// The timestamp of a key that was pressed before this frame, by position. Each is returned once, in order.
     pub fn key(&mut self, place: Key) -> Option<PressTime> {
         self.find(Pressed::Key(place))
     }
@@ -100,12 +101,12 @@ impl Input {
     }
 }
 
-/// How ratings of a sitting were stamped, for the sidecar.
+/// How the ratings of a sitting were timestamped, for the sidecar.
 #[derive(Clone, Debug, Default)]
 pub struct InputReport {
-    /// Longest waits of the ratings that were stamped.
+    /// Maximum waits of the ratings with a timestamp.
     waits: Vec<Duration>,
-    /// Ratings that were not.
+    /// Ratings without a timestamp.
     unstamped: u32,
 }
 
@@ -145,7 +146,7 @@ impl InputReport {
     }
 }
 
-/// What a stamp means.
+/// The meaning of a timestamp.
 const STAMPED: &str = "A rating is timestamped when the window system delivers the key or click, before the frame that \
     responds to it. The event may have waited since the program last read events (it reads none while it draws), for \
     at most response_uncertainty_s. Delays of the keyboard, cable, and window system are not included.";

@@ -1,5 +1,5 @@
-//! The window under the program: the event loop, keys and clicks with the time of their arrival, and what happens when
-//! window system or graphics go away.
+//! The window of the program: the event loop, keys and clicks with their arrival times, and the response to the loss of
+//! the window system or the graphics.
 
 mod event_loop;
 mod input;

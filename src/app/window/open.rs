@@ -18,10 +18,10 @@ use super::{
 /// Least size of the window, outside sessions, in points.
 pub const LEAST_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
 
-/// Opens the window and returns when it is closed. `make` makes the program that runs in it.
+/// Opens the window and returns when it is closed. `make` creates the program that runs in it.
 ///
 /// # Errors
-/// [`WindowError`] where there is no display or no graphics, or where one of them goes away.
+/// [`WindowError`] if there is no display or no graphics, or if one of them is lost.
 pub fn open<P: Program + 'static>(
     fullscreen: bool,
     make: impl FnOnce(&CreationContext<'_>, Input) -> P + 'static,
@@ -46,7 +46,7 @@ fn options(fullscreen: bool) -> NativeOptions {
         dithering: false,
         ..Default::default()
     };
-    // All that the graphics card has: eframe's own choice leaves OpenGL without what the shaders read.
+    // All limits of the graphics card: the defaults of eframe on OpenGL lack the storage buffers that the shaders read.
     if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
         setup.device_descriptor = Arc::new(|adapter| DeviceDescriptor {
             label: Some("machband"),

@@ -1,5 +1,5 @@
-//! The program in the window, and what happens when the graphics card or the window system goes away under it: what is
-//! recorded is on disk, the sitting is closed, and one sentence says how to resume.
+//! The program in the window, and the response to the loss of the graphics card or the window system: recorded data are
+//! on disk, the sitting is closed, and a message says how to resume.
 
 use std::{
     cell::{Cell, RefCell},
@@ -25,12 +25,12 @@ pub enum WindowError {
         "display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)"
     )]
     Refused(String),
-    /// The window system or the graphics driver went away while the window was open.
+    /// The window system or the graphics driver was lost while the window was open.
     #[error("{}", lost(reason, rows.as_deref()))]
     Lost {
         /// The reason they gave.
         reason: String,
-        /// Where the rows of the running session are.
+        /// Path of the rows of the running session.
         rows: Option<PathBuf>,
     },
 }
@@ -49,7 +49,7 @@ fn lost(reason: &str, rows: Option<&Path>) -> String {
 
 /// What runs in the window.
 pub trait Program: eframe::App {
-    /// Ends a session that runs; gives the file of its rows.
+    /// Ends a running session; returns the file of its rows.
     fn close(&mut self) -> Option<PathBuf>;
 }
 
@@ -61,7 +61,7 @@ thread_local! {
     /// The message of the last panic of this thread, where panics are caught.
     static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
     static CAUGHT: Cell<bool> = const { Cell::new(false) };
-    /// The system drops this where a library ends the program by itself, as Xlib does when its server is gone.
+    /// Dropped at exit if a library ends the program itself, as Xlib does when its server is lost.
     static AT_EXIT: RefCell<Option<AtExit>> = const { RefCell::new(None) };
 }
 
@@ -76,8 +76,8 @@ impl Failure {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
     }
 
-    /// The libraries under the window panic where graphics or window system are gone. From here on a panic of this
-    /// thread is kept for [`Failure::report_panic`] and not printed.
+    /// The libraries of the window panic if the graphics or the window system are lost. From now on, panics of this
+    /// thread are kept for [`Failure::report_panic`] and not printed.
     pub fn catch_panics() {
         CAUGHT.set(true);
         let before = panic::take_hook();
@@ -91,18 +91,18 @@ impl Failure {
         }));
     }
 
-    /// A panic was caught. Where the graphics card was lost before, that is its reason.
+    /// Records a caught panic. If the graphics card was lost before, that is the reason.
     pub fn report_panic(&self) {
         self.report(PANIC.take().unwrap_or_else(|| "no reason given".to_owned()));
     }
 
-    /// Watches for the graphics card's end and whatever else goes wrong with it.
+    /// Watches for the loss of the graphics card and its other errors.
     fn watch(&self, cc: &CreationContext<'_>) {
         let Some(state) = &cc.wgpu_render_state else { return };
         let (lost, wrong) = (self.clone(), self.clone());
         let (ctx, other) = (cc.egui_ctx.clone(), cc.egui_ctx.clone());
         state.device.set_device_lost_callback(move |reason, message| {
-            // The program's own end destroys it too.
+            // The normal end of the program destroys it, too.
             if reason != DeviceLostReason::Destroyed {
                 lost.report(format!("the graphics card was lost: {}", message.trim()));
                 ctx.request_repaint();
@@ -119,7 +119,7 @@ fn file_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
-/// The program in the window, which the event loop can close where the window no longer can.
+/// The program in the window, which the event loop can close if the window no longer can.
 #[derive(Clone)]
 pub struct Shared {
     program: Rc<RefCell<Option<Box<dyn Program>>>>,
@@ -130,7 +130,7 @@ pub struct Shared {
 type Make = Box<dyn FnOnce(&CreationContext<'_>) -> Box<dyn Program>>;
 
 impl Shared {
-    /// A program that is made when there is a window.
+    /// A program that is created when there is a window.
     pub fn new(make: impl FnOnce(&CreationContext<'_>) -> Box<dyn Program> + 'static) -> Self {
         Self { program: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), failure: Failure::default() }
     }
@@ -150,12 +150,12 @@ impl Shared {
         })
     }
 
-    /// From here on the program does not end without a message.
+    /// From now on, the program does not end without a message.
     pub fn report_at_exit(&self) {
         AT_EXIT.set(Some(AtExit(self.clone())));
     }
 
-    /// The window has ended in order, or somebody else says why not.
+    /// The window has ended normally, or the reason is reported elsewhere.
     pub fn forget_exit(&self) {
         mem::forget(AT_EXIT.take());
     }
@@ -165,9 +165,9 @@ impl Shared {
         self.program.try_borrow().map_or(true, |program| program.is_some())
     }
 
-    /// Ends a session that runs; gives the file of its rows.
+    /// Ends a running session; returns the file of its rows.
     pub fn close(&self) -> Option<PathBuf> {
-        // Borrowed only while it draws, which a caught panic has ended.
+        // Borrowed only while drawing, which a caught panic has ended.
         self.program.try_borrow_mut().ok()?.as_mut()?.close()
     }
 }
@@ -194,7 +194,7 @@ impl Drop for AtExit {
     fn drop(&mut self) {
         let rows = self.0.close();
         let reason = self.0.failure.reason().unwrap_or_else(|| "the window system was lost".to_owned());
-        // Where stderr is closed, the exit status still tells.
+        // If stderr is closed, the exit status still reports the error.
         let _ = writeln!(std::io::stderr(), "error: {}", WindowError::Lost { reason, rows });
     }
 }
