@@ -1,7 +1,7 @@
 //! What one shaded frame costs: 1024 × 1024 pixels as 8-bit RGBA in sRGB, 28 × 28 × 2 jittered triangles that cover the
 //! whole window.
 //!
-//! Peer, measured beside it by `benches/shading_llvmpipe.py`: Mesa's llvmpipe. Others, as reported and not measured here:
+//! Compared with Mesa's llvmpipe, measured by `benches/shading_llvmpipe.py`. Others, as reported and not measured here:
 //! euc 0.5.3, one thread, Gouraud 50 and Phong 29 Mpix/s. Results and how to repeat them: `benches/README.md`.
 
 use std::fmt;
@@ -19,7 +19,7 @@ fn main() {
     divan::main();
 }
 
-/// A jittered grid of `columns` × `rows` × 2 triangles over the whole window, its normals those of gentle hills.
+/// A jittered grid of `columns` × `rows` × 2 triangles over the whole window, with the normals of gentle hills.
 fn grid(columns: usize, rows: usize, color: DVec3) -> Frame {
     // −1…1, without pattern.
     let noise = |i: usize| (i as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) as i64 as f64 / (1u64 << 63) as f64;
@@ -70,7 +70,7 @@ fn cases() -> Vec<Case> {
         .collect()
 }
 
-/// The defaults, but for *exact* the narrow strip that the marks are about.
+/// The defaults, except for *exact*: the narrow strip of the benchmark targets.
 fn shade(shader: Shader) -> Shade {
     let shade = Shade::new(shader);
     if shader == Shader::Exact { Shade { boundary: 0.05, ..shade } } else { shade }
@@ -90,7 +90,7 @@ fn bench_codes(bencher: Bencher<'_, '_>, frame: &Frame, shade: &Shade, threads: 
     });
 }
 
-/// All that is done once a pixel, into memory that is already there.
+/// Everything that is done once per pixel, into preallocated memory.
 #[divan::bench_group(sample_count = 100, sample_size = 1)]
 mod pixels {
     use super::*;
@@ -127,7 +127,7 @@ mod triangles {
     }
 }
 
-/// What is done once a frame: the constants of 1568 triangles.
+/// Everything that is done once per frame: the constants of 1568 triangles.
 #[divan::bench_group(sample_count = 40, sample_size = 1)]
 mod prepare {
     use super::*;

@@ -1,4 +1,4 @@
-//! What one stimulus costs: 1024 × 1024 pixels, 8-bit RGB (3 MiB), sRGB, against plainly filling as much memory.
+//! Cost of one stimulus: 1024 × 1024 pixels, 8-bit RGB (3 MiB), sRGB, compared with filling the same amount of memory.
 //!
 //! Peers, as reported and not measured here: stimupy 1.2.0 takes 62–100 ms for a step or Cornsweet image of this size (it
 //! has no Mach-band ramp). Results and how to repeat them: `benches/README.md`.
@@ -19,7 +19,7 @@ fn quantizer() -> Quantizer {
     Quantizer::new(&Transfer::Srgb, Bits::Eight)
 }
 
-/// The stimulus that the target is about, and what it is at other orientations.
+/// The stimulus of the target, at several orientations.
 fn band(orientation_deg: f64) -> MachBand {
     MachBand { width: 0.4, depth: Depth::Finite(3), orientation_deg, ..MachBand::default() }
 }
@@ -29,18 +29,18 @@ fn bench_codes(bencher: Bencher<'_, '_>, stimulus: impl Into<Stimulus>) {
     bencher.counter(BytesCount::new(BYTES)).bench(|| black_box(&stimulus).codes(SIZE, &quantizer));
 }
 
-/// Memory asked of the system and given back every time, as a stimulus has it.
+/// Memory allocated and freed every time, as for a stimulus.
 #[divan::bench_group(sample_count = 200, sample_size = 1)]
 mod codes {
     use super::*;
 
-    /// The measure of all others.
+    /// The baseline for all others.
     #[divan::bench]
     fn fill(bencher: Bencher<'_, '_>) {
         bencher.counter(BytesCount::new(BYTES)).bench(|| vec![black_box(137u8); BYTES]);
     }
 
-    /// The same in memory that is already there.
+    /// The same in preallocated memory.
     #[divan::bench]
     fn fill_again(bencher: Bencher<'_, '_>) {
         let mut codes = vec![1u8; BYTES];
@@ -81,7 +81,7 @@ mod codes {
     }
 }
 
-/// Every pixel on its own, as the definition says.
+/// Every pixel computed separately, as in the definition.
 #[divan::bench_group(sample_count = 20, sample_size = 1)]
 mod reference {
     use super::*;

@@ -1,4 +1,4 @@
-//! How long the model of vision takes: for pictures, and for ramps that vary in one direction.
+//! Cost of the vision model for images, and for ramps that vary in one direction.
 //!
 //! `cargo bench --bench vision`
 
@@ -21,7 +21,7 @@ fn picture_of_a_ramp(bencher: Bencher) {
     see(bencher, &light, None);
 }
 
-/// Gouraud's shading of a blob, outlines left out.
+/// Gouraud shading of a blob, without outlines.
 #[divan::bench(sample_count = 20)]
 fn picture_of_a_mesh(bencher: Bencher) {
     let surface = Surface::new(shapes::mesh(shapes::Shape::Blob, 313).expect("a blob"));
@@ -35,7 +35,7 @@ fn see(bencher: Bencher, light: &[f64], mask: Option<&[bool]>) {
     bencher.bench_local(|| black_box(&picture).predict(&Eye::default()).expect("a picture"));
 }
 
-/// A thousand ramps of different widths, each for its own eye, as `machband predict` sees them; one thread.
+/// A thousand ramps of different widths, each for its own eye, as in `machband predict`; one thread.
 #[divan::bench(sample_count = 5)]
 fn thousand_conditions(bencher: Bencher) {
     let ramp = |i: u32| {

@@ -1,9 +1,9 @@
-//! What carries the light of a patch.
+//! The channels that light a patch.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// The channels of which a patch is lit; the others are at 0.
+/// The channels that are lit in a patch; the others are at 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
     /// Red alone.
@@ -88,7 +88,7 @@ impl fmt::Display for Channel {
     }
 }
 
-/// Settings of a measurement that cannot be run: what is wrong; what is expected.
+/// Settings of a measurement that cannot be run: the error and what is expected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct SettingsError(pub String);
@@ -101,7 +101,7 @@ pub struct UnknownChannel(pub String);
 impl FromStr for Channel {
     type Err = UnknownChannel;
 
-    /// Reads r, g, b, gray; red, green, blue and grey too, in any case.
+    /// Reads r, g, b, gray; also red, green, blue, and grey, in upper or lower case.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let lower = text.trim().to_ascii_lowercase();
         let is_named = |channel: &Self| channel.names().contains(&lower.as_str());

@@ -1,25 +1,27 @@
-//! The screen's refresh and the frames that met it. There is no clock in here: times are arguments.
+//! The refresh of the screen, and the frames judged against it. There is no clock here: times are arguments.
 //!
-//! A frame is judged by the interval to the next one. Durations are held to whole refreshes, since a picture can change
-//! only with one.
+//! A frame is judged by the interval to the next one. Durations are rounded to whole refreshes, because an image can
+//! change only at a refresh.
 
 use std::time::Duration;
 
 /// An interval above this many refreshes is a dropped frame.
 pub const DROPPED_ABOVE: f64 = 1.5;
-/// Intervals that an estimate of the refresh needs at least.
+/// Minimum number of intervals for an estimate of the refresh.
 pub const ESTIMATE_LEAST: usize = 30;
-/// Longer intervals, in refreshes, are not dropped frames but interruptions, and say nothing about the refresh.
+/// Longer intervals, in refreshes, are interruptions rather than dropped frames, and carry no information about the
+/// refresh.
 const ESTIMATE_LONGEST: f64 = 8.5;
-/// Share of the intervals that must be of one refresh for an estimate.
+/// Share of the intervals that must be one refresh long for an estimate.
 const ESTIMATE_STEADY: f64 = 0.7;
-/// How far from a whole number of refreshes an interval may be, in refreshes, to count as held to the screen.
+/// Maximum distance of an interval from a whole number of refreshes, in refreshes, to count as synchronized with the
+/// screen.
 const HELD_WITHIN: f64 = 0.25;
-/// Share of the intervals that may be farther off where frames follow a refresh at all: their jitter.
+/// Share of the intervals that may deviate more, because of jitter, if frames follow a refresh.
 const HELD_JITTER: f64 = 0.1;
-/// Share of the intervals that may be long, above [`DROPPED_ABOVE`] refreshes, and farther off.
+/// Share of the intervals that may be long, above [`DROPPED_ABOVE`] refreshes, and deviate more.
 const HELD_LONG: f64 = 0.01;
-/// Longest refresh that frames are taken to be held to, seconds: slower ones wait for something else.
+/// Longest refresh to which frames can be synchronized, seconds: slower frames wait for something else.
 const ESTIMATE_SLOWEST_S: f64 = 0.1;
 /// Longest refresh that is accepted, seconds.
 const LONGEST_S: f64 = 10.0;
@@ -41,18 +43,18 @@ impl Refresh {
         Self::new(1.0 / hz)
     }
 
-    /// The refresh that frames shown for these times follow by themselves, as [`Refresh::estimate`] finds it; `None` where
-    /// they scatter.
+    /// The refresh that frames with these durations follow, as estimated by [`Refresh::estimate`]; `None` if they
+    /// scatter.
     #[must_use]
     pub fn measured(intervals_us: &[u32]) -> Option<Self> {
         Self::estimate(intervals_us).filter(|refresh| refresh.is_followed_by(intervals_us))
     }
 
     /// The refresh of the screen from the intervals of its frames: their total time over the number of refreshes in it.
-    /// Single frames that came late or were dropped change nothing, and the result is not moved to a usual rate. `None`
-    /// for fewer than [`ESTIMATE_LEAST`] intervals, where too few of them are one refresh long, and below 10 Hz: then
-    /// nothing holds the frames to the screen. Where nothing does, but each frame takes equally long, the result is
-    /// that time: only the window system knows better.
+    /// Single late or dropped frames do not change the result, which is not rounded to a common rate. `None` for fewer
+    /// than [`ESTIMATE_LEAST`] intervals, if too few of them are one refresh long, and below 10 Hz: then the frames are
+    /// not synchronized with the screen. If they are not synchronized but all take equally long, the result is that
+    /// time: only the window system knows better.
     #[must_use]
     pub fn estimate(intervals_us: &[u32]) -> Option<Self> {
         if intervals_us.len() < ESTIMATE_LEAST {
@@ -80,8 +82,8 @@ impl Refresh {
     }
 
     /// Whether frames shown for these times follow this refresh: nearly all of them were shown for a whole number of
-    /// refreshes, and 99 % of them for one, or for several as dropped frames are. Frames that last as long as their work
-    /// takes scatter in between; dropped frames among those would be made up.
+    /// refreshes, and 99 % of them for one, or for several as dropped frames are. Frames that last as long as their
+    /// work takes scatter in between; dropped frames among those would be meaningless.
     #[must_use]
     pub fn is_followed_by(self, intervals_us: &[u32]) -> bool {
         let refreshes = intervals_us.iter().map(|us| f64::from(*us) * 1e-6 / self.0);
@@ -97,7 +99,7 @@ impl Refresh {
         self.0
     }
 
-    /// Refreshes a second.
+    /// Refreshes per second.
     #[must_use]
     pub fn hz(self) -> f64 {
         1.0 / self.0
@@ -109,7 +111,7 @@ impl Refresh {
         interval.as_secs_f64() > DROPPED_ABOVE * self.0
     }
 
-    /// Refreshes within `interval` that brought no new frame: the refreshes it took, less one.
+    /// Refreshes within `interval` without a new frame: its number of refreshes minus one.
     #[must_use]
     pub fn missed(self, interval: Duration) -> u64 {
         ((interval.as_secs_f64() / self.0).round() as u64).saturating_sub(1)
@@ -148,7 +150,7 @@ pub struct FrameInterval {
     pub dropped: bool,
 }
 
-/// Every frame interval of a run, and what it means.
+/// Every frame interval of a run, with its evaluation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimes {
     last: Option<(Duration, Option<Refresh>)>,
@@ -160,20 +162,20 @@ pub struct FrameTimes {
 }
 
 impl FrameTimes {
-    /// A frame begins at `now`, on a screen with this refresh, if it is known. Gives the interval of the frame before.
+    /// A frame begins at `now`, on a screen with this refresh, if known. Returns the interval of the previous frame.
     pub fn frame(&mut self, now: Duration, refresh: Option<Refresh>) -> Option<FrameInterval> {
         let before = self.end(now);
         self.begin(now, refresh);
         before
     }
 
-    /// A frame begins that does not follow another.
+    /// Begins a frame that does not follow another.
     pub fn begin(&mut self, now: Duration, refresh: Option<Refresh>) {
         self.last = Some((now, refresh));
     }
 
     /// The frame that began last was shown until `now`. It is judged against the refresh it began with: after a change
-    /// of screens, judging starts again with the first frame. `None` where no frame has begun.
+    /// of screens, judging starts again with the first frame. `None` if no frame has begun.
     pub fn end(&mut self, now: Duration) -> Option<FrameInterval> {
         let (last, refresh) = self.last.take()?;
         let interval = now.saturating_sub(last);
@@ -188,12 +190,12 @@ impl FrameTimes {
         Some(FrameInterval { us, refresh, dropped })
     }
 
-    /// The next frame does not follow the last: a page that asks for no frames was shown in between.
+    /// The next frame does not follow the last: a page that requests no frames was shown in between.
     pub fn interrupt(&mut self) {
         self.last = None;
     }
 
-    /// Something came later than the refresh it was planned for.
+    /// Counts an onset later than its planned refresh.
     pub fn late_onset(&mut self) {
         self.late_onsets += 1;
     }
@@ -204,26 +206,26 @@ impl FrameTimes {
         &self.intervals_us
     }
 
-    /// Dropped frames: intervals above [`DROPPED_ABOVE`] refreshes. `None` where no refresh was known.
+    /// Dropped frames: intervals above [`DROPPED_ABOVE`] refreshes. `None` if no refresh was known.
     #[must_use]
     pub fn dropped(&self) -> Option<u64> {
         (self.judged > 0).then_some(self.dropped)
     }
 
-    /// Refreshes that brought no new frame, Σ (round(interval / refresh) − 1): two for an interval of three. `None`
+    /// Refreshes without a new frame, Σ (round(interval / refresh) − 1): two for an interval of three. `None`
     /// where no refresh was known.
     #[must_use]
     pub fn missed_refreshes(&self) -> Option<u64> {
         (self.judged > 0).then_some(self.missed)
     }
 
-    /// Onsets later than the refresh they were planned for.
+    /// Onsets later than their planned refresh.
     #[must_use]
     pub fn late_onsets(&self) -> u32 {
         self.late_onsets
     }
 
-    /// The interval in seconds that a share `p`, 0…1, of them does not exceed; exact. `None` where there is none.
+    /// The interval in seconds that a share `p`, 0…1, of them does not exceed; exact. `None` if there are no intervals.
     #[must_use]
     pub fn quantile(&self, p: f64) -> Option<f64> {
         quantile(&self.intervals_us, p).map(|us| f64::from(us) * 1e-6)

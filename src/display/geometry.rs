@@ -1,20 +1,20 @@
 //! Visual angle, centimeters and physical pixels.
 //!
-//! A size is centered on the line of sight and square to it, so that size = 2·distance·tan(angle/2).
+//! A size is centered on the line of sight and perpendicular to it, so that size = 2·distance·tan(angle/2).
 //! Pixels are the display's own, not the window system's scaled ones, and are square.
 
-/// Width in centimeters of an identity or bank card, ISO/IEC 7810 ID-1: what most people have at
-/// hand to measure a screen.
+/// Width in centimeters of an identity or bank card, ISO/IEC 7810 ID-1, which most people have at hand to measure a
+/// screen.
 pub const CARD_WIDTH_CM: f64 = 8.56;
 
 /// Possible numbers of pixels along a side of a screen.
 const SIDE_PX: std::ops::RangeInclusive<f64> = 16.0..=65_536.0;
-/// Possible widths of a screen: a viewfinder's to a hall's.
+/// Possible widths of a screen: from a viewfinder to a cinema.
 const WIDTH_CM: std::ops::RangeInclusive<f64> = 1.0..=10_000.0;
 /// Possible viewing distances.
 const DISTANCE_CM: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
 
-/// A quantity outside what could be true.
+/// A quantity outside its plausible range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{quantity} {value} is outside {lowest}…{highest} {unit}; expected {expected}")]
 pub struct GeometryError {
@@ -40,7 +40,7 @@ fn check(
     Err(GeometryError { quantity, value, unit, lowest, highest, expected })
 }
 
-/// The distance, cm, from which `size_cm` fills `deg` degrees.
+/// The distance, cm, from which `size_cm` subtends `deg` degrees.
 #[must_use]
 pub fn distance_cm(deg: f64, size_cm: f64) -> f64 {
     size_cm / (2.0 * (deg.to_radians() / 2.0).tan())
@@ -69,7 +69,7 @@ impl Screen {
         Ok(Screen { width_px, height_px, width_cm })
     }
 
-    /// Physical pixels a row.
+    /// Physical pixels per row.
     #[must_use]
     pub fn width_px(&self) -> u32 {
         self.width_px
@@ -100,7 +100,7 @@ impl Screen {
     }
 }
 
-/// A screen seen from a distance.
+/// A screen viewed from a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewing {
     screen: Screen,
@@ -108,7 +108,7 @@ pub struct Viewing {
 }
 
 impl Viewing {
-    /// `screen`, seen from `distance_cm` centimeters.
+    /// `screen`, viewed from `distance_cm` centimeters.
     ///
     /// # Errors
     /// When the distance is not within 1…100000 cm.
@@ -129,21 +129,21 @@ impl Viewing {
         self.distance_cm
     }
 
-    /// Centimeters on the screen, centered on the line of sight, that fill `deg` degrees (0 ≤ `deg`
+    /// Centimeters on the screen, centered on the line of sight, that subtend `deg` degrees (0 ≤ `deg`
     /// < 180).
     #[must_use]
     pub fn cm_from_deg(&self, deg: f64) -> f64 {
         2.0 * self.distance_cm * (deg.to_radians() / 2.0).tan()
     }
 
-    /// Physical pixels, centered on the line of sight, that fill `deg` degrees (0 ≤ `deg` < 180).
+    /// Physical pixels, centered on the line of sight, that subtend `deg` degrees (0 ≤ `deg` < 180).
     /// Not rounded.
     #[must_use]
     pub fn px_from_deg(&self, deg: f64) -> f64 {
         self.cm_from_deg(deg) * self.screen.px_per_cm()
     }
 
-    /// Degrees that `px` physical pixels fill, centered on the line of sight.
+    /// Degrees subtended by `px` physical pixels, centered on the line of sight.
     #[must_use]
     pub fn deg_from_px(&self, px: f64) -> f64 {
         2.0 * (px / self.screen.px_per_cm() / (2.0 * self.distance_cm)).atan().to_degrees()
@@ -161,8 +161,7 @@ impl Viewing {
 /// [`CARD_WIDTH_CM`] covers `card_px` physical pixels.
 ///
 /// # Errors
-/// When the card covers no pixels or more than the screen has, or the width that follows could not
-/// be a screen's.
+/// If the card covers no pixels, or more than the screen has, or if the resulting width is implausible for a screen.
 pub fn width_cm_from_card(card_px: f64, screen_width_px: u32) -> Result<f64, GeometryError> {
     let screen_px = f64::from(screen_width_px);
     let expected = "the width of the card's outline on the screen";

@@ -1,4 +1,4 @@
-//! Floor 1: what the screen does to the picture before it reaches the eye.
+//! Floor 1: how the screen changes the image before it reaches the eye.
 
 mod channel;
 pub mod frames;

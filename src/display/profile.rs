@@ -1,4 +1,4 @@
-//! What is known of a screen: how codes become light, how much light, of which colors, and how large the screen is.
+//! Properties of a screen: how codes become light, its luminance, its colors, and its size.
 
 use jiff::civil::Date;
 use serde::{Deserialize, Serialize};
@@ -17,17 +17,17 @@ pub struct DisplayProfile {
     pub name: String,
     /// Encoded value to linear light, channel by channel.
     pub transfers: Transfers,
-    /// Luminance of code 0 and of the largest code in all channels, where measured.
+    /// Luminance of code 0 and of the largest code in all channels, if measured.
     pub luminance: Option<LuminanceRange>,
-    /// Chromaticities of the channels and of white, where known.
+    /// Chromaticities of the channels and of white, if known.
     pub primaries: Option<Primaries>,
-    /// Bits that the screen itself shows of each channel, where known.
+    /// Bits per channel that the screen itself shows, if known.
     pub bits: Option<u8>,
-    /// Who measured when and with what; `None` for an assumption.
+    /// Who measured the screen, when, and with what; `None` for an assumption.
     pub measured: Option<Measurement>,
-    /// Width of the visible screen in cm, where known.
+    /// Width of the visible screen in cm, if known.
     pub screen_width_cm: Option<f64>,
-    /// The screen's own pixels, columns and rows, where known.
+    /// The native pixels of the screen, columns and rows, if known.
     pub native_px: Option<[u32; 2]>,
 }
 
@@ -78,7 +78,7 @@ pub struct Primaries {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measurement {
-    /// The day, where it is known.
+    /// The day, if known.
     #[serde(default, deserialize_with = "day", skip_serializing_if = "Option::is_none")]
     pub on: Option<Date>,
     /// By whom.
@@ -89,7 +89,7 @@ pub struct Measurement {
     pub with: Option<String>,
 }
 
-/// A missing day, or one that can be read.
+/// Accepts a missing or a valid day.
 fn day<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Date>, D::Error> {
     let text = String::deserialize(deserializer)?;
     let wrong = |_| serde::de::Error::custom(format!("measured.on is {text:?}; expected a day such as \"2026-01-31\""));
@@ -144,7 +144,7 @@ impl DisplayProfile {
         )
     }
 
-    /// Why not to rely on the profile on the day `today`, in one sentence; `None` where nothing speaks against it.
+    /// Why the profile may be unreliable on the day `today`, in one sentence; `None` if there is no reason.
     #[must_use]
     pub fn warning(&self, today: Date) -> Option<String> {
         let Some(measured) = &self.measured else {
@@ -170,7 +170,7 @@ fn described(transfer: &Transfer) -> String {
     }
 }
 
-/// A number with three significant digits, at most six after the point.
+/// A number with three significant digits and at most six decimals.
 #[must_use]
 pub fn short(value: f64) -> String {
     let digits = (2 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;

@@ -12,21 +12,21 @@ use crate::light::{
 pub struct Step {
     /// j, from 0 at the screen's black to n at its white.
     pub level: usize,
-    /// I_j, relative to white: the screen's black counts.
+    /// I_j, relative to white, including the screen's black.
     pub intensity: f64,
     /// I_j in cd/m²; `None` where white was not measured.
     pub cd_m2: Option<f64>,
     /// The nearest 8-bit codes of red, green and blue under the profile.
     pub codes: [u8; 3],
-    /// What green's code makes, relative to white, black included.
+    /// The light of the green code, relative to white, including black.
     pub emitted: f64,
-    /// The level nearest to that: not j where 8 bits are too few.
+    /// The level nearest to that light; not j if 8 bits are too few.
     pub nearest: usize,
 }
 
 /// The n + 1 levels from `i0`, the light of code 0 relative to white, to white.
 ///
-/// A profile's linear light is what a code adds to black: level I_j takes (I_j − I₀)/(1 − I₀) of it.
+/// The linear light of a profile is what a code adds to black: level I_j needs (I_j − I₀)/(1 − I₀) of it.
 ///
 /// # Errors
 /// When `i0` is not strictly between 0 and 1, or `n` is 0.

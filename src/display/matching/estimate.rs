@@ -11,7 +11,7 @@ use crate::{
 /// Half-width of the 95 % interval of γ above which a channel should be matched again.
 const WIDEST: f64 = 0.1;
 
-/// What the matches of one channel give.
+/// The result of the matches of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelGamma {
     /// Which.
@@ -39,7 +39,7 @@ pub enum GammaError {
     /// Matches of different fields.
     #[error("the matches have different rows; expected matches of one run")]
     Mixed,
-    /// Matches so far apart, or so near to black or white, that γ could be anything.
+    /// Matches that differ so much, or are so close to black or white, that they do not determine γ.
     #[error("the matches do not determine γ; expected codes that agree with each other")]
     Open,
 }
@@ -54,7 +54,7 @@ pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, GammaEr
     Channel::ALL.into_iter().filter_map(of).collect()
 }
 
-/// A match says (c/255)^γ = share: ln(255/c), which scatters with the eye, is |ln share|/γ.
+/// A match says (c/255)^γ = share: ln(255/c), which varies with the observer, is |ln share|/γ.
 fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaError> {
     let n = own.len() as f64;
     if own.len() < 2 {
@@ -70,7 +70,7 @@ fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaE
     let codes: Vec<f64> = own.iter().map(|one| f64::from(one.code.max(1))).collect();
     let (mean, sd) = mean_and_sd(&codes.iter().map(|code| (255.0 / code).ln()).collect::<Vec<_>>());
     let t = StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
-    // Equal codes are not exact: a match is known to one code at best.
+    // Equal codes are not exact: the precision of a match is one code at best.
     let rounding = codes.iter().sum::<f64>().recip() * n / 12f64.sqrt();
     let half = t * sd.hypot(rounding) / n.sqrt();
     if mean - half <= 0.0 {
@@ -84,7 +84,7 @@ fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaE
 }
 
 impl ChannelGamma {
-    /// What speaks against it.
+    /// A warning, if any.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let half = (self.interval[1] - self.interval[0]) / 2.0;
@@ -97,17 +97,17 @@ impl ChannelGamma {
         })
     }
 
-    /// As a transfer function, γ rounded to what a profile should say.
+    /// The transfer function, with γ rounded for a profile.
     ///
     /// # Errors
-    /// A γ that no display has.
+    /// A γ that is impossible for a display.
     fn transfer(&self) -> Result<Transfer, TransferError> {
         Transfer::gamma((self.gamma * 1e3).round() / 1e3)
     }
 }
 
-/// The display's transfer functions: of red, green and blue where all were matched, else that of gray for all three.
-/// `None` where a channel is missing or has no γ.
+/// The display's transfer functions: of red, green, and blue if all were matched, otherwise that of gray for all three.
+/// `None` if a channel is missing or has no γ.
 #[must_use]
 pub fn transfers(estimates: &[(Channel, Result<ChannelGamma, GammaError>)]) -> Option<Transfers> {
     let of = |wanted: Channel| {

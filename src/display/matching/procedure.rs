@@ -1,4 +1,4 @@
-//! The matches, one after the other.
+//! The sequence of matches.
 
 use rand_chacha::{
     ChaCha8Rng,
@@ -11,24 +11,25 @@ use crate::{
     light::{CodeImage, random::shuffle},
 };
 
-/// Time of one match, seconds: about ten steps at a few a second, there and back, then a look.
+/// Time of one match, seconds: about ten steps at a few per second, past the match and back, then a check.
 const MATCH_S: f64 = 10.0;
-/// Empty screen between two pictures, seconds, so that the afterimage of one does not cover the next. Part of
+/// Blank screen between two images, seconds, so that the afterimage of one does not mask the next. Part of
 /// `MATCH_S`.
 pub const GAP_S: f64 = 0.4;
 /// The patch starts from a code that would match for a γ within this range.
 const START_GAMMA: (f64, f64) = (1.2, 4.0);
 
-/// What is to be matched.
+/// The settings of the matches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MatchSettings {
     /// Each once.
     pub channels: Vec<Channel>,
-    /// One row of so many is lit: of 4, or of 2, which blend from half as far away, each match being half as precise.
+    /// One row of this many is lit: 4, or 2. With 2, the rows blend at half the distance, and each match is half as
+    /// precise.
     pub period: u32,
     /// Thickness of a row, 1 or 2 pixels; 2 for interlaced pictures and panels that invert from row to row.
     pub row_px: u32,
-    /// Matches of each channel: their spread is the uncertainty.
+    /// Matches per channel: their spread is the uncertainty.
     pub matches: usize,
 }
 
@@ -47,13 +48,13 @@ impl MatchSettings {
         Rows { lit: 1, period: self.period, row_px: self.row_px }
     }
 
-    /// Matches in all.
+    /// Total number of matches.
     #[must_use]
     pub fn total(&self) -> usize {
         self.matches * self.channels.len()
     }
 
-    /// How long it takes, seconds.
+    /// Expected duration, seconds.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.total() as f64 * MATCH_S
@@ -63,7 +64,7 @@ impl MatchSettings {
 /// A patch that was adjusted until it vanished in its field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Match {
-    /// What carries the light.
+    /// The lit channel.
     pub channel: Channel,
     /// The field.
     pub rows: Rows,
@@ -72,17 +73,17 @@ pub struct Match {
 }
 
 impl Match {
-    /// The picture on a square of `side` pixels, with a square patch of about `patch_px`.
+    /// The image on a square of `side` pixels, with a square patch of about `patch_px`.
     #[must_use]
     pub fn picture(&self, side: u32, patch_px: u32) -> CodeImage {
         self.rows.picture(self.channel, self.channel.rgb(self.code), [side, side], patch_px)
     }
 }
 
-/// A run of matches: gives pictures, takes codes.
+/// A run of matches: provides images, takes codes.
 #[derive(Clone, Debug)]
 pub struct Matching {
-    /// Every match as it starts.
+    /// Every match in its initial state.
     starts: Vec<Match>,
     done: Vec<Match>,
     /// What is on the screen; `None` when all are done.
@@ -121,14 +122,14 @@ impl Matching {
         self.shown
     }
 
-    /// Gives the patch another code.
+    /// Sets the code of the patch.
     pub fn adjust(&mut self, code: u8) {
         if let Some(shown) = &mut self.shown {
             shown.code = code;
         }
     }
 
-    /// Accepts the patch as it is, and shows the next picture.
+    /// Accepts the current patch, and shows the next image.
     pub fn accept(&mut self) -> Option<Match> {
         let accepted = self.shown?;
         self.done.push(accepted);
@@ -136,7 +137,7 @@ impl Matching {
         Some(accepted)
     }
 
-    /// Takes back the last match and shows it again as it was accepted. Gives the match that no longer counts.
+    /// Undoes the last match and shows it again as accepted. Returns the match that no longer counts.
     pub fn undo(&mut self) -> Option<Match> {
         self.shown = Some(self.done.pop()?);
         self.shown
@@ -148,13 +149,13 @@ impl Matching {
         &self.done
     }
 
-    /// Matches in all.
+    /// Total number of matches.
     #[must_use]
     pub fn total(&self) -> usize {
         self.starts.len()
     }
 
-    /// Expected time of the rest, seconds.
+    /// Expected remaining time, seconds.
     #[must_use]
     pub fn left_s(&self) -> f64 {
         (self.total() - self.done.len()) as f64 * MATCH_S

@@ -1,4 +1,4 @@
-//! Rows and a patch as a picture, and the patch that shows whether a profile is right.
+//! Images of rows and a patch, and the patch that shows whether a profile is correct.
 
 use crate::{
     display::channel::Channel,
@@ -11,9 +11,9 @@ pub const CHECKED: [(u32, u32); 3] = [(1, 4), (1, 2), (3, 4)];
 /// A field of rows: `lit` of every `period` rows have the largest code, the others are dark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Rows {
-    /// Lit rows of a period.
+    /// Lit rows per period.
     pub lit: u32,
-    /// Rows of a period.
+    /// Rows per period.
     pub period: u32,
     /// Thickness of a row, pixels.
     pub row_px: u32,

@@ -1,4 +1,4 @@
-//! A display as measured with a photometer: the fitted models, the one to use, and what to know about it.
+//! A display measured with a photometer: the fitted models, the chosen model, and warnings.
 
 use serde::Serialize;
 
@@ -20,23 +20,23 @@ use crate::{
 const UNCERTAIN_GAMMA: f64 = 0.01;
 /// Noise, relative to the light, above which readings are unsteady.
 const UNSTEADY: f64 = 0.03;
-/// Percent of white beyond which a display's channels are not independent.
+/// Percent of white above which the channels of a display are not independent.
 const ADDITIVE_PERCENT: f64 = 5.0;
-/// Change of white that asks for a longer warm-up, percent.
+/// Change of white that requires a longer warm-up, percent.
 const DRIFT_PERCENT: f64 = 2.0;
-/// Differences of black between channels that noise does not make, as a share.
+/// Differences of black between channels that noise does not explain, as a share.
 const BLACK_DIFFERS: f64 = 0.1;
 /// A table's error at a level that was left out, squared and relative to the noise: that of a reading, and that of the
 /// mean of its two neighbors.
 const TABLE_SQUARE: f64 = 1.5;
-/// How many times the least error a simpler model may have, whatever its standard error: with few
-/// levels that is poorly known.
+/// Maximum error of a simpler model relative to the smallest error, whatever its standard error, which is poorly known
+/// with few levels.
 const MOST_TIMES: f64 = 1.5;
-/// Mean squared errors below this, in units of the assumed noise, are none.
+/// Mean squared errors below this, in units of the assumed noise, count as 0.
 const EXACT: f64 = 1e-8;
 
-/// How well a model predicts levels that it was not fitted to. Each level but 0 and 1 is left out in turn: no model knows
-/// a black and a white that were not read.
+/// How well a model predicts levels that it was not fitted to. Each level except 0 and 1 is left out in turn, because
+/// no model can predict black and white without readings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Validation {
     /// Root mean square error, 8-bit codes.
@@ -45,7 +45,7 @@ pub struct Validation {
     pub rms_cd_m2: f64,
     /// Largest error, 8-bit codes.
     pub largest_codes: f64,
-    /// Mean squared error in units of the readings' noise: 1 or little more where the model is right.
+    /// Mean squared error in units of the noise of the readings: close to 1 if the model is correct.
     pub score: f64,
     /// The squared error at each level of each channel, in a fixed order and in units of the assumed noise.
     #[serde(skip)]
@@ -63,7 +63,7 @@ pub struct FittedModel {
     pub channels: Vec<FittedChannel>,
     /// How well it predicts levels that are left out.
     pub validation: Validation,
-    /// Noise of the readings where this model is right, relative to the light.
+    /// Noise of the readings if this model is correct, relative to the light.
     noise: f64,
 }
 
@@ -74,7 +74,7 @@ pub struct FittedChannel {
     pub channel: Channel,
     /// The fitted light.
     pub curve: Curve,
-    /// Standard error of γ, where there is one.
+    /// Standard error of γ, if there is one.
     pub gamma_se: Option<f64>,
     /// 1 − Σ(L − fit)²/Σ(L − mean)², luminances in cd/m².
     pub r_squared: f64,
@@ -87,7 +87,7 @@ pub struct FittedChannel {
 /// A display as measured with a photometer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// What it was made from.
+    /// The readings.
     pub readings: Readings,
     /// Noise of the readings, relative to the light, by the chosen model.
     pub noise: f64,
@@ -95,11 +95,11 @@ pub struct Calibration {
     pub models: Vec<FittedModel>,
     /// The model to use: the one that cross-validation prefers.
     pub chosen: Family,
-    /// Gray against the sum of the channels, level by level, where all were read.
+    /// Gray compared with the sum of the channels, level by level, if all were read.
     pub additivity: Vec<Sum>,
-    /// Change of white during the measurement in percent, where it was read again.
+    /// Change of white during the measurement in percent, if it was read repeatedly.
     pub drift_percent: Option<f64>,
-    /// What the reader should know; the profile can be used.
+    /// Warnings; the profile can be used.
     pub notes: Vec<String>,
 }
 
@@ -146,7 +146,7 @@ impl Calibration {
         LuminanceRange { black_cd_m2, white_cd_m2: black_cd_m2 + sum(|curve| curve.range_cd_m2) }
     }
 
-    /// The transfer functions of a model. A channel that was not read has gray's.
+    /// The transfer functions of a model. A channel that was not read has that of gray.
     #[must_use]
     pub fn transfers(&self, family: Family) -> Transfers {
         let channels = &self.model(family).channels;

@@ -1,20 +1,21 @@
-//! Whether readings can come from a display, what is wrong with those that cannot, and whether they agree with each other.
+//! Checks whether readings are plausible for a display, describes errors, and checks whether the readings agree with
+//! each other.
 
 use super::readings::{LevelMean, Reading, Readings, is_same_level};
 use crate::display::channel::Channel;
 
-/// Levels that a channel needs at least, 0 and 1 among them.
+/// Minimum number of levels per channel, including 0 and 1.
 pub const LEAST_LEVELS: usize = 5;
-/// A fall that noise could make: share of the reading, steps of the photometer, share of the most light.
+/// A decrease that noise could explain: share of the reading, steps of the photometer, share of the maximum light.
 const FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
 /// A rise that noise could not hide, ln.
 const CLEAR_RISE: f64 = 0.1;
-/// Share of the rise that the levels below promise, under which the light has stopped rising.
+/// Share of the rise predicted from the levels below, under which the light has stopped rising.
 const STOPPED: f64 = 0.3;
-/// How much lighter the dimmer channel is when two are swapped.
+/// How much lighter the dimmer channel must be to indicate swapped channels.
 const SWAPPED: f64 = 1.05;
 
-/// Which readings a fault is about.
+/// The readings to which an error refers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum About {
     /// The level of one, by its index.
@@ -33,7 +34,7 @@ pub enum About {
 pub struct Fault {
     /// Where to look.
     pub about: About,
-    /// What is wrong; what is expected.
+    /// The error and what is expected.
     pub message: String,
 }
 
@@ -47,11 +48,11 @@ impl Readings {
     /// Checks readings, given in the order in which they were taken.
     ///
     /// # Errors
-    /// Every fault of single readings; where there are none, every fault of the set.
+    /// Every error of single readings; if there are none, every error of the set.
     pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<Fault>> {
         let mut faults = of_each(&readings);
         let readings = Self::unchecked(readings);
-        // Each check takes for granted what the one before has found.
+        // Each check relies on the previous one.
         for check in [of_set, of_curves, of_order] {
             if faults.is_empty() {
                 faults = check(&readings);
@@ -92,7 +93,7 @@ fn of_each(readings: &[Reading]) -> Vec<Fault> {
     faults
 }
 
-/// What is missing: a channel, or a level.
+/// Missing channels or levels.
 fn of_set(readings: &Readings) -> Vec<Fault> {
     let expected = "expected red, green and blue, or gray, each from level 0 to 1";
     let read = readings.channels();
@@ -129,7 +130,7 @@ fn of_set(readings: &Readings) -> Vec<Fault> {
     messages.into_iter().map(|message| Fault::new(About::All, message)).collect()
 }
 
-/// Channels whose light does not rise all the way, up to the top.
+/// Channels whose light does not rise up to the highest level.
 fn of_curves(readings: &Readings) -> Vec<Fault> {
     let black_cd_m2 = readings.black_cd_m2();
     let (share, steps, of_most) = FALL;
@@ -213,7 +214,7 @@ fn of_order(readings: &Readings) -> Vec<Fault> {
     vec![Fault::new(About::All, message)]
 }
 
-/// Gray at one level, and what its channels add up to.
+/// Gray at one level, and the sum of its channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sum {
     /// Encoded value, 0…1.
@@ -225,7 +226,7 @@ pub struct Sum {
 }
 
 impl Sum {
-    /// Gray less the sum, cd/m².
+    /// Gray minus the sum, cd/m².
     #[must_use]
     pub fn deviation_cd_m2(&self) -> f64 {
         self.gray_cd_m2 - self.sum_cd_m2
@@ -253,7 +254,7 @@ pub fn additivity(readings: &Readings) -> Vec<Sum> {
     gray.iter().filter(|gray| gray.level > 0.0 && gray.luminance_cd_m2 > 0.0).filter_map(sum).collect()
 }
 
-/// The deviation that is farthest from 0; 0 where there is none.
+/// The deviation farthest from 0; 0 if there is none.
 #[must_use]
 pub fn largest(sums: &[Sum], deviation: fn(&Sum) -> f64) -> f64 {
     sums.iter().map(deviation).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)

@@ -1,4 +1,4 @@
-//! The models, how a display's light rises with the encoded value, and their parameters by weighted least squares.
+//! Models of how a display's light rises with the encoded value, fitted by weighted least squares.
 //!
 //! For a given shape, black and ranges follow in closed form; the shape's own parameters, at most two, by the method of
 //! Levenberg and Marquardt.
@@ -8,19 +8,19 @@ use nalgebra::{Matrix2, Vector2};
 use super::readings::{Readings, is_same_level};
 use crate::{display::channel::Channel, light::Transfer};
 
-/// Noise that is assumed for the weights, relative to the light: a photometer's noise is about proportional to what it
-/// reads.
+/// Noise assumed for the weights, relative to the light: the noise of a photometer is about proportional to its
+/// reading.
 pub(super) const ASSUMED_NOISE: f64 = 0.01;
-/// Noise below this, relative to the largest reading, is none.
+/// Noise below this, relative to the largest reading, counts as 0.
 const LEAST_NOISE: f64 = 1e-8;
 /// Exponents and offsets that are tried.
 const RANGES: [(f64, f64); 2] = [(0.3, 6.0), (-0.6, 0.4)];
 /// Exponents and offsets to start from.
 const STARTS: [[f64; 2]; 2] = [[2.2, 0.03], [2.2, -0.03]];
 const MOST_STEPS: usize = 80;
-/// A gain in the weighted sum of squares below this share is none.
+/// An improvement of the weighted sum of squares below this share counts as 0.
 const CONVERGED: f64 = 1e-13;
-/// Damping that can no longer help.
+/// Maximum useful damping.
 const STUCK: f64 = 1e12;
 
 /// The families of curves.
@@ -106,7 +106,7 @@ impl Curve {
         if light > 1.0 { 1.0 + (light - 1.0) / slope } else { self.transfer.encoded_from_linear(light) }
     }
 
-    /// The exponent, where there is one.
+    /// The exponent, if there is one.
     #[must_use]
     pub fn gamma(&self) -> Option<f64> {
         match &self.transfer {
@@ -116,7 +116,7 @@ impl Curve {
         }
     }
 
-    /// Gain and offset, where there are any.
+    /// Gain and offset, if there are any.
     #[must_use]
     pub fn gain_and_offset(&self) -> Option<(f64, f64)> {
         match &self.transfer {
@@ -146,7 +146,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// The weights come from a first fit: a reading that noise made too dark must not weigh more for it.
+    /// The weights come from a first fit, so that readings that are too dark because of noise do not get more weight.
     pub fn new(readings: &Readings) -> Self {
         // Noise in the dark: that of the photometer's last digit.
         let floor = (readings.resolution_cd_m2() / 12f64.sqrt()).max(LEAST_NOISE * readings.largest_cd_m2());
@@ -214,8 +214,8 @@ pub(super) struct Fit {
     shapes: Vec<[f64; 2]>,
 }
 
-/// Fits a curve: one shape and one black for all channels where `shared`, else for each channel by itself. Starts from
-/// another fit of the same model, where one is given.
+/// Fits a curve: one shape and one black for all channels if `shared`, otherwise for each channel separately. Starts
+/// from another fit of the same model, if given.
 pub(super) fn fit(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) -> Fit {
     let best = |sample: &Sample, starts: &[[f64; 2]]| {
         let fits = starts.iter().map(|start| descend(family, sample, *start));

@@ -8,10 +8,10 @@ use crate::{
     light::random::shuffle,
 };
 
-/// Patches between two readings of white, which show drift.
+/// Patches between two readings of white, which reveal drift.
 const BETWEEN_WHITES: usize = 16;
 
-/// What to measure.
+/// The measurement settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PatchSettings {
     /// The channels, each once.
@@ -43,9 +43,9 @@ pub struct Patch {
 
 /// The patches in the order of measurement; equal settings give the same order.
 ///
-/// Every patch comes once in random order, then all again for each repeat, so that drift of the screen or the photometer
-/// affects all levels and channels alike. Black is the same patch in every channel and comes once a repeat. White comes
-/// first, last and after every 16 patches: its change is the drift.
+/// Every patch comes once in random order, then all again for each repeat, so that drift of the screen or the
+/// photometer affects all levels and channels alike. Black is the same patch in every channel and comes once per
+/// repeat. White comes first, last and after every 16 patches: its change is the drift.
 ///
 /// # Errors
 /// Settings that give no profile.

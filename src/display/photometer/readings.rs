@@ -1,4 +1,4 @@
-//! What a photometer read: one luminance a patch.
+//! Photometer readings: one luminance per patch.
 
 use crate::display::channel::Channel;
 
@@ -9,7 +9,7 @@ pub struct Reading {
     pub channel: Channel,
     /// Their encoded value, 0…1: the code divided by the largest code.
     pub level: f64,
-    /// What the photometer showed, cd/m².
+    /// The reading of the photometer, cd/m².
     pub luminance_cd_m2: f64,
 }
 

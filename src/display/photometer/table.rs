@@ -1,6 +1,6 @@
-//! The monotone table: a curve of an encoded value that is moved so far, level by level, that it meets the readings.
+//! The monotone table: a curve whose encoded values are shifted, level by level, to meet the readings.
 //!
-//! Between levels the move changes in a straight line, so that the table bends as the curve does and not in corners.
+//! Between levels, the shift changes linearly, so that the table bends like the curve and has no corners.
 
 use super::{
     fit::{Curve, Sample},
@@ -8,11 +8,11 @@ use super::{
 };
 use crate::light::{Transfer, TransferTable};
 
-/// Points of a table: one for each 8-bit code.
+/// Points of a table: one per 8-bit code.
 const POINTS: usize = 256;
-/// Least rise from point to point, so that a table can be inverted.
+/// Minimum rise from point to point, so that a table can be inverted.
 const LEAST_RISE: f64 = 1e-9;
-/// A reading this close to black, in standard deviations, says nothing about the encoded value.
+/// A reading this close to black, in standard deviations, carries no information about the encoded value.
 const CLEAR: f64 = 3.0;
 
 /// An encoded value, the one that the curve would need for the light that was read, and the weight of this.
@@ -74,7 +74,7 @@ fn table(base: &Transfer, knots: &[Knot]) -> Transfer {
     TransferTable::new(encoded, linear).map_or_else(|_| base.clone(), Transfer::Table)
 }
 
-/// The moved value of the encoded value `v`.
+/// The shifted value of the encoded value `v`.
 fn between(knots: &[Knot], v: f64) -> f64 {
     let above = knots.partition_point(|knot| knot.v <= v).clamp(1, knots.len() - 1);
     let (low, high) = (knots[above - 1], knots[above]);
