@@ -1,5 +1,5 @@
-//! One row of the data. The schema is the struct: its fields, in their order, are the columns of a result file, and
-//! their descriptions make the column dictionary and the sidecar.
+//! One row of the data. The struct is the schema: its fields, in order, are the columns of a result file, and their
+//! descriptions generate the column dictionary and the sidecar.
 
 use std::time::Duration;
 
@@ -40,7 +40,7 @@ plain_cell! {
 }
 
 impl Cell for Timestamp {
-    /// To the millisecond.
+    /// Written to the millisecond.
     fn to_cell(&self) -> String {
         format!("{self:.3}")
     }
@@ -99,7 +99,7 @@ impl Cell for Rating {
     }
 }
 
-/// Longest time that a row may hold, about thirty years: anything longer is not a measurement and would overflow clocks.
+/// Maximum time in a row, about thirty years: anything longer is not a measurement and would overflow clocks.
 const LONGEST_S: f64 = 1e9;
 
 /// A time in seconds, written to a tenth of a millisecond.
@@ -135,10 +135,10 @@ pub struct Column {
     pub name: String,
     /// What it holds.
     pub description: String,
-    /// Unit, where it has one.
+    /// Unit, if it has one.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub unit: String,
-    /// The possible values and their meaning, where they are few.
+    /// The possible values and their meanings, if they are few.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub levels: serde_json::Map<String, serde_json::Value>,
 }
@@ -157,10 +157,10 @@ macro_rules! record {
             $(#[doc = $late_description] pub $late: $late_kind,)*
         }
 
-        /// Name, unit and description of the columns that every result file has.
+        /// Name, unit and description of the columns in every result file.
         const FIXED: &[(&str, &str, &str)] = &[$((stringify!($name), $unit, $description),)*];
 
-        /// Those of the columns after the factors.
+        /// The same for the columns after the factors.
         const LATE: &[(&str, &str, &str)] = &[$((stringify!($late), $late_unit, $late_description),)*];
 
         impl TrialRecord {
@@ -175,7 +175,7 @@ macro_rules! record {
             /// Reads a row whose cells are in the order of [`columns`].
             ///
             /// # Errors
-            /// Index of the faulty cell, and what was expected there.
+            /// Index of the faulty cell, and the expected content.
             pub fn from_cells(cells: &[&str]) -> Result<Self, (usize, String)> {
                 let late = cells.len().saturating_sub(LATE.len()).max(FIXED.len());
                 let mut next = 0;
@@ -201,11 +201,11 @@ record! {
     row_id: String, "", "Unique name of the row: participant, session, phase, trial and attempt.";
     experiment: String, "", "Name of the definition.";
     subject_id: String, "", "Participant.";
-    session_id: String, "", "Session of the participant.";
+    session_id: String, "", "Session ID of the participant.";
     phase: Phase, "", "Practice trials are not analyzed.";
     block: u32, "", "Block within the phase, from 1: one level of the blocking factor, or the stretch between two breaks.";
     trial: u32, "", "Planned position within the phase, from 1.";
-    attempt: u32, "", "1, plus 1 each time the rating was taken back; the last attempt of a trial counts.";
+    attempt: u32, "", "1, plus 1 for each correction of the rating; the last attempt of a trial counts.";
     repetition: u32, "", "How many times the condition has been planned in this phase up to this trial, from 1.";
     stimulus: String, "", "Kind of stimulus.";
     width: Option<f64>, "proportion of the stimulus window", "Width of the luminance ramp; 0 is a step.";
@@ -223,7 +223,7 @@ record! {
     started_at: Timestamp, "", "Wall-clock time of the onset, RFC 3339, UTC.";
     sitting: u32, "", "1, plus 1 each time an interrupted session was resumed.";
     seed: u64, "", "Seed of the trial order.";
-    // The factors that have no column above go here. The columns below came later: older files end before them.
+    // The factors without a column above go here. The columns below were added later: older files end before them.
     ..
     stimulus_s: Option<Seconds>, "s", "Actual duration of the stimulus, from its onset to the frame that replaced it; empty if no screen was used.";
     late_onset: Option<bool>, "", "Whether the onset came more than half a refresh later than planned; empty if the screen's refresh rate is not known.";
@@ -254,8 +254,7 @@ pub fn columns(protocol: &Protocol) -> Vec<Column> {
     FIXED.iter().map(described).chain(further).chain(LATE.iter().map(described)).collect()
 }
 
-/// The columns of a file that is not known to belong to a definition: those every file has, and what else its header
-/// names.
+/// The columns of a file without a known definition: those of every file, and the others in its header.
 pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
     let name = |name: &str| Column { name: name.to_owned(), ..Column::default() };
     let known = |known: &[(&str, &str, &str)]| known.iter().map(|(known, ..)| name(known)).collect::<Vec<_>>();
@@ -286,34 +285,34 @@ fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_js
     }
 }
 
-/// A rating, or several equal ones, as any file may hold it: what an analysis needs of a row.
+/// A rating, or several equal ones, from any file: the part of a row that an analysis needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatingRow<'a> {
     /// Who.
     pub subject: &'a str,
-    /// The level of each factor, as it is written; empty where it is missing.
+    /// The level of each factor, as written; empty if it is missing.
     pub values: &'a [&'a str],
-    /// The rating, as it is written.
+    /// The rating, as written.
     pub rating: &'a str,
     /// How often.
     pub count: u64,
-    /// Session and repetition: their natural order distinguishes a condition's first rating from its second. None if they
-    /// are not known; such a rating is in no pair.
+    /// Session and repetition: their natural order distinguishes a condition's first rating from its second. `None` if
+    /// unknown; such a rating is not paired.
     pub place: Option<(&'a str, u32)>,
-    /// From onset to rating, seconds, where it is known.
+    /// From onset to rating in seconds, if known.
     pub response_time_s: Option<f64>,
 }
 
-/// What a row needs beyond the trial's own response.
+/// What a row needs in addition to the response.
 #[derive(Clone, Debug)]
 pub struct RowContext<'a> {
     /// The definition.
     pub protocol: &'a Protocol,
-    /// The order the trial comes from.
+    /// The order of the trials.
     pub schedule: &'a Schedule,
-    /// Whose data it is.
+    /// Participant and session.
     pub identity: &'a Identity,
-    /// Which sitting; 1 unless resumed.
+    /// The sitting; 1 unless resumed.
     pub sitting: u32,
 }
 
@@ -338,7 +337,7 @@ impl TrialRecord {
         measured.of_trial(context, response.trial, response.attempt)
     }
 
-    /// What is measured in this row, with what is planned for a trial.
+    /// The measurements of this row with the planned values of a trial.
     fn of_trial(self, context: &RowContext<'_>, trial: usize, attempt: u32) -> Self {
         let RowContext { protocol, schedule, identity, .. } = context;
         let trial = &schedule.trials[trial];
@@ -372,7 +371,7 @@ impl TrialRecord {
         }
     }
 
-    /// The level of a factor in this row, as its cell says it.
+    /// The level of a factor in this row, as written in its cell.
     pub fn level(&self, protocol: &Protocol, factor: &str) -> Option<String> {
         let index = columns(protocol).iter().position(|column| column.name == factor)?;
         self.cells().into_iter().nth(index)
@@ -381,7 +380,7 @@ impl TrialRecord {
     /// Index of the trial that this row records.
     ///
     /// # Errors
-    /// The schedule does not plan just such a trial with just this condition.
+    /// The schedule does not plan this trial with this condition.
     pub fn planned_trial(&self, context: &RowContext<'_>) -> Result<usize, String> {
         // Practice comes first, and each phase is numbered from 1.
         let practice = context.protocol.design.practice as usize;

@@ -11,16 +11,16 @@ use csv::{ByteRecord, Position};
 
 use super::{FileFault, FileFaults};
 
-/// A row of more bytes has a quote that is never closed.
+/// A longer row, in bytes, must have an unclosed quote.
 const LONGEST_ROW: u64 = 1 << 20;
 
-/// What some programs begin a file with.
+/// The byte order mark with which some programs begin a file.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
-/// What is wrong with a row: the index of the cell, and what is wrong there and what is expected.
+/// The fault of a row: the index of the cell, what is wrong, and what is expected.
 pub(super) type CellFault = (usize, String);
 
-/// Where the bytes of a table are.
+/// The source of a table's bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Content<'a> {
     /// In a file.
@@ -54,7 +54,7 @@ impl<'a> Content<'a> {
         }
     }
 
-    /// At most [`LONGEST_ROW`] of these bytes; none where they cannot be read.
+    /// At most [`LONGEST_ROW`] of these bytes; empty if they cannot be read.
     fn slice(self, from: u64, to: u64) -> Vec<u8> {
         let mut bytes = Vec::new();
         if let Ok(mut reader) = self.open()
@@ -66,13 +66,13 @@ impl<'a> Content<'a> {
     }
 }
 
-/// A row as it is read.
+/// A raw row.
 pub(super) struct Row<'a> {
-    /// Its cells, not yet known to be text.
+    /// Its cells, not yet validated as text.
     pub record: &'a ByteRecord,
     content: Content<'a>,
     separator: u8,
-    /// Where the reader was before the row: line ends may lie between there and the row.
+    /// The reader's position before the row; line ends may lie between it and the row.
     start: &'a Position,
     end: u64,
     /// Whether nothing follows it.
@@ -80,7 +80,7 @@ pub(super) struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// The cells as one text, to be cut by [`ByteRecord::range`].
+    /// The cells as one text, to be sliced with [`ByteRecord::range`].
     ///
     /// # Errors
     /// The first cell that is not UTF-8.
@@ -89,18 +89,18 @@ impl<'a> Row<'a> {
             .map_err(|_| self.record.iter().position(|cell| std::str::from_utf8(cell).is_err()).unwrap_or(0))
     }
 
-    /// The bytes of the row, and of the line ends before and after it. They are read again, since faults are few.
+    /// The bytes of the row, including the line ends before and after it. They are read again, since faults are rare.
     pub fn raw(&self) -> Vec<u8> {
         self.content.slice(self.start.byte(), self.end)
     }
 
-    /// Line and column, from 1, at which a cell begins; of one that is not text, its first byte that is none.
+    /// Line and column, from 1, where a cell begins; if it is not text, of its first invalid byte.
     pub fn place(&self, cell: usize) -> (usize, usize) {
         let raw = self.raw();
         let raw = raw.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&raw);
         let raw = &raw[..raw.iter().rposition(|byte| !is_line_end(*byte)).map_or(0, |last| last + 1)];
         let mut at = raw.iter().take_while(|byte| is_line_end(**byte)).count();
-        // A cell that is missing has its place at the end of its line.
+        // A missing cell is located at the end of its line.
         let end = raw.iter().rposition(|byte| !is_line_end(*byte)).map_or(0, |last| last + 1);
         at += cell_start(&raw[at..end.max(at)], self.separator, cell);
         if let Some(bytes) = self.record.get(cell)
@@ -114,14 +114,14 @@ impl<'a> Row<'a> {
         (self.start.line() as usize + line, String::from_utf8_lossy(&before[line_start..]).chars().count() + 1)
     }
 
-    /// Whether a quote of the last cell is never closed, so that the cell has swallowed all that follows.
+    /// Whether the last cell has an unclosed quote, so that it swallowed everything that follows.
     pub fn is_open(&self) -> bool {
         self.last
             && self.record.iter().next_back().is_some_and(|cell| cell.contains(&b'\n'))
             && !self.content.slice(self.end.saturating_sub(4), self.end).trim_ascii_end().ends_with(b"\"")
     }
 
-    /// Where the next line begins.
+    /// The beginning of the next line.
     fn next_line(&self) -> Position {
         let raw = self.raw();
         let before = raw.iter().take_while(|byte| is_line_end(**byte)).count();
@@ -137,8 +137,8 @@ fn is_line_end(byte: u8) -> bool {
     matches!(byte, b'\r' | b'\n')
 }
 
-/// Byte at which a cell of a row begins. A quote counts only where a cell begins with it; within quotes two stand for
-/// one; after the closing one anything up to the separator belongs to the cell.
+/// Byte where a cell of a row begins. A quote counts only at the beginning of a cell; within quotes, two stand for one;
+/// after the closing quote, everything up to the separator belongs to the cell.
 fn cell_start(row: &[u8], separator: u8, cell: usize) -> usize {
     let mut at = 0;
     for _ in 0..cell {
@@ -160,7 +160,7 @@ fn cell_start(row: &[u8], separator: u8, cell: usize) -> usize {
     at
 }
 
-/// Passes on every row, the header first. A quote that is never closed affects its own line only.
+/// Passes on every row, the header first. An unclosed quote affects only its own line.
 ///
 /// # Errors
 /// The content cannot be read.
@@ -183,8 +183,8 @@ pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut
     Ok(())
 }
 
-/// Reads the rows of a small table. `header` checks the first row; if it finds a fault in the first cell, the table is of
-/// another kind and its rows are not read.
+/// Reads the rows of a small table. `header` checks the first row; a fault in the first cell means that the table is of
+/// another kind, and its rows are not read.
 ///
 /// # Errors
 /// Every fault with its line and column.
@@ -253,15 +253,15 @@ pub(super) fn line<S: AsRef<str>>(cells: impl IntoIterator<Item = S>) -> Vec<u8>
     writer.into_inner().unwrap_or_default()
 }
 
-/// The beginning of a text that may be anything, for a message.
+/// The beginning of an arbitrary text, for a message.
 pub(super) fn shortened(text: &str) -> String {
     const SHOWN: usize = 40;
     let shown: String = text.chars().take(SHOWN).collect();
     if shown.len() < text.len() { shown + "…" } else { shown }
 }
 
-/// The text of a cell as a spreadsheet may open it: one that would be taken for a formula (it begins with `=`, `+`, `-`,
-/// `@`, a tab or a carriage return, and is no number) has an apostrophe before it, which makes it text.
+/// The text of a cell, safe for spreadsheets: a text that would be treated as a formula (it begins with `=`, `+`, `-`,
+/// `@`, a tab or a carriage return, and is not a number) is prefixed with an apostrophe, which makes it text.
 #[must_use]
 pub fn inert(cell: &str) -> Cow<'_, str> {
     if is_formula(cell) { Cow::Owned(format!("'{cell}")) } else { Cow::Borrowed(cell) }

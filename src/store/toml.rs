@@ -1,5 +1,5 @@
-//! TOML files, read into types that derive `Deserialize`. A fault has its line and column, and all faults of a file are
-//! found in one go: a value that cannot be read is reported and passed over, as if its key were absent.
+//! TOML files, read into types that derive `Deserialize`. Each fault has its line and column, and all faults of a file are
+//! found in one pass: a value that cannot be read is reported and skipped, as if its key were absent.
 
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 use super::{FileFault, FileFaults, fault::position};
 use crate::light::names::expected_one_of;
 
-/// Most values that cannot be read: for each of them the file is read once more.
+/// Maximum number of unreadable values: the file is read again for each of them.
 const MOST_UNREAD: usize = 100;
 
 /// A TOML document, and the faults found in it so far.
@@ -16,17 +16,17 @@ pub(super) struct Document<'t> {
     file: &'t str,
     text: &'t str,
     table: DeTable<'t>,
-    /// Places in the text, and what is wrong there.
+    /// Locations in the text, and their faults.
     faults: Vec<(usize, String)>,
-    /// Places of the values that could not be read.
+    /// Locations of the values that could not be read.
     unread: Vec<usize>,
 }
 
-/// Reads a document whose `schema` is 1. The caller checks the value, reports what is wrong with it by
-/// [`Document::fault`], and ends with [`Document::finish`].
+/// Reads a document whose `schema` is 1. The caller checks the value, reports faults with [`Document::fault`], and ends
+/// with [`Document::finish`].
 ///
 /// # Errors
-/// Text that is not TOML; faults that leave no value, such as a missing key that has no default.
+/// Text that is not TOML; faults that leave no value, such as a missing key without a default.
 pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Result<(T, Document<'t>), FileFaults> {
     let mut document = Document::parse(file, text)?;
     let mut value = json_table(&document.table);
@@ -41,7 +41,7 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
             Err(error) => error,
         };
         let path = error.path().to_string().replace('[', ".").replace(']', "");
-        // A dot alone is the document.
+        // A single dot is the document.
         let path = path.trim_matches('.');
         let message = error.inner().to_string();
         if let Some(field) = message.strip_prefix("missing field `") {
@@ -72,13 +72,13 @@ impl<'t> Document<'t> {
         Ok(Self { file, text, table: table.into_inner(), faults: Vec::new(), unread: Vec::new() })
     }
 
-    /// Whether there is such a key at the top.
+    /// Whether there is such a key at the top level.
     pub(super) fn has(&self, key: &str) -> bool {
         self.table.contains_key(key)
     }
 
-    /// Reports a fault at a dotted path such as `factors.width.2`, or at the nearest key on the way there. Where a value
-    /// could not even be read, that fault is enough.
+    /// Reports a fault at a dotted path such as `factors.width.2`, or at the nearest existing parent. If the value could not
+    /// be read at all, the fault about that is enough.
     pub(super) fn fault(&mut self, path: &str, message: impl Into<String>) {
         let place = self.locate(path);
         if !self.unread.contains(&place) {
@@ -86,7 +86,7 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// Reports a number at the top that is outside `least…most`.
+    /// Reports a number at the top level that is outside `least…most`.
     pub(super) fn check_range(&mut self, key: &str, value: f64, least: f64, most: f64) {
         if !(least..=most).contains(&value) {
             self.fault(key, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
@@ -103,7 +103,7 @@ impl<'t> Document<'t> {
 
     fn located(mut self) -> FileFaults {
         self.faults.sort();
-        // From one fault to the next, not each from the start: there may be a hundred thousand of them.
+        // Counted from one fault to the next instead of from the start, since there may be a hundred thousand of them.
         let (mut from, mut line, mut column) = (0, 1, 1);
         let located = self.faults.into_iter().map(|(at, message)| {
             let (lines, columns) = position(&self.text[from..], at - from);
@@ -134,7 +134,7 @@ impl<'t> Document<'t> {
     }
 }
 
-/// Numbers that are not finite become texts, as `inf` names a depth, and so do times.
+/// Non-finite numbers become texts, since `inf` is a depth; so do times.
 fn json(value: &DeValue<'_>) -> Value {
     let number = |number: f64| if number.is_finite() { number.into() } else { number.to_string().into() };
     match value {
@@ -159,14 +159,14 @@ fn json_table(table: &DeTable<'_>) -> Value {
     Value::Object(table.iter().map(entry).collect::<Map<_, _>>())
 }
 
-/// Removes the key at a dotted path, or the key whose list has a fault there; whether there was one.
+/// Removes the key at a dotted path, or the key whose list has a fault there, and returns whether there was one.
 fn remove(value: &mut Value, path: &str) -> bool {
     let Value::Object(keys) = value else { return false };
     let (first, rest) = path.split_once('.').unwrap_or((path, ""));
     keys.get_mut(first).is_some_and(|inner| remove(inner, rest)) || keys.shift_remove(first).is_some()
 }
 
-/// Rephrases serde's message about the value at `path` as this program's messages are phrased.
+/// Rephrases serde's message about the value at `path` in this program's style.
 fn explained(path: &str, error: &str) -> String {
     let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
     if error.starts_with("unknown field") {
@@ -197,7 +197,7 @@ fn explained(path: &str, error: &str) -> String {
     format!("{path} is {found}; expected {expected}")
 }
 
-/// The message that a table has no such key, with the keys that it may have.
+/// The message for an unknown key in a table, with the valid keys.
 pub(super) fn unknown_key(table: &str, key: &str, known: &[&str]) -> String {
     let place = if table.is_empty() { String::new() } else { format!(" in [{table}]") };
     format!("unknown key {key:?}{place}; {}", expected_one_of(key, known))

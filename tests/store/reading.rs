@@ -528,7 +528,7 @@ mod faults {
         assert_eq!(said.len(), 1, "{said:?}");
         assert!(
             said[0].contains(
-                "expected a session of the experiment third (no sidecar; further columns tanh_k) like the other 2 files"
+                "expected a session of the experiment third (no sidecar; additional columns tanh_k) like the other 2 files"
             ),
             "{said:?}"
         );
@@ -579,7 +579,7 @@ mod faults {
             (
                 LONG,
                 ReadOptions { factors: None, count: None, ..long() },
-                &["1:1: no factors are named; expected --factors or --terms with some of the columns width, depth, n"],
+                &["1:1: no factors were given; expected --factors or --terms with some of the columns width, depth, n"],
                 &[],
             ),
             (
@@ -620,7 +620,7 @@ mod faults {
         let said = super::faults(&[folder.path()], &ReadOptions::default());
         assert!(try_read(&[folder.path()], &ReadOptions::default()).is_err());
         assert!(
-            said[0].ends_with("none of the 2 rows counts: 2 of practice; expected ratings of main trials"),
+            said[0].ends_with("none of the 2 rows counts: 2 from practice; expected ratings of main trials"),
             "{said:?}"
         );
     }

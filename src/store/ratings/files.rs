@@ -1,5 +1,4 @@
-//! Which files are meant by files and folders that were named, and the head of each: what separates its cells, and what its
-//! columns are called.
+//! Expands the given files and folders to the files to read, and reads the head of each: its separator and column names.
 
 use std::{
     collections::HashSet,
@@ -15,7 +14,7 @@ use crate::store::{
     table::{Content, each_row},
 };
 
-/// The files to read, each once, in the order they were named; those of a folder in natural order of their paths.
+/// The files to read, each once, in the given order; those of a folder are in natural order of their paths.
 pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
     let (mut found, mut faults) = (Vec::new(), Vec::new());
     let mut seen = HashSet::new();
@@ -28,13 +27,13 @@ pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
                 Ok(files) => found.extend(files),
                 Err(message) => faults.push(FileFault::whole(path, message)),
             },
-            // Named with the data files by a pattern such as `data/*.csv`.
+            // Matched along with the data files by a pattern such as `data/*.csv`.
             Ok(_) if has_suffix(path, frames::SUFFIX) => {}
             Ok(_) => found.push(path.clone()),
             Err(error) => {
                 faults.push(FileFault::whole(
                     path,
-                    format!("cannot be opened: {error}; expected a CSV file or a folder of them"),
+                    format!("cannot be opened: {error}; expected a CSV file or a folder of CSV files"),
                 ));
             }
         }
@@ -43,10 +42,10 @@ pub(super) fn files(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileFault>) {
     (found, faults)
 }
 
-/// The data files of all sessions in a folder and those below it, in natural order of their paths.
+/// The data files of all sessions in a folder and its subfolders, in natural order of their paths.
 ///
 /// # Errors
-/// The folder cannot be read, or has none.
+/// The folder cannot be read, or has no data file.
 pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileFaults> {
     let mut files = folder(root).map_err(|message| FileFaults::whole(root, message))?;
     files.retain(|path| has_suffix(path, DATA_FILE));
@@ -56,13 +55,13 @@ pub fn data_files(root: &Path) -> Result<Vec<PathBuf>, FileFaults> {
     Ok(files)
 }
 
-/// The data files in a folder and the folders below it; where there are none, all its CSV files.
+/// The data files in a folder and its subfolders; if there are none, all its CSV files.
 fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
     let mut files = Vec::new();
     let mut entered = HashSet::new();
     let mut open = vec![root.to_owned()];
     while let Some(folder) = open.pop() {
-        // A link to a folder above would never end.
+        // A link to a parent folder would never end.
         if !entered.insert(folder.canonicalize().unwrap_or_else(|_| folder.clone())) {
             continue;
         }
@@ -72,7 +71,7 @@ fn folder(root: &Path) -> Result<Vec<PathBuf>, String> {
         for entry in entries {
             let entry = entry
                 .map_err(|error| format!("the folder {shown} cannot be read: {error}; expected a readable folder"))?;
-            // Hidden files are other programs': `._name.csv` beside every file that a Mac put on a foreign disk.
+            // Hidden files belong to other programs, such as `._name.csv` next to every file that a Mac writes to a foreign disk.
             if entry.file_name().to_string_lossy().starts_with('.') {
                 continue;
             }
@@ -101,7 +100,7 @@ pub(super) fn natural(a: &str, b: &str) -> std::cmp::Ordering {
     natural_parts(a).cmp(natural_parts(b)).then_with(|| a.cmp(b))
 }
 
-/// The numbers in a text without their leading zeros, each with its length, and what is between them.
+/// The numbers in a text without leading zeros, each with its length, and the text between them.
 fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
     text.as_bytes().chunk_by(|a, b| a.is_ascii_digit() == b.is_ascii_digit()).map(|part| {
         let zeros = part.iter().take_while(|digit| **digit == b'0').count();
@@ -109,7 +108,7 @@ fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
     })
 }
 
-/// A header row, and the row below it, end within this many bytes.
+/// The header row and the row below it must end within this many bytes.
 const LONGEST: u64 = 1 << 16;
 
 /// The head of a file.
@@ -117,13 +116,13 @@ const LONGEST: u64 = 1 << 16;
 pub(super) struct Header {
     /// Names of the columns.
     pub names: Vec<String>,
-    /// Between cells: a comma, a semicolon or a tab.
+    /// The separator: a comma, a semicolon or a tab.
     pub separator: u8,
     /// The cells of the first row, if there is one.
     pub first: Option<Vec<String>>,
-    /// Bytes of the whole file.
+    /// Size of the file in bytes.
     pub size: u64,
-    /// The whole file, where it cannot be read twice or not as it is.
+    /// The content of the file, if it cannot be read twice or needs conversion.
     memory: Option<Vec<u8>>,
 }
 
@@ -131,7 +130,7 @@ impl Header {
     /// Reads the head of a file.
     ///
     /// # Errors
-    /// Not readable, empty, no text in UTF-8.
+    /// The file is not readable, empty, or not UTF-8 text.
     pub fn read(path: &Path) -> Result<Self, FileFault> {
         let unreadable = |error: std::io::Error| {
             FileFault::whole(path, format!("cannot be read: {error}; expected a readable CSV file"))
@@ -141,8 +140,8 @@ impl Header {
         let (mut head, mut rest) = (Vec::new(), Vec::new());
         file.by_ref().take(LONGEST).read_to_end(&mut head).map_err(unreadable)?;
         let mut header = Self { size: metadata.len().max(head.len() as u64), ..Self::default() };
-        // A pipe can be read once only. Old spreadsheets end a line with a carriage return alone, and lines are counted
-        // by line feeds.
+        // A pipe can be read only once. Old spreadsheets end lines with a carriage return only, but lines are counted by
+        // line feeds.
         let is_old = head.contains(&b'\r') && !head.contains(&b'\n');
         if is_old || !metadata.is_file() {
             file.read_to_end(&mut rest).map_err(unreadable)?;
@@ -179,7 +178,7 @@ impl Header {
         }
         self.separator = separator(line);
         let mut rows = Vec::new();
-        // Memory can be read.
+        // Reading from memory does not fail.
         let _ = each_row(Content::Memory(head), self.separator, |row| {
             if rows.len() < 2 {
                 let cells = row.record.iter().map(|cell| String::from_utf8_lossy(cell).trim().to_owned());
@@ -202,13 +201,13 @@ impl Header {
         self.names.iter().position(|known| known == name)
     }
 
-    /// Column in characters, from 1, at which the name at an index begins.
+    /// Column in characters, from 1, where the name at an index begins.
     pub fn column(&self, index: usize) -> usize {
         self.names.iter().take(index).map(|name| name.chars().count() + 1).sum::<usize>() + 1
     }
 }
 
-/// A comma; where a header has none, the semicolon or tab that spreadsheets of some countries write.
+/// A comma; if the header has none, the semicolon or tab that spreadsheets in some countries write.
 fn separator(line: &[u8]) -> u8 {
     let count = |wanted: u8| line.iter().filter(|byte| **byte == wanted).count();
     if count(b',') > 0 || count(b';') + count(b'\t') == 0 {

@@ -1,8 +1,8 @@
-//! Ratings from files: our result files and counts, folders of them, or any long CSV whose columns are named.
+//! Ratings from files: our result files and counts, folders of them, or any long-format CSV with given columns.
 //!
-//! Rows stream by. What is kept of them here is eight bytes for each row of a result file, to know which attempt of a
-//! trial is the last. Of a result file the practice rows are left out, of every trial only the last attempt counts, and
-//! the ratings of an unfinished session count unless told otherwise; all of it is reported in [`Source`].
+//! Rows are streamed. Only eight bytes are kept for each row of a result file, to find the last attempt of each trial.
+//! Practice rows of a result file are excluded, only the last attempt of each trial counts, and the ratings of an
+//! unfinished session count by default; [`Source`] reports all of this.
 
 mod files;
 mod reader;

@@ -1,5 +1,5 @@
-//! The steps of reading: find the files, look at their heads, choose what belongs together, find out which rows count,
-//! hand these on.
+//! The steps of reading: find the files, read their heads, select those that belong together, determine which rows count,
+//! and pass these on.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -25,16 +25,15 @@ use crate::{
     },
 };
 
-/// Largest file whose hash is reported, bytes.
+/// Maximum size in bytes of a file whose hash is reported.
 const HASHED: u64 = 64 << 20;
 
-/// Reads files, and folders of them. Each file's rows that count go to a `T` of its own, made by `new`, and come back
-/// in the order of the files. What `add` finds wrong with a rating is a fault at its line and column, and the row is
-/// left out.
+/// Reads files, and folders of files. The rows that count go to a separate `T` for each file, made by `new`, returned in
+/// the order of the files. An error from `add` is a fault at the rating's line and column, and the row is excluded.
 ///
 /// # Errors
-/// Where there is nothing to analyze at all: why. What is wrong with part of the input is in [`Source::faults`], and
-/// the rest is read.
+/// The reason that there is nothing to analyze. Faults in part of the input are in [`Source::faults`], and the rest is
+/// read.
 pub fn read<T: Send>(
     paths: &[PathBuf],
     options: &ReadOptions,
@@ -57,7 +56,7 @@ pub fn read<T: Send>(
     faults.extend(found);
     let Some(selection) = selection else {
         if faults.is_empty() {
-            faults.push(FileFault::whole(".", "no files are named; expected result files or folders".to_owned()));
+            faults.push(FileFault::whole(".", "no files were given; expected result files or folders".to_owned()));
         }
         return Err(in_order(faults, &files));
     };
@@ -102,8 +101,7 @@ pub fn read<T: Send>(
     Ok((Source { shape, protocol, definition_sha256, files: reports, sessions, faults }, found))
 }
 
-/// Goes through the rows of all result files, to find out which of them count. What is wrong with them is reported
-/// when they are read again.
+/// Reads the rows of all result files to determine which of them count. Faults are reported when they are read again.
 fn trials(selection: &Selection) -> Trials {
     let noted: Vec<Trials> = (selection.inputs.par_iter().enumerate())
         .map(|(file, input)| {
@@ -126,7 +124,7 @@ fn trials(selection: &Selection) -> Trials {
     all
 }
 
-/// Passes on every row below the header, with its cells or what is wrong with them.
+/// Passes on every row below the header, with its cells or their fault.
 fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowFault>)) -> std::io::Result<()> {
     let (header, mut is_header) = (&input.header, true);
     table::each_row(header.content(&input.path), header.separator, |row| {
@@ -136,7 +134,7 @@ fn each_row(input: &Input, mut take: impl FnMut(&Row<'_>, Result<Cells<'_>, RowF
     })
 }
 
-/// The sessions of all result files, those without rows too.
+/// The sessions of all result files, including those without rows.
 fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
     let of = |subject: &str, session: &str, input: &Input| SessionRead {
         subject: subject.to_owned(),
@@ -170,17 +168,17 @@ fn sessions(selection: &Selection, trials: &Trials) -> Vec<SessionRead> {
 struct FileReader<'a> {
     selection: &'a Selection,
     trials: &'a Trials,
-    /// Participant and session of sessions that are left out.
+    /// Participant and session of the excluded sessions.
     unfinished: &'a HashSet<(&'a str, &'a str)>,
     file: usize,
     input: &'a Input,
     read: FileRead,
     faults: RowFaults,
-    /// Trials that are in the file twice and came once, by session.
+    /// By session, trials that are in the file twice and have been read once.
     repeated: HashSet<(usize, Trial)>,
     /// Session of the last row.
     recent: usize,
-    /// Rows that are in another file already, and the last such file.
+    /// Rows that are already in another file, and the last such file.
     elsewhere: (u64, usize),
 }
 
@@ -211,10 +209,10 @@ impl FileReader<'_> {
         self.faults.add(&self.input.name, fault.cell, fault.message, || row.place(cell));
     }
 
-    /// Passes on a row that counts; gives how many trials it represents.
+    /// Passes on a row that counts, and returns how many trials it represents.
     ///
     /// # Errors
-    /// What is wrong with it; nothing where it is left out for another reason, and counted there.
+    /// The fault of the row; `None` if it is excluded for another reason and counted there.
     fn rating(
         &mut self,
         row: &Row<'_>,
@@ -231,7 +229,7 @@ impl FileReader<'_> {
         let subject = cells.present(columns.subject, "a participant")?;
         let rating = row::rating(cells, columns, own_scale)?;
         let count = row::count(cells, columns)?;
-        // A place or a time that cannot be read is a fault, but the rating counts.
+        // An unreadable position or time is a fault, but the rating counts.
         let place = row::place(cells, columns).unwrap_or_else(|fault| self.unread(row, fault));
         let response_time_s = row::response_time(cells, columns).unwrap_or_else(|fault| self.unread(row, fault));
         let values: Vec<&str> = columns.factors.iter().map(|&column| cells.optional(column)).collect();
@@ -296,8 +294,8 @@ impl FileReader<'_> {
     }
 }
 
-/// What an interrupted write left: a last row without a line end whose last cell, or number of cells, is wrong; or
-/// that has zero bytes where the file was enlarged and not filled.
+/// The remains of an interrupted write: a last row without a line end whose last cell or number of cells is wrong, or
+/// which has zero bytes because the file was enlarged but not filled.
 fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
     if !row.last {
         return None;
@@ -324,14 +322,14 @@ fn sha256(input: &Input) -> Option<String> {
     input.header.content(&input.path).bytes().ok().map(|bytes| file::sha256(&bytes))
 }
 
-/// That no row counts, and why.
+/// The fault that no row counts, with the reason.
 fn nothing(reports: &[FileRead]) -> FileFault {
     let sum = |of: fn(&FileRead) -> u64| reports.iter().map(of).sum::<u64>();
     let parts = [
-        (sum(|report| report.practice), "of practice"),
+        (sum(|report| report.practice), "from practice"),
         (sum(|report| report.superseded), "superseded"),
-        (sum(|report| report.unfinished), "of unfinished sessions"),
-        (sum(|report| report.faulty), "with faults"),
+        (sum(|report| report.unfinished), "from unfinished sessions"),
+        (sum(|report| report.faulty), "with errors"),
     ];
     let parts: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
     let found = match sum(|report| report.rows) {
@@ -343,9 +341,9 @@ fn nothing(reports: &[FileRead]) -> FileFault {
     FileFault::whole(path, format!("{found}{among}; expected ratings of main trials"))
 }
 
-/// Faults in the order of the files; those of folders first.
+/// Faults in the order of the files, those of folders first.
 fn in_order(mut faults: Vec<FileFault>, files: &[PathBuf]) -> FileFaults {
-    // A sidecar is where its file is.
+    // A sidecar sorts with its data file.
     let index: HashMap<PathBuf, usize> =
         files.iter().enumerate().map(|(i, path)| (path.with_extension(""), i)).collect();
     faults.sort_by_key(|fault| index.get(&Path::new(&fault.file).with_extension("")).map_or(0, |i| i + 1));

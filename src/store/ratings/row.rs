@@ -1,4 +1,4 @@
-//! One row of a file: its cells, which trial it records, and what is wrong with it.
+//! One row of a file: its cells, its trial, and its faults.
 
 use super::{
     selection::{Columns, RecordColumns},
@@ -9,7 +9,7 @@ use crate::{
     store::table::{Row, shortened},
 };
 
-/// Largest count of a row; the sum of many such still is a number of 64 bits.
+/// Maximum count of a row; the sum of many such counts still fits in 64 bits.
 const COUNT_MAX: f64 = 1e12;
 
 /// The cells of a row, all of them text.
@@ -23,7 +23,7 @@ impl<'a> Cells<'a> {
     /// The cells of a row, whose columns have these names.
     ///
     /// # Errors
-    /// Not UTF-8, or another number of cells than the header has.
+    /// The row is not UTF-8, or its number of cells differs from the header's.
     pub fn new(row: &'a Row<'a>, names: &'a [String]) -> Result<Self, RowFault> {
         let fault = |cell, message: String| RowFault { cell, message };
         let text = row.text().map_err(|_| fault(None, "the row is not UTF-8 text; expected UTF-8".to_owned()))?;
@@ -44,7 +44,7 @@ impl<'a> Cells<'a> {
         self.row.record.range(index).and_then(|range| self.text.get(range)).unwrap_or_default().trim()
     }
 
-    /// A level or a time as it is written; `NA`, as R writes a missing value, is one.
+    /// A level or a time as written; `NA`, as written by R, is a missing value.
     pub fn optional(&self, index: usize) -> &'a str {
         match self.get(index) {
             "NA" => "",
@@ -55,12 +55,12 @@ impl<'a> Cells<'a> {
     /// A cell that must not be empty.
     ///
     /// # Errors
-    /// It is.
+    /// The cell is empty.
     pub fn present(&self, index: usize, expected: &str) -> Result<&'a str, RowFault> {
         Some(self.get(index)).filter(|text| !text.is_empty()).ok_or_else(|| self.fault(index, expected))
     }
 
-    /// The fault of a cell that is not what is expected.
+    /// The fault of an unexpected cell.
     fn fault(&self, index: usize, expected: &str) -> RowFault {
         let name = &self.names[index];
         let message = match self.get(index) {
@@ -103,7 +103,7 @@ pub(super) fn identity<'a>(
     })
 }
 
-/// Whether a text is a rating: of our own scale, or else anything but a missing value.
+/// Whether a text is a rating: on our own scale, or otherwise anything but a missing value.
 pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
     if own_scale {
         // A spreadsheet or pandas may have written 2 as 2.0.
@@ -113,10 +113,10 @@ pub(super) fn is_rating(text: &str, own_scale: bool) -> bool {
     }
 }
 
-/// The rating as it is written.
+/// The rating as written.
 ///
 /// # Errors
-/// There is none, or not one of the scale.
+/// There is no rating, or it is not on the scale.
 pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) -> Result<&'a str, RowFault> {
     match cells.get(columns.response) {
         text if is_rating(text, own_scale) => Ok(text),
@@ -128,14 +128,14 @@ pub(super) fn rating<'a>(cells: &Cells<'a>, columns: &Columns, own_scale: bool) 
 /// How many trials a row represents; pandas may have written 3 as `3.0`.
 ///
 /// # Errors
-/// No count.
+/// The cell is not a count.
 pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, RowFault> {
     let Some(column) = columns.count else { return Ok(1) };
     let expected = match cells.get(column).parse::<f64>() {
         Ok(count) if (0.0..=COUNT_MAX).contains(&count) && count.fract() == 0.0 => return Ok(count as u64),
         Ok(number) if number < 0.0 => "a count, 0 or more",
         Ok(number) if number > COUNT_MAX => "a count of at most 10^12",
-        Ok(_) => "a count without fraction",
+        Ok(_) => "a count without a fraction",
         Err(_) => "a count, a whole number",
     };
     Err(cells.fault(column, expected))
@@ -144,7 +144,7 @@ pub(super) fn count(cells: &Cells<'_>, columns: &Columns) -> Result<u64, RowFaul
 /// Session and repetition; none where the file has none.
 ///
 /// # Errors
-/// A repetition that is no number.
+/// The repetition is not a number.
 pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(&'a str, u32)>, RowFault> {
     let Some((session, column)) = columns.session.zip(columns.repetition) else { return Ok(None) };
     match (cells.get(column), cells.get(column).parse()) {
@@ -157,7 +157,7 @@ pub(super) fn place<'a>(cells: &Cells<'a>, columns: &Columns) -> Result<Option<(
 /// The response time in seconds; none where the file has none.
 ///
 /// # Errors
-/// One that is no time.
+/// The cell is not a time.
 pub(super) fn response_time(cells: &Cells<'_>, columns: &Columns) -> Result<Option<f64>, RowFault> {
     let Some(column) = columns.time else { return Ok(None) };
     match (cells.optional(column), cells.optional(column).parse()) {
@@ -167,10 +167,10 @@ pub(super) fn response_time(cells: &Cells<'_>, columns: &Columns) -> Result<Opti
     }
 }
 
-/// What is wrong with a row.
+/// The fault of a row.
 #[derive(Clone, Debug)]
 pub(super) struct RowFault {
-    /// Index of the cell; none where it is the row as a whole.
+    /// Index of the cell; `None` for the row as a whole.
     pub cell: Option<usize>,
     /// What is wrong; what is expected.
     pub message: String,

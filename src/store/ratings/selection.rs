@@ -1,4 +1,4 @@
-//! What each file is, which of the files belong together, and which of their columns are read.
+//! Determines what each file is, which files belong together, and which of their columns are read.
 
 use std::{
     collections::HashSet,
@@ -15,9 +15,9 @@ use crate::{
     store::{FileFault, StoreError, definition, sidecar::Sidecar},
 };
 
-/// Columns without which a file is no result file, besides the subject's.
+/// Columns that a result file must have, in addition to the participant's.
 const KEYS: [&str; 4] = ["session_id", "phase", "trial", "attempt"];
-/// Columns of a record that say what was shown.
+/// Columns of a record that describe the stimulus.
 const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
 
 /// A file to read.
@@ -31,7 +31,7 @@ pub(super) struct Input {
     pub columns: Columns,
     pub sidecar: Option<Sidecar>,
     pub protocol: Option<Protocol>,
-    /// Description of what the file is; files with the same description are read together.
+    /// Description of the file; files with the same description are read together.
     kind: String,
 }
 
@@ -68,17 +68,17 @@ pub(super) struct Selection {
     pub shape: Shape,
     pub protocol: Option<Protocol>,
     pub definition_sha256: Option<String>,
-    /// The experiment of all rows, where it is known.
+    /// The experiment of all rows, if known.
     pub experiment: Option<String>,
     /// Whether ratings are on our own scale, 0…3.
     pub own_scale: bool,
 }
 
-/// What a session's file without rows and sidecar is: it may belong to any experiment.
+/// Description of a session's file without rows and sidecar, which may belong to any experiment.
 const UNKNOWN: &str = "a session's file without rows";
 
 impl Selection {
-    /// Chooses among files; gives faults of those that are left out.
+    /// Selects files, and reports faults of those that are excluded.
     pub fn new(files: Vec<Input>, options: &ReadOptions) -> (Option<Self>, Vec<FileFault>) {
         let (mut known, mut faults) = (Vec::new(), Vec::new());
         for mut file in files {
@@ -119,10 +119,10 @@ impl Selection {
 }
 
 impl Input {
-    /// Looks at a file; what is wrong with its sidecar does not keep its rows from being read.
+    /// Inspects a file; a fault of its sidecar does not prevent its rows from being read.
     ///
     /// # Errors
-    /// What is wrong with its head.
+    /// The fault of its head.
     pub fn new(path: &Path, options: &ReadOptions) -> Result<(Self, Vec<FileFault>), FileFault> {
         let header = Header::read(path)?;
         let beside = path.with_extension("json");
@@ -145,7 +145,7 @@ impl Input {
         Ok((Self { path: path.to_owned(), name, header, layout, columns, sidecar, protocol, kind }, faults))
     }
 
-    /// Main trials that its definition plans.
+    /// Number of main trials in its definition.
     pub fn planned(&self) -> Option<u64> {
         self.protocol.as_ref().map(|protocol| protocol.main_trials() as u64)
     }
@@ -177,14 +177,14 @@ impl Input {
             .collect()
     }
 
-    /// All columns but subject, response and count. A column without a name is the row numbers of R or pandas.
+    /// All columns except participant, response and count. A column without a name contains row numbers from R or pandas.
     fn factors(&self, options: &ReadOptions) -> Vec<String> {
         let known = [options.subject(), options.response(), options.count()];
         let names = self.header.names.iter();
         names.filter(|name| !name.is_empty() && !known.contains(&name.as_str())).cloned().collect()
     }
 
-    /// The fault of a file that does not belong to those that are read.
+    /// The fault of a file that does not match those that are read.
     fn left_out(&self, read: &[Self]) -> FileFault {
         let others =
             if read.len() == 1 { "the other file".to_owned() } else { format!("the other {} files", read.len()) };
@@ -198,8 +198,8 @@ impl Input {
     }
 }
 
-/// What a file with this header is. One that lacks a single column of a result file is meant as one if it has a
-/// sidecar or a `row_id` column, or if the options do not say how else to read it.
+/// The kind of a file with this header. A file that lacks a single column of a result file is treated as one if it has a
+/// sidecar or a `row_id` column, or if the options give no other way to read it.
 fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     let has = |name: &str| header.position(name).is_some();
     if options.count.as_deref().is_some_and(has) {
@@ -215,7 +215,7 @@ fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     }
 }
 
-/// Describes what a file is.
+/// Describes a file.
 fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
     match file.layout {
         Layout::Results => {
@@ -226,7 +226,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
                 None if file.experiment().is_none() => return Ok(UNKNOWN.to_owned()),
                 None => match file.further(options.response()).join(", ") {
                     further if further.is_empty() => "no sidecar".to_owned(),
-                    further => format!("no sidecar; further columns {further}"),
+                    further => format!("no sidecar; additional columns {further}"),
                 },
             };
             let name = file.experiment().unwrap_or("without a name");
@@ -242,7 +242,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileFault> {
     }
 }
 
-/// The fault of a table whose factors are not named.
+/// The fault of a table whose factors were not given.
 fn without_factors(file: &Input, options: &ReadOptions) -> FileFault {
     // A file of another kind lacks columns that every table of ratings has.
     if let Err(missing) = columns(file, &[], options)
@@ -252,14 +252,14 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileFault {
     }
     let others = file.factors(options);
     let message = if others.is_empty() {
-        "no factors are named, and there are no further columns; expected a column for each factor".to_owned()
+        "no factors were given, and there are no other columns; expected a column for each factor".to_owned()
     } else {
-        format!("no factors are named; expected --factors or --terms with some of the columns {}", others.join(", "))
+        format!("no factors were given; expected --factors or --terms with some of the columns {}", others.join(", "))
     };
     file.fault(1, message)
 }
 
-/// A session whose sidecar is lost belongs to the definition of its experiment's name, if there is just one.
+/// A session whose sidecar is lost belongs to the definition with its experiment's name, if there is only one.
 fn join_lost_sidecars(files: &mut [Input]) {
     let mut definitions: Vec<(Protocol, String)> = Vec::new();
     for file in files.iter() {
@@ -281,7 +281,7 @@ fn join_lost_sidecars(files: &mut [Input]) {
     }
 }
 
-/// The kinds that are read: the one with the most files, of equal ones the first; with named factors the largest of
+/// The kinds that are read: the one with the most files (the first of equals); if factors were given, the largest of
 /// the result files and everything else.
 fn chosen(files: &[Input], options: &ReadOptions) -> Vec<String> {
     let mut kinds: Vec<(&Input, usize)> = Vec::new();
@@ -293,7 +293,7 @@ fn chosen(files: &[Input], options: &ReadOptions) -> Vec<String> {
     }
     let largest = |wanted: &dyn Fn(&Input) -> bool| {
         let fitting = kinds.iter().filter(|(file, _)| wanted(file));
-        // Of a session's file without rows it is not known what it is.
+        // The experiment of a session's file without rows is unknown.
         fitting.rev().max_by_key(|(file, n)| (file.kind != UNKNOWN, *n)).map(|(file, _)| file.kind.clone())
     };
     if options.factors.is_some() {
@@ -315,7 +315,7 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
             stimulus.map(str::to_owned).chain(first.further(options.response())).collect()
         }
         (None, None, Layout::Counts) => first.factors(options),
-        // A missing one is a fault of the file.
+        // A missing column is a fault of the file.
         (None, None, Layout::Long) => {
             options.also.iter().filter(|name| has(name) || *name != "inv_n").cloned().collect()
         }
@@ -336,10 +336,10 @@ fn shape(files: &[Input], first: &Input, protocol: Option<&Protocol>, options: &
     }
 }
 
-/// Where the columns of a file are.
+/// The positions of the columns in a file.
 ///
 /// # Errors
-/// Columns that are missing, or that have two uses.
+/// Columns that are missing or have two uses.
 fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Columns, Vec<FileFault>> {
     let header = &file.header;
     let mut faults = Vec::new();

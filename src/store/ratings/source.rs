@@ -1,4 +1,4 @@
-//! How ratings are to be read, and what was read.
+//! How to read ratings, and what was read.
 
 use std::path::PathBuf;
 
@@ -7,41 +7,41 @@ use crate::{
     store::{FileFault, sidecar::Sidecar},
 };
 
-/// How files are to be read.
+/// How to read files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Column of the subject; `subject_id` unless named.
+    /// Column with the participant ID; `subject_id` by default.
     pub subject: Option<String>,
-    /// Column of the response; `rating` unless named. The scale is 0…3 unless the column is named.
+    /// Column with the response; by default `rating`, on the scale 0…3.
     pub response: Option<String>,
-    /// The response's categories, the lowest first, where it is named and they are known.
+    /// The categories of a given response column, lowest first, if they are known.
     pub categories: Option<Vec<String>>,
-    /// Column with the number of trials that a row represents; `count` if there is one, unless named.
+    /// Column with the number of trials per row; by default `count`, if present.
     pub count: Option<String>,
-    /// Columns of the factors. None: those of the definition; of a table of counts all other columns; of result files
-    /// without a sidecar all columns of stimulus parameters.
+    /// Columns with the factors. `None` means those of the definition; for a table of counts, all other columns; for result
+    /// files without a sidecar, all columns of stimulus parameters.
     pub factors: Option<Vec<String>>,
-    /// Further columns to read as factors, such as those of a model's terms, besides the ones above. One that no file has
-    /// is left out, except that `inv_n` is then `depth`.
+    /// Additional columns to read as factors, such as those of a model's terms. A column that no file has is ignored, except
+    /// that `inv_n` then means `depth`.
     pub also: Vec<String>,
-    /// Leaves out sessions in which planned trials are not rated.
+    /// Excludes sessions with unrated trials.
     pub complete_only: bool,
-    /// Whether session, repetition and response time of each row are read too.
+    /// Whether session, repetition and response time of each row are also read.
     pub details: bool,
 }
 
 impl ReadOptions {
-    /// Name of the column of the subject.
+    /// Name of the participant's column.
     pub(super) fn subject(&self) -> &str {
         self.subject.as_deref().unwrap_or("subject_id")
     }
 
-    /// Name of the column of the response.
+    /// Name of the response's column.
     pub(super) fn response(&self) -> &str {
         self.response.as_deref().unwrap_or("rating")
     }
 
-    /// Name of the column of the count.
+    /// Name of the count's column.
     pub(super) fn count(&self) -> &str {
         self.count.as_deref().unwrap_or("count")
     }
@@ -56,13 +56,13 @@ pub struct Shape {
     pub subject: String,
     /// Name of the response's column.
     pub response: String,
-    /// The ordered categories, where they are known: `0`…`3` of our own files.
+    /// The ordered categories, if known: `0`…`3` for our own files.
     pub categories: Option<Vec<String>>,
-    /// Whether the factors were neither named nor defined, so that those with a single level say nothing.
+    /// Whether the factors were neither given nor defined, so that those with a single level carry no information.
     pub guessed: bool,
 }
 
-/// What was read, and what was not.
+/// What was read and what was excluded.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// Factors and categories.
@@ -75,27 +75,27 @@ pub struct Source {
     pub files: Vec<FileRead>,
     /// Every session of result files, by subject and session.
     pub sessions: Vec<SessionRead>,
-    /// Everything that is wrong, in the order of the files; of many alike in one file the first ones and a last that
-    /// says how many more.
+    /// All faults, in the order of the files; of many similar faults in one file, the first ones and a final one with the
+    /// number of others.
     pub faults: Vec<FileFault>,
 }
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layout {
-    /// One row a trial, in the columns of a session's file.
+    /// One row per trial, in the columns of a session's file.
     Results,
     /// Counts of ratings.
     Counts,
-    /// One row a rating, in columns that were named.
+    /// One row per rating, in the given columns.
     #[default]
     Long,
 }
 
-/// A file and what became of its rows.
+/// A file and how its rows were used.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FileRead {
-    /// Where it is.
+    /// Its path.
     pub path: PathBuf,
     /// What it is.
     pub layout: Layout,
@@ -103,17 +103,17 @@ pub struct FileRead {
     pub rows: u64,
     /// Rows that count.
     pub counted: u64,
-    /// Trials that these represent.
+    /// Number of trials in these rows.
     pub ratings: u64,
-    /// Practice rows, left out.
+    /// Practice rows, excluded.
     pub practice: u64,
-    /// Ratings taken back: rows of which a later attempt exists, left out.
+    /// Corrected ratings: rows with a later attempt, excluded.
     pub superseded: u64,
-    /// Rows with a fault, left out.
+    /// Rows with a fault, excluded.
     pub faulty: u64,
-    /// Rows of unfinished sessions, left out because [`ReadOptions::complete_only`] asks for it.
+    /// Rows of unfinished sessions, excluded by [`ReadOptions::complete_only`].
     pub unfinished: u64,
-    /// SHA-256 of the content, so that the analysis can be repeated on just this file; none of a file above 64 MiB.
+    /// SHA-256 of the content, so that the analysis can be repeated on exactly this file; `None` above 64 MiB.
     pub sha256: Option<String>,
 }
 
@@ -126,18 +126,18 @@ pub struct SessionRead {
     pub session: String,
     /// File.
     pub path: PathBuf,
-    /// Main trials that are planned, where a sidecar has the definition.
+    /// Number of planned main trials, if a sidecar has the definition.
     pub planned: Option<u64>,
     /// Main trials that are rated.
     pub rated: u64,
-    /// Main trials in which a frame was dropped; none where nothing was measured.
+    /// Main trials with a dropped frame; `None` if nothing was measured.
     pub dropped: Option<u64>,
     /// The sidecar.
     pub sidecar: Option<Sidecar>,
 }
 
 impl SessionRead {
-    /// Whether planned trials are not rated, as far as is known.
+    /// Whether planned trials are unrated, as far as is known.
     pub fn is_unfinished(&self) -> bool {
         self.planned.is_some_and(|planned| self.rated < planned)
     }

@@ -1,12 +1,12 @@
-//! Which rows of result files count: of every trial the last attempt, and of a row that is there twice the first.
+//! Which rows of result files count: the last attempt of every trial, and the first of duplicate rows.
 //!
-//! A row is eight bytes here: session by session they are sorted once all files have been read.
+//! A row takes eight bytes here. The rows of each session are sorted once all files have been read.
 
 use std::collections::HashMap;
 
 use crate::experiment::Phase;
 
-/// An attempt at a trial. From the highest bit: its phase, number and attempt, then what else its row says.
+/// An attempt at a trial. From the highest bit: its phase, number and attempt, then flags from its row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Trial(u64);
 
@@ -17,7 +17,7 @@ const RATED: u64 = 2;
 const DROPPED: u64 = 1;
 
 impl Trial {
-    /// The trial of this number and attempt, both from 1 to a million.
+    /// The trial with this number and attempt, both from 1 to a million.
     pub fn new(phase: Phase, number: u32, attempt: u32) -> Self {
         let main = if phase == Phase::Main { MAIN } else { 0 };
         Self(main | u64::from(number) << NUMBER | u64::from(attempt) << ATTEMPT)
@@ -28,12 +28,12 @@ impl Trial {
         self.0 & MAIN != 0
     }
 
-    /// Phase, number and attempt alone.
+    /// Only phase, number and attempt.
     fn key(self) -> u64 {
         self.0 >> ATTEMPT
     }
 
-    /// Whether both are attempts of one trial.
+    /// Whether both are attempts at the same trial.
     fn is_attempt_of(self, other: Self) -> bool {
         self.0 >> NUMBER == other.0 >> NUMBER
     }
@@ -47,14 +47,14 @@ pub(super) struct Identity<'a> {
     pub trial: Trial,
 }
 
-/// What becomes of a row.
+/// How a row is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Status {
     /// It counts.
     Counts,
     /// A later attempt counts.
     Superseded,
-    /// It is in this file already.
+    /// It is already in this file.
     Repeated(usize),
 }
 
@@ -63,7 +63,7 @@ pub(super) enum Status {
 pub(super) struct Trials {
     pub sessions: Vec<Session>,
     index: HashMap<(String, String), usize>,
-    /// The session of the last row: the next one is most often of the same.
+    /// The session of the last row, since the next row usually has the same one.
     recent: usize,
 }
 
@@ -79,7 +79,7 @@ pub(super) struct Session {
 }
 
 impl Trials {
-    /// Index of a session; `recent` is that of the row before, most often the same.
+    /// Index of a session; `recent` is that of the previous row, which is usually the same.
     pub fn find(&self, subject: &str, session: &str, recent: usize) -> Option<usize> {
         if self.sessions.get(recent).is_some_and(|known| known.subject == subject && known.session == session) {
             return Some(recent);
@@ -87,7 +87,7 @@ impl Trials {
         self.index.get(&(subject.to_owned(), session.to_owned())).copied()
     }
 
-    /// A session and its trials in a file; both are new if need be.
+    /// A session and its trials in a file, created if necessary.
     fn enter(&mut self, subject: &str, session: &str, file: usize) -> &mut Session {
         self.recent = self.find(subject, session, self.recent).unwrap_or_else(|| {
             let (subject, session) = (subject.to_owned(), session.to_owned());
@@ -102,7 +102,7 @@ impl Trials {
         session
     }
 
-    /// Takes in a row: whether it is rated, and whether frames were dropped, where that was measured.
+    /// Adds a row: whether it is rated, and whether frames were dropped, if measured.
     pub fn add(&mut self, row: &Identity<'_>, rated: bool, dropped: Option<bool>, file: usize) {
         let flags = if rated { RATED } else { 0 } | if dropped == Some(true) { DROPPED } else { 0 };
         let session = self.enter(row.subject, row.session, file);
@@ -110,7 +110,7 @@ impl Trials {
         session.files.last_mut().into_iter().for_each(|(_, trials)| trials.push(Trial(row.trial.0 | flags)));
     }
 
-    /// Takes in the rows of later files.
+    /// Adds the rows of later files.
     pub fn absorb(&mut self, later: Self) {
         for from in later.sessions {
             for (file, trials) in from.files {
@@ -121,10 +121,10 @@ impl Trials {
         }
     }
 
-    /// All rows are there.
+    /// Called once all rows have been added.
     pub fn finish(&mut self) {
         for (_, trials) in self.sessions.iter_mut().flat_map(|session| &mut session.files) {
-            // Stable: of equal ones the first in the file is the first here.
+            // Stable: among equals, the first in the file stays first.
             trials.sort_by_key(|trial| trial.key());
         }
     }
@@ -150,13 +150,13 @@ impl Session {
         self.count(RATED)
     }
 
-    /// Main trials in whose last attempt a frame was dropped; none where nothing was measured.
+    /// Main trials with a dropped frame in their last attempt; `None` if nothing was measured.
     pub fn dropped(&self) -> Option<u64> {
         self.measured.then(|| self.count(DROPPED))
     }
 
-    /// What becomes of a row. `is_new` takes in a trial that is in the file twice, and gives whether it came for the first
-    /// time.
+    /// How a row is used. `is_new` is called with a trial that is in the file twice, and returns whether this is its first
+    /// row.
     pub fn status(&self, trial: Trial, file: usize, mut is_new: impl FnMut(Trial) -> bool) -> Status {
         let mut status = Status::Counts;
         for (other, trials) in &self.files {

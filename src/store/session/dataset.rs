@@ -19,12 +19,12 @@ use crate::{
     },
 };
 
-/// Ends the name of a data file of a Psych-DS data set, as our results are.
+/// Suffix of a data file in a Psych-DS data set, such as our results.
 pub const DATA_FILE: &str = "_data.csv";
-/// Ends the name of a sidecar.
+/// Suffix of a sidecar.
 pub(crate) const SIDECAR_SUFFIX: &str = "_data.json";
 
-/// Where the files of one session are.
+/// The paths of the files of one session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionPaths {
     /// `RESULTS/NAME`, the data set.
@@ -51,22 +51,22 @@ impl SessionPaths {
         }
     }
 
-    /// Makes the folders and describes the data set, if nobody has yet. If its description cannot be read, says so in a
-    /// sentence.
+    /// Creates the folders and the description of the data set, if they do not exist. Returns a sentence if the description
+    /// cannot be read.
     ///
     /// # Errors
-    /// The folder cannot be made or written; a link.
+    /// The folder cannot be created or written; a link.
     pub fn prepare(&self, protocol: &Protocol) -> Result<Option<String>, StoreError> {
         self.refuse_links()?;
         let data = self.dataset.join("data");
         make_folder(&data)?;
-        // Other programs may be describing the data set too.
+        // Other programs may also be writing the description.
         remove_temporary(&self.dataset, "", Duration::from_secs(60));
         describe(&self.dataset, protocol)
     }
 
-    /// Nothing below the results folder may lead out of it: anyone who puts a link there could decide where a session is
-    /// written, or read what they must not. The results folder itself may be a link.
+    /// Nothing below the results folder may lead out of it: anyone who put a link there could redirect where a session is
+    /// written, or expose other files. The results folder itself may be a link.
     ///
     /// # Errors
     /// The first link.
@@ -99,7 +99,8 @@ pub fn free_participant(results: &Path, protocol: &Protocol) -> String {
 pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
-    let stem = name.strip_suffix(DATA_FILE).ok_or_else(|| format!("is not named like a data file; {expected}"))?;
+    let stem =
+        name.strip_suffix(DATA_FILE).ok_or_else(|| format!("does not have the name of a data file; {expected}"))?;
     let part = |key: &str| stem.split('_').find_map(|part| part.strip_prefix(key)?.strip_prefix('-'));
     let (Some(subject), Some(session)) = (part("subject"), part("session")) else {
         return Err(format!("its name has no subject or session; {expected}"));
@@ -111,11 +112,11 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
 /// Name of the file that describes a data set.
 pub const DESCRIPTION: &str = "dataset_description.json";
 
-/// Both names by which the list of files that are not data is known: that of the standard's text and that of its validator.
+/// Both names of the list of files that are not data: the one in the standard and the one in its validator.
 const IGNORE: [&str; 2] = [".psychds-ignore", ".psychdsignore"];
 
-/// Writes what is not there yet, and adds columns that the description lacks. What people wrote stays. If the description
-/// cannot be read, says so in a sentence.
+/// Writes missing files, and adds missing columns to the description. Manual entries are kept. Returns a sentence if the
+/// description cannot be read.
 ///
 /// # Errors
 /// The system's refusal.
@@ -129,7 +130,7 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
     ] {
         let path = dataset.join(name);
         if !is_there(&path)? {
-            // The session waits for the disk only where data depend on it.
+            // The session waits for the disk only if data depend on it.
             write_whole(&path, text.as_bytes(), false)?;
         }
     }
@@ -142,7 +143,7 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
     match add_columns(&mut described, &columns(protocol)) {
         Some(true) => write_json(&path, &described).map(|()| None),
         Some(false) => Ok(None),
-        None => Ok(Some(format!("{DESCRIPTION} has no list variableMeasured; it was left as it is"))),
+        None => Ok(Some(format!("{DESCRIPTION} has no list variableMeasured; it was not changed"))),
     }
 }
 
@@ -157,7 +158,7 @@ fn description(protocol: &Protocol) -> Value {
     })
 }
 
-/// Adds the columns that a description does not name; whether there were any. `None` where it has no list of columns.
+/// Adds the columns that a description lacks, and returns whether there were any. `None` if it has no list of columns.
 fn add_columns(described: &mut Value, columns: &[Column]) -> Option<bool> {
     let variables = described.get_mut("variableMeasured")?.as_array_mut()?;
     let missing: Vec<Value> =
@@ -166,7 +167,7 @@ fn add_columns(described: &mut Value, columns: &[Column]) -> Option<bool> {
     Some(!missing.is_empty())
 }
 
-/// A column may be described by an object or by its name alone.
+/// A column may be described by an object or only by its name.
 fn names(variable: &Value, column: &Column) -> bool {
     variable.as_str().or_else(|| variable.get("name")?.as_str()) == Some(&column.name)
 }
@@ -195,18 +196,18 @@ fn readme(protocol: &Protocol) -> String {
     format!(
         "# {title}
 
-Ratings recorded with machband {version} by its definition `{name}`.
+Ratings recorded with machband {version}, using the definition `{name}`.
 
-- `data/subject-…_session-…_task-…_data.csv`: one row a trial. `row_id` names each row of the data set.
+- `data/subject-…_session-…_task-…_data.csv`: one row per trial. `row_id` names each row of the data set.
 - `data/…_data.json`: next to each, everything else that is known about the session: the definition and the seed that
   determine the order of its trials, the program, the screen, the geometry, and what each column means.
-- `data/…{frames}`: every frame interval, where a screen was used.
+- `data/…{frames}`: every frame interval, if a screen was used.
 
 Missing values are empty. A corrected response is a separate row with `attempt` + 1; the last attempt of a trial
 counts. Rows with `phase` practice are not data.
 
 `machband verify` checks the rows and the pictures against the sidecars; `machband analyze` analyzes the ratings.
-Author, license and the like belong in `{DESCRIPTION}`: machband keeps what you write there.
+Add the author, license and similar information to `{DESCRIPTION}`; machband keeps your entries.
 ",
         frames = frames::SUFFIX
     )
@@ -214,13 +215,13 @@ Author, license and the like belong in `{DESCRIPTION}`: machband keeps what you 
 
 const CHANGES: &str = "# Changes
 
-Sessions are added while they are recorded and never changed afterwards. Note any change by hand here, with a date.
+Sessions are added while they are recorded and never changed afterward. Record any manual change here, with a date.
 ";
 
 fn ignored() -> String {
     let [by_the_text, _] = IGNORE;
     format!(
-        "# Frame intervals describe a session and are not its data.\n*{}\n# This list, by the name that the standard's text gives it.\n{by_the_text}\n",
+        "# Frame intervals describe a session and are not its data.\n*{}\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
         frames::SUFFIX
     )
 }

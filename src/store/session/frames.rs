@@ -1,7 +1,7 @@
-//! Every frame interval of a session: a CSV file next to the data, with one row for each run of frames that showed the
-//! same thing.
+//! Every frame interval of a session: a CSV file next to the data, with one row for each run of frames with the same
+//! content.
 //!
-//! The frames describe a session and are not its data: where this file cannot be written the session continues.
+//! The frames describe a session and are not its data: if this file cannot be written, the session continues.
 
 use std::path::Path;
 
@@ -17,10 +17,10 @@ use crate::{
 
 /// The header row.
 pub const HEADER: &str = "sitting,phase,trial,attempt,state,refresh_us,intervals_us";
-/// Ends the name of such a file.
+/// Suffix of such a file.
 pub const SUFFIX: &str = "_frames.csv";
 
-/// One row: frames that followed each other.
+/// One row: consecutive frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameRow {
     /// 1, plus 1 each time an interrupted session was resumed.
@@ -31,16 +31,16 @@ pub struct FrameRow {
     pub trial: u32,
     /// As in the data.
     pub attempt: u32,
-    /// What the frames showed.
+    /// Content of the frames.
     pub shown: Shown,
-    /// The refresh interval that they were compared with; `None` if it was not known.
+    /// The refresh interval with which they were compared; `None` if it was not known.
     pub refresh: Option<Refresh>,
-    /// How long each of them was shown, microseconds.
+    /// How long each frame was shown, in microseconds.
     pub intervals_us: Vec<u32>,
 }
 
 impl FrameRow {
-    /// The row of a stretch. `None` where the schedule has no such trial.
+    /// The row of a stretch. `None` if the schedule has no such trial.
     #[must_use]
     pub fn new(stretch: Stretch, schedule: &Schedule, sitting: u32) -> Option<Self> {
         let trial = schedule.trials.get(stretch.trial)?;
@@ -56,7 +56,7 @@ impl FrameRow {
     }
 }
 
-/// The file of a running session. It is made when the first row comes: a session without a screen has none.
+/// The file of a running session. It is created with the first row, so a session without a screen has none.
 #[derive(Debug)]
 pub struct FrameFile(pub(in crate::store) AppendFile);
 
@@ -66,17 +66,17 @@ impl FrameFile {
         Self(AppendFile::new(path, false, header()))
     }
 
-    /// For a session that is resumed: keeps what is there, less a last line that was half written.
+    /// For a resumed session: keeps the content, except for an incomplete last line.
     ///
     /// # Errors
-    /// The file is there and cannot be read, or is of another kind; it must not be written to then.
+    /// The file exists but cannot be read, or is of another kind; it must not be written to then.
     pub fn resume(path: &Path) -> Result<Self, StoreError> {
         if !is_there(path)? {
             return Ok(Self::new(path));
         }
         let file = AppendFile::open(path, false, header())?;
         if !file.content().starts_with(&header()) {
-            let message = format!("is not a file of frames; expected the header {HEADER}");
+            let message = format!("is not a frames file; expected the header {HEADER}");
             return Err(FileFaults::whole(path, message).into());
         }
         Ok(Self(file))
@@ -108,10 +108,10 @@ impl FrameFile {
         })
     }
 
-    /// Puts everything into a new file and continues there. The old one stays as it is.
+    /// Writes everything into a new file and continues there. The old one is not changed.
     ///
     /// # Errors
-    /// The new place refuses, or has such a file; the old one is then kept.
+    /// The new location cannot be written or already has such a file; the old one is then kept.
     pub fn move_to(&mut self, path: &Path) -> Result<(), StoreError> {
         if self.is_empty() {
             *self = Self::new(path);
@@ -158,7 +158,7 @@ fn row(cells: &[&str]) -> Result<FrameRow, CellFault> {
         text => Some(
             (text.parse::<f64>().ok())
                 .and_then(|us| Refresh::new(us * 1e-6))
-                .ok_or_else(|| wrong(5, "microseconds from one refresh to the next, above 0, or nothing"))?,
+                .ok_or_else(|| wrong(5, "microseconds from one refresh to the next, above 0, or an empty cell"))?,
         ),
     };
     let intervals = intervals.split(' ').map(|text| text.parse().ok()).collect::<Option<_>>();
@@ -169,6 +169,6 @@ fn row(cells: &[&str]) -> Result<FrameRow, CellFault> {
         attempt: count(3, attempt)?,
         shown: state.parse().map_err(|_| wrong(4, &format!("one of {}", Shown::NAMES.join(", "))))?,
         refresh,
-        intervals_us: intervals.ok_or_else(|| wrong(6, "whole microseconds with a space between"))?,
+        intervals_us: intervals.ok_or_else(|| wrong(6, "whole microseconds separated by spaces"))?,
     })
 }

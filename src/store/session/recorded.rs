@@ -1,4 +1,4 @@
-//! Recorded sessions as they are on disk, for code that reads whole data sets: nothing is changed or locked.
+//! Read-only access to recorded sessions, for code that reads whole data sets: nothing is changed or locked.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -15,26 +15,26 @@ use crate::{
     store::{FileFault, FileFaults, StoreError, definition},
 };
 
-/// A session with everything that is known of it.
+/// A session with all its data and metadata.
 #[derive(Clone, Debug)]
 pub struct Recorded {
     /// Its rows on disk.
     pub csv: PathBuf,
     /// The sidecar on disk.
     pub sidecar_path: PathBuf,
-    /// The file of the frames, where there is one.
+    /// The frames file, if there is one.
     pub frames: Option<PathBuf>,
-    /// Whose it is, by the names of its files.
+    /// Participant and session, from the file names.
     pub identity: Identity,
-    /// The definition, by the sidecar.
+    /// The definition, from the sidecar.
     pub protocol: Protocol,
-    /// The order of the trials, by definition and seed.
+    /// The order of the trials, from definition and seed.
     pub schedule: Schedule,
-    /// What else is known.
+    /// The sidecar.
     pub sidecar: Sidecar,
     /// Its rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// A last line that is half written: the session was interrupted and not resumed.
+    /// An incomplete last line: the session was interrupted and not resumed.
     pub torn: Option<String>,
 }
 
@@ -42,7 +42,7 @@ impl Recorded {
     /// Reads a session by the path of its data file.
     ///
     /// # Errors
-    /// A name that is none of a session; no sidecar; anything that does not parse, with its place.
+    /// The name is not a session's; there is no sidecar; anything that does not parse, with its location.
     pub fn open(csv: &Path) -> Result<Self, StoreError> {
         let (stem, identity) = identity(csv).map_err(|message| FileFaults::whole(csv, message))?;
         let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
@@ -67,18 +67,18 @@ impl Recorded {
         })
     }
 
-    /// The part of its files' names that they have in common.
+    /// The common part of its file names.
     pub fn stem(&self) -> String {
         let name = self.csv.file_name().unwrap_or_default().to_string_lossy();
         name.strip_suffix(DATA_FILE).unwrap_or(&name).to_owned()
     }
 
-    /// What the rows come from; for a row's `sitting`, see the row.
+    /// The origin of the rows; a row itself has its `sitting`.
     pub fn context(&self) -> RowContext<'_> {
         RowContext { protocol: &self.protocol, schedule: &self.schedule, identity: &self.identity, sitting: 1 }
     }
 
-    /// Index of the condition that a row shows, into [`Schedule::conditions`]; `None` where the row is not planned.
+    /// Index into [`Schedule::conditions`] of the condition of a row; `None` if the row is not planned.
     pub fn condition(&self, row: &TrialRecord) -> Option<usize> {
         Some(self.schedule.trials[row.planned_trial(&self.context()).ok()?].condition)
     }
@@ -90,8 +90,8 @@ impl Recorded {
         (rated.len(), self.schedule.trials.len())
     }
 
-    /// What is wrong with its rows: each must be one that definition and seed plan, its attempts follow each other, and its
-    /// times do not run back.
+    /// The faults of its rows: each must be planned by definition and seed, attempts must be consecutive, and times must not
+    /// decrease.
     pub fn row_faults(&self) -> Vec<FileFault> {
         let context = self.context();
         let (mut attempts, mut faults) = (HashMap::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! A session's rows: one CSV file, one row a trial, on disk before the next trial is shown.
+//! A session's rows: one CSV file with one row per trial, on disk before the next trial is shown.
 
 use std::{fs, path::Path};
 
@@ -16,16 +16,16 @@ use crate::{
 #[derive(Debug)]
 pub struct ResultFile {
     pub(in crate::store) file: AppendFile,
-    /// Columns that the file has: one that an earlier version began lacks some at the end.
+    /// Columns of the file: one that an earlier version created lacks some at the end.
     width: usize,
 }
 
-/// What a result file holds.
+/// The content of a result file.
 #[derive(Debug, PartialEq)]
 pub struct Recovered {
     /// Its rows in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// A last line that was half written.
+    /// An incomplete last line.
     pub torn: Option<String>,
 }
 
@@ -40,8 +40,8 @@ impl ResultFile {
         Ok(Self { file, width: columns.len() })
     }
 
-    /// Opens and locks an interrupted session's file. A last line that was half written is
-    /// cut off by the next write; until then the file is as it was.
+    /// Opens and locks an interrupted session's file. The next write removes an incomplete last line; until then, the
+    /// file is not changed.
     ///
     /// # Errors
     /// [`StoreError::InUse`], the system's refusal, or a file that begins otherwise.
@@ -60,16 +60,16 @@ impl ResultFile {
         Ok(Recovered { rows, torn: self.file.torn().map(str::to_owned) })
     }
 
-    /// Adds a row. It is kept in memory from here on, and on disk when this returns without an error.
+    /// Adds a row. It is kept in memory from now on, and is on disk when this returns without an error.
     ///
     /// # Errors
-    /// The disk refuses, or the file is no longer the one that was written.
+    /// The write fails, or the file is no longer the one that was written.
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
         self.file.append(&table::line(record.cells().iter().take(self.width)))
     }
 }
 
-/// Reads a result file and leaves it as it is. A last line that was half written is left out.
+/// Reads a result file without changing it. An incomplete last line is ignored.
 ///
 /// # Errors
 /// The system's refusal; rows that do not parse, each with line and column.
@@ -78,7 +78,7 @@ pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
     Ok(Recovered { rows: parse(&path.display().to_string(), &content, columns)?, torn })
 }
 
-/// The header and whole rows of a result file, and a last line that is half written.
+/// The header and complete rows of a result file, and an incomplete last line.
 ///
 /// # Errors
 /// The system's refusal; a file that begins otherwise.
@@ -91,7 +91,7 @@ fn header(columns: &[Column]) -> Vec<u8> {
     table::line(columns.iter().map(|column| &column.name))
 }
 
-/// Those of the columns that the file has: one of an earlier version lacks some of the last.
+/// The columns that the file has: a file from an earlier version lacks some of the last ones.
 fn columns_of<'a>(content: &[u8], columns: &'a [Column]) -> &'a [Column] {
     let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
     // A column's name has no comma, and a header that differs otherwise is a fault of its own.
@@ -100,8 +100,7 @@ fn columns_of<'a>(content: &[u8], columns: &'a [Column]) -> &'a [Column] {
     &columns[..if (least..columns.len()).contains(&found) { found } else { columns.len() }]
 }
 
-/// Reads all rows of a result file whose columns are known. The last of them may be missing where the file is of an
-/// earlier version.
+/// Reads all rows of a result file with known columns. The last columns may be missing in a file from an earlier version.
 ///
 /// # Errors
 /// Every row that does not parse, with line and column; a header that is not the expected one.
@@ -121,7 +120,7 @@ fn check_header(header: &[&str], columns: &[Column]) -> Result<(), CellFault> {
         let (found, expected) = (header.get(i).copied(), columns.get(i).map(|column| column.name.as_str()));
         if found != expected {
             let found = found.map_or("missing".to_owned(), |name| format!("{:?}", shortened(name)));
-            let expected = expected.map_or("no further column".to_owned(), |name| format!("{name:?}"));
+            let expected = expected.map_or("no other column".to_owned(), |name| format!("{name:?}"));
             return Err((i, format!("column {} is {found}; expected {expected}, as in a result file", i + 1)));
         }
     }

@@ -18,16 +18,16 @@ use crate::{
     },
 };
 
-/// Side of the pictures of a session that had no screen, pixels.
+/// Side of the pictures of a session without a screen, in pixels.
 const SIZE_WITHOUT_SCREEN: u32 = 256;
 
 /// How an onset is defined, for the reader of the data.
-const ONSET: &str = "Start of the frame that presents the stimulus, by the program's monotonic clock. The graphics system gives no presentation time: the light follows by the compositor's and the screen's latency. How a rating is stamped, and how late that may be, is said in `input` of each sitting.";
+const ONSET: &str = "Start of the frame that presents the stimulus, by the program's monotonic clock. The graphics system does not report presentation times: the light follows after the latency of the compositor and the screen. `input` of each sitting describes how ratings are timestamped and the maximum delay.";
 
 /// The sidecar's content.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sidecar {
-    /// For readers of linked data, such as those of Psych-DS: which of the keys here are machband's own.
+    /// For readers of linked data, such as Psych-DS tools: which of these keys are specific to machband.
     #[serde(rename = "@context", default = "context")]
     pub context: Value,
     /// The definition, with the keys of its file.
@@ -46,13 +46,13 @@ pub struct Sidecar {
     pub sittings: Vec<Sitting>,
     /// Description, unit and levels of every column.
     pub columns: Map<String, Value>,
-    /// Shows whether files were changed after the session ended; absent until then.
+    /// Reveals whether files were changed after the session ended; absent until then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seal: Option<Seal>,
 }
 
-/// Hashes of a session's files at its end. They reveal accidents and honest changes by hand; anyone who wants to deceive
-/// can make new ones.
+/// Hashes of a session's files at its end. They reveal accidents and honest manual changes; anyone who wants to deceive
+/// can create new ones.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Seal {
     /// SHA-256 of the data file.
@@ -64,7 +64,7 @@ pub struct Seal {
     pub sidecar_sha256: String,
 }
 
-/// The keys of a sidecar mean nothing to schema.org; without this, a reader of linked data would look for them there.
+/// The keys of a sidecar are not defined by schema.org; without this, a reader of linked data would look for them there.
 fn context() -> Value {
     let own =
         ["definition", "definition_sha256", "seed", "generator", "onset", "complete", "sittings", "columns", "seal"];
@@ -81,7 +81,7 @@ pub struct Sitting {
     /// RFC 3339, UTC; absent after a crash.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ended_at: Option<String>,
-    /// What ran it.
+    /// The program that ran it.
     pub program: Program,
     /// Parameters of the simulated observer; absent for a person.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -89,25 +89,25 @@ pub struct Sitting {
     /// The display profile.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub display: Option<Value>,
-    /// The monitor as the system describes it.
+    /// The monitor, as described by the system.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub monitor: Option<Value>,
     /// Distance, screen size, size of the stimulus.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viewing: Option<Value>,
-    /// Findings before the session, each with a plain sentence.
+    /// Findings of the preflight, each with a plain sentence.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub preflight: Vec<PreflightNote>,
     /// Frame intervals over the sitting.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<Value>,
-    /// How ratings are stamped, and how long at most a key may have waited for its stamp.
+    /// How ratings are timestamped, and the maximum time that a key press may have waited for its timestamp.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<Value>,
     /// What was shown, so that anyone can render it again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pictures: Option<Pictures>,
-    /// What was repaired or moved.
+    /// Repairs and moves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub incidents: Vec<String>,
 }
@@ -119,9 +119,9 @@ pub struct Program {
     pub name: String,
     /// Version of the package.
     pub version: String,
-    /// Commit it was built from, or `unknown`.
+    /// The commit from which it was built, or `unknown`.
     pub commit: String,
-    /// The kind of operating system it was built for, such as `linux`; earlier versions did not say.
+    /// The operating system for which it was built, such as `linux`; earlier versions did not record it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub system: Option<String>,
 }
@@ -142,7 +142,7 @@ impl Default for Program {
 pub struct PreflightNote {
     /// What was checked.
     pub check: String,
-    /// Whether it is as it should be.
+    /// Whether the check passed.
     pub ok: bool,
     /// The finding as a sentence.
     pub sentence: String,
@@ -173,7 +173,7 @@ impl Sidecar {
     #[must_use]
     pub fn own_sha256(&self) -> String {
         let open = Self { seal: None, ..self.clone() };
-        // Its parts are plain data: nothing in them can fail to be written.
+        // Its parts are plain data, so serialization cannot fail.
         sha256(&serde_json::to_vec(&open).unwrap_or_default())
     }
 
@@ -194,7 +194,7 @@ impl Sidecar {
         })
     }
 
-    /// Writes it whole or not at all.
+    /// Writes it atomically.
     ///
     /// # Errors
     /// The system's refusal.
@@ -207,15 +207,15 @@ impl Sidecar {
 /// The pictures of a sitting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pictures {
-    /// How light became codes. Its stimulus is the definition's, before the factors are set.
+    /// How light was converted to codes. Its stimulus is the definition's, before the factors are set.
     pub recipe: Recipe,
-    /// [`image::hash`] of the picture of each condition, by the condition's number: from 1, as the factors are crossed, the
-    /// last one fastest.
+    /// [`image::hash`] of the picture of each condition, by condition number: counted from 1 as the factors are crossed,
+    /// with the last one varying fastest.
     pub sha256: BTreeMap<usize, String>,
 }
 
 impl Pictures {
-    /// Pictures for a screen: `size` pixels a side, 8 bits, no dither. None is hashed yet.
+    /// Pictures for a screen: `size` pixels per side, 8 bits, no dither. None is hashed yet.
     #[must_use]
     pub fn new(protocol: &Protocol, size: u32, transfers: &Transfers, display_sha256: Option<String>) -> Self {
         let recipe = Recipe {
@@ -236,14 +236,14 @@ impl Pictures {
         Self::new(protocol, SIZE_WITHOUT_SCREEN, &Transfer::Srgb.into(), None)
     }
 
-    /// The hash of every condition's picture, in their order.
+    /// The hash of every condition's picture, in order.
     #[must_use]
     pub fn hashes(&self, conditions: &[Condition]) -> Vec<String> {
         let quantizer = self.recipe.quantizer();
         conditions.par_iter().map(|condition| image::hash(&self.recipe_of(condition).codes(&quantizer))).collect()
     }
 
-    /// How the picture of a condition is made.
+    /// The recipe of a condition's picture.
     #[must_use]
     pub fn recipe_of(&self, condition: &Condition) -> Recipe {
         Recipe { stimulus: condition.stimulus.clone(), ..self.recipe.clone() }

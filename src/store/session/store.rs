@@ -16,7 +16,7 @@ use crate::{
     },
 };
 
-/// Where a session's rows go.
+/// The files of a running session.
 #[derive(Debug)]
 pub struct SessionStore {
     protocol: Protocol,
@@ -24,18 +24,18 @@ pub struct SessionStore {
     paths: SessionPaths,
     rows: ResultFile,
     sidecar: Sidecar,
-    /// `None` if another file is in their place.
+    /// `None` if another file has that name.
     frames: Option<FrameFile>,
-    /// It was noted that the frames cannot be written.
+    /// Whether a failure to write frames has been noted.
     frames_refused: bool,
 }
 
-/// What an interrupted session left.
+/// The state of an interrupted session.
 #[derive(Debug)]
 pub struct Interrupted {
-    /// The order it had.
+    /// Its order.
     pub schedule: Schedule,
-    /// What is already rated.
+    /// The trials that are already rated.
     pub resumed: Resumed,
     /// When the last rating was given, in seconds since the session's start; 0 before the first.
     pub elapsed_s: f64,
@@ -43,7 +43,7 @@ pub struct Interrupted {
     pub rows: Vec<TrialRecord>,
     /// Which sitting begins now.
     pub sitting: u32,
-    /// A half-written last line that was cut off.
+    /// An incomplete last line that was removed.
     pub torn: Option<String>,
 }
 
@@ -68,7 +68,7 @@ impl SessionStore {
         sitting: Sitting,
     ) -> Result<Self, StoreError> {
         let paths = SessionPaths::new(results, protocol, identity);
-        // A sidecar or frames without their rows are of a session too.
+        // A sidecar or frames without rows also belong to a session.
         for taken in [&paths.csv, &paths.sidecar, &paths.frames] {
             if is_there(taken)? {
                 return Err(StoreError::Exists(taken.clone()));
@@ -79,7 +79,7 @@ impl SessionStore {
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
         if let Err(error) = sidecar.write(&paths.sidecar) {
-            // Nothing is recorded yet: the next attempt must not find a session, and least of all a sidecar without rows.
+            // Nothing is recorded yet, so the next attempt must not find a session, least of all a sidecar without rows.
             let _ = std::fs::remove_file(&paths.sidecar);
             drop(rows);
             let _ = std::fs::remove_file(&paths.csv);
@@ -93,8 +93,8 @@ impl SessionStore {
     /// Resumes an interrupted session.
     ///
     /// # Errors
-    /// [`StoreError::NothingToResume`]; [`StoreError::Mismatch`] where definition, seed or a row are not this
-    /// session's; [`StoreError::InUse`]; rows that do not parse. Nothing is changed then.
+    /// [`StoreError::NothingToResume`]; [`StoreError::Mismatch`] if definition, seed or a row are not this session's;
+    /// [`StoreError::InUse`]; rows that do not parse. Nothing is changed then.
     pub fn resume(
         results: &Path,
         protocol: &Protocol,
@@ -173,15 +173,15 @@ impl SessionStore {
         self.rows.file.path()
     }
 
-    /// Adds a row; on disk when this returns without an error, and kept in memory in any case.
+    /// Adds a row, which is on disk when this returns without an error, and is kept in memory in any case.
     ///
     /// # Errors
-    /// The disk refuses; see [`SessionStore::retry`] and [`SessionStore::move_to`].
+    /// The write fails; see [`SessionStore::retry`] and [`SessionStore::move_to`].
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
         self.rows.append(record)
     }
 
-    /// Adds frames. A failure is noted once, writing is tried again with the next frames, and the session continues.
+    /// Adds frames. A failure is noted once, the next frames trigger another attempt, and the session continues.
     pub fn append_frames(&mut self, rows: &[FrameRow]) {
         let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.append(rows));
         if let Err(error) = written
@@ -191,7 +191,7 @@ impl SessionStore {
         }
     }
 
-    /// Name of the file of the frames, where it has any.
+    /// Name of the frames file, if it has frames.
     pub fn frames_file(&self) -> Option<String> {
         let frames = self.frames.as_ref().filter(|frames| !frames.is_empty())?;
         Some(frames.0.path().file_name()?.to_string_lossy().into_owned())
@@ -200,10 +200,10 @@ impl SessionStore {
     /// Tries again to write what is not on disk yet.
     ///
     /// # Errors
-    /// As [`SessionStore::append`].
+    /// As for [`SessionStore::append`].
     pub fn retry(&mut self) -> Result<(), StoreError> {
         self.rows.file.flush().or_else(|error| {
-            // Deleted, and the place is usable again: everything goes into a new file of the same name.
+            // The file was deleted, and its location is usable again: everything goes into a new file with the same name.
             if is_there(&self.paths.csv)? {
                 return Err(error);
             }
@@ -219,14 +219,14 @@ impl SessionStore {
         Ok(())
     }
 
-    /// Moves everything recorded so far into another results folder, and continues there.
+    /// Moves everything recorded so far to another results folder and continues there.
     ///
     /// # Errors
-    /// The new folder refuses, or has this session already; the session then stays in the old one.
+    /// The new folder cannot be written or already has this session; the session then stays in the old one.
     pub fn move_to(&mut self, results: &Path) -> Result<(), StoreError> {
         let paths = SessionPaths::new(results, &self.protocol, &self.identity);
         if paths == self.paths {
-            // The same folder once more, perhaps with room again.
+            // The same folder again, perhaps with free space now.
             self.retry()?;
             return self.sidecar.write(&self.paths.sidecar);
         }
@@ -257,31 +257,31 @@ impl SessionStore {
         self.sidecar.sittings.last_mut()
     }
 
-    /// Notes an incident, for the sidecar's next writing.
+    /// Notes an incident, to be saved with the sidecar.
     pub fn note(&mut self, incident: String) {
         if let Some(sitting) = self.sitting() {
             sitting.incidents.push(incident);
         }
     }
 
-    /// Notes the hash of a picture that is shown, for the sidecar's next writing; `condition` from 0.
+    /// Notes the hash of a displayed picture, to be saved with the sidecar; `condition` from 0.
     pub fn note_picture(&mut self, condition: usize, sha256: String) {
         if let Some(pictures) = self.sitting().and_then(|sitting| sitting.pictures.as_mut()) {
             pictures.sha256.insert(condition + 1, sha256);
         }
     }
 
-    /// Notes how ratings were stamped, for the sidecar's next writing.
+    /// Notes how ratings were timestamped, to be saved with the sidecar.
     pub fn describe_input(&mut self, input: serde_json::Value) {
         if let Some(sitting) = self.sitting() {
             sitting.input = Some(input);
         }
     }
 
-    /// Ends the sitting: writes the sidecar with what is now known.
+    /// Ends the sitting, and writes the sidecar with its current content.
     ///
     /// # Errors
-    /// The system's refusal; the rows are safe all the same.
+    /// I/O errors; the rows are safe nevertheless.
     pub fn finish(
         &mut self,
         complete: bool,

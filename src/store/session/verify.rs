@@ -1,5 +1,5 @@
-//! Verifies recorded sessions: that the rows follow from definition and seed, that the pictures rendered again have the
-//! recorded hashes, and that nothing was changed after the session ended.
+//! Verifies that the rows of recorded sessions follow from definition and seed, that their pictures, rendered again, have
+//! the recorded hashes, and that nothing was changed after the session ended.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
@@ -30,7 +30,7 @@ pub struct Verified {
     pub rows: usize,
     /// Planned trials that are rated, and all that are planned.
     pub rated: (usize, usize),
-    /// Pictures rendered again, all of them equal unless `faults` says otherwise.
+    /// Number of pictures rendered again, all identical unless `faults` says otherwise.
     pub pictures: usize,
     /// Whether the session was ended, so that later changes to its files can be detected.
     pub sealed: bool,
@@ -40,7 +40,7 @@ pub struct Verified {
     pub notes: Vec<String>,
 }
 
-/// Renders pictures, each once, however many sessions showed it.
+/// Renders each picture once, regardless of how many sessions showed it.
 #[derive(Debug, Default)]
 pub struct Renderer {
     /// Hash by recipe.
@@ -48,7 +48,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// The hashes of the pictures of several recipes of one sitting, which differ in their stimulus alone.
+    /// The picture hashes for several recipes of one sitting, which differ only in their stimulus.
     pub(crate) fn hashes(&mut self, recipes: &[Recipe]) -> Vec<String> {
         let keys: Vec<String> =
             recipes.iter().map(|recipe| serde_json::to_string(recipe).unwrap_or_default()).collect();
@@ -59,7 +59,7 @@ impl Renderer {
             }
         }
         if let Some(first) = wanted.values().next() {
-            // One table from light to codes serves them all.
+            // All of them share one table from light to codes.
             let quantizer = first.quantizer();
             let made: Vec<_> =
                 wanted.into_par_iter().map(|(key, recipe)| (key, image::hash(&recipe.codes(&quantizer)))).collect();
@@ -101,7 +101,7 @@ fn check_definition(recorded: &Recorded, found: &mut Verified) {
     }
 }
 
-/// Checks that all rows are there.
+/// Checks that all rows exist.
 fn check_end(recorded: &Recorded, found: &mut Verified) {
     let ((rated, planned), is_complete) = (found.rated, recorded.sidecar.complete);
     if is_complete && rated < planned {
@@ -126,15 +126,16 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
     }
     let turned_back = recorded.rows.windows(2).filter(|rows| rows[1].started_at < rows[0].started_at).count();
     if turned_back > 0 {
-        found.notes.push(format!("the wall clock was turned back {turned_back} times; onset_s gives the order"));
+        found.notes.push(format!("the wall clock was set back {turned_back} times; onset_s gives the order"));
     }
 }
 
-/// Checks that the files are those that the session left.
+/// Checks that the files are unchanged since the session ended.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
     let Some(seal) = &recorded.sidecar.seal else {
         let ended = recorded.sidecar.complete;
-        let why = if ended { "not sealed: an earlier version recorded it" } else { "not sealed: not ended" };
+        let why =
+            if ended { "not sealed: recorded by an earlier version" } else { "not sealed: the session did not end" };
         found.notes.push(why.to_owned());
         return;
     };
@@ -164,7 +165,10 @@ fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Veri
     let shown: BTreeSet<usize> = recorded.rows.iter().filter_map(|row| recorded.condition(row)).collect();
     let unproved = shown.iter().filter(|index| !hashed.contains(&(*index + 1))).count();
     if unproved > 0 {
-        found.notes.push(format!("{unproved} of {} pictures have no hash: their sitting was not ended", shown.len()));
+        found.notes.push(format!(
+            "{unproved} of {} pictures have no hash because their sitting did not end properly",
+            shown.len()
+        ));
     }
 }
 
@@ -195,8 +199,8 @@ pub(crate) fn picture_faults(recorded: &Recorded, renderer: &mut Renderer) -> Ve
     faults
 }
 
-/// Files in the folder of an experiment that belong to no session: sidecars without rows, and files that a killed program
-/// left incomplete.
+/// Files in an experiment's folder that do not belong to a session: sidecars without rows, and incomplete files from a
+/// killed program.
 #[must_use]
 pub fn leftovers(dataset: &Path) -> Vec<FileFault> {
     let mut faults = Vec::new();
@@ -207,7 +211,7 @@ pub fn leftovers(dataset: &Path) -> Vec<FileFault> {
         for path in paths {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             if name.ends_with(TEMPORARY) {
-                faults.push(FileFault::whole(&path, "was left by a program that was killed; expected no such file"));
+                faults.push(FileFault::whole(&path, "was left by a killed program; expected no such file"));
             } else if let Some(stem) = name.strip_suffix(SIDECAR_SUFFIX)
                 && !path.with_file_name(format!("{stem}{DATA_FILE}")).exists()
             {
