@@ -1,4 +1,4 @@
-//! A band of rows: which triangles cover which of its pixels, and their light.
+//! A band of rows: the triangles that cover its pixels, and their light.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -18,20 +18,20 @@ pub(super) struct Scratch {
     /// Light, channel by channel, row by row.
     pub light: [Vec<f32>; 3],
     depth: Vec<f64>,
-    /// One bit a pixel: whether any triangle has it.
+    /// One bit per pixel: whether any triangle covers it.
     covered: Vec<u64>,
     /// Columns of every row of every triangle, in the order in which they are drawn.
     spans: Vec<(u32, u32)>,
 }
 
-/// A band to be painted.
+/// A band to be drawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Band<'a> {
     pub frame: &'a Frame,
     /// Of every triangle.
     pub outlines: &'a [Option<Outline>],
     pub corners: &'a [Corners],
-    /// Those that reach into it, in the order of the frame.
+    /// The triangles that overlap the band, in the order of the frame.
     pub triangles: &'a [u32],
     /// The first row, and the one after the last.
     pub first: u32,
@@ -40,7 +40,7 @@ pub(super) struct Band<'a> {
 }
 
 impl Band<'_> {
-    /// The rows that a triangle may have.
+    /// The rows that a triangle may cover.
     #[inline(always)]
     fn rows(&self, triangle: u32) -> Option<(&Outline, u32, u32)> {
         let outline = self.outlines[triangle as usize].as_ref()?;
@@ -83,7 +83,7 @@ impl Band<'_> {
         twice != 0
     }
 
-    /// Draws the triangles with `shader`: their light is left in `scratch.light`.
+    /// Draws the triangles with `shader` into `scratch.light`.
     pub fn paint<const C: usize, R: Spread<f32, C>>(&self, shader: &R, scratch: &mut Scratch, arch: Arch) {
         arch.dispatch(Paint { shader, band: self, scratch });
     }

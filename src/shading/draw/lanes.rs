@@ -1,6 +1,6 @@
 //! Several neighboring pixels at once, in [`pulp`]'s vectors.
 //!
-//! No operation here is fused or approximate: every machine computes the same bits, whatever the width of its vectors.
+//! No operation here is fused or approximate: every machine computes the same bits, regardless of its vector width.
 
 use std::ops::{Add, BitAnd, Div, Mul, Sub};
 

@@ -1,15 +1,14 @@
-//! Pictures of frames: on the processor, and on a graphics card.
+//! Draws frames on the CPU and on a graphics card.
 //!
-//! On the processor triangles are traversed once, row by row in bands over threads:
+//! The CPU traverses triangles once, row by row, in bands distributed over threads:
 //!
 //! ```text
 //! Frame → Prepared (constants of every triangle: once a frame) → bands of rows: spans → light (f32) → picture
 //! ```
 //!
-//! Coverage is exactly that of [`coverage`](super::coverage), hidden surfaces are found by depth in f64, and the light of
-//! the lanes is within 1e-5 of the [`Reference`]'s. The picture is the same to the last bit for any number of threads and
-//! any machine: vectors are those that the machine has, found when the program runs, and no operation is fused or
-//! approximate.
+//! Coverage is exactly that of [`coverage`](super::coverage), hidden surfaces are found by depth in f64, and the light
+//! of the lanes is within 1e-5 of the [`Reference`]'s. The image is the same to the last bit for any number of threads
+//! and on any machine: the vector width is detected at run time, and no operation is fused or approximate.
 
 mod band;
 mod encoder;

@@ -1,4 +1,4 @@
-//! A frame made ready to be drawn, and drawn.
+//! Prepares and draws a frame.
 
 use pulp::Arch;
 use rayon::prelude::*;
@@ -20,8 +20,8 @@ use crate::{
 /// Rows of a band.
 const BAND_ROWS: u32 = 16;
 
-/// All that one frame needs before its pixels: the outline of every triangle, the shader's constants, and which band
-/// of rows has which triangles.
+/// Everything computed once per frame: the outline of every triangle, the shader's constants, and the triangles of each
+/// band of rows.
 #[derive(Clone, Debug)]
 pub struct Prepared<'f> {
     frame: &'f Frame,
@@ -41,7 +41,7 @@ enum Painter {
 }
 
 impl<'f> Prepared<'f> {
-    /// `frame` ready to be drawn with `shade`.
+    /// Prepares `frame` for drawing with `shade`.
     #[must_use]
     pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
         let channels = channels(frame);
@@ -68,7 +68,7 @@ impl<'f> Prepared<'f> {
         self.image_on(Arch::new())
     }
 
-    /// The same in the vectors of `arch`, which make no difference.
+    /// The same with the vectors of `arch`, which do not affect the result.
     #[must_use]
     pub fn image_on(&self, arch: Arch) -> LinearImage {
         let mut image = LinearImage::new(self.frame.width, self.frame.height);
@@ -123,13 +123,14 @@ impl<'f> Prepared<'f> {
     }
 }
 
-/// `frame` with `shade` in linear light, drawn the fast way: within 1e-5 of [`Reference::image`](super::Reference::image).
+/// `frame` with `shade` in linear light, drawn by the fast method: within 1e-5 of
+/// [`Reference::image`](super::Reference::image).
 #[must_use]
 pub fn picture(frame: &Frame, shade: &Shade) -> LinearImage {
     Prepared::new(frame, shade).image()
 }
 
-/// Paints a band with code that is made for its shader.
+/// Draws a band with code specialized for its shader.
 fn paint<const C: usize>(band: Band<'_>, shading: &Shading<f32, C>, scratch: &mut Scratch, arch: Arch) {
     if shading.corrections.is_some() {
         return band.paint(shading, scratch, arch);

@@ -1,5 +1,4 @@
-//! Every shader in f64, one pixel at a time: the reference for the fast ways of drawing, and the source of the bytes
-//! of every stimulus.
+//! Every shader in f64, one pixel at a time: the reference for the fast renderers, and the source of every stimulus.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -21,7 +20,7 @@ pub struct Reference<'f> {
 }
 
 impl<'f> Reference<'f> {
-    /// Computes what `shade` needs of `frame` once.
+    /// Computes the constants of `shade` for `frame` once.
     #[must_use]
     pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
         Reference { frame, shading: Shading::new(frame, shade, Channels::Color) }

@@ -1,4 +1,4 @@
-//! How the light bends at the edges of triangles, Bangay §4: what each edge must know about both its triangles.
+//! How the light bends at the edges of triangles, Bangay §4: the data of each edge about its two triangles.
 //!
 //! Corners are A, B, C; the edge opposite A runs from B to C and D is the neighbor's apex across it. All places are
 //! those on the **screen**.
@@ -7,10 +7,10 @@ use glam::{DVec2, DVec3};
 
 use super::projected::{Across, Frame};
 
-/// Least m of [`Bend`]: how near to a corner the foot of an apex is taken to be at least, in edge lengths.
+/// Minimum m of [`Bend`]: the minimum distance of an apex's foot from a corner, in edge lengths.
 const LEAST_REACH: f64 = 1.0 / 16.0;
 
-/// What a triangle must know about one of its edges. Computed once a frame by [`bends`].
+/// The data of a triangle about one of its edges. Computed once per frame by [`bends`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bend {
     /// c = I_BC(X) − I_AD(X), X where the lines AD and BC cross on the screen: how far the light at the edge lies above
@@ -26,7 +26,7 @@ pub struct Bend {
     pub end: f64,
 }
 
-/// A corner: where it is on the screen, and its light.
+/// A corner: its position on the screen, and its light.
 type Corner = (DVec2, DVec3);
 
 /// Where the perpendicular from `p` meets the line from `b` (0) to `c` (1); 0 if they are one place.
@@ -80,7 +80,7 @@ pub fn bends(frame: &Frame) -> Vec<[Bend; 3]> {
             let level = level(corners[k], corners[i], corners[j]);
             match triangle.across[k] {
                 Across::Several => level,
-                // That across a triangle follows.
+                // The value across a triangle follows.
                 Across::Nothing | Across::Triangle { .. } => Bend { c: DVec3::ZERO, ..level },
             }
         }));

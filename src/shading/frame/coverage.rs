@@ -1,4 +1,4 @@
-//! Which pixels a triangle covers, and which triangle is seen at which pixel.
+//! The pixels that a triangle covers, and the visible triangle at each pixel.
 
 use std::ops::Range;
 
@@ -11,8 +11,8 @@ pub const NONE: u32 = u32::MAX;
 
 /// The triangle that each pixel shows, row by row from the top left; [`NONE`] where there is only background.
 ///
-/// A pixel belongs to the triangles whose [`Outline`]s hold it. Of several the nearest is seen, of equally near ones the
-/// first. Depth is affine on the screen.
+/// A pixel belongs to the triangles whose [`Outline`]s hold it. The nearest triangle is visible; of equally near ones,
+/// the first. Depth is affine on the screen.
 #[must_use]
 pub fn visible(frame: &Frame) -> Vec<u32> {
     let (width, height) = (frame.width as usize, frame.height as usize);
@@ -99,8 +99,7 @@ const NEARLY_HALF: f64 = 0.5 - 1.0 / (1u64 << 33) as f64;
 /// Added to a number below 2⁵¹, brings its whole part, rounded to nearest, into the lowest bits.
 const TO_WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// A triangle as rows of pixels: those whose center lies inside, or on a left or top edge, as graphics cards have it.
-/// Exact.
+/// A triangle as rows of pixels: those whose center lies inside, or on a left or top edge, as on graphics cards. Exact.
 #[derive(Clone, Copy, Debug)]
 pub struct Outline {
     /// The first row, and the one after the last, within the window.
@@ -139,7 +138,7 @@ impl Outline {
         let open = |x| Side { x, y: 0.0, slope: 0.0 };
         let mut outline = Outline { first, end, left: [open(f64::NEG_INFINITY); 2], right: [open(f64::INFINITY); 2] };
         let (mut lefts, mut rights) = (0, 0);
-        // Counter-clockwise to the eye and y down: left edges go down. Level ones bound nothing from left or right.
+        // Counterclockwise for the viewer and y down: left edges go down. Level ones bound nothing from left or right.
         for (from, to) in [(b, c), (c, a), (a, b)] {
             if from.y < to.y {
                 outline.left[lefts] = Side::new(from, to);
@@ -191,8 +190,8 @@ impl Side {
     }
 }
 
-/// `Q` such numbers of one triangle. Found anew for every row in f64, so that long thin triangles lose nothing; along
-/// the row f32 is enough.
+/// `Q` such numbers of one triangle. Recomputed for every row in f64, so that long thin triangles lose no precision;
+/// along the row, f32 is sufficient.
 #[derive(Clone, Copy, Debug)]
 pub struct Planes<const Q: usize> {
     /// A corner, from the center of the first pixel.

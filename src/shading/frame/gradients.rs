@@ -1,4 +1,4 @@
-//! Slopes of the light at the vertices: from the lights of the vertices around, or from the curvature of the mesh,
+//! Slopes of the light at the vertices: from the lights of the surrounding vertices, or from the curvature of the mesh,
 //! dI/dp = (∂I/∂N)·(dN/dp) + the light's own change, brought to the screen.
 
 use glam::{DVec2, DVec3};
@@ -8,13 +8,13 @@ use super::projected::{Frame, FrameVertex};
 use crate::light::names::named;
 
 named! {
-    /// Where the slopes at the vertices come from that *patch* needs.
+    /// How the slopes at the vertices, which *patch* needs, are computed.
     Gradients, GradientsError {
         /// The chain rule through the curvature of the mesh.
         Curvature = "curvature",
-        /// The lights of the vertices around, fitted by a plane.
+        /// A plane fitted to the lights of the surrounding vertices.
         Ring = "ring",
-        /// The lights of the vertices around, fitted by a quadric.
+        /// A quadric fitted to the lights of the surrounding vertices.
         Quadric = "quadric",
     }
 }
@@ -33,10 +33,10 @@ pub(super) fn of(frame: &Frame, gradients: Gradients) -> Vec<Gradient> {
     (0..frame.vertices.len()).into_par_iter().map(gradient).collect()
 }
 
-/// Weight of the ring relative to the chain rule's. Where the surface turns away by the angle θ, a step on it shortens on
-/// the screen by cos θ, and the chain rule's weight along it by cos² θ: it says less and less, and its slope grows
-/// without bound where the picture's cannot. Of 0 … 0.5, this gave the least error of light and slope against spheres,
-/// tori and bumpy surfaces traced pixel by pixel; 0.05 and 0.1 are within a few percent of it.
+/// Weight of the ring relative to the chain rule's. Where the surface turns away by the angle θ, a step on it shortens
+/// on the screen by cos θ, and the chain rule's weight along it by cos² θ: it carries less and less information, and
+/// its slope grows without bound, unlike that of the image. Of 0 … 0.5, this gave the least error of light and slope
+/// against spheres, tori and bumpy surfaces traced pixel by pixel; 0.05 and 0.1 are within a few percent of it.
 const RING_WEIGHT: f64 = 0.07;
 
 /// Step of the central differences, in radii of the mesh's bounding sphere.
@@ -89,7 +89,7 @@ fn tangents(normal: DVec3, toward: DVec3) -> (DVec3, DVec3) {
     (across, normal.cross(across))
 }
 
-/// Where the surface is on the screen, and its light, a small step from a vertex.
+/// The position of the surface on the screen, and its light, a small step from a vertex.
 fn moved(frame: &Frame, vertex: &FrameVertex, step: DVec3) -> (DVec2, DVec3) {
     let eye = vertex.eye + step;
     let normal = (vertex.normal + vertex.curvature * step).normalize_or(vertex.normal);
@@ -144,7 +144,7 @@ struct Equations {
     right: [DVec2; 3],
 }
 
-/// Below this ratio of its eigenvalues a matrix has one direction only.
+/// Below this ratio of its eigenvalues, a matrix counts as having only one direction.
 const FLAT: f64 = 1e-14;
 
 impl Equations {
@@ -170,7 +170,7 @@ impl Equations {
         self.matrix[0] + self.matrix[2]
     }
 
-    /// The gradient that fits best; without change along a direction in which nothing is known.
+    /// The best-fitting gradient; without change along a direction about which nothing is known.
     fn solve(&self) -> Gradient {
         let [xx, xy, yy] = self.matrix;
         let (determinant, trace) = (xx * yy - xy * xy, xx + yy);

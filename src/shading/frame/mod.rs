@@ -1,5 +1,5 @@
-//! A surface on the screen: where its triangles are, which of them each pixel shows, how its light bends at edges and
-//! slopes at vertices.
+//! A surface on the screen: the positions of its triangles, the visible triangle at each pixel, the bends of its light
+//! at edges, and its slopes at vertices.
 
 mod bends;
 pub mod coverage;

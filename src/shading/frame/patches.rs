@@ -1,15 +1,16 @@
 //! Ours: a surface with a continuous slope over the triangles of the screen.
 //!
-//! Every vertex has its light and a slope of the light on the screen, the gradient. A reduced Clough–Tocher cubic
-//! joins them: each triangle is split at its centroid into three, each with a cubic, and along an edge the slope
-//! toward the neighbor's centroid runs linearly. Both triangles at an edge then agree about light and slope along all
-//! of it, and all triangles at a vertex about both there.
+//! Every vertex has its light and a slope of the light on the screen, the gradient. A reduced Clough–Tocher cubic joins
+//! them: each triangle is split at its centroid into three, each with a cubic, and along an edge the slope toward the
+//! neighbor's centroid runs linearly. Both triangles at an edge then agree in light and slope along the entire edge,
+//! and all triangles at a vertex agree there.
 //!
-//! Like every smooth curve through given points it can run a little beyond the lights of the vertices, as a highlight
-//! between them does. It is not held back: limits on the gradients flattened highlights (twice the error) and did not
+//! Like every smooth curve through given points, it can slightly exceed the lights of the vertices, as a highlight
+//! between them does. This is not limited: limits on the gradients flattened highlights (twice the error) and did not
 //! help elsewhere.
 //!
-//! Given true gradients, fields up to quadratic ones come out exactly; with those of [`Gradients::Ring`], linear ones.
+//! With true gradients, fields up to quadratic are reproduced exactly; with those of [`Gradients::Ring`], linear
+//! fields.
 //!
 //! R. W. Clough & J. L. Tocher 1965; in Bézier form as in G. Farin, *Triangular Bernstein–Bézier patches*, Comput.
 //! Aided Geom. Des. 3 (1986) 83.
@@ -32,7 +33,7 @@ pub struct Patches {
 }
 
 impl Patches {
-    /// The cubics of `frame`, with gradients made as `gradients` says.
+    /// The cubics of `frame`, with gradients computed as `gradients` specifies.
     ///
     /// [`Gradients::Curvature`] needs the vertices' lights to be those of the frame's lighting. A vertex whose light
     /// was replaced takes [`Gradients::Ring`] instead.

@@ -1,4 +1,4 @@
-//! A surface seen and lit: everything that the shaders need for one frame.
+//! A projected and lit surface: everything that the shaders need for one frame.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -11,7 +11,7 @@ use crate::{
     },
 };
 
-/// A window of pixels, and the mesh turned before it.
+/// A window of pixels and the rotation of the mesh in it.
 ///
 /// Eye space: x right, y up, z toward the eye; the mesh's bounding sphere is the unit sphere around the origin.
 /// On the screen: physical pixels, x right, y **down**, pixel centers at halves.
@@ -37,7 +37,8 @@ impl View {
         View { width: size, height: size, rotation: DMat3::IDENTITY, fill: 0.9, distance: f64::INFINITY }
     }
 
-    /// The same with the mesh turned by `degrees` about x, then y, then z, counter-clockwise seen from the axis's tip.
+    /// The same with the mesh turned by `degrees` about x, then y, then z, counterclockwise as seen from the tip of the
+    /// axis.
     #[must_use]
     pub fn rotated(mut self, degrees: [f64; 3]) -> View {
         let [x, y, z] = degrees.map(f64::to_radians);
@@ -88,7 +89,7 @@ pub struct Frame {
     pub triangles: Vec<FrameTriangle>,
     /// What lights a point, for shaders that light every pixel. In eye space.
     pub lighting: Lighting,
-    /// Where the eye is.
+    /// Position of the eye.
     pub view: View,
     /// The display's transfer functions, where the lights are encoded already; see [`Frame::encoded`].
     pub encoding: Option<Transfers>,
@@ -128,7 +129,7 @@ pub struct FrameTriangle {
 /// What a triangle meets across an edge, in this view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Across {
-    /// A triangle that is seen too and shares the edge's vertices.
+    /// A triangle that is also visible and shares the vertices of the edge.
     Triangle {
         /// Its index into [`Frame::triangles`].
         triangle: u32,
@@ -189,7 +190,7 @@ impl Frame {
     /// Twice the signed area of three places on the screen, positive for a triangle that faces the eye.
     #[must_use]
     pub fn area2(a: DVec2, b: DVec2, c: DVec2) -> f64 {
-        // y points down: a counter-clockwise triangle has a negative sum there.
+        // y points down, so a counterclockwise triangle has a negative sum.
         -(b - a).perp_dot(c - a)
     }
 

@@ -1,4 +1,4 @@
-//! A scene in few numbers: those that a command, a definition and the window can set.
+//! A scene described by a few numbers, which commands, definitions, and the window can set.
 
 use glam::DVec3;
 
@@ -28,7 +28,7 @@ named! {
     }
 }
 
-/// A surface of one color, turned before one lamp.
+/// A surface of one color, rotated and lit by one lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
     /// Degrees about x, then y, then z; see [`View::rotated`].
@@ -37,17 +37,17 @@ pub struct Scene {
     pub light: DVec3,
     /// O_d of red, green and blue, 0…1.
     pub color: DVec3,
-    /// Light of the surface where the lamp does not reach, k_a·I_a.
+    /// Ambient light, k_a·I_a.
     pub ambient: f64,
-    /// Light that the lamp adds where it falls straight on the surface, k_d·I_p.
+    /// Diffuse light at normal incidence, k_d·I_p.
     pub diffuse: f64,
-    /// Light of the highlight's middle, k_s·I_p.
+    /// Light added in the middle of the highlight, k_s·I_p.
     pub specular: f64,
     /// The shape of the highlight.
     pub highlight: Highlight,
     /// m, the exponent of the highlight. Small mirrors have the slope √(2/(m + 2)), as sharp as Blinn's.
     pub shininess: f64,
-    /// Light around the surface, in the surface's color.
+    /// Background light, in the surface's color.
     pub background: f64,
     /// How much of the smaller side of the window the bounding sphere fills.
     pub fill: f64,
@@ -56,7 +56,7 @@ pub struct Scene {
 }
 
 impl Default for Scene {
-    /// A dull gray surface, seen and lit obliquely, with a small highlight.
+    /// A matte gray surface, viewed and lit obliquely, with a small highlight.
     fn default() -> Self {
         Self {
             rotate_deg: [25.0, -35.0, 0.0],
@@ -104,13 +104,13 @@ impl Scene {
         }
     }
 
-    /// The view of it in a window of `width` × `height` pixels.
+    /// Its view in a window of `width` × `height` pixels.
     #[must_use]
     pub fn view(&self, width: u32, height: u32) -> View {
         View { width, height, fill: self.fill, distance: self.distance, ..View::square(1) }.rotated(self.rotate_deg)
     }
 
-    /// `surface` seen and lit, in a window of `width` × `height` pixels.
+    /// `surface`, projected and lit, in a window of `width` × `height` pixels.
     #[must_use]
     pub fn frame(&self, surface: &Surface, width: u32, height: u32) -> Frame {
         Frame::new(surface, &self.view(width, height), &self.lighting(), self.color * self.background)

@@ -1,4 +1,4 @@
-//! Materials and lamps, and the light that a surface of one sends to the eye under the others, Shoaff §3, for any
+//! Materials and lamps, and the light that a lit surface sends to the eye, Shoaff §3, for any
 //! [`Number`] of pixels.
 
 use glam::DVec3;
@@ -15,7 +15,7 @@ pub struct Material {
     pub specular_color: DVec3,
     /// k_a, how much of the ambient light is reflected, 0…1.
     pub ambient: f64,
-    /// k_d, how much is reflected in all directions alike, 0…1.
+    /// k_d, how much is reflected equally in all directions, 0…1.
     pub diffuse: f64,
     /// k_s, how much is reflected as a highlight, 0…1.
     pub specular: f64,
@@ -57,13 +57,13 @@ impl Material {
 /// A lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
-    /// Where it is.
+    /// Its position.
     pub place: LampPlace,
     /// I_p of red, green and blue, 0 or more.
     pub intensity: DVec3,
 }
 
-/// Where a lamp is, in eye space.
+/// Position of a lamp in eye space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LampPlace {
     /// Far away; a unit vector toward it.
@@ -115,7 +115,7 @@ impl Lighting {
     /// red, green and blue, linear, in eye space; see the [module](super) for the formula.
     ///
     /// Finite for every lighting whose numbers make sense: only the ambient light at a zero normal, and nothing from a
-    /// lamp that stands at `position`. A sum of several lamps can exceed 1.
+    /// lamp at `position`. A sum of several lamps can exceed 1.
     #[must_use]
     pub fn light(&self, position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
         let [place, normal, to_viewer] = [position, normal, to_viewer].map(|v| v.to_array());
@@ -160,7 +160,7 @@ enum Highlight<const C: usize> {
 }
 
 impl<T: Constant, const C: usize> Reflection<T, C> {
-    /// What a surface of `material` makes of `lamp`, in the channels that are shaded.
+    /// Prepares `lamp` on a surface of `material`, in the channels that are shaded.
     pub fn new(lamp: &Lamp, material: &Material, channels: Channels) -> Self {
         let vector = |v: DVec3| v.to_array().map(T::of);
         let m = material.shininess;
@@ -214,7 +214,7 @@ impl<T: Constant, const C: usize> Reflection<T, C> {
 }
 
 /// f_att = 1/(c1 + c2·d + c3·d²), at most 1, at the distance d = `distance` ≥ 0 from a lamp. Shoaff §3.2, which prints
-/// max(…, 1) where at most 1 is meant: with it a lamp would never weaken.
+/// max(…, 1) where at most 1 is meant: with which a lamp would never weaken.
 #[must_use]
 #[inline(always)]
 pub fn attenuation<N: Number>([c1, c2, c3]: [N::Constant; 3], distance: N) -> N {

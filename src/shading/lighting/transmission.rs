@@ -1,8 +1,8 @@
-//! Where light goes that enters another medium, and surfaces through which another one is seen. Shoaff §4.4.
+//! Refraction of light that enters another medium, and transparent surfaces. Shoaff §4.4.
 
 use glam::DVec3;
 
-/// What becomes of a ray of light at the border of two media.
+/// What happens to a ray of light at the boundary between two media.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refraction {
     /// It passes, along the unit vector T, away from the surface.
@@ -40,13 +40,14 @@ impl Refraction {
     }
 }
 
-/// How a surface lets through the light of what is behind it. Not refracted: what is behind stays in its place.
+/// How a surface transmits the light from behind it, without refraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Transparency {
     /// Not at all.
     #[default]
     Opaque,
-    /// Interpolated: (1 − k_t)·I_1 + k_t·I_2, as through a fine mesh; the surface's own light weakens as it clears.
+    /// Interpolated: (1 − k_t)·I_1 + k_t·I_2, as through a fine mesh; the surface's own light decreases as k_t
+    /// increases.
     Interpolated {
         /// k_t, the transmission coefficient, 0 (opaque) … 1 (invisible).
         k_t: f64,

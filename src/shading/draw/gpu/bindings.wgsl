@@ -1,4 +1,4 @@
-// What the host hands over. Lights are linear, or whatever the frame holds; places are pixels, x right, y down.
+// Input from the host. Lights are linear, or as stored in the frame; positions are in pixels, x right, y down.
 
 struct Globals {
     // The window, pixels.
@@ -29,7 +29,7 @@ struct Lamp {
     place: vec4f,
     // I_p of red, green and blue.
     intensity: vec4f,
-    // c1, c2, c3 of how it fades with distance.
+    // c1, c2, c3 of its attenuation with distance.
     fading: vec4f,
 }
 
@@ -52,16 +52,16 @@ struct Triangle {
 @group(0) @binding(0) var<uniform> globals: Globals;
 @group(0) @binding(1) var<storage, read> vertices: array<Vertex>;
 @group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
-// What the shader needs of each triangle in addition to its vertices.
+// The data of each triangle in addition to its vertices.
 @group(0) @binding(3) var<storage, read> constants: array<vec4f>;
-// The transfer table: light, what a display makes it from, slope to the next.
+// The transfer table: light, encoded value, slope to the next point.
 @group(0) @binding(4) var<storage, read> table: array<vec4f>;
 
-// Known when the pipeline is made, so that a card runs no more than it must.
+// Known when the pipeline is created, so that the card runs only the necessary code.
 override SHADER: u32;
 override VERTEX: u32;
 override REWEIGHT: u32;
 override TRANSFER: u32;
 override SPECULAR: u32;
-// Rows of `constants` a triangle, three entries each.
+// Rows of `constants` per triangle, three entries each.
 override ROWS: u32;

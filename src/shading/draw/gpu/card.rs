@@ -1,4 +1,4 @@
-//! Frames drawn into textures, and read back.
+//! Draws frames into textures and reads them back.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use crate::{
     shading::{Frame, Shade},
 };
 
-/// How pictures are stored: as codes.
+/// Storage format of images: codes.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Storage buffers that a stage reads.
@@ -25,7 +25,7 @@ pub enum GpuError {
     /// The device has too few storage buffers for the shaders.
     #[error("the graphics device gives a shader {0} storage buffers; expected at least {STORAGE_BUFFERS}")]
     NoStorage(u32),
-    /// More than the card accepts.
+    /// More than the device accepts.
     #[error("{what} of {size} is too large for the graphics device; expected at most {most}")]
     TooLarge {
         /// What is too large: `a side`, in pixels, `a buffer`, in bytes, or `a number of lamps`.
@@ -55,7 +55,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// What draws with `device`.
+    /// Prepares drawing with `device`.
     ///
     /// # Errors
     /// When the device gives shaders no storage buffers, or the driver refuses them.
@@ -80,7 +80,7 @@ impl Gpu {
     /// Draws `frame`, shaded by `shade` and encoded by `transfer`, into a texture of 8-bit RGBA codes, and waits until it is drawn.
     ///
     /// # Errors
-    /// When frame or mesh are larger than the device takes, or the driver refuses.
+    /// If the frame or the mesh is too large for the device, or the driver fails.
     pub fn draw(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<wgpu::Texture, GpuError> {
         let limits = self.device.limits();
         let contents = pack::buffers(frame, shade, transfer);
@@ -180,7 +180,7 @@ pub fn codes(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
     Ok(CodeImage { width, height, samples: Samples::Eight(codes) })
 }
 
-/// Until everything is done.
+/// Waits until everything is done.
 fn wait(device: &wgpu::Device) -> Result<(), GpuError> {
     let done = device.poll(wgpu::PollType::wait_indefinitely());
     done.map(|_| ()).map_err(|fault| GpuError::Driver(fault.to_string()))

@@ -1,4 +1,4 @@
-// How much light a point of a surface sends to the eye, Shoaff §3, in eye space:
+// The light that a point of a surface sends to the eye, Shoaff §3, in eye space:
 // k_a·I_a·O_d + Σ f_att·I_p·(k_d·O_d·(N·L)⁺ + k_s·O_s·s).
 
 const PHONG_HIGHLIGHT = 0u;
@@ -38,7 +38,7 @@ fn light_at(position: vec3f, normal: vec3f) -> vec3f {
     return sum;
 }
 
-// How much of a lamp's light goes to the eye: unit vectors N, L and V.
+// The share of a lamp's light that reaches the eye, for unit vectors N, L, and V.
 fn reflected(normal: vec3f, lamp: vec3f, viewer: vec3f) -> vec3f {
     let cosine = dot(normal, lamp);
     if cosine > 0.0 {
@@ -83,8 +83,8 @@ fn microfacets(normal: vec3f, lamp: vec3f, viewer: vec3f, halfway: vec3f) -> vec
     return shape * vec3f(fresnel(vh, index.x), fresnel(vh, index.y), fresnel(vh, index.z));
 }
 
-// D, the part of the small mirrors that face `halfway`. The sine comes from the cross product: 1 − cos² has no digits
-// left where the highlight is.
+// D, the part of the small mirrors that face `halfway`. The sine is computed from the cross product, because 1 − cos²
+// loses all digits in the highlight.
 fn distribution(normal: vec3f, halfway: vec3f, nh: f32) -> f32 {
     let slope = globals.specular.w;
     let sine = length(cross(normal, halfway));
@@ -93,7 +93,7 @@ fn distribution(normal: vec3f, halfway: vec3f, nh: f32) -> f32 {
         return globals.index.w * exp(-tilt * tilt);
     }
     let tangent = sine / (nh * slope);
-    // Where exp() is nothing, a fourth power may be nothing too.
+    // Where exp() underflows, the fourth power may underflow, too.
     if tangent > 10.0 {
         return 0.0;
     }
@@ -109,7 +109,7 @@ fn fresnel(cosine: f32, index: f32) -> f32 {
         return 1.0;
     }
     let g = sqrt(g2);
-    // g − c without cancelling.
+    // g − c without cancellation.
     let difference = (index * index - 1.0) / max(g + c, 1e-20);
     let across = difference / max(g + c, 1e-20);
     let along = (c * (g + c) - 1.0) / (c * difference + 1.0);

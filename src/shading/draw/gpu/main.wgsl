@@ -1,6 +1,6 @@
 // One triangle after another, three vertices each, pulled from the buffers; hidden surfaces by depth buffer.
 
-// What a pixel knows of its triangle. All of it is the same at the three corners: it is handed on, not interpolated.
+// Per-triangle data for a pixel. All values are the same at the three corners and are not interpolated.
 struct Corner {
     @builtin(position) position: vec4f,
     @location(0) @interpolate(flat, either) triangle: u32,
@@ -34,7 +34,7 @@ fn place_corner(@builtin(vertex_index) index: u32) -> Corner {
     let r2 = row(t, triangle.corners, 2u);
     let r3 = row(t, triangle.corners, 3u);
     return Corner(
-        // Depths touch 0 and 1; kept off the clipping planes.
+        // Depths reach 0 and 1; keep them off the clipping planes.
         vec4f(x, y, 0.25 + 0.5 * place.z, 1.0),
         t,
         vertices[triangle.corners.x].place.xy,
@@ -114,7 +114,7 @@ fn shaded(t: Corner, w: vec3f) -> vec3f {
             return light_at(place, normalized(normal));
         }
         case QUADRATIC: {
-            // Row 1: how far the middle of each edge bulges, four times.
+            // Row 1: four times the bulge at the midpoint of each edge.
             let bulge = w.yzx * w.zxy;
             return gouraud(t, w) + t.a1.rgb * bulge.x + t.b1.rgb * bulge.y + t.c1.rgb * bulge.z;
         }
@@ -184,7 +184,7 @@ fn printed_strip(own: vec3f, i: vec3f, j: vec3f, apex: vec4f, w: vec3f, b: f32) 
     return flattened + slope * (w.x * interpolation(1.0 - across) / 2.0);
 }
 
-// Length of the interpolated normal, below 1 where the vertices' differ.
+// Length of the interpolated normal, below 1 if the vertex normals differ.
 fn normal_length(triangle: u32, w: vec3f) -> f32 {
     let corners = triangles[triangle].corners;
     let a = vertices[corners.x].normal.xyz;
@@ -201,7 +201,7 @@ fn ambient_at(triangle: u32, w: vec3f) -> vec3f {
     return a * w.x + b * w.y + c * w.z;
 }
 
-// What a display is driven with to make a light, 0…1 each.
+// The encoded values, 0…1, that produce a light on the display.
 
 const LINEAR = 0u;
 const SRGB = 1u;
@@ -223,9 +223,9 @@ fn encoded(linear: vec3f) -> vec3f {
     return l;
 }
 
-// The straight line between two points of the table.
+// Linear interpolation between two points of the table.
 fn from_table(linear: f32) -> f32 {
-    // No light is code 0, also where a table's first line begins above it.
+    // Zero light is code 0, even if the first segment of a table begins above 0.
     if linear <= 0.0 {
         return 0.0;
     }

@@ -28,7 +28,7 @@ struct Globals {
     lamps: [[[f32; 4]; 3]; MOST_LAMPS],
 }
 
-/// Most lamps.
+/// Maximum number of lamps.
 pub const MOST_LAMPS: usize = 64;
 
 #[repr(C)]
@@ -111,7 +111,7 @@ pub fn buffers(frame: &Frame, shade: &Shade, transfer: &Transfer) -> [Vec<u8>; 5
     ]
 }
 
-/// Room for one item if there is none: a binding of nothing is not allowed.
+/// Room for one item if there is none, because empty bindings are not allowed.
 fn bytes<T: bytemuck::Pod>(items: &[T]) -> Vec<u8> {
     if items.is_empty() { vec![0; size_of::<T>()] } else { bytemuck::cast_slice(items).to_vec() }
 }
@@ -143,7 +143,7 @@ fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
                 .map(|i| f64::from(i) / f64::from(GOG_POINTS))
                 .map(|encoded| [transfer.linear_from_encoded(encoded), encoded])
                 .collect();
-            // Where several encoded values are dark, the last of them is where light begins.
+            // If several encoded values are dark, light begins at the last of them.
             points.dedup_by(|next, last| {
                 let dark = next[0] <= last[0];
                 if dark {
@@ -167,7 +167,7 @@ fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
 /// Lines that stand for the curve of gain, offset and gamma.
 const GOG_POINTS: u32 = 4096;
 
-/// Rows of [`constants`] a triangle, three entries each: one for each corner, or for the edge opposite it.
+/// Rows of [`constants`] per triangle, three entries each: one per corner, or per edge opposite it.
 pub const fn rows(shader: Shader) -> u32 {
     match shader {
         Shader::Flat | Shader::Quadratic | Shader::Gradient | Shader::GradientRepaired | Shader::Exact => 1,
@@ -177,7 +177,7 @@ pub const fn rows(shader: Shader) -> u32 {
     }
 }
 
-/// What the shader needs to know about each triangle in addition to its vertices: [`rows`] each.
+/// The data that the shader needs per triangle in addition to its vertices: [`rows`] each.
 fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
     let triangles = 0..frame.triangles.len();
     match shade.shader {

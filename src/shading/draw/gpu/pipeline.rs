@@ -1,4 +1,4 @@
-//! The WGSL and what a card makes of it.
+//! The WGSL and its compiled pipelines.
 
 use crate::{
     light::{Depth, Transfer},
@@ -35,10 +35,10 @@ pub fn wgsl() -> String {
 /// How depth is kept.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// The WGSL's overrides: what it is made for.
+/// The overrides of the WGSL.
 pub type Overrides = [(&'static str, u32); 7];
 
-/// What the WGSL is made for, where `rows` of constants are handed over for each triangle.
+/// The overrides, for `rows` of constants per triangle.
 pub fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer, rows: u32) -> Overrides {
     let depth = match shade.depth {
         Depth::Finite(n) => u32::from(n.clamp(1, Depth::MAX_FINITE)),
@@ -48,7 +48,7 @@ pub fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer, rows: u32) -
         Transfer::Linear => 0,
         Transfer::Srgb => 1,
         Transfer::Gamma(_) => 2,
-        // The card has no arithmetic of its own for gain and offset.
+        // The WGSL has no separate arithmetic for gain and offset.
         Transfer::Gog(_) | Transfer::Table(_) => 3,
     };
     let specular = match frame.lighting.material.specular_model {
