@@ -19,7 +19,7 @@ use super::transfer::{Transfer, Transfers};
 /// Most bits of a code.
 const MAX_BITS: u32 = 8;
 
-/// A device with few codes and the cells drawn on it. Written `clustered3:1`: the matrix and the bits a channel.
+/// A device with few codes and the cells drawn on it. Written `clustered3:1`: the matrix and the bits per channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Screen {
     /// Order of the dots in a cell.

@@ -4,7 +4,7 @@
 /// An image of relative luminances, 0…1, linear in light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearImage {
-    /// Pixels a row.
+    /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
@@ -56,7 +56,7 @@ impl LinearImage {
 /// [`Quantizer::quantize`](super::Quantizer::quantize).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CodeImage {
-    /// Pixels a row.
+    /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,

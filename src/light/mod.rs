@@ -1,4 +1,4 @@
-//! Floor 0: light as numbers. No files, no windows, nothing of this crate below it.
+//! Floor 0: light as numbers. No files, no windows; it uses no other module of this crate.
 //!
 //! In this crate's comments Bangay is *Methods of Reducing the Visibility of Mach Bands during
 //! Gouraud Shading*, Shoaff is *Color, Illumination Models, and Shading*.

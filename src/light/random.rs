@@ -1,5 +1,5 @@
-//! Chance: orders that follow from a seed, written out so that no library's next version can change one; and the
-//! quantile of the normal distribution behind every 95 % interval.
+//! Randomness: orders determined by a seed, implemented here so that no new version of a library can change them; and
+//! the quantile of the normal distribution behind every 95 % interval.
 
 use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
 

@@ -1,5 +1,4 @@
-//! Floor 1: shading. A mesh, seen and lit, becomes light on a screen: the ladder of shaders from flat to smooth
-//! everywhere.
+//! Floor 1: shading. A projected and lit mesh becomes light on a screen, with shaders from flat to smooth everywhere.
 //!
 //! ```text
 //! Mesh → Surface (edges, curvature: once a mesh) → Frame (view, light: once a frame) → picture

@@ -1,4 +1,4 @@
-//! What the shaders compute with: one pixel in f64, or several neighboring pixels at once in f32; of one channel or of
+//! The numbers of the shaders: one pixel in f64, or several neighboring pixels at once in f32; of one channel or of
 //! three.
 
 use std::ops::{Add, BitAnd, Div, Mul, Sub};
@@ -29,7 +29,7 @@ impl Constant for f32 {
 ///
 /// Functions of numbers are always inlined: the vectors of the machine are known only where the loop over the pixels is.
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
-    /// What is the same for all pixels.
+    /// A value that is the same for all pixels.
     type Constant: Constant;
     /// A yes or no for each pixel.
     type Mask: Copy + BitAnd<Output = Self::Mask>;

@@ -14,7 +14,7 @@ use crate::light::{Depth, DepthError};
 pub struct Parameter {
     /// Name, as files write it.
     pub name: &'static str,
-    /// Unit; `1` if it is a plain number, empty if it is not a number.
+    /// Unit; `1` for a plain number, empty if it is not a number.
     pub unit: &'static str,
     /// What it means, in one sentence without a full stop.
     pub description: &'static str,
@@ -79,7 +79,7 @@ pub struct ParameterError {
     pub parameter: String,
     /// The value that was given.
     pub value: String,
-    /// What is wrong with it: a verb and what follows.
+    /// The problem, as a phrase that begins with a verb.
     pub problem: String,
     /// What it should have been.
     pub expected: String,

@@ -10,8 +10,8 @@ use crate::light::names::named;
 named! {
     /// The space in which a ramp is straight.
     ///
-    /// Between two luminances of one color `rgb` and `hsv` are the same ramp. Between two colors they are not: half-way from
-    /// (1,0,0) to (0,1,0) is (½,½,0) in RGB and (1,1,0) in HSV, Shoaff §2.2.9.
+    /// Between two luminances of one color `rgb` and `hsv` are the same ramp. Between two colors they are not: halfway
+    /// from (1,0,0) to (0,1,0) is (½,½,0) in RGB and (1,1,0) in HSV, Shoaff §2.2.9.
     #[derive(Default)]
     RampSpace, RampSpaceError {
         /// Linear light, which is also XYZ's and CMY's straight line.

@@ -22,7 +22,7 @@ pub struct Recipe {
     /// The display's transfer functions.
     #[serde(rename = "transfer", serialize_with = "write_transfers", deserialize_with = "read_transfers")]
     pub transfers: Transfers,
-    /// Bits a channel.
+    /// Bits per channel.
     pub bits: Bits,
     /// How values between two codes are decided.
     pub dither: Dither,

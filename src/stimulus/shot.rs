@@ -1,4 +1,4 @@
-//! A mesh, seen and lit, as one renderer draws it for one display: its light, its codes, its creases and its description.
+//! A projected and lit mesh, as drawn by one renderer for one display: its light, codes, creases, and description.
 
 use std::borrow::Cow;
 
@@ -19,7 +19,7 @@ pub struct Renderer {
     pub naive: bool,
 }
 
-/// What a renderer makes of a frame for a display.
+/// The output of a renderer for a frame on a display.
 pub struct Shot<'f> {
     /// The frame, its lights encoded where gamma is ignored.
     pub frame: Cow<'f, Frame>,
@@ -69,7 +69,7 @@ impl Renderer {
         }
     }
 
-    /// Every option, for anyone who wants to draw the same.
+    /// Every option, so that anyone can reproduce it.
     #[must_use]
     pub fn describe(&self) -> Value {
         let Shade { shader, depth, boundary, vertex, reweight, gradients } = self.shade;
@@ -84,7 +84,7 @@ impl Renderer {
     }
 }
 
-/// Every number of a scene, for anyone who wants to set the same.
+/// Every number of a scene, so that anyone can reproduce it.
 #[must_use]
 pub fn describe_scene(scene: &Scene) -> Value {
     json!({
@@ -116,7 +116,7 @@ impl Shot<'_> {
         let mut image = self.image();
         for pixel in image.data.chunks_exact_mut(3) {
             let light = self.decoded(DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into()));
-            // What is not a number is black, as it is on the screen.
+            // NaN is black, as on the screen.
             let shown = |light: f64| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 };
             pixel.copy_from_slice(&light.to_array().map(shown));
         }

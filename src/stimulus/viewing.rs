@@ -1,4 +1,4 @@
-//! The vision model's prediction for stimuli and pictures in a window on a screen.
+//! Predictions of the vision model for stimuli and images in a window on a screen.
 
 use super::catalog::Stimulus;
 use crate::{
@@ -9,7 +9,7 @@ use crate::{
     },
 };
 
-/// The eye adapts to no less, cd/m²: some light reaches it even from a black window.
+/// Minimum adapting luminance, cd/m²: some light reaches the eye even from a black window.
 const LEAST_CD_M2: f64 = 0.01;
 
 /// The prediction for a stimulus.
@@ -22,7 +22,7 @@ pub enum StimulusPrediction {
 }
 
 impl StimulusPrediction {
-    /// How visible its bands are.
+    /// The visibility of its bands.
     #[must_use]
     pub fn visibility(&self) -> Visibility {
         match self {

@@ -1,4 +1,4 @@
-//! Which energy peaks are bands, and how strong these are.
+//! Decides which energy peaks are bands, and how strong they are.
 
 use rustfft::num_complex::Complex64;
 
@@ -7,9 +7,9 @@ use super::eye::PER_OCTAVE;
 /// Bright or dark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Polarity {
-    /// A line brighter than what is on both sides.
+    /// A line brighter than both sides.
     Bright,
-    /// A line darker than what is on both sides.
+    /// A line darker than both sides.
     Dark,
 }
 
@@ -18,17 +18,17 @@ pub enum Polarity {
 pub struct Band {
     /// Position in degrees from the middle: to the right, and up.
     pub at_deg: [f64; 2],
-    /// Direction across the band, degrees counter-clockwise from the right, 0…180: a stimulus's `orientation_deg`.
+    /// Direction across the band, degrees counterclockwise from the right, 0…180: a stimulus's `orientation_deg`.
     pub orientation_deg: f64,
     /// Bright or dark.
     pub polarity: Polarity,
     /// In multiples of the strength that is just visible: contrast times sensitivity.
     pub strength: f64,
-    /// The channel that responds to it, cycles per degree; its scale is the reciprocal.
+    /// The frequency of the channel that responds to it, cycles per degree; its scale is the reciprocal.
     pub frequency: f64,
 }
 
-/// How visible bands are, over all channels.
+/// Visibility of the bands, over all channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Visibility {
     /// The strongest bright band.
@@ -100,12 +100,12 @@ pub fn vertex(a: f64, b: f64, c: f64) -> f64 {
     if bend > 0.0 { (0.5 * (c - a) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
-/// A channel's part of a sum over channels.
+/// The contribution of a channel to a sum over channels.
 pub(super) fn powered(strength: f64) -> f64 {
     strength.powi(POOLING)
 }
 
-/// The strength behind a sum of such parts.
+/// The strength for a sum of such contributions.
 pub(super) fn unpowered(sum: f64) -> f64 {
     sum.powf(1.0 / f64::from(POOLING))
 }

@@ -1,4 +1,4 @@
-//! How sensitive the eye is to gratings, from coarse to fine.
+//! The contrast sensitivity of the eye for gratings, from coarse to fine.
 
 use std::f64::consts::LN_2;
 
@@ -21,9 +21,9 @@ impl Default for Eye {
 }
 
 impl Eye {
-    /// Contrast sensitivity for a grating of `frequency` cycles per degree, above 0: the reciprocal of the contrast that
-    /// is just visible. Barten 2003, *Formula for the contrast sensitivity of the human eye* (Proc. SPIE 5294), which
-    /// holds the optics, the noise of photons and neurons, and lateral inhibition, by which coarse gratings are lost.
+    /// Contrast sensitivity for a grating of `frequency` cycles per degree, above 0: the reciprocal of the contrast
+    /// that is just visible. Barten 2003, *Formula for the contrast sensitivity of the human eye* (Proc. SPIE 5294),
+    /// which includes the optics, photon and neural noise, and lateral inhibition, which attenuates coarse gratings.
     #[must_use]
     pub fn sensitivity(&self, frequency: f64) -> f64 {
         let u2 = frequency * frequency;
@@ -40,7 +40,7 @@ impl Eye {
 /// Soc. Am. A 4:2379).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Channel {
-    /// The frequency that it passes best, cycles per degree.
+    /// Its preferred frequency, cycles per degree.
     pub(super) frequency: f64,
 }
 
@@ -59,7 +59,7 @@ const CHANNELS: u32 = 31;
 pub(super) const REACH: f64 = 8.0;
 
 impl Channel {
-    /// All, from the coarsest.
+    /// All channels, from the coarsest.
     pub(super) fn all() -> impl DoubleEndedIterator<Item = Channel> {
         (0..CHANNELS).map(|k| Channel { frequency: LOWEST * (LN_2 * f64::from(k) / f64::from(PER_OCTAVE)).exp() })
     }
@@ -84,7 +84,7 @@ pub fn luminances(image: &LinearImage) -> Vec<f64> {
     image.data.chunks_exact(3).map(|pixel| luminance([pixel[0], pixel[1], pixel[2]])).collect()
 }
 
-/// What lies beyond the ends of a profile, or the edges of an image.
+/// What lies beyond the ends of a profile or the edges of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Border {
     /// It continues as it ends: a ramp between endless plateaus.
@@ -95,7 +95,7 @@ pub enum Border {
 
 /// A channel ignores bands within this many of its periods from an edge.
 const MARGIN_PERIODS: f64 = 1.5;
-/// Nearer than this, the response is to the edge itself and is not used at all.
+/// Closer than this, the response is to the edge itself and is not used at all.
 const BESIDE_PERIODS: f64 = 0.75;
 
 impl Border {

@@ -1,4 +1,4 @@
-//! An image, values on grids over it, and the distance of its pixels from where bands do not count.
+//! An image, values on grids over it, and the distance of its pixels from areas where bands do not count.
 
 /// An image in linear light.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +69,7 @@ impl Field {
     }
 }
 
-/// How far every pixel is from where bands do not count, pixels.
+/// Distance of every pixel from areas where bands do not count, pixels.
 pub(super) struct Distances {
     values: Vec<f64>,
     width: usize,

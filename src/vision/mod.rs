@@ -1,8 +1,8 @@
 //! Floor 1: a model of vision, which predicts where people see bright and dark bands in an image, and how visible they
 //! are.
 //!
-//! A model of local energy, as Morrone and Burr's (1988, Proc. R. Soc. B 235:221; Ross, Morrone & Burr 1989, Vis. Res.
-//! 29:699): the eye finds lines and edges where the energy of an even and an odd response, in quadrature, is
+//! A model of local energy, like that of Morrone and Burr (1988, Proc. R. Soc. B 235:221; Ross, Morrone & Burr 1989,
+//! Vis. Res. 29:699): the eye finds lines and edges where the energy of an even and an odd response, in quadrature, is
 //! highest; the phase decides between the two. At a sharp step the phase is that of an edge in every channel: no band.
 //! At the end of a ramp it is that of a line: a band.
 //!

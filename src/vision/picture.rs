@@ -1,5 +1,5 @@
-//! From an image to its bands, wherever they are and whichever way they run: every channel's ridges, less what finer
-//! channels mask.
+//! Finds the bands of an image, at any position and orientation: the ridges of every channel, except those masked by
+//! finer channels.
 
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ use super::{
 
 /// Places per degree at which channels mask each other.
 const MASK_PER_DEG: f64 = 16.0;
-/// Least pixels on a side.
+/// Minimum number of pixels per side.
 const LEAST: usize = 16;
 
 /// The prediction for an image.
@@ -53,7 +53,7 @@ impl Picture<'_> {
         }
         let side = self.width.min(self.height);
         let sampled = || Channel::all().filter(|channel| channel.frequency < self.px_per_deg / 2.0);
-        // A channel without room between its margins finds nothing.
+        // A channel without room between its margins detects nothing.
         let margins = |channel: &Channel| 2.0 * Border::Cut.margin_deg(channel.frequency);
         let channels: Vec<Channel> =
             sampled().filter(|channel| margins(channel) < side as f64 / self.px_per_deg).collect();
@@ -160,7 +160,7 @@ impl Picture<'_> {
     }
 }
 
-/// Takes from every ridge what finer channels mask; the finest come first.
+/// Removes from every ridge the part masked by finer channels; the finest come first.
 fn unmask(found: Vec<(Vec<Ridge>, Field)>) -> Vec<Vec<Ridge>> {
     let mut finer: Option<Field> = None;
     let mut left = Vec::with_capacity(found.len());

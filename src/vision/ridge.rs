@@ -35,7 +35,7 @@ pub(super) struct Search<'a> {
     pub(super) px_per_deg: f64,
     /// Mean light.
     pub(super) mean: &'a Field,
-    /// Distances from where bands do not count.
+    /// Distances from areas where bands do not count.
     pub(super) distances: &'a Distances,
 }
 
@@ -102,7 +102,7 @@ impl Search<'_> {
                 let here = row * grid.columns + column;
                 let even = self.responses.even[here];
                 let energy = self.responses.energy[here];
-                // Skip what is nearer to an edge than to a line, and what nobody could see.
+                // Skip features closer to an edge than to a line, and invisible ones.
                 if even * even >= 0.1 * energy
                     && energy > FAINTEST
                     && self.distances.at(grid.place(column, row)) >= margin

@@ -163,7 +163,7 @@ impl Spectrum {
         Responses { grid: cropped.grid, even, odd, energy }
     }
 
-    /// Mean light, for which the eye is set.
+    /// Mean light to which the eye is adapted.
     pub(super) fn mean(&self) -> Field {
         let grid = self.grid(MEAN_TOP);
         let scale = 1.0 / (self.columns * self.rows) as f64;

@@ -1,4 +1,4 @@
-//! The creases at the edges that two triangles share, and whether the light has one slope at a vertex.
+//! The creases at edges shared by two triangles, and whether the light has a unique slope at each vertex.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -25,16 +25,16 @@ pub struct EdgeCrease {
     pub step: f64,
 }
 
-/// The creases at all edges that two triangles facing the eye share smoothly. Edges count by their length: how an edge
-/// is cut into pieces makes no difference.
+/// The creases at all edges that two triangles facing the eye share smoothly. Edges count by their length: splitting an
+/// edge into pieces makes no difference.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Creases {
     /// One for each edge.
     pub edges: Vec<EdgeCrease>,
     /// Root of the mean square jump of the slope, linear light per pixel.
     pub rms: f64,
-    /// The jump that half the edges' length stays below or at, linear light per pixel. The rms is mostly that of the
-    /// narrow triangles near silhouettes; this is what most edges have.
+    /// The jump that half the edges' length stays below or at, linear light per pixel. The rms is dominated by narrow
+    /// triangles near silhouettes; this is typical of most edges.
     pub median: f64,
     /// The jump that 95 % of the edges' length stays below or at, linear light per pixel.
     pub p95: f64,
@@ -75,12 +75,12 @@ impl Creases {
     #[must_use]
     pub fn of_encoded(frame: &Frame, shade: &Shade, decode: impl Fn(DVec3) -> DVec3 + Sync) -> Creases {
         let reference = Reference::new(frame, shade);
-        // A step that fits into the strips many times. Below b = 1e-6 rounding would take over.
+        // A step much smaller than the strips. Below b = 1e-6, rounding would dominate.
         let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
         Creases::of_field_at(frame, step, |triangle, weights| decode(reference.light(triangle, weights)))
     }
 
-    /// This rms in units of the `other`'s; `None` where that is only rounding, [`NOISE`].
+    /// This rms relative to that of `other`; `None` if that is only rounding, [`NOISE`].
     #[must_use]
     pub fn over(&self, other: &Creases) -> Option<f64> {
         (other.rms > NOISE).then(|| self.rms / other.rms)
@@ -109,14 +109,14 @@ impl Creases {
     }
 }
 
-/// At how many points along an edge the slopes are compared.
+/// Number of points along an edge at which the slopes are compared.
 const POINTS: usize = 6;
 
 /// Largest change of a barycentric weight in a step, relative to the smaller weight at the edge. Strips are many such
 /// steps wide; rounding is still ten digits below the slope.
 const STEP: f64 = 1e-5;
 
-/// The largest jump that rounding makes of a field without creases, linear light per pixel.
+/// The largest jump that rounding produces in a field without creases, linear light per pixel.
 pub const NOISE: f64 = 1e-9;
 
 /// The crease at the edge between two triangles, each with the corner of it that is opposite the edge.
@@ -133,7 +133,7 @@ fn measured(
         let [own, theirs] =
             [(sides[0], s), (sides[1], 1.0 - s)].map(|(side, s)| one_sided(frame, side, s, step, light));
         step2 += (own.0 - theirs.0).length_squared();
-        // Each is the slope into its own triangle: against each other, their sum is the jump.
+        // Each is the slope into its own triangle, in opposite directions, so their sum is the jump.
         jump2 += (own.1 + theirs.1).length_squared();
     }
     let samples = (3 * POINTS) as f64;

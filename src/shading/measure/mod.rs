@@ -1,8 +1,8 @@
-//! How much of a crease a shader leaves at the edges of triangles: the jump, on the screen, of the slope of the light.
+//! The creases that a shader leaves at the edges of triangles: the jump of the slope of the light on the screen.
 //!
 //! Measured on the light itself, by one-sided differences of what a shader gives at points close to the edge. No
-//! shader's formula is used, so a fault in one shows here. A jump of the slope is what light does; whether it is seen
-//! as a band is another question, and depends on its size, its length and what is around it.
+//! shader's formula is used, so errors in the shaders show up here. A jump of the slope is a property of the light.
+//! Whether it is visible as a band is another question, and depends on its size, its length, and its surroundings.
 
 mod creases;
 mod picture;

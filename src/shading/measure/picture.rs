@@ -1,4 +1,4 @@
-//! The creases drawn: every edge in the color of its jump.
+//! Draws the creases: every edge in the color of its jump.
 
 use glam::{DVec2, DVec3};
 
@@ -13,13 +13,13 @@ const HALF_WIDTH: f64 = 1.0;
 const GROUND: [f64; 3] = [0.05, 0.05, 0.07];
 const SURFACE: [f64; 3] = [0.11, 0.11, 0.14];
 
-/// No jump to the largest, as encoded sRGB: from blue by gray to yellow, ever lighter, so that all trichromats and
-/// dichromats see the same order.
+/// No jump to the largest, as encoded sRGB: from blue through gray to yellow, with increasing lightness, so that all
+/// trichromats and dichromats see the same order.
 const MAP: [[f64; 3]; 5] =
     [[0.13, 0.19, 0.42], [0.27, 0.36, 0.58], [0.55, 0.53, 0.52], [0.86, 0.72, 0.33], [1.0, 0.96, 0.62]];
 
 /// `creases` of `frame` as a picture of its size, in linear light. A jump of `full`, in linear light per pixel, or
-/// more has the last color of the scale; give pictures that are to be compared the same. Edges behind a surface are not
+/// more has the last color of the scale; use the same value for images to be compared. Edges behind a surface are not
 /// drawn.
 #[must_use]
 pub fn picture(frame: &Frame, creases: &Creases, full: f64) -> LinearImage {

@@ -1,4 +1,4 @@
-//! Meshes from places and faces; polygons become triangles.
+//! Builds meshes from positions and faces; polygons are triangulated.
 
 use std::collections::VecDeque;
 
@@ -6,10 +6,10 @@ use glam::{DVec2, DVec3};
 
 use super::{normals, triangles::Mesh};
 
-/// Largest coordinate of a mesh, either side of zero: what leaves room for products of several.
+/// Maximum absolute coordinate of a mesh, which leaves room for products of several coordinates.
 pub const LARGEST_COORDINATE: f64 = 1e30;
 
-/// Why triangles are not a mesh.
+/// Why triangles do not form a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
     /// No triangles.
@@ -18,13 +18,13 @@ pub enum MeshError {
     /// No triangle has an area.
     #[error("none of the {0} triangles has an area; expected at least one that does")]
     NoArea(usize),
-    /// A position that is not a place.
+    /// A position that is not finite or is too large.
     #[error("position {0} is not finite or is beyond ±1e30; expected three finite numbers within it")]
     NotFinite(usize),
     /// A face has a corner that does not exist.
     #[error("face {face} names position {index} of {positions}; expected a smaller number")]
     OutOfRange {
-        /// Which face, from 0.
+        /// Index of the face, from 0.
         face: usize,
         /// The index it names, from 0.
         index: u32,
@@ -118,7 +118,7 @@ impl Mesh {
             count if normals.iter().all(|normal| *normal == DVec3::ZERO) => return Err(MeshError::NoArea(count)),
             _ => {}
         }
-        // Where all normals are given, the search for creases is not worth its time.
+        // If all normals are given, the search for creases is unnecessary.
         let all_given = !given.is_empty() && given.iter().flatten().all(Option::is_some);
         let crease_deg = if all_given { 180.0 } else { crease_deg };
         let mesh = normals::averaged(positions, &triangles, &normals, &faces, crease_deg);
@@ -126,7 +126,7 @@ impl Mesh {
     }
 }
 
-/// Whether the faces can be a mesh.
+/// Whether the faces can form a mesh.
 fn check(positions: &[DVec3], polygons: &Polygons) -> Result<(), MeshError> {
     let faces = polygons.ends.len();
     if positions.len() > MOST || faces > MOST {
@@ -157,7 +157,7 @@ pub fn triangulated(corners: &[DVec3]) -> Vec<[u32; 3]> {
     }
     let flat = flattened(corners);
     let convex = (0..count).all(|i| turn(flat[i], flat[(i + 1) % count], flat[(i + 2) % count]) > FLAT)
-        // A star turns one way only too, but more than once.
+        // A star also turns in one direction only, but more than once.
         && (1..count - 1).all(|i| turn(flat[0], flat[i], flat[i + 1]) > FLAT);
     if convex { fan(&(0..count as u32).collect::<Vec<_>>()) } else { ears(&flat) }
 }
@@ -165,7 +165,7 @@ pub fn triangulated(corners: &[DVec3]) -> Vec<[u32; 3]> {
 /// Twice the area, as a part of the polygon's extent squared, below which three corners are in a line.
 const FLAT: f64 = 1e-12;
 
-/// The corners on the Newell plane, counter-clockwise and within −1…1; all zero without one.
+/// The corners on the Newell plane, counterclockwise and within −1…1; all zero without such a plane.
 fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
     let normal = normals::newell(corners);
     if normal == DVec3::ZERO {
@@ -178,7 +178,7 @@ fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
     flat.iter().map(|p| *p / size).collect()
 }
 
-/// Twice the area of a triangle, positive counter-clockwise.
+/// Twice the area of a triangle, positive if counterclockwise.
 fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
@@ -212,7 +212,7 @@ fn ears(flat: &[DVec2]) -> Vec<[u32; 3]> {
         triangles.push([a as u32, at as u32, b as u32]);
         (after[a], before[b], is_cut[at]) = (b, a, true);
         left -= 1;
-        // Mostly it is one of these that has become an ear.
+        // Usually one of these has become an ear.
         waiting.push_back(a);
         waiting.push_back(b);
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::triangles::{Edges, Mesh, Vertex};
 
-/// Newell's normal of a polygon, unit length, counter-clockwise seen from its tip; zero for a polygon without area.
+/// Newell's normal of a polygon, unit length, counterclockwise as seen from its tip; zero for a polygon without area.
 /// Shoaff §3.5. For corners that are not in one plane it is the normal of the plane that fits them best.
 ///
 /// The corners are taken relative to the first of them and to the polygon's size: the printed sums lose their digits

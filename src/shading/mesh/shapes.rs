@@ -1,8 +1,7 @@
 //! Meshes by name.
 //!
-//! All are closed and counter-clockwise seen from outside. The round ones have the normals of
-//! the surface that they stand for; those of the others are averaged over the faces around each vertex, as the papers
-//! have them.
+//! All are closed and counterclockwise as seen from outside. The round ones have the normals of the surface that they
+//! approximate; those of the others are averaged over the faces around each vertex, as in the papers.
 
 use std::{collections::HashMap, f64::consts::TAU};
 
@@ -28,23 +27,23 @@ named! {
     }
 }
 
-/// The shape cannot have so many or so few vertices.
+/// The shape cannot have this number of vertices.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("a {shape} cannot have {vertices} vertices; expected {least}…{most}", most = MOST_VERTICES)]
 pub struct ShapeError {
     /// Which shape.
     shape: Shape,
-    /// How many were asked for.
+    /// The requested number.
     vertices: usize,
     /// The fewest it can have.
     least: usize,
 }
 
-/// Most vertices of a shape.
+/// Maximum number of vertices of a shape.
 pub const MOST_VERTICES: usize = 500_000;
 
 impl Shape {
-    /// Whether the shape can have more vertices or fewer: not the cube and the pyramid.
+    /// Whether the number of vertices can be chosen; not for the cube and the pyramid.
     #[must_use]
     pub const fn has_vertices(self) -> bool {
         matches!(self, Shape::Sphere | Shape::Torus | Shape::Blob)
@@ -62,7 +61,7 @@ impl Shape {
     }
 }
 
-/// The mesh of `shape` with `vertices` places: exactly so many for the blob, about so many for sphere and torus, whose
+/// The mesh of `shape` with `vertices` places: exactly for the blob, approximately for sphere and torus, whose
 /// triangles would otherwise be distorted; cube and pyramid always have 8.
 ///
 /// # Errors
@@ -138,7 +137,7 @@ pub fn sphere(subdivisions: usize) -> Mesh {
     let s = subdivisions.max(1);
     let (corners, faces) = icosahedron();
     let mut positions: Vec<DVec3> = Vec::with_capacity(10 * s * s + 2);
-    // A place is identified by the integer weights of the face's corners, zero weights left out, so that all faces
+    // A position is identified by the integer weights of the face's corners, zero weights left out, so that all faces
     // that share it agree.
     let mut index: HashMap<[(usize, usize); 3], u32> = HashMap::with_capacity(10 * s * s + 2);
     let mut triangles = Vec::with_capacity(20 * s * s);
@@ -166,7 +165,7 @@ pub fn sphere(subdivisions: usize) -> Mesh {
     closed(&positions, &triangles).with_normals(|place| place)
 }
 
-/// Corners of length 1, and faces counter-clockwise from outside.
+/// Corners of length 1, and faces counterclockwise from outside.
 fn icosahedron() -> (Vec<DVec3>, Vec<[usize; 3]>) {
     let golden = f64::midpoint(1.0, 5f64.sqrt());
     let corners: Vec<DVec3> = (0..12)
@@ -283,7 +282,7 @@ fn radius_slope(p: DVec3) -> DVec3 {
     DVec3::new(0.16 * 2.1 * cos * up + 1.3 * wave, -0.16 * 2.6 * sin * down + 4.3 * ripple, 3.1 * wave + 2.0 * ripple)
 }
 
-/// The triangles of the convex hull of `points`, at least 4 different ones on the unit sphere; counter-clockwise from
+/// The triangles of the convex hull of `points`, at least 4 different ones on the unit sphere; counterclockwise from
 /// outside, two fewer than twice as many as there are points.
 ///
 /// Projected from the last point onto a plane, circles on the sphere stay circles: the faces that do not touch that point

@@ -1,5 +1,5 @@
-//! A mesh with what is computed once a mesh: its edges, and its curvature after Rusinkiewicz, *Estimating curvatures and
-//! their derivatives on triangle meshes*, 3DPVT 2004.
+//! A mesh with the data computed once per mesh: its edges, and its curvature after Rusinkiewicz, *Estimating curvatures
+//! and their derivatives on triangle meshes*, 3DPVT 2004.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -21,7 +21,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// `mesh` with all that.
+    /// Computes the edges and the curvature of `mesh`.
     #[must_use]
     pub fn new(mesh: Mesh) -> Surface {
         let edges = Edges::of(&mesh);

@@ -1,4 +1,4 @@
-//! Meshes of triangles, and which triangles meet at which edge.
+//! Meshes of triangles, and the triangles that meet at each edge.
 
 use std::collections::HashMap;
 
@@ -15,7 +15,7 @@ pub struct Vertex {
     pub site: u32,
 }
 
-/// A surface of triangles, counter-clockwise seen from outside.
+/// A surface of triangles, counterclockwise as seen from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// The vertices; a site at a crease has one for each of its normals. Sites that no triangle names have none.
@@ -25,9 +25,9 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// This mesh lit by other normals: at each place the one that `normal` gives for it, of any length above 0. Those of
-    /// the surface itself, where that is known: averages over the faces of a mesh without order are off by degrees, which
-    /// no shader can mend that takes its lights from them.
+    /// This mesh lit by other normals: at each place the one that `normal` gives for it, of any length above 0. Those
+    /// of the surface itself, where that is known: averages over the faces of an irregular mesh are off by degrees,
+    /// which no shader that uses these lights can correct.
     #[must_use]
     pub fn with_normals(mut self, normal: impl Fn(DVec3) -> DVec3) -> Mesh {
         for vertex in &mut self.vertices {

@@ -1,5 +1,6 @@
-//! Bangay's corrections of interpolated light: vertex shading, §4.3, by which contours around a vertex become arcs instead of
-//! polygons; and intensity reweighting, §4.4, which makes up for the interpolated normal, short between vertices.
+//! Bangay's corrections of interpolated light: vertex shading, §4.3, which turns contours around a vertex from polygons
+//! into arcs; and intensity reweighting, §4.4, which compensates for interpolated normals, which are shorter than unit
+//! length between vertices.
 
 use super::{
     shade::{Correction, Shade},
@@ -57,7 +58,7 @@ impl<T: Constant, const C: usize> Corrections<T, C> {
     }
 }
 
-/// What vertex shading needs of a triangle: at each corner the steps to the other two on the screen, and the lights.
+/// The data of a triangle for vertex shading: at each corner the steps to the other two on the screen, and the lights.
 #[derive(Clone, Debug)]
 struct Fans<T, const C: usize> {
     steps: [[Step<T>; 2]; 3],
@@ -98,7 +99,7 @@ impl<T: Constant, const C: usize> Fans<T, C> {
         let mix = N::select(zero.below(largest), wi * wi / (wi * wi + wj * wj), w[k].of(0.5));
         let reach = mix.times(to_i[2]) + (one - mix).times(to_j[2]);
         let place = [w[i].times(to_i[0]) + w[j].times(to_j[0]), w[i].times(to_i[1]) + w[j].times(to_j[1]), zero];
-        // Two corners in one place: no distance to tell them apart.
+        // Two corners coincide, so no distance separates them.
         let far = N::select(zero.below(reach), dot(place, place) / (reach * reach), zero);
         (one - far, mix)
     }
@@ -159,7 +160,7 @@ impl<T: Constant, const C: usize> Fans<T, C> {
     }
 }
 
-/// Least |N| by which light is divided.
+/// Minimum |N| by which light is divided.
 const LEAST_NORMAL: f64 = 1e-3;
 
 /// Bangay eq. 9 as printed: value/(|N| + (1−|N|)·I_n(t/b')), |N| the length `normal` of Σ w_i·N_i, t the smallest

@@ -25,7 +25,7 @@ pub struct Cut<T, const C: usize> {
     curve: Curve<T>,
 }
 
-/// What *cut* needs of an edge; see [`Bend`].
+/// The data of an edge for *cut*; see [`Bend`].
 #[derive(Clone, Copy, Debug)]
 struct Edge<T, const C: usize> {
     /// −c.

@@ -1,4 +1,4 @@
-//! One light a triangle. Shoaff §3.4.
+//! One light per triangle. Shoaff §3.4.
 
 use glam::DVec3;
 

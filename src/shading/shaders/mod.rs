@@ -1,5 +1,5 @@
-//! The shaders, one file each, with its equation: what light a point of a triangle shows, given the weights w_A, w_B, w_C
-//! of the corners on the screen and their lights I_A, I_B, I_C.
+//! The shaders, one per file, with their equations for the light at a point of a triangle, given the weights w_A, w_B,
+//! w_C of the corners on the screen and their lights I_A, I_B, I_C.
 //!
 //! Each is written once, for any `Number`: as f64 it is the reference, and as several pixels of
 //! f32 it draws. Its WGSL, for graphics cards, is next to it, or in `gpu/main.wgsl` if it is a line or two.

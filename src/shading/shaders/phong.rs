@@ -1,4 +1,4 @@
-//! The normal interpolated, and lit at every pixel. Shoaff §3.4.
+//! Interpolates the normal and lights every pixel. Shoaff §3.4.
 
 use super::gouraud::Spread;
 use crate::{

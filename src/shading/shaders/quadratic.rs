@@ -1,5 +1,5 @@
 //! Light through the vertices and the middles of the edges; after Mohamed et al., whose shader takes three more samples
-//! of the light a triangle.
+//! of the light per triangle.
 
 use glam::DVec3;
 

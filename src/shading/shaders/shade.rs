@@ -1,4 +1,4 @@
-//! Which shader, with which options.
+//! A shader and its options.
 
 use crate::{
     light::{Depth, names::named},
@@ -8,11 +8,11 @@ use crate::{
 named! {
     /// The shaders, from flat to smooth everywhere.
     Shader, ShaderError {
-        /// One light a triangle, that of its own normal.
+        /// One light per triangle, from its own normal.
         Flat = "flat",
         /// Light interpolated between the vertices, Bangay eq. 2.
         Gouraud = "gouraud",
-        /// The normal interpolated between the vertices, and lit at every pixel.
+        /// The normal interpolated between the vertices, with lighting at every pixel.
         Phong = "phong",
         /// Light through the vertices and the middles of the edges, quadratic; after Mohamed et al.
         Quadratic = "quadratic",
