@@ -1,4 +1,4 @@
-//! Tells the program which commit it was built from, for the sidecar of every session.
+//! Passes the commit from which the program is built to it, for the sidecar of every session.
 
 use std::process::Command;
 
@@ -11,7 +11,7 @@ fn main() {
         .and_then(|output| String::from_utf8(output.stdout).ok())
         .map_or_else(|| "unknown".to_owned(), |hash| hash.trim().to_owned());
     println!("cargo::rustc-env=MACHBAND_COMMIT={commit}");
-    // A path that is not there would make every build start over.
+    // A nonexistent path would trigger a full rebuild every time.
     for path in [".git/HEAD", ".git/logs/HEAD"] {
         if std::path::Path::new(path).exists() {
             println!("cargo::rerun-if-changed={path}");

@@ -1,5 +1,5 @@
-//! Agreement between subjects, Krippendorff's ordinal α, and of a subject with themselves, weighted κ between first and
-//! second ratings.
+//! Agreement between subjects (Krippendorff's ordinal α) and within a subject (weighted κ between first and second
+//! ratings).
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use super::{
 /// Krippendorff's α.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Alpha {
-    /// 1 perfect agreement, 0 what chance gives, below 0 systematic disagreement.
+    /// 1 is perfect agreement, 0 is chance, and values below 0 are systematic disagreement.
     pub alpha: f64,
     /// Conditions that two or more subjects rated.
     pub units: usize,

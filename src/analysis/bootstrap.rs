@@ -1,5 +1,5 @@
-//! The bootstrap over subjects: how results would differ in another sample of people. Ratings of one person belong
-//! together, so people are drawn, not ratings.
+//! The bootstrap over subjects: how results would differ in another sample of people. Ratings of the same person are
+//! related, so people are resampled instead of ratings.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::light::random::Z_95;
 
-/// How to resample. Equal settings give equal intervals on every machine (ChaCha8).
+/// How to resample. The same settings give the same intervals on every machine (ChaCha8).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bootstrap {
     /// Samples drawn.
@@ -34,7 +34,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The 95 % interval of an estimate by its standard error; none without one.
+    /// The 95 % interval of an estimate from its standard error; `None` without one.
     pub fn wald(estimate: f64, se: Option<f64>) -> Option<Self> {
         let reach = Z_95 * se.filter(|se| se.is_finite() && estimate.is_finite())?;
         Some(Self { low: estimate - reach, high: estimate + reach })

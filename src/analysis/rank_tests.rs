@@ -17,7 +17,7 @@ pub struct SubjectMeans {
     pub levels: Vec<String>,
     /// Subjects with ratings at every level, and their means in the order of the levels.
     pub rows: Vec<(String, Vec<f64>)>,
-    /// Subjects left out because they did not rate every level.
+    /// Subjects excluded because they did not rate every level.
     pub incomplete: Vec<String>,
 }
 
@@ -118,7 +118,7 @@ pub(crate) fn ranks(values: &[f64]) -> (Vec<f64>, f64) {
     (ranks, ties)
 }
 
-/// How a p value was found.
+/// How a p value was computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PMethod {
@@ -133,13 +133,13 @@ pub enum PMethod {
 pub struct Wilcoxon {
     /// Differences that are not 0.
     pub n: usize,
-    /// Differences of 0, which are left out (Wilcoxon 1945; the default of R and SciPy).
+    /// Differences of 0, which are excluded (Wilcoxon 1945; the default of R and SciPy).
     pub zeros: usize,
     /// Sum of the ranks of the positive differences, R's V.
     pub v: f64,
     /// Two-sided probability.
     pub p: f64,
-    /// How it was found.
+    /// How it was computed.
     pub method: PMethod,
 }
 
@@ -232,7 +232,7 @@ pub struct Pairs {
 }
 
 impl Pairs {
-    /// Whether no result could reach a level such as 0.05: comparing pairs is then no test at all.
+    /// Whether no result could reach a level such as 0.05, which makes the comparison of pairs meaningless.
     pub fn cannot_reach(&self, alpha: f64) -> bool {
         !self.pairs.is_empty() && self.least_p > alpha
     }

@@ -23,7 +23,7 @@ pub struct Options {
     pub link: Link,
     /// The random part; None for an intercept per subject if there are two subjects or more.
     pub random: Option<Random>,
-    /// Quadrature nodes of a mixed model; 1 is Laplace's approximation.
+    /// Number of quadrature nodes of a mixed model; 1 is the Laplace approximation.
     pub quadrature: usize,
     /// Whether terms are also tested for effects on the spread of the ratings.
     pub scale: bool,
@@ -44,7 +44,7 @@ impl Default for Options {
     }
 }
 
-/// Everything that was computed.
+/// The results.
 #[derive(Clone, Debug)]
 pub struct Results {
     /// The ratings.
@@ -63,9 +63,9 @@ pub struct Results {
     pub model: Result<ModelReport, ModelError>,
     /// Tests of effects on the spread; empty unless requested.
     pub scale: Vec<TermTest>,
-    /// How well subjects agree with each other; none with one subject.
+    /// Agreement between subjects; `None` with one subject.
     pub alpha: Option<Alpha>,
-    /// How well subjects agree with themselves: mean over subjects of weighted κ, and its bootstrap interval.
+    /// Agreement within subjects: mean of weighted κ over subjects, and its bootstrap interval.
     pub kappa: Option<(f64, Option<Interval>)>,
     /// Response times of each category.
     pub times: Vec<Option<Quartiles>>,
@@ -78,7 +78,7 @@ pub struct FactorResults {
     pub name: String,
     /// Each level, over everything else.
     pub levels: Vec<Group>,
-    /// Subjects who did not rate every level, and so are not in the tests.
+    /// Subjects who did not rate every level and are therefore excluded from the tests.
     pub incomplete: Vec<String>,
     /// Whether any level differs; none with one subject or level.
     pub friedman: Option<Friedman>,
@@ -112,7 +112,7 @@ impl Results {
         self.people() > 1
     }
 
-    /// What the model expects of each condition; empty where there is no model.
+    /// The model's expected ratings in each condition; empty without a model.
     pub fn predictions(&self) -> &[Prediction] {
         self.model.as_ref().map_or(&[], |report| &report.predictions)
     }
@@ -120,7 +120,7 @@ impl Results {
 
 /// Analyzes a study.
 ///
-/// There is always a description; if there is no model, `model` says why.
+/// There are always descriptive statistics; if there is no model, `model` gives the reason.
 pub fn analyze(measured: Measured, options: &Options) -> Results {
     let counts = &measured.counts;
     let people = counts.subjects.len();

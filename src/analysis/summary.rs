@@ -1,4 +1,4 @@
-//! Description: number, mean, median and proportions of the ratings of each cell, factor level and subject.
+//! Descriptive statistics: number, mean, median and proportions of the ratings by cell, factor level and subject.
 
 use rayon::prelude::*;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! Every frame of a session, and what it showed.
+//! Every frame of a session and its content.
 
 use std::time::Duration;
 
@@ -26,7 +26,7 @@ named! {
 pub struct Stretch {
     /// Index into [`Schedule::trials`](super::Schedule::trials).
     pub trial: usize,
-    /// 1, plus 1 each time the rating was taken back.
+    /// 1, plus 1 for each correction of the rating.
     pub attempt: u32,
     /// What was on the screen.
     pub shown: Shown,

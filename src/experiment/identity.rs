@@ -1,4 +1,4 @@
-//! Who is measured, and in which session.
+//! Participant and session.
 
 /// Longest identifier accepted, so that a file name with two of them fits every file system.
 const LONGEST: usize = 40;

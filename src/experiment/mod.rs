@@ -1,7 +1,7 @@
 //! Floor 3: what an experiment is and how a session of it runs, without a clock, a file or a window.
 //!
-//! [`Protocol`] (a definition, validated once) and a seed make a [`Schedule`]; a [`Session`] walks through it by
-//! events and gives effects back; a [`TrialRecord`] is one row of the data. [`Observer`]s rate without eyes.
+//! A [`Protocol`] (a definition, validated once) and a seed make a [`Schedule`]; a [`Session`] steps through it by
+//! events and returns effects; a [`TrialRecord`] is one row of the data. [`Observer`]s simulate participants.
 
 mod condition;
 mod frame_log;

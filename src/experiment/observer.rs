@@ -1,4 +1,4 @@
-//! Observers without eyes: they rate by a known rule, so that an analysis can be tried before anyone is measured.
+//! Simulated observers, which rate by a known rule, so that an analysis can be tried before anyone is measured.
 
 use std::time::Duration;
 
@@ -138,7 +138,7 @@ impl Observer for OrderedLogit {
     }
 }
 
-/// An observer who rates how visible the model of vision finds a band.
+/// An observer that rates the visibility predicted by the model of vision.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VisionRater {
@@ -196,7 +196,7 @@ pub struct VisionObserver {
 }
 
 impl VisionObserver {
-    /// Looks at every condition of `protocol` in its window.
+    /// Computes the visibility of every condition of `protocol` at its window size.
     ///
     /// # Errors
     /// [`VisionError`] where a stimulus cannot be seen, such as one that is all black.
@@ -236,9 +236,9 @@ const RESPONSE_MEDIAN_S: f64 = 1.6;
 /// Standard deviation of its logarithm.
 const RESPONSE_SIGMA: f64 = 0.4;
 
-/// Lets an observer rate every trial that is left, as fast as the records can be stored. Time is simulated and starts
-/// at `start`. A rating depends on the seed, the participant, the session, the trial and the attempt alone, so a
-/// session that was interrupted continues as if it had not been.
+/// Lets an observer rate every remaining trial, as fast as the records can be stored. Time is simulated and starts at
+/// `start`. A rating depends only on the seed, the participant, the session, the trial and the attempt, so an
+/// interrupted session continues as if it had not been interrupted.
 ///
 /// # Errors
 /// The first error of `record`, which must have the response on disk when it returns.

@@ -63,11 +63,11 @@ pub struct Schedule {
     pub seed: u64,
 }
 
-/// Why a definition gives no order.
+/// Why there is no order for a definition.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScheduleError {
     /// `max_run` is too small for the design.
-    #[error("no order with max_run = {max_run} was found; expected a larger max_run or more levels")]
+    #[error("found no order with max_run = {max_run}; expected a larger max_run or more levels")]
     MaxRun {
         /// The limit asked for.
         max_run: u32,

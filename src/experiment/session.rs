@@ -28,7 +28,7 @@ pub enum Event {
         /// Longest time that it may have waited before the program received it, if known.
         uncertainty: Option<Duration>,
     },
-    /// The last rating is taken back.
+    /// Undo the last rating.
     TakeBack,
     /// Stop at once.
     Pause,
@@ -166,11 +166,11 @@ pub struct Session {
     missing: Vec<usize>,
     /// Next of `missing`.
     position: usize,
-    /// Trial and attempt being taken again.
+    /// The trial being repeated, and its attempt.
     again: Option<(usize, u32)>,
     /// The page or break before the next trial has been left when a rating was taken back: it does not come again.
     page_left: bool,
-    /// Last rated trial and its attempt: what can be taken back.
+    /// The last rated trial and its attempt, which can be corrected.
     last: Option<(usize, u32)>,
     /// A record is on its way to the disk.
     pending: bool,
@@ -243,7 +243,7 @@ impl Session {
         self.pending
     }
 
-    /// Whether [`Event::TakeBack`] would do something now.
+    /// Whether [`Event::TakeBack`] would have an effect now.
     pub fn can_take_back(&self) -> bool {
         let between =
             matches!(self.state, State::Recovery { .. } | State::Closing { .. } | State::Break | State::PhaseStart(_));
@@ -279,7 +279,7 @@ impl Session {
     }
 
     /// Takes one event at a time since the session's start; `now` never decreases.
-    /// An event that the present state does not know is ignored.
+    /// An event that does not apply to the current state is ignored.
     pub fn step(&mut self, event: Event, now: Duration) -> Effect {
         match (event, &self.state) {
             (Event::Stored, _) => self.pending = false,

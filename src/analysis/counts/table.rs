@@ -1,5 +1,5 @@
-//! What is kept of any number of trials: counts of ratings, repeated ratings, and response times in a histogram whose
-//! bins grow with the time.
+//! The data kept for any number of trials: counts of ratings, repeated ratings, and response times in a histogram whose
+//! bins grow with time.
 
 use std::collections::BTreeSet;
 

@@ -27,9 +27,9 @@ pub(super) struct ClmData {
 pub(super) enum End {
     /// The gradient is small and the last step was.
     Converged,
-    /// The likelihood rises for ever in this direction: the ratings are separated.
+    /// The likelihood rises without bound in this direction: the ratings are separated.
     Separated(DVector<f64>),
-    /// The iteration could not go on.
+    /// The iteration could not continue.
     Stalled,
 }
 
@@ -287,7 +287,7 @@ impl ClmData {
                 break;
             }
             let Some(next) = self.halve(&parameters, &current, &step) else {
-                // Rounding is reached: as good as it gets.
+                // Limited by rounding: this is the best possible precision.
                 if gradient < 1e3 * tolerance {
                     end = End::Converged;
                 }

@@ -17,9 +17,9 @@ use crate::analysis::counts::Counts;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Part {
-    /// What shifts the ratings.
+    /// Location: shifts the ratings.
     Location,
-    /// What spreads them.
+    /// Scale: changes the spread of the ratings.
     Scale,
     /// Effects that differ between the thresholds.
     Nominal,
@@ -47,7 +47,7 @@ pub struct ModelReport {
     pub terms: Vec<TermTest>,
     /// Tests of proportional odds.
     pub proportional_odds: Vec<TermTest>,
-    /// What the model expects of each condition it was fitted on.
+    /// The model's expected ratings in each condition on which it was fitted.
     pub predictions: Vec<Prediction>,
 }
 

@@ -1,4 +1,4 @@
-//! Models of ordered ratings: what to fit, and what a fit says.
+//! Models of ordered ratings: their specifications and their fits.
 
 use nalgebra::DMatrix;
 use serde::{Serialize, Serializer};
@@ -29,7 +29,7 @@ pub struct ModelSpec {
     pub link: Link,
     /// The random part.
     pub random: Random,
-    /// Quadrature nodes; 1 is Laplace's approximation.
+    /// Number of quadrature nodes; 1 is the Laplace approximation.
     pub quadrature: usize,
 }
 
@@ -116,7 +116,7 @@ pub struct Model {
     pub random: Option<RandomEffect>,
     /// Names of the ordered categories that have ratings.
     pub categories: Vec<String>,
-    /// What was recognized in the data.
+    /// Notes on the data.
     pub notes: Vec<Note>,
     /// Covariance of thresholds, coefficients, scale and sd, in this order; NaN for parameters without a finite
     /// estimate, and no row for an sd of 0.
@@ -141,28 +141,28 @@ fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> 
     if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
 }
 
-/// Something in the data that the reader of a model must know.
+/// A property of the data that the reader of a model must know.
 #[derive(Clone, Debug, Error, PartialEq, Serialize)]
 #[serde(tag = "note", rename_all = "snake_case")]
 pub enum Note {
     /// Ratings without a value of a factor that the model needs.
-    #[error("{ratings} ratings without a {factor} are left out")]
+    #[error("{ratings} ratings without a {factor} are excluded")]
     MissingValues {
         factor: String,
-        /// Ratings left out.
+        /// Excluded ratings.
         ratings: u64,
     },
-    /// A category that nobody used: it has no probability to estimate and is left out.
-    #[error("no rating is {category}, so this category is left out of the scale")]
+    /// A category that nobody used: it has no probability to estimate and is excluded.
+    #[error("no rating is {category}, so this category is excluded from the scale")]
     EmptyCategory { category: String },
-    /// A column that follows from other columns: dropped, as in R.
-    #[error("{column} follows from the terms before it and is left out")]
+    /// A column that is a combination of other columns: dropped, as in R.
+    #[error("{column} is determined by the preceding terms and is dropped")]
     Aliased {
         /// The coefficient's name.
         column: String,
     },
-    /// A term of which no column is left.
-    #[error("the term {term} adds nothing to the terms before it and is left out")]
+    /// A term with no remaining column.
+    #[error("the term {term} adds nothing to the preceding terms and is dropped")]
     AliasedTerm { term: String },
     /// Ratings that a term predicts perfectly: its coefficient has no finite estimate.
     #[error("{coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
@@ -181,7 +181,7 @@ pub enum Note {
         /// The threshold's name, such as `0|1`.
         threshold: String,
     },
-    /// The first level of a factor has no finite effect of its own, so another one became the baseline.
+    /// The first level of a factor has no finite effect, so another level became the baseline.
     #[error(
         "{factor} is compared with {baseline}, because all ratings at {separated} are {category}: a comparison with it would have no finite estimate"
     )]
@@ -194,20 +194,20 @@ pub enum Note {
         category: String,
     },
     /// One subject: nothing can be said about other people.
-    #[error("only one participant: no random intercept, and no inference to other people")]
+    #[error("only one participant: no random intercept, and no inference about other people")]
     OneSubject,
     /// Ratings were not repeated within subjects, or subjects do not differ: the variance between subjects is 0.
     #[error("the estimated variance between participants is 0: the mixed model is the same as the model without it")]
     NoSubjectVariance,
-    /// Every subject keeps to their own category: the variance between subjects, or an effect within them, has no finite
+    /// Every subject uses a single category: the variance between subjects, or an effect within them, has no finite
     /// estimate.
     #[error(
-        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that the ratings of a participant belong together, and the standard errors are too small"
+        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that ratings of the same participant are related, and the standard errors are too small"
     )]
     RunawayVariance,
     /// The ratings are separated in a way that leaves no mixed model to fit.
     #[error(
-        "no mixed model could be fitted: the results ignore that the ratings of a participant belong together, and the standard errors are too small"
+        "no mixed model could be fitted: the results ignore that ratings of the same participant are related, and the standard errors are too small"
     )]
     NoMixedModel,
     /// The iteration ended before the gradient was small.
@@ -220,7 +220,7 @@ pub enum Note {
     #[error("no standard errors: the likelihood is flat in some direction")]
     Flat,
     /// A random intercept together with scale terms.
-    #[error("scale terms are left out: only a model without a random intercept can have them")]
+    #[error("scale terms are dropped: only a model without a random intercept can have them")]
     ScaleIgnored,
 }
 
@@ -240,7 +240,7 @@ pub enum ModelError {
         /// All factors.
         known: Vec<String>,
     },
-    /// A factor used as a number has a level that is none.
+    /// A factor used as a number has a level that is not a number.
     #[error("--terms num:{factor}: the level {level} is not a finite number; expected numbers, or the factor {factor}")]
     NotANumber { factor: String, level: String },
     /// The depth as a number, with `inf` among its levels.
@@ -254,9 +254,9 @@ pub enum ModelError {
     /// Too many or no quadrature nodes.
     #[error("--quadrature {nodes}; expected 1 (Laplace) to {most}")]
     Quadrature {
-        /// Nodes asked for.
+        /// Requested number of nodes.
         nodes: usize,
-        /// The most there can be.
+        /// Maximum number of nodes.
         most: usize,
     },
     /// The iteration found no likelihood at all.

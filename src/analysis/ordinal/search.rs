@@ -21,7 +21,7 @@ pub(super) enum MixedEnd {
     Boundary,
     /// The standard deviation, or an effect within subjects, grows without end.
     Runaway,
-    /// The search could not go on.
+    /// The search could not continue.
     Stalled,
 }
 

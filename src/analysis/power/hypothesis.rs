@@ -1,4 +1,4 @@
-//! What is tested, and how large the effect is that a test should find.
+//! The hypotheses, and the true size of each effect.
 
 use nalgebra::DVector;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use crate::analysis::{
     },
 };
 
-/// How an effect is tested.
+/// The test of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Test {
@@ -25,7 +25,7 @@ pub enum Test {
 /// An effect that exists: the most that the term moves the observer's linear predictor between two conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
-    /// The difference, logits, positive; none where a level has no band at all and the predictor no finite value.
+    /// The positive difference in logits; `None` if a level has no band, so that the predictor is not finite.
     pub logits: Option<f64>,
     /// The level that is rated higher; several, joined by `:`, of an interaction.
     pub above: String,

@@ -1,4 +1,4 @@
-//! A plan: what is tested in the studies of a definition, and how often they find it.
+//! A plan: the tests in the studies of a definition, and how often they find an effect.
 
 use rayon::prelude::*;
 use statrs::function::beta::beta_reg;
@@ -25,16 +25,16 @@ pub struct ModelChoice {
     /// Terms of the model; None for the main effects of all factors with two levels or more.
     pub terms: Option<Terms>,
     pub link: Link,
-    /// Quadrature nodes; 1 is Laplace's approximation.
+    /// Number of quadrature nodes; 1 is the Laplace approximation.
     pub quadrature: usize,
 }
 
-/// How much is simulated, and when an effect counts as found.
+/// The size of the simulation, and the criterion for finding an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Studies for each number of participants.
     pub studies: u32,
-    /// An effect is found where p is below this.
+    /// Significance level: an effect is found if p is below it.
     pub alpha: f64,
     /// Seed of all ratings.
     pub seed: u64,
@@ -46,7 +46,7 @@ impl Default for Sampling {
     }
 }
 
-/// A definition, an observer and a model: everything but the number of people.
+/// A definition, an observer and a model: everything except the number of participants.
 #[derive(Clone, Debug)]
 pub struct Plan {
     scenario: Scenario,
@@ -54,7 +54,7 @@ pub struct Plan {
     hypotheses: Vec<Hypothesis>,
 }
 
-/// How often one hypothesis was accepted.
+/// How often the test of one hypothesis was significant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Power {
     /// Participants of each study.
@@ -72,7 +72,7 @@ pub struct Power {
 }
 
 impl Power {
-    /// Share of studies that found it.
+    /// Proportion of studies that found it.
     pub fn share(&self) -> f64 {
         self.found as f64 / self.studies.max(1) as f64
     }
@@ -84,7 +84,7 @@ impl Power {
 }
 
 impl Plan {
-    /// Lays out what will be simulated and tested.
+    /// Prepares the simulation and its tests.
     ///
     /// # Errors
     /// Terms, factors or levels that the definition does not have; nothing to test.
@@ -116,7 +116,7 @@ impl Plan {
         Ok(Self { scenario, spec, hypotheses })
     }
 
-    /// What is tested.
+    /// The tests.
     pub fn hypotheses(&self) -> &[Hypothesis] {
         &self.hypotheses
     }
@@ -129,7 +129,7 @@ impl Plan {
         self.scenario.observer()
     }
 
-    /// The least p that Friedman's test can have with so many participants if all agree; none for other tests.
+    /// The smallest p of Friedman's test with this number of participants if all agree; `None` for other tests.
     pub fn least_p(&self, power: &Power) -> Option<f64> {
         let factor = self.hypotheses[power.hypothesis].factor?;
         let df = self.scenario.empty.factors[factor].levels.len() - 1;
@@ -141,8 +141,8 @@ impl Plan {
         self.scenario.ratings()
     }
 
-    /// Simulates and analyzes studies for each number of participants, on all threads of the pool. `progress` is told the
-    /// participants of each study that is done. Friedman's test needs two participants and is left out for one.
+    /// Simulates and analyzes studies for each number of participants, on all threads of the pool. `progress` receives the
+    /// number of participants of each completed study. Friedman's test needs two participants and is omitted for one.
     pub fn run(&self, participants: &[u32], sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Power> {
         let pieces: Vec<(u32, u32)> =
             participants.iter().flat_map(|people| (0..sampling.studies).map(|study| (*people, study))).collect();
@@ -184,7 +184,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     Some(if low == high { *low } else { (low + high) / 2.0 }).filter(|median| !median.is_nan())
 }
 
-/// What one study says about one hypothesis.
+/// The outcome of one hypothesis in one study.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Outcome {
     /// Probability by the test; none where there is no test, as without a model.

@@ -1,4 +1,4 @@
-//! What is rated: the conditions of a definition, and how visible each of them is to the observer.
+//! The conditions of a definition, and how visible each of them is to the observer.
 
 use std::collections::HashMap;
 
@@ -17,7 +17,7 @@ use crate::{
     stimulus::ParameterError,
 };
 
-/// Why nothing can be planned.
+/// Why a plan is impossible.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PlanError {
     /// A term, or the number of nodes.
@@ -50,7 +50,7 @@ pub enum PlanError {
     NothingVaries,
 }
 
-/// An effect that the observer's own parameters do not have: what a level of a factor adds to the linear predictor.
+/// An effect without a parameter of the observer: a level's contribution to the linear predictor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shift {
     /// A factor of the definition.
@@ -73,7 +73,7 @@ pub(super) struct Scenario {
 }
 
 impl Scenario {
-    /// The conditions of a definition as an observer sees them.
+    /// The conditions of a definition for an observer.
     pub fn new(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift]) -> Result<Self, PlanError> {
         let conditions = protocol.conditions()?;
         let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<Vec<_>, _>>()?;
