@@ -172,7 +172,7 @@ fn bayer_rank(size: u32, x: u32, y: u32) -> u16 {
     })
 }
 
-/// Pixels a side of the blue-noise mask.
+/// Pixels per side of the blue-noise mask.
 pub const MASK_SIZE: u32 = 64;
 
 /// The mask's ranks, 16 bits each, lower byte first.
@@ -193,7 +193,7 @@ pub(super) fn from_rank(rank: u16, size: u32) -> f64 {
     (f64::from(rank) + 0.5) / f64::from(size * size)
 }
 
-/// Pixels a side of a tile of [`Dither::Random`].
+/// Pixels per side of a tile of [`Dither::Random`].
 const TILE: u32 = 4;
 /// Pixels of a tile, and strata of (0, 1).
 const STRATA: usize = (TILE * TILE) as usize;
@@ -216,7 +216,7 @@ impl Tiles {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// To the first tile of a row of them.
+    /// Moves to the first tile of a row.
     fn seek(&mut self, row: u32) {
         self.0.set_stream(FIRST_STREAM + u64::from(row));
         self.0.set_word_pos(0);
@@ -268,14 +268,14 @@ pub struct Thresholds {
 }
 
 enum Source {
-    /// A square of `size` pixels a side, repeated.
+    /// A square of `size` pixels per side, repeated.
     Periodic { size: usize, thresholds: Vec<f64> },
     /// Tiles, and the thresholds of the last row of tiles.
     Tiled { tiles: Box<Tiles>, at: Option<u32>, band: Vec<[f64; STRATA]> },
 }
 
 impl Thresholds {
-    /// For an image of `width` pixels a row. `None` without dither.
+    /// For an image of `width` pixels per row. `None` without dither.
     #[must_use]
     pub fn new(dither: &Dither, width: u32) -> Option<Self> {
         let width = width as usize;

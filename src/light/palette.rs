@@ -58,7 +58,7 @@ pub struct LightError {
 /// An image as a palette and an index for every pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexedImage {
-    /// Pixels a row.
+    /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
@@ -248,7 +248,7 @@ fn median(tallies: &[Tally]) -> usize {
     tallies.len() - 1
 }
 
-/// Bins a side of Wu's histogram, spread over the range of light that the image has.
+/// Bins per side of Wu's histogram, spread over the range of light that the image has.
 const BINS: usize = 64;
 /// Most rounds of k-means. Every round improves the palette; most images need fewer.
 const MOST_ROUNDS: usize = 64;

@@ -191,7 +191,7 @@ pub fn power<N: Number>(x: N, exponent: u32) -> N {
 pub enum Channels {
     /// Red, green and blue.
     Color,
-    /// One that stands for those that have any light; the others are dark. Gray pictures are so, and yellow ones.
+    /// One that stands for those that have any light; the others are dark. This applies to gray and yellow images.
     Gray([bool; 3]),
 }
 

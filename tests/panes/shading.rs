@@ -169,7 +169,7 @@ fn dragging_turns_the_mesh_and_the_light_and_draws_the_line() {
     let mut before = pixels(&mut window);
     let rect = picture(&window);
     let from = rect.center() + Vec2::new(-120.0, -60.0);
-    let turned = |window: &Window| value(window, "Turn about y").trim_end_matches('°').parse::<f64>().unwrap();
+    let turned = |window: &Window| value(window, "Rotate about y").trim_end_matches('°').parse::<f64>().unwrap();
     let angle = turned(&window);
     drag(&mut window, from, from + Vec2::new(60.0, 0.0), PointerButton::Primary);
     assert!((turned(&window) - angle).abs() > 3.0);
@@ -284,7 +284,8 @@ fn the_exported_file_is_the_view() {
 #[test]
 fn everything_has_a_name_and_fits_a_small_window() {
     let mut window = opened(builder([760.0, 560.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())));
-    for label in ["Preset", "Left shader", "Right shader", "Mesh", "Turn about x", "Light, degrees upward", "Diffuse"] {
+    for label in ["Preset", "Left shader", "Right shader", "Mesh", "Rotate about x", "Light, degrees upward", "Diffuse"]
+    {
         let rect = window.get_by_label(label).rect();
         assert!(rect.left() >= 0.0 && rect.right() <= 300.0, "{label}: {rect:?}");
     }

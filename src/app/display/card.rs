@@ -74,7 +74,7 @@ impl CardHelper {
         }
     }
 
-    /// The slider, up to the whole screen whatever the window: a small window must not limit the width.
+    /// The slider, up to the width of the whole screen: a small window must not limit the width.
     fn slider(&mut self, ui: &mut egui::Ui, screen_width_px: u32) {
         let label = ui.label("Width of the outline, pixels");
         ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).clamp(LEAST_PX, 360.0);

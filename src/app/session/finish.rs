@@ -67,7 +67,7 @@ impl Finish {
                 ui.label(&texts.left);
             }
             ui.add_space(8.0);
-            // Someone who comes back must not have seen where the answers are heading.
+            // Participants who return must not see trends in their answers.
             if self.complete && !self.lines.is_empty() {
                 self.plot(ui);
             }
@@ -90,7 +90,7 @@ impl Finish {
                         .err()
                         .map(|error| format!("{}: cannot be opened: {error}", folder.display()));
                 }
-                // Someone who comes back must not have seen where the answers are heading.
+                // Participants who return must not see trends in their answers.
                 analyze = self.complete && ui.button("Analyze these results…").clicked();
                 leave = ui::primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             });

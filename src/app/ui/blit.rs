@@ -1,7 +1,7 @@
 //! Draws images on the screen pixel for pixel, with a shader that does nothing else.
 //!
-//! egui's own shader filters, tints and dithers whatever it draws. Where the processor does the work of a graphics card,
-//! it takes ten times as long for the same codes.
+//! The shader of egui filters, tints, and dithers everything that it draws. With software rendering, it takes ten times
+//! as long for the same codes.
 
 use std::sync::{Arc, OnceLock};
 

@@ -10,7 +10,7 @@ use eframe::egui::{self, Role, WidgetInfo};
 
 use super::text;
 
-/// What is asked for.
+/// The kind of file requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ask {
     /// A TOML file.

@@ -58,7 +58,7 @@ impl Rows {
     pub fn check_patch(&self, transfers: &Transfers, channel: Channel, error: f64) -> [u8; 3] {
         let share = self.share();
         let codes = transfers.encoded_from_linear([share; 3]).map(|encoded| {
-            // The exponent that makes this light of this encoded value, whatever the function is.
+            // The exponent that maps this encoded value to this light, for any transfer function.
             let gamma = (share.ln() / encoded.ln() + error).max(0.1);
             let encoded = if error == 0.0 { encoded } else { share.powf(gamma.recip()) };
             (encoded * 255.0).round() as u8

@@ -4,9 +4,9 @@
 //! that best predicts levels left out is used.
 //!
 //! A photometer's noise is about proportional to what it reads. With one reading per level of red, green, blue and gray
-//! and 1 % of noise, γ of a power is known to 0.005, 0.004, 0.003 and 0.002 (standard error at 6, 9, 17 and 33 levels)
-//! where the channels share it, and with a free offset to 0.022, 0.013, 0.008 and 0.005: γ and offset explain much of
-//! the same.
+//! and 1 % of noise, γ of a power has an uncertainty of 0.005, 0.004, 0.003 and 0.002 (standard error at 6, 9, 17 and
+//! 33 levels) where the channels share it, and with a free offset to 0.022, 0.013, 0.008 and 0.005: γ and offset
+//! explain much of the same.
 
 mod calibration;
 mod checks;

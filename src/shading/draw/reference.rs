@@ -36,7 +36,7 @@ impl<'f> Reference<'f> {
         DVec3::from_array(self.shading.light(triangle, w, weighted(w, &lights)))
     }
 
-    /// The whole picture, every pixel at its center.
+    /// The entire image, every pixel sampled at its center.
     #[must_use]
     pub fn image(&self) -> LinearImage {
         let frame = self.frame;

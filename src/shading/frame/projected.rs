@@ -37,8 +37,8 @@ impl View {
         View { width: size, height: size, rotation: DMat3::IDENTITY, fill: 0.9, distance: f64::INFINITY }
     }
 
-    /// The same with the mesh turned by `degrees` about x, then y, then z, counterclockwise as seen from the tip of the
-    /// axis.
+    /// The same with the mesh rotated by `degrees` about x, then y, then z, counterclockwise as seen from the tip of
+    /// the axis.
     #[must_use]
     pub fn rotated(mut self, degrees: [f64; 3]) -> View {
         let [x, y, z] = degrees.map(f64::to_radians);

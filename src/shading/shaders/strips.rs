@@ -57,7 +57,7 @@ pub fn by_smallest<N: Number, const C: usize>(
 
 /// I_n across a strip, and its integral.
 ///
-/// The printed tanh of n = ∞ misses 0 and 1 by 0.0067: as it stands, a strip would join neither its edge's slope nor the
+/// The printed tanh of n = ∞ misses 0 and 1 by 0.0067: unmodified, a strip would match neither its edge's slope nor the
 /// interior. For shaders that promise a continuous slope it is stretched to reach both, `(T(u) − T(0))/(1 − 2T(0))`, T(u)
 /// = (1 + tanh(5(u − ½)))/2. Then *exact* and *cut* are C1 across an edge for n = ∞ as well. The tanh's own slope at the
 /// ends, 0.067, stays: *exact* keeps a kink of 0.067·c where its strip ends, *cut* none. (The steeper tanh(10(u − ½))

@@ -101,7 +101,7 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
             }
         });
     }
-    let names = [("turn x", "Turn about x"), ("turn y", "Turn about y"), ("turn z", "Turn about z")];
+    let names = [("rotate x", "Rotate about x"), ("rotate y", "Rotate about y"), ("rotate z", "Rotate about z")];
     for ((label, name), degrees) in names.into_iter().zip(&mut compared.scene.rotate_deg) {
         field(label, name).suffix("°").slider(ui, degrees, -180.0..=180.0, 1.0);
     }

@@ -164,7 +164,7 @@ fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
         .collect()
 }
 
-/// Lines that stand for the curve of gain, offset and gamma.
+/// Line segments that approximate the curve of gain, offset and gamma.
 const GOG_POINTS: u32 = 4096;
 
 /// Rows of [`constants`] per triangle, three entries each: one per corner, or per edge opposite it.
