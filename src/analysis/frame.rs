@@ -27,7 +27,7 @@ pub(super) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// The complete rows for these terms, and notes on what was left out.
+    /// The complete rows for these terms, and notes on what was excluded.
     ///
     /// # Errors
     /// An unknown name, a text where a number is asked, no rows, ratings that are all the same.
@@ -136,7 +136,7 @@ fn renumber(rows: &mut [CountRow], field: impl Fn(&mut CountRow) -> &mut u32) ->
     present
 }
 
-/// Merges the categories that have no ratings into their neighbors, and says so.
+/// Merges the categories that have no ratings into their neighbors, with a note.
 fn used_categories(counts: &Counts, rows: &mut [CountRow], notes: &mut Vec<Note>) -> Result<Vec<String>, ModelError> {
     let used: BTreeSet<u8> = rows.iter().map(|row| row.rating).collect();
     let used: Vec<u8> = used.into_iter().collect();

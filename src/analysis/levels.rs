@@ -8,7 +8,7 @@ pub fn number_of(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|number| !number.is_nan())
 }
 
-/// The numbers of all levels, or none where one of them is a text.
+/// The numbers of all levels; `None` if any of them is a text.
 pub fn numbers_of<S: AsRef<str>>(levels: &[S]) -> Option<Vec<f64>> {
     levels.iter().map(|level| number_of(level.as_ref())).collect()
 }

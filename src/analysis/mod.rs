@@ -1,4 +1,4 @@
-//! Analysis: from counts of ratings to description, ordinal models, tests and agreement.
+//! Analysis: from counts of ratings to descriptive statistics, ordinal models, tests and agreement.
 //!
 //! Everything works on [`counts::Counts`], the sufficient statistic subject × condition × rating, so that its cost does
 //! not grow with the number of rows. The conventions are those of R's `ordinal` where it has them:

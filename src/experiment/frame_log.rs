@@ -42,7 +42,7 @@ pub(super) struct FrameLog {
     times: FrameTimes,
     /// What the present frame shows, in which trial and attempt.
     shown: Option<(Shown, usize, u32)>,
-    /// Not handed out yet.
+    /// Not returned yet.
     stretches: Vec<Stretch>,
 }
 
@@ -61,7 +61,7 @@ impl FrameLog {
         }
     }
 
-    /// The present frame has stood until now: what it showed, and for how long.
+    /// The current frame lasted until now: records what it showed and for how long.
     pub fn end(&mut self, now: Duration) -> Option<(Shown, FrameInterval)> {
         let (shown, trial, attempt) = self.shown.take()?;
         let interval = self.times.end(now)?;

@@ -18,7 +18,7 @@ pub const RATING_MAX: u8 = 3;
 /// Most trials that one session may have.
 const TRIALS_MAX: usize = 100_000;
 
-/// What is wrong at one place of a definition.
+/// A fault at one location of a definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// Keys and array indices joined by dots: `factors.width.2`.
@@ -61,7 +61,7 @@ pub struct Protocol {
     /// Crossed factors in the definition's order.
     #[serde(serialize_with = "serialize_factors")]
     pub factors: Vec<Factor>,
-    /// How many trials, in what order.
+    /// Number and order of the trials.
     pub design: Design,
     /// What is shown between stimuli.
     pub recovery: Recovery,
@@ -291,7 +291,7 @@ impl Protocol {
         copy.stimulus.validate().ok().map(|()| copy)
     }
 
-    /// Everything that is wrong; empty for a valid protocol.
+    /// All faults; empty for a valid protocol.
     pub fn faults(&self) -> Vec<Fault> {
         let mut faults = Faults::default();
         if let Some(message) = name_fault(&self.name) {

@@ -13,7 +13,7 @@ use crate::display::frames::{FrameTimes, Refresh};
 /// What happens to a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// A frame begins that will show the present [`State`]; without a screen, the time has come to look again.
+    /// A frame begins that will show the current [`State`]; without a screen, time has passed.
     Frame,
     /// Continue from a page or a break.
     Continue,
@@ -34,7 +34,7 @@ pub enum Event {
     Pause,
     /// Continue after a pause.
     Resume,
-    /// End the session here; what is rated stays.
+    /// End the session here; existing ratings are kept.
     Leave,
     /// The last [`Effect::Record`] is on disk.
     Stored,
@@ -43,7 +43,7 @@ pub enum Event {
 /// What the driver must do.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
-    /// Nothing but show the state.
+    /// Only show the state.
     None,
     /// Put this on disk and answer [`Event::Stored`]; until then no further stimulus comes.
     Record(TrialResponse),
@@ -79,7 +79,7 @@ pub enum State {
     },
     /// A rest, until the participant continues.
     Break,
-    /// The uniform field after the last trial: its rating can still be taken back.
+    /// The uniform field after the last trial, whose rating can still be corrected.
     Closing {
         /// When it first stood on the screen.
         since: Duration,
@@ -146,7 +146,7 @@ pub struct Resumed {
     pub done: BTreeSet<usize>,
 }
 
-/// How far a session is.
+/// Progress of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Trials rated, earlier sittings included.
@@ -172,7 +172,7 @@ pub struct Session {
     page_left: bool,
     /// The last rated trial and its attempt, which can be corrected.
     last: Option<(usize, u32)>,
-    /// A record is on its way to the disk.
+    /// A record is being written to disk.
     pending: bool,
     state: State,
     options: SessionOptions,
@@ -270,7 +270,7 @@ impl Session {
         self.log.interrupt();
     }
 
-    /// How far the session is.
+    /// The progress of the session.
     pub fn progress(&self) -> Progress {
         let total = self.schedule.trials.len();
         let left = self.missing.len() - self.position;

@@ -18,7 +18,7 @@ use crate::{
 /// Fits a model.
 ///
 /// # Errors
-/// Data or terms about which nothing can be said. Everything else that is wrong with the data is a note of the model.
+/// Data or terms that allow no model. All other problems with the data are notes of the model.
 pub fn fit(counts: &Counts, spec: &ModelSpec) -> Result<Model, ModelError> {
     Ok(report(&fit_counts(counts, spec, true)?))
 }
