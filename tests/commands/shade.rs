@@ -128,7 +128,7 @@ fn each_fault_has_its_own_message() {
         (&["--shader", "flat", "--light", "0,0,0"], 2, "no direction"),
         (&["--shader", "flat", "--rotate", "1,2"], 2, "three numbers"),
         (&["--shader", "flat", "--distance", "0.5"], 2, "outside 1.05…1000000"),
-        (&["--shader", "phong", "--reweight", "repaired"], 2, "expected off for phong"),
+        (&["--shader", "phong", "--reweight", "repaired"], 2, "expected off with phong"),
         (&["--shader", "flat", "--metrics", "x.png"], 2, "--out's file"),
         (&["--shader", "flat", "--ambient", "NaN"], 2, "'--ambient <L>': outside 0…1"),
         (&["--shader", "flat", "--window", "0"], 2, "'0' for '--window <DEG>': outside 0.5…170"),
