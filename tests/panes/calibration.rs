@@ -269,7 +269,7 @@ fn an_observer_at_the_keys_finds_the_gamma_of_the_screen() {
     window.get_by_label_contains("30 matches, about 5 min");
     take_picture(&mut window, "display_by_eye");
     click(&mut window, "red, green, blue");
-    window.get_by_label_contains("expected red, green and blue, or gray");
+    window.get_by_label_contains("expected red, green, and blue, or gray");
     click(&mut window, "red, green, blue");
     type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
     // The slider's least number of matches.
