@@ -212,7 +212,6 @@ pub fn holm(probabilities: &[f64]) -> Vec<f64> {
 /// Two levels compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pair {
-    /// One level.
     pub level: String,
     pub other: String,
     /// Mean over subjects of the first level's mean rating less the other's.

@@ -44,18 +44,14 @@ impl Default for Options {
     }
 }
 
-/// The results.
 #[derive(Clone, Debug)]
 pub struct Results {
     /// The ratings.
     pub measured: Measured,
-    /// The options.
     pub options: Options,
     /// Every cell of the design.
     pub cells: Vec<Group>,
-    /// Every factor.
     pub factors: Vec<FactorResults>,
-    /// Every subject.
     pub subjects: Vec<SubjectResults>,
     /// The specification of the model.
     pub spec: ModelSpec,
@@ -88,7 +84,6 @@ pub struct FactorResults {
     pub times: Vec<Option<Quartiles>>,
 }
 
-/// One subject.
 #[derive(Clone, Debug, Serialize)]
 pub struct SubjectResults {
     /// Their ratings.

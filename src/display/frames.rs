@@ -93,7 +93,6 @@ impl Refresh {
         share(long.len()) <= HELD_LONG && share(short.len() + long.len()) <= HELD_JITTER
     }
 
-    /// Seconds.
     #[must_use]
     pub fn seconds(self) -> f64 {
         self.0

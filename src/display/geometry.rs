@@ -117,7 +117,6 @@ impl Viewing {
         Ok(Viewing { screen, distance_cm: check("distance", distance_cm, &DISTANCE_CM, "cm", expected)? })
     }
 
-    /// The screen.
     #[must_use]
     pub fn screen(&self) -> Screen {
         self.screen

@@ -12,7 +12,6 @@ named! {
     Shown, ShownError {
         /// The uniform field before the stimulus.
         Recovery = "recovery",
-        /// The stimulus.
         Stimulus = "stimulus",
         /// The uniform field after a stimulus of fixed duration, until it is rated.
         Response = "response",

@@ -49,9 +49,7 @@ pub enum TransferError {
         "gain {gain} with offset {offset} describes no display; expected a gain above 0 and up to 10, an offset of -1…1, and light at the largest code (gain + offset above 0)"
     )]
     Gain {
-        /// The gain.
         gain: f64,
-        /// The offset.
         offset: f64,
     },
     /// Several transfer functions, but not one for each channel.

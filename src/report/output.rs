@@ -24,7 +24,6 @@ use crate::{
 /// What was written.
 #[derive(Debug)]
 pub struct Written {
-    /// The files.
     pub files: Vec<PathBuf>,
     /// The prediction by the model of vision, and the time it took; `None` if only tables were requested.
     pub prediction: Option<(Result<StudyPrediction, PredictionError>, Duration)>,

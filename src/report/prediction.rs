@@ -85,7 +85,6 @@ pub enum PredictionError {
 /// Predictions of the model of vision for a study's conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyPrediction {
-    /// The viewing conditions.
     pub viewing: ViewingConditions,
     /// How the prediction compares with the ratings.
     pub comparison: Comparison,

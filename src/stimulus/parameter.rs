@@ -28,7 +28,6 @@ pub struct Parameter {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ParameterValue {
-    /// A number.
     Number(f64),
     /// Anything else.
     Text(String),

@@ -15,7 +15,6 @@ pub const SIZE_MAX: u32 = 16_384;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
-    /// The stimulus.
     pub stimulus: Stimulus,
     /// Side of the square image in pixels, 1…[`SIZE_MAX`].
     pub size: u32,

@@ -147,7 +147,6 @@ pub enum StoreError {
     Link {
         /// The link.
         path: PathBuf,
-        /// Its target.
         target: PathBuf,
     },
     /// A file does not parse.

@@ -212,7 +212,6 @@ impl Reader {
     }
 }
 
-/// One statement.
 struct Statement<'a> {
     file: &'a str,
     number: usize,

@@ -23,9 +23,7 @@ pub(super) type CellFault = (usize, String);
 /// The source of a table's bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Content<'a> {
-    /// In a file.
     File(&'a Path),
-    /// In memory.
     Memory(&'a [u8]),
 }
 

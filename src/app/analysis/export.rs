@@ -35,7 +35,6 @@ pub struct Exported<'a> {
     /// What was read, and how.
     pub study: &'a Arc<Study>,
     pub read_options: &'a ReadOptions,
-    /// The results.
     pub results: &'a Arc<Results>,
     /// What the filters left, as a phrase; empty if nothing was excluded.
     pub filter: String,

@@ -39,7 +39,6 @@ const VISION: (&str, &str) = ("vision", "What the model of vision predicts");
 
 /// An action that only the page can perform.
 pub enum Request {
-    /// Other data.
     OtherData,
     /// Other columns of the same file.
     Columns,

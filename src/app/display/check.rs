@@ -20,7 +20,6 @@ const ERROR: f64 = 0.2;
 /// The fields of a channel: what each shows, and its picture.
 type Fields = Vec<(String, TextureHandle)>;
 
-/// The page.
 pub struct CheckPage {
     profile: DisplayProfile,
     pairs: bool,

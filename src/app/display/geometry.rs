@@ -14,7 +14,6 @@ use crate::{
 /// Length of the drawn ruler in centimeters.
 const RULER_CM: u32 = 10;
 
-/// The page.
 pub struct GeometryPage {
     window_deg: String,
     /// The width that the screen reports, once queried.

@@ -19,7 +19,6 @@ const HEIGHT_PX: u32 = 140;
 /// Maximum number of steps: the number of 8-bit codes.
 const MOST: usize = 255;
 
-/// The page.
 pub struct StepsPage {
     profile: DisplayProfile,
     number: String,

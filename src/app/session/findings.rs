@@ -21,7 +21,6 @@ use crate::{
 /// Positions across an image at which its light is compared with that of the field.
 const SAMPLES: u32 = 64;
 
-/// The findings.
 pub struct Findings {
     pub notes: Vec<PreflightNote>,
     /// The values that the session needs; `None` if it cannot run.

@@ -129,7 +129,6 @@ impl Recording {
         }
     }
 
-    /// Takes the rows.
     pub fn take_rows(&mut self) -> Vec<TrialRecord> {
         std::mem::take(&mut self.rows)
     }

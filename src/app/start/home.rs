@@ -22,7 +22,6 @@ const PICTURE_PX: u32 = 180;
 
 /// Where Home leads.
 pub enum Destination {
-    /// A session.
     Session(Box<Request>),
     /// The display lab.
     Display {

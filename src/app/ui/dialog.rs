@@ -19,7 +19,6 @@ pub enum Ask {
     Obj,
     /// CSV files, one or more.
     Data,
-    /// A folder.
     Folder,
 }
 

@@ -13,7 +13,6 @@ pub const NOTE: Color32 = Color32::from_rgb(0xe8, 0xc8, 0x60);
 pub const GOOD: Color32 = Color32::from_rgb(0x90, 0xd0, 0xa0);
 /// Secondary text; 7:1 on the page.
 pub const QUIET: Color32 = Color32::from_gray(0xb4);
-/// The page.
 pub const PAGE: Color32 = Color32::from_gray(0x22);
 /// Maximum line width of running text, points.
 pub const COLUMN: f32 = 680.0;

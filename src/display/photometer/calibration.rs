@@ -87,7 +87,6 @@ pub struct FittedChannel {
 /// A display as measured with a photometer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// The readings.
     pub readings: Readings,
     /// Noise of the readings, relative to the light, by the chosen model.
     pub noise: f64,
@@ -127,7 +126,6 @@ impl Calibration {
         calibration
     }
 
-    /// A fitted model.
     #[must_use]
     pub fn model(&self, family: Family) -> &FittedModel {
         // One of each, in this order.

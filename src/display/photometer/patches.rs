@@ -30,12 +30,10 @@ impl Default for PatchSettings {
     }
 }
 
-/// One patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// The lit channels.
     pub channel: Channel,
-    /// Their code.
     pub code: u8,
     /// Their encoded value, 0…1: the code divided by the largest code.
     pub level: f64,

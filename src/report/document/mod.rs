@@ -4,7 +4,6 @@ pub mod numbers;
 
 use crate::report::figures::Figure;
 
-/// A document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
     /// Its name.
@@ -15,7 +14,6 @@ pub struct Document {
     pub sections: Vec<Section>,
 }
 
-/// A section.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     /// Its anchor within the document.
@@ -41,7 +39,6 @@ pub enum Block {
     List(Vec<String>),
     /// Text to copy verbatim.
     Code(String),
-    /// A table.
     Table(Table),
     /// A chart.
     Figure(Figure),

@@ -96,7 +96,6 @@ impl Series {
         Self { color: BLUE, ..Self::of(0) }
     }
 
-    /// Its line.
     pub fn line(self) -> Stroke {
         Stroke { dash: self.dash, ..Stroke::new(self.color, 3.2) }
     }

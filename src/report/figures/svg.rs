@@ -12,7 +12,6 @@ pub(super) const WIDTH: f64 = 800.0;
 /// The PNG uses Noto Sans; the others are fallbacks that every machine has.
 const FAMILY: &str = "Noto Sans, Open Sans, Helvetica, Arial, sans-serif";
 
-/// A point.
 pub(super) type Point = (f64, f64);
 
 /// Which part of a text is at its position.

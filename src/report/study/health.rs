@@ -12,7 +12,6 @@ use crate::{
     store::ratings::{FileRead, SessionRead, Source},
 };
 
-/// The section.
 pub(super) fn section(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("health", "Data quality");
     let sum = |of: fn(&FileRead) -> u64| whole(source.files.iter().map(of).sum());

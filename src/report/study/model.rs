@@ -12,7 +12,6 @@ use crate::{
     },
 };
 
-/// The section.
 pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let mut section = Section::new("model", "Model");
     let report = match &results.model {

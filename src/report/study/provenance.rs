@@ -46,7 +46,6 @@ pub fn shell_command(arguments: impl IntoIterator<Item = String>) -> String {
     shlex::try_join(command.iter().map(String::as_str)).unwrap_or_default()
 }
 
-/// The section.
 pub(super) fn section(source: &Source, results: &Results, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
     let bootstrap = &results.options.bootstrap;

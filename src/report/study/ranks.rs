@@ -94,7 +94,6 @@ fn pairs(section: &mut Section, factor: &FactorResults) {
     section.note(format!("{method} The smallest possible p of these pairs after Holm’s correction is {least}."));
 }
 
-/// Agreement.
 pub(super) fn agreement(results: &Results) -> Section {
     let mut section = Section::new("agreement", "Agreement");
     let level = results.options.bootstrap.level;

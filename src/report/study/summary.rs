@@ -30,7 +30,6 @@ pub struct Summary {
     pub cautions: Vec<String>,
 }
 
-/// The section.
 pub(super) fn section(source: &Source, results: &Results) -> Section {
     let Summary { lead, findings, mut cautions } = summary(source, results);
     let mut section = Section::new("summary", "Summary");

@@ -54,7 +54,6 @@ impl Material {
     }
 }
 
-/// A lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
     /// Its position.

@@ -14,15 +14,10 @@ use crate::light::names::named;
 named! {
     /// A mesh by its name.
     Shape, UnknownShape {
-        /// [`cube`].
         Cube = "cube",
-        /// [`pyramid`].
         Pyramid = "pyramid",
-        /// `sphere`.
         Sphere = "sphere",
-        /// `torus`.
         Torus = "torus",
-        /// [`blob`].
         Blob = "blob",
     }
 }

@@ -67,7 +67,6 @@ pub enum EdgeKind {
     NonManifold,
 }
 
-/// One edge.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edge {
     /// The two sites at its ends, the lower first.
@@ -75,7 +74,6 @@ pub struct Edge {
     /// The triangles at it, and which corner of each is opposite the edge. Triangles that name one site twice are left
     /// out: they have no area in any view, and must not separate two that have one.
     pub sides: Vec<(u32, u8)>,
-    /// Its kind.
     pub kind: EdgeKind,
 }
 

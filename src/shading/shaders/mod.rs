@@ -43,23 +43,16 @@ use crate::shading::{
 /// A shader without corrections, its constants computed.
 #[derive(Clone, Debug)]
 pub enum Plain<T, const C: usize> {
-    /// *flat*
     Flat(Flat<T, C>),
     /// *gouraud*, and any strip shader with no strips.
     Gouraud(Gouraud),
-    /// *phong*
     Phong(Phong<T, C>),
-    /// *quadratic*
     Quadratic(Quadratic<T, C>),
-    /// *fixed*
     Fixed(Fixed<T, C>),
     /// *gradient* and *gradient-repaired*
     Gradient(Gradient<T, C>),
-    /// *exact*
     Exact(Exact<T, C>),
-    /// *cut*
     Cut(Cut<T, C>),
-    /// *patch*
     Patch(Patch<T, C>),
 }
 

@@ -24,9 +24,7 @@ pub enum Format {
 pub struct Exported {
     /// Names of the experiments, in their order.
     pub experiments: Vec<String>,
-    /// Sessions.
     pub sessions: usize,
-    /// Their rows.
     pub rows: usize,
     /// Number of pictures, if the format includes them.
     pub pictures: usize,

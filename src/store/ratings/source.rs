@@ -95,7 +95,6 @@ pub enum Layout {
 /// A file and how its rows were used.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FileRead {
-    /// Its path.
     pub path: PathBuf,
     /// What it is.
     pub layout: Layout,
@@ -122,7 +121,6 @@ pub struct FileRead {
 pub struct SessionRead {
     /// Participant.
     pub subject: String,
-    /// Session.
     pub session: String,
     /// File.
     pub path: PathBuf,
@@ -132,7 +130,6 @@ pub struct SessionRead {
     pub rated: u64,
     /// Main trials with a dropped frame; `None` if nothing was measured.
     pub dropped: Option<u64>,
-    /// The sidecar.
     pub sidecar: Option<Sidecar>,
 }
 

@@ -50,7 +50,6 @@ pub(super) struct Identity<'a> {
 /// How a row is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Status {
-    /// It counts.
     Counts,
     /// A later attempt counts.
     Superseded,

@@ -30,7 +30,6 @@ pub struct Recorded {
     pub protocol: Protocol,
     /// The order of the trials, from definition and seed.
     pub schedule: Schedule,
-    /// The sidecar.
     pub sidecar: Sidecar,
     /// Its rows, in the order of the file.
     pub rows: Vec<TrialRecord>,

@@ -60,7 +60,6 @@ pub struct Seal {
     /// SHA-256 of the frames file, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames_sha256: Option<String>,
-    /// [`Sidecar::own_sha256`].
     pub sidecar_sha256: String,
 }
 

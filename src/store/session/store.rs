@@ -39,7 +39,6 @@ pub struct Interrupted {
     pub resumed: Resumed,
     /// When the last rating was given, in seconds since the session's start; 0 before the first.
     pub elapsed_s: f64,
-    /// Its rows.
     pub rows: Vec<TrialRecord>,
     /// Which sitting begins now.
     pub sitting: u32,

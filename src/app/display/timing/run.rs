@@ -40,7 +40,6 @@ pub enum Scene {
 pub enum Place {
     /// In the upper left corner, where a photodiode can be held.
     Corner,
-    /// In the center.
     Center,
 }
 

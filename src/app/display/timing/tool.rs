@@ -24,7 +24,6 @@ const FRAMES: [u32; 4] = [300, 600, 1800, 3600];
 /// Sides of the patch to choose from, physical pixels.
 const SIZES: [u32; 4] = [48, 96, 192, 384];
 
-/// The tool.
 pub struct TimingTool {
     plan: TimingPlan,
     run: Option<TimingRun>,

@@ -32,9 +32,7 @@ pub const SHORTER_SIDE_DEG: f64 = 10.0;
 pub struct Measured {
     /// Cells of a table.
     cells: [Vec<String>; 2],
-    /// Details.
     details: [String; 2],
-    /// The maps.
     pub maps: [CodeImage; 2],
     /// The value shown lightest, or darkest, in the maps.
     pub full_scale: f64,

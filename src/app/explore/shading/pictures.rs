@@ -176,7 +176,6 @@ impl Pictures {
 pub struct Difference {
     edition: u64,
     factor: u8,
-    /// Its codes.
     pub codes: CodeImage,
     /// The same on the screen.
     pub texture: TextureHandle,
