@@ -48,10 +48,7 @@ pub enum TransferError {
     #[error(
         "gain {gain} with offset {offset} describes no display; expected a gain above 0 and up to 10, an offset of -1…1, and light at the largest code (gain + offset above 0)"
     )]
-    Gain {
-        gain: f64,
-        offset: f64,
-    },
+    Gain { gain: f64, offset: f64 },
     /// Several transfer functions, but not one for each channel.
     #[error("{0:?} has {1} transfer functions; expected one, or three joined by / for red, green and blue")]
     Channels(String, usize),

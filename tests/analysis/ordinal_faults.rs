@@ -72,12 +72,8 @@ fn same_finite_part(model: &Model, other: &Model) {
 /// A level whose ratings are all the same extreme predicts them perfectly: everything else is as without them.
 #[test]
 fn separation_is_named_and_the_rest_is_as_without_the_separated_ratings() {
-    for (link, random) in [
-        (Link::Logit, Random::None),
-        (Link::Probit, Random::None),
-        (Link::Logit, Random::Subject),
-        (Link::Probit, Random::Subject),
-    ] {
+    let links = [Link::Logit, Link::Probit].into_iter();
+    for (link, random) in links.flat_map(|link| [(link, Random::None), (link, Random::Subject)]) {
         for (level, extreme, positive) in [("0.4", 3, true), ("0.2", 0, false)] {
             let mut rows = rows(8, 6, 1.0, 1);
             rows.iter_mut().filter(|row| row.1 == level).for_each(|row| row.3 = extreme);

@@ -252,20 +252,6 @@ fn filters_narrow_the_analysis_and_its_export() {
     window.get_by_label("72 ratings of 4 participants.");
 }
 
-/// Where one participant is left of several, the ratings are described and not tested.
-#[test]
-fn one_participant_has_no_p_values() {
-    let (_folder, data_set) = study(2);
-    let mut window = opened(&data_set);
-    click(&mut window, "Rank tests");
-    assert!(has(&window, "Sort by p"));
-    click_and_rest(&mut window, "Participants: 2 of 2");
-    click_and_rest(&mut window, "Participant S001");
-    assert_has(&window, "With one participant, there is nothing to test.");
-    click(&mut window, "Model");
-    assert!(!has(&window, "Sort by p") && !has(&window, "Does each term matter?"));
-}
-
 /// Nothing to show, something that is not there, a file with a fault in it, and what the results folder has.
 #[test]
 fn the_empty_pane_and_what_is_wrong_with_files() {

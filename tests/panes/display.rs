@@ -106,39 +106,6 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
     }
 }
 
-/// Of the strongest channel, for every kind of transfer function and every dither-free kind of picture.
-#[test]
-fn what_is_emitted_is_within_half_a_code_of_what_was_asked() {
-    let folder = tempfile::tempdir().unwrap();
-    let all = differing();
-    profile::write(&folder.path().join("screen.toml"), &all).unwrap();
-    for (channel, color) in ["red", "green", "blue"].into_iter().enumerate() {
-        let transfer = &all.transfers.channels()[channel];
-        for (bits, max) in [("8", 255.0), ("16", 65_535.0)] {
-            for kind in ["mach-band", "cornsweet", "chevreul"] {
-                let common = ["stimulus", "--kind", kind, "--color", color, "--bits", bits, "--size", "777"];
-                let files = ["--low=0", "--high=1", "--display", "screen.toml", "--profile", "profile.csv"];
-                shown_by(folder.path(), &[&common[..], &files[..]].concat());
-                let mut rows = csv::Reader::from_path(folder.path().join("profile.csv")).unwrap();
-                let mut count = 0;
-                for row in rows.records() {
-                    let row = row.unwrap();
-                    let [linear, emitted] = [1, 5].map(|column: usize| row[column].parse::<f64>().unwrap());
-                    let code: f64 = row[2 + channel].parse().unwrap();
-                    // The light of half a code to either side, by the profile itself.
-                    let low = transfer.linear_from_encoded((code - 0.5) / max) - 1e-6;
-                    let high = transfer.linear_from_encoded((code + 0.5) / max) + 1e-6;
-                    assert!((low..=high).contains(&linear), "{kind} {color} {bits}: {row:?}");
-                    assert!((low..=high).contains(&emitted), "{kind} {color} {bits}: {row:?}");
-                    assert_eq!(emitted, transfer.linear_from_encoded(code / max));
-                    count += 1;
-                }
-                assert_eq!(count, 777);
-            }
-        }
-    }
-}
-
 #[test]
 fn the_preflight_tells_an_old_profile_and_another_screen_and_keeps_what_was_confirmed() {
     let folder = tempfile::tempdir().unwrap();
@@ -309,9 +276,6 @@ fn steps_have_one_ratio_and_the_codes_of_the_profile() {
     let i0 = range.lowest_intensity();
     let made = steps(&profile, i0, 8).unwrap();
     assert_eq!((made.len(), made[0].codes, made[8].codes), (9, [0; 3], [255; 3]));
-    for pair in made.windows(2) {
-        assert!((pair[1].intensity / pair[0].intensity - (1.0 / i0).powf(1.0 / 8.0)).abs() < 1e-9);
-    }
     for step in &made {
         // An independent way to the code: cd/m² above black, over the range, to the power of 1/γ.
         let cd_m2 = step.cd_m2.unwrap();

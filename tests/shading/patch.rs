@@ -87,7 +87,6 @@ fn quadratic_fields_come_out_within_the_error_of_their_gradients() {
             .map(|(v, gradient)| gradient[0].distance(slope(v.screen)))
             .fold(0.0, f64::max);
         let error = worst(&frame, &patches, field);
-        println!("{gradients}: gradients off by {fault:.2e}, light by {error:.2e}: {:.3}", error / (fault * longest));
         assert!(fault > 1e-6 && error > 1e-6, "{gradients}: nothing to bound");
         assert!(error <= 0.4 * fault * longest, "{gradients}: {error} with gradients off by {fault}");
     }
@@ -97,7 +96,6 @@ fn quadratic_fields_come_out_within_the_error_of_their_gradients() {
         let exact = frame.vertices.iter().zip(&patches.gradients);
         exact.filter(|(v, gradient)| gradient[0].distance(slope(v.screen)) < 1e-9).count()
     };
-    println!("exact at {} of {} vertices", inside(Gradients::Quadric), frame.vertices.len());
     assert!(inside(Gradients::Quadric) > 20 && inside(Gradients::Ring) < 5);
 }
 
@@ -120,7 +118,6 @@ fn smooth_fields_converge_at_third_order() {
     for (gradients, least) in [(None, 2.85), (Some(Gradients::Ring), 1.85), (Some(Gradients::Quadric), 1.85)] {
         let errors = [8, 16, 32, 64].map(|n| rms_error(n, gradients));
         let order = (errors[1] / errors[3]).log2() / 2.0;
-        println!("{gradients:?}: {errors:?}, order {order:.2}");
         assert!(order > least, "{gradients:?}: order {order} of {errors:?}");
     }
 }
@@ -220,7 +217,6 @@ fn curvature_gives_a_spheres_gradients() {
         for (name, surface) in [("true", true_sphere(642)), ("estimated", sphere(642))] {
             let frame = Scene { distance, ..Scene::default() }.frame(&surface, 512, 512);
             let [curvature, ring] = [Gradients::Curvature, Gradients::Ring].map(|g| gradient_error(&frame, g, 0.4));
-            println!("eye at {distance}, {name} curvature: off by {curvature:.4}, the ring by {ring:.4}");
             assert!(curvature < 0.03, "eye at {distance}, {name} curvature: {curvature}");
             assert!(curvature < 0.15 * ring, "eye at {distance}, {name} curvature: {curvature} beside {ring}");
         }

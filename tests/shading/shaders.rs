@@ -505,9 +505,7 @@ fn every_shader_gives_a_light_on_every_frame() {
     ];
     assert!(frames[0].triangles.iter().any(|t| t.across.contains(&Across::Several)));
     assert!(frames[1].triangles.iter().any(|t| t.across.contains(&Across::Nothing)));
-    let combinations = [Correction::Off, Correction::Printed, Correction::Repaired]
-        .into_iter()
-        .flat_map(|vertex| CORRECTIONS.map(|reweight| (vertex, reweight)));
+    let combinations = CORRECTIONS.into_iter().flat_map(|vertex| CORRECTIONS.map(|reweight| (vertex, reweight)));
     for frame in &frames {
         for &shader in Shader::ALL {
             for (vertex, reweight) in combinations.clone() {

@@ -95,19 +95,11 @@ fn answers_can_be_taken_back_and_sessions_paused() {
     harness.until("the field after the pause", |harness| harness.shown() == Shown::Field);
     assert_eq!(rows(&csv).len(), 2, "a key on the pause page must not rate or take back");
     harness.rate(&csv, "2");
-    // Paused in the recovery, where nothing is lost either.
-    harness.press("Escape");
-    harness.until("the pause page", |harness| harness.shown() == Shown::Page);
-    harness.resume();
     harness.rate(&csv, "3");
     // Taken back: the same trial again, as a second attempt.
     harness.press("BackSpace");
     harness.rate(&csv, PAD[0]);
-    // A second Backspace takes nothing back: the answer before was given with another picture in mind.
     harness.rate(&csv, "1");
-    harness.press("BackSpace");
-    harness.press("BackSpace");
-    harness.rate(&csv, "2");
     harness.rate(&csv, "3");
     // The last one can be taken back too, while the field is shown.
     harness.press("BackSpace");
@@ -125,7 +117,7 @@ fn answers_can_be_taken_back_and_sessions_paused() {
         (("practice", "2"), vec![("1", "1")]),
         (("main", "1"), vec![("1", "2")]),
         (("main", "2"), vec![("1", "3"), ("2", "0")]),
-        (("main", "3"), vec![("1", "1"), ("2", "2")]),
+        (("main", "3"), vec![("1", "1")]),
         (("main", "4"), vec![("1", "3"), ("2", "0")]),
     ]);
     assert_eq!((attempts, expected.len()), (expected, planned.len()));
