@@ -242,7 +242,7 @@ fn the_table_the_sentences_and_the_csv_say_the_same() {
     let said = succeeds(folder.path(), blind, "2");
     assert!(
         said.contains(
-            "no number tried is enough for a power of 80 % by the mixed model; the highest is 0 % (0–33.6 %) with"
+            "no number tried is enough for a power of 80 % by the mixed model; the highest power is 0 % (0–33.6 %) with"
         ),
         "{said}"
     );

@@ -129,7 +129,7 @@ fn each_fault_has_its_own_message() {
         (&["--shader", "flat", "--rotate", "1,2"], 2, "three numbers"),
         (&["--shader", "flat", "--distance", "0.5"], 2, "outside 1.05…1000000"),
         (&["--shader", "phong", "--reweight", "repaired"], 2, "expected off with phong"),
-        (&["--shader", "flat", "--metrics", "x.png"], 2, "--out's file"),
+        (&["--shader", "flat", "--metrics", "x.png"], 2, "file of --out"),
         (&["--shader", "flat", "--ambient", "NaN"], 2, "'--ambient <L>': outside 0…1"),
         (&["--shader", "flat", "--window", "0"], 2, "'0' for '--window <DEG>': outside 0.5…170"),
         (&["--shader", "flat", "--white", "-1"], 2, "'-1' for '--white <CD_M2>'"),
