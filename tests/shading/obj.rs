@@ -165,7 +165,7 @@ fn faults_are_named_with_their_place() {
         ("v 0 0 0\nf 1 1 0", "it.obj:2:7: vertex 0 does not exist; expected an index from 1, or -1 for the last"),
         (
             "v 0 0 0\nf 1 1 -2",
-            "it.obj:2:7: vertex -2 does not exist, there are 1 above; expected -1 for the last, or 1…",
+            "it.obj:2:7: vertex -2 does not exist, since there are 1 above; expected -1 for the last, or 1…",
         ),
         ("v 0 0 0\nf 1 1 2", "it.obj:2:7: vertex 2 does not exist; expected 1…1"),
         (

@@ -440,7 +440,7 @@ fn display_profiles_and_observers_are_checked_alike() {
         (full, "[0.3, 0.6]", "[0.3, 0.8]", "9:35", "primaries.green"),
         (full, "blue = [0.15, 0.06], ", "", "9:1", "primaries.blue is missing"),
         (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:1", "expected one, or three"),
-        (each, "\"gamma:2.1\"", "\"gamma:2.1/srgb/srgb\"", "8:1", "expected one"),
+        (each, "\"gamma:2.1\"", "\"gamma:2.1/srgb/srgb\"", "8:1", "expected only one"),
         (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:2", "channels.blue is missing"),
         (
             each,

@@ -546,7 +546,7 @@ mod faults {
                 &[
                     "2:9: count is \"x\"; expected a count, a whole number",
                     "3:9: count is \"-2\"; expected a count, 0 or more",
-                    "4:9: count is \"1.5\"; expected a count without fraction",
+                    "4:9: count is \"1.5\"; expected a count without a fraction",
                     "5:9: count is \"1e30\"; expected a count of at most 10^12",
                     "6:1: subject_id is empty; expected a participant",
                     "7:7: rating is empty; expected a rating from 0 to 3",
