@@ -161,7 +161,7 @@ fn of_many_faults_in_a_column_the_first_are_named() {
     let codes: String = (0..9).map(|step| format!("g,{},{}\n", 31 * step, 0.3 + f64::from(step * step))).collect();
     let found = faults(&format!("channel,level,luminance_cd_m2\n{codes}g,248,-1\nr,0,-2\n"));
     assert_eq!(found.len(), 8, "{found:?}");
-    assert!(found[0].contains("looks like a code") && !found[0].contains("exchanged"), "{found:?}");
+    assert!(found[0].contains("looks like a code") && !found[0].contains("swapped"), "{found:?}");
     assert!(found[5].contains("luminance -1") && found[6].contains("luminance -2"), "{found:?}");
     assert_eq!(found[7], "r.csv: 4 more rows have errors in level; expected none");
 }

@@ -170,7 +170,7 @@ fn faults_are_named_with_their_place() {
         ("v 0 0 0\nf 1 1 2", "it.obj:2:7: vertex 2 does not exist; expected 1…1"),
         (
             "v 0 0 0\nf 1//1 1 1",
-            "it.obj:2:3: normal 1 does not exist, the file has none; expected a corner without one",
+            "it.obj:2:3: normal 1 does not exist, since the file has none; expected a corner without one",
         ),
         ("f 1 2 3\nv 0 0 0", "it.obj:1:5: vertex 2 does not exist; expected 1…1"),
         ("v 0 0 0\nf 1 1 1.5", "it.obj:2:7: \"1.5\" is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
