@@ -7,19 +7,26 @@ cd "$(dirname "$0")/.."
 folder=${1:-$(mktemp -d)}
 mkdir -p "$folder"
 results=$folder/results
-machband() {
-    cargo run --quiet --bin machband -- "$@"
+# PROGRAMS names a folder with machband and tools as the tests have built them; without it, both are built.
+run() {
+    local program=$1
+    shift
+    if [ -n "${PROGRAMS:-}" ]; then
+        "$PROGRAMS/$program" "$@"
+    else
+        cargo run --quiet --package "$program" -- "$@"
+    fi
 }
 
 # Eight simulated participants with practice trials. S001 corrects a response, is interrupted while a row is written, and resumes.
-cargo run --quiet -p tools -- sample-study "$results"
-machband simulate quick --participants 8 --results "$results" --resume
+run tools sample-study "$results"
+run machband simulate quick --participants 8 --results "$results" --resume
 # A task with shaded meshes.
-machband simulate shaders --participants 1 --results "$results"
+run machband simulate shaders --participants 1 --results "$results"
 for format in bids psych-ds; do
-    machband export "$results" --format "$format" --out "$folder/$format"
+    run machband export "$results" --format "$format" --out "$folder/$format"
 done
-machband verify "$folder/psych-ds"
+run machband verify "$folder/psych-ds"
 
 venv=${CARGO_TARGET_DIR:-target}/validators
 if ! "$venv/bin/bids-validator-deno" --version >/dev/null 2>&1; then

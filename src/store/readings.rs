@@ -27,7 +27,7 @@ pub fn open(path: &Path) -> Result<Readings, FileFaults> {
 /// Reads readings from their text; `file` names it in messages.
 ///
 /// # Errors
-/// As for [`open`].
+/// As for [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileFaults> {
     let rows = rows(file, text)?;
     Readings::new(rows.iter().map(|row| row.reading).collect()).map_err(|found| {
