@@ -25,12 +25,12 @@ use eframe::egui::{self, ViewportCommand};
 use session::Runner;
 use start::{Destination, Form, Home};
 use ui::Step;
-use window::{Input, Program};
+use window::Program;
 
 pub use display::timing;
 pub use session::Request;
-pub use ui::Monitor;
-pub use window::WindowError;
+pub use ui::{Monitor, platform::is_resampled};
+pub use window::{Input, InputReport, Pressed, Stamps, WindowError};
 
 /// How the window starts.
 #[derive(Debug, Default)]

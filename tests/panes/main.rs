@@ -14,3 +14,4 @@ mod display;
 mod home;
 mod predicted_pane;
 mod shading;
+mod system;

@@ -109,7 +109,7 @@ fn refresh_hz(mode: &ModeInfo) -> Option<f64> {
 }
 
 /// Whether the visible part of the desktop differs in size from the mode, so that it is scaled.
-fn is_resampled(mode: &ModeInfo, crtc: &randr::GetCrtcInfoReply) -> bool {
+pub fn is_resampled(mode: &ModeInfo, crtc: &randr::GetCrtcInfoReply) -> bool {
     let turned =
         crtc.rotation.contains(randr::Rotation::ROTATE90) || crtc.rotation.contains(randr::Rotation::ROTATE270);
     let (width, height) = if turned { (mode.height, mode.width) } else { (mode.width, mode.height) };

@@ -6,6 +6,6 @@ mod input;
 mod open;
 mod program;
 
-pub use input::{Input, InputReport, PressTime};
+pub use input::{Input, InputReport, PressTime, Pressed, Stamps};
 pub use open::{LEAST_SIZE, open};
 pub use program::{Program, WindowError};
