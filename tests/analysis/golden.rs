@@ -126,6 +126,23 @@ fn estimates_errors_and_likelihoods_are_those_of_statsmodels() {
     compare("statsmodels.csv", 60);
 }
 
+/// `log(pnorm(-10) - pnorm(-11))` of R 4.2.2, and log(F(800) − F(799)) = −799 + log(1 − 1/e) of the logistic F.
+#[test]
+fn the_far_tails_of_a_link_keep_their_digits() {
+    for (link, upper, lower, expected) in [
+        (Link::Probit, 11.0, 10.0, 7.619_661_958_203_077e-24_f64.ln()),
+        (Link::Logit, 800.0, 799.0, -799.0 + (1.0 - (-1.0_f64).exp()).ln()),
+    ] {
+        for (a, b) in [(upper, lower), (-lower, -upper)] {
+            let found = link.cell(a, b).log_p;
+            assert!((found - expected).abs() < 1e-9, "{link} {a} {b}: {found}, expected {expected}");
+        }
+        for p in [1e-12, 0.2, 0.975] {
+            assert!((link.cdf(link.quantile(p)) / p - 1.0).abs() < 1e-9, "{link} {p}");
+        }
+    }
+}
+
 #[test]
 fn likelihood_ratio_tests_are_those_of_r() {
     let records = records("tests.csv");

@@ -22,7 +22,7 @@ named! {
 /// The log-probability of a category between two bounds, a above b, and its derivatives. Without a probability above
 /// 0, `log_p` is −∞ or NaN and nothing else means anything.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Cell {
+pub struct Cell {
     pub log_p: f64,
     pub a: f64,
     pub b: f64,
@@ -89,7 +89,7 @@ impl Link {
     }
 
     /// Log-probability and its derivatives to the second order.
-    pub(super) fn cell(self, a: f64, b: f64) -> Cell {
+    pub fn cell(self, a: f64, b: f64) -> Cell {
         match self {
             Self::Logit => {
                 let logit = Logistic::new(a, b);
