@@ -131,6 +131,22 @@ fn without_an_effect_the_rate_is_alpha() {
     }
 }
 
+#[test]
+fn power_grows_with_people_and_with_the_effect() {
+    let found = |effect: f64| {
+        let sampling = Sampling { studies: 200, ..Sampling::default() };
+        let powers = powers(&plan(&design(), &oblique(effect), &[], None), &[2, 5, 10, 20], &sampling);
+        powers.map(|powers| powers.iter().map(|power| power.found).collect::<Vec<_>>())
+    };
+    let ([small, few], [large, many]) = (found(0.3), found(0.8));
+    assert!(small.is_sorted() && large.is_sorted(), "{small:?} {large:?}");
+    assert!(large[1] > large[0] + 20 && large[3] > 190, "{large:?}");
+    assert!(small.iter().zip(&large).all(|(small, large)| small + 10 < *large), "{small:?} {large:?}");
+    // With two people, Friedman's test cannot be significant. With more, its p has few values: its power rises and falls.
+    assert!(many[0] == 0 && many[3] > many[1] && many[3] > 170, "{many:?}");
+    assert!(few[1..].iter().zip(&many[1..]).all(|(few, many)| few + 10 < *many), "{few:?} {many:?}");
+}
+
 /// A shift of one level is the effect that a parameter of the observer makes, to the last rating.
 #[test]
 fn a_shift_is_an_effect_of_its_level() {
