@@ -114,7 +114,8 @@ fn counts_replace_the_rows() {
         "counts results/bangay2003 --out counts.csv",
         "analyze counts.csv --out counts --tables-only",
     ] {
-        succeeds(folder.path(), &split(line));
+        let output = succeeds(folder.path(), &split(line));
+        assert!(!output.contains("model of vision"), "tables alone need no prediction: {output}");
     }
     let bytes = |out: &str, file: &str| fs::read(folder.path().join(out).join(file)).unwrap();
     for file in ["cells.csv", "model.json", "tests.csv", "counts.csv"] {

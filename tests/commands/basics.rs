@@ -74,6 +74,14 @@ fn two_runs_into_one_folder_do_not_meet() {
     }
     succeeds(folder.path(), &resume);
     succeeds(folder.path(), &split("simulate quick --participants 40 --results alone"));
+    // A complete run stays as it is: nothing is overwritten, and another seed is refused.
+    let before = everything(folder.path());
+    succeeds(folder.path(), &resume);
+    for (options, expected) in [("", "--resume"), ("--resume --seed 2", "has seed 1; expected that or none, not 2")] {
+        let error = fails(folder.path(), &split(&format!("simulate quick --participants 40 --results r {options}")), 1);
+        assert!(error.contains(expected), "{error}");
+    }
+    assert!(everything(folder.path()) == before);
     let found = ratings(&folder.path().join("r"), &protocol, 40);
     assert_eq!((found.len(), &found), (40 * 28, &ratings(&folder.path().join("alone"), &protocol, 40)));
     for (path, _) in everything(folder.path()) {
@@ -159,6 +167,7 @@ fn wrong_usage_is_an_error_and_nothing_else_happens() {
         ("stimulus", "--out"),
         ("stimulus --out x.png --width 1.5", "width 1.5"),
         ("stimulus --out x.png --orientation nan", "orientation"),
+        ("stimulus --out x.png --low -0.1", "low -0.1"),
         ("stimulus --out x.png --low 0.9", "below low"),
         ("stimulus --out x.png --color 1,1", "color"),
         ("stimulus --out x.png --size 0", "0"),
