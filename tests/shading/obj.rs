@@ -122,6 +122,16 @@ fn meshes_come_back_to_the_last_digit() {
 }
 
 #[test]
+fn a_million_triangles_are_read() {
+    let vertex = |i: usize| format!("v {} {} 0.{}\n", i % 1001, i / 1001, i % 7);
+    let quad = |i: usize| [1, 2, 1003, 1002].map(|corner| (i / 1000 * 1001 + i % 1000 + corner).to_string()).join(" ");
+    let mut text: String = (0..1001 * 501).map(vertex).collect();
+    text.extend((0..1000 * 500).map(|i| format!("f {}\n", quad(i))));
+    let read = mesh(&text);
+    assert_eq!((read.triangles.len(), read.vertices.len()), (1_000_000, 1001 * 501));
+}
+
+#[test]
 fn normals_are_the_files_where_it_has_some() {
     let roof = "v 0 0 0\nv 1 0 -1\nv 0 1 0\nv -1 0 -1\n";
     // No normal, a zero one, one that is not a number: averaged. One of any length: made a unit.
