@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{Frame, Reference, Scene, Shade, Shader, Surface, shapes},
@@ -144,7 +144,8 @@ fn naive(shader: Shader) -> Renderer {
 fn ignoring_gamma_shows_only_between_vertices() {
     let frame = frame(shapes::Shape::Cube, 128);
     let transfers = Transfer::Srgb.into();
-    let shots = [Renderer::gouraud(), naive(Shader::Gouraud)].map(|renderer| renderer.shoot(&frame, &transfers));
+    let renderers = [Renderer::gouraud(), naive(Shader::Gouraud)];
+    let shots = renderers.map(|renderer| renderer.shoot(&frame, &transfers));
     let code = |shot: &Shot<'_>, t, w| {
         let light = Reference::new(&shot.frame, &shot.shade).light(t, w).x as f32;
         i32::from(Quantizer::new(shot.transfers.clone(), Bits::Eight).channel(0).code(light))
@@ -163,6 +164,11 @@ fn ignoring_gamma_shows_only_between_vertices() {
     let apart = linear.data.iter().zip(&encoded.data).map(|(a, b)| a - b).fold(0.0_f32, f32::max);
     assert!(apart > 0.005, "{apart}");
     assert!((linear.pixel(0, 0)[0] - encoded.pixel(0, 0)[0]).abs() < 1e-6);
+    // Where all vertices have the same light, so has every pixel between them.
+    let mut uniform = frame.clone();
+    uniform.vertices.iter_mut().for_each(|vertex| vertex.light = DVec3::splat(0.3));
+    let [linear, encoded] = renderers.map(|renderer| renderer.shoot(&uniform, &transfers).emitted());
+    assert!(linear.data.iter().zip(&encoded.data).all(|(a, b)| (a - b).abs() < 1e-5));
     assert!(!naive(Shader::Phong).is_naive(), "Phong lights every pixel");
 }
 
