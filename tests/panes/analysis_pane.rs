@@ -307,27 +307,28 @@ fn the_empty_pane_and_what_is_wrong_with_files() {
 fn columns_of_a_foreign_file_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("theirs.csv");
-    let mut text = "participant,contrast,answer,noise\n".to_owned();
+    let mut text = "participant,contrast,answer,noise,freq\n".to_owned();
     for i in 0..48 {
         let contrast = ["low", "high"][i % 2];
-        text += &format!("P{},{contrast},{},{i}\n", i % 4, 1 + (i / 4 * 7 + i % 2 * 3) % 5);
+        text += &format!("P{},{contrast},{},{i},{}\n", i % 4, 1 + (i / 4 * 7 + i % 2 * 3) % 5, 1 + i % 2);
     }
     std::fs::write(&path, text).unwrap();
     let mut window = pane([1280.0, 900.0]);
     drop_on(&mut window, &[&path]);
     wait_for(&mut window, "What do the columns mean?");
     // Suggested by their names.
-    assert_eq!([value(&window, "Participant"), value(&window, "Rating")], ["participant", "answer"]);
+    let suggested = ["Participant", "Rating", "Number of trials"].map(|label| value(&window, label));
+    assert_eq!(suggested, ["participant", "answer", "freq"]);
     click(&mut window, "Factor contrast");
     click(&mut window, "Read these columns");
     wait_for(&mut window, "Participants: 4 of 4");
     rest(&mut window);
-    window.get_by_label("48 ratings of 4 participants.");
+    window.get_by_label("72 ratings of 4 participants.");
     window.get_by_label("contrast: 2 of 2 levels");
     click(&mut window, "Columns…");
     wait_for(&mut window, "What do the columns mean?");
     click(&mut window, "Keep the current columns");
-    window.get_by_label("48 ratings of 4 participants.");
+    window.get_by_label("72 ratings of 4 participants.");
 }
 
 /// In a small window the data and filters are a view of their own, and every section is still there.
