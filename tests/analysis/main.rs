@@ -1,5 +1,7 @@
 //! Ratings in; models, tests, figures and the report out.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod counts;
 mod figures;
 mod golden;

@@ -317,10 +317,8 @@ fn what_is_wrong_with_the_data_is_reported() {
     let mut source = Source { protocol: Some(protocol.clone()), ..source(&FACTORS) };
     source.sessions = ["S001", "S002"].map(|subject| session(&protocol, subject, person.clone())).to_vec();
     let fine = text(&page(&source, &results));
-    assert_parts(
-        &fine,
-        &["All 2 sessions are finished", "all sittings were run in the same way", "No errors were found"],
-    );
+    let expected = ["All 2 sessions are finished", "all sittings were run in the same way", "No errors were found"];
+    assert_parts(&fine, &expected);
     assert!(!fine.contains("imulated"));
 
     let note = |ok, sentence: &str| PreflightNote { check: "refresh".to_owned(), ok, sentence: sentence.to_owned() };
@@ -463,10 +461,8 @@ fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
     protocol.factors.retain(|factor| factor.name != "orientation_deg");
     let (text_of_three, figures) = predicted(Some(&protocol), &results);
     assert_eq!(figures, 4, "{text_of_three}");
-    assert_parts(
-        &text_of_three,
-        &["window 10° wide", "100 cd/m²", "45 conditions and 270 ratings", "The noise ceiling"],
-    );
+    let expected = ["window 10° wide", "100 cd/m²", "45 conditions and 270 ratings", "The noise ceiling"];
+    assert_parts(&text_of_three, &expected);
     // Of one person there is no ceiling; and the window is the one that people had.
     let mut source = source(&FACTORS);
     let seated = |deg: f64| Sitting { viewing: Some(serde_json::json!({ "stimulus_deg": deg })), ..Sitting::default() };

@@ -1,18 +1,8 @@
 //! `machband analyze` and `machband counts`, as a user types them.
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{collections::BTreeMap, fs};
 
-use crate::common::{fails, machband, split, succeeds, text};
-
-fn read(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
-    let mut reader = csv::Reader::from_path(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let header = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    (header, reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect())
-}
-
-fn json(path: &Path) -> serde_json::Value {
-    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
-}
+use crate::common::{fails, json, machband, split, succeeds, table, text};
 
 /// A folder with the results of some simulated participants.
 fn study(experiment: &str, participants: u32) -> tempfile::TempDir {
@@ -30,7 +20,7 @@ fn a_study_is_analyzed() {
     assert!(output.contains("960 ratings of 120 conditions by 4 participants"), "{output}");
     assert!(output.contains("48 practice rows"), "{output}");
     let out = folder.path().join("a");
-    let (header, cells) = read(&out.join("cells.csv"));
+    let (header, cells) = table(&out.join("cells.csv"));
     let contract = "width,depth,orientation_deg,n,mean,median,p0,p1,p2,p3,ci_low,ci_high";
     assert!(header.join(",").starts_with(contract) && cells.len() == 120, "{header:?}");
 
@@ -39,7 +29,7 @@ fn a_study_is_analyzed() {
     for entry in fs::read_dir(folder.path().join("results/bangay2003/data")).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "csv") {
-            let (header, rows) = read(&path);
+            let (header, rows) = table(&path);
             let column = |name: &str| header.iter().position(|known| known == name).unwrap();
             for row in rows.iter().filter(|row| row[column("phase")] == "main") {
                 let levels = ["width", "depth", "orientation_deg"].map(|name| row[column(name)].clone());
@@ -56,7 +46,7 @@ fn a_study_is_analyzed() {
         assert!(number(10) <= sum / n && sum / n <= number(11), "{row:?}");
     }
     for factor in ["width", "depth", "orientation_deg"] {
-        let (header, rows) = read(&out.join(format!("by_{factor}.csv")));
+        let (header, rows) = table(&out.join(format!("by_{factor}.csv")));
         let total: u64 = rows.iter().map(|row| row[1].parse::<u64>().unwrap()).sum();
         assert_eq!((header[0].as_str(), total), (factor, 960));
     }
@@ -70,13 +60,13 @@ fn a_study_is_analyzed() {
     let length = |name: &str| model[name].as_array().unwrap().len();
     assert_eq!((length("thresholds"), length("coefficients")), (3, 5 + 4 + 3));
     assert!(model["method"] == "clmm-laplace" && model["random"]["sd"].as_f64().unwrap() >= 0.0);
-    let (_, tests) = read(&out.join("tests.csv"));
+    let (_, tests) = table(&out.join("tests.csv"));
     for kind in ["friedman", "wilcoxon", "likelihood-ratio", "proportional-odds"] {
         assert!(tests.iter().any(|row| row[0] == kind), "{kind}");
     }
     // 4 participants and 15 pairs of widths: the least possible corrected probability is 15 · 2/2⁴.
     assert!(tests.iter().any(|row| row[0] == "wilcoxon" && row[11].contains("p_holm cannot be below")));
-    let (_, agreement) = read(&out.join("agreement.csv"));
+    let (_, agreement) = table(&out.join("agreement.csv"));
     assert!(agreement.iter().any(|row| row[0] == "krippendorff_alpha_ordinal"));
     assert_eq!(agreement.iter().filter(|row| row[0] == "retest_kappa_quadratic").count(), 4);
     for figure in ["figure4a", "figure4b"] {
@@ -93,7 +83,7 @@ fn an_analysis_can_be_repeated() {
     let analyze = |out: &str, seed: u32| {
         let line = format!("analyze results --out {out} --tables-only --replicates 100 --seed {seed}");
         succeeds(folder.path(), &split(&line));
-        read(&folder.path().join(out).join("cells.csv")).1
+        table(&folder.path().join(out).join("cells.csv")).1
     };
     let (cells, other) = (analyze("a", 1), analyze("c", 2));
     assert_eq!(cells, analyze("b", 1));
@@ -160,7 +150,7 @@ fn other_scales_need_their_order() {
     assert!(model.contains("low|medium") && model.contains("medium|high"), "{model}");
     // A name that stands in several terms is one factor; a column has one role.
     analyze("d.csv", "c", "group,group:group");
-    assert_eq!(read(&folder.path().join("c/cells.csv")).0[..2], ["group", "n"]);
+    assert_eq!(table(&folder.path().join("c/cells.csv")).0[..2], ["group", "n"]);
     let error = fails(folder.path(), &arguments("analyze d.csv --out x --terms answer"), 1);
     assert!(error.contains("the column answer has two uses"), "{error}");
 }
@@ -172,8 +162,8 @@ fn one_person_is_described() {
     let output = succeeds(folder.path(), &split("analyze results --out a"));
     assert!(output.contains("24 ratings of 24 conditions by 1 participant, from 1 file"), "{output}");
     let out = folder.path().join("a");
-    assert!(["tests.csv", "agreement.csv"].iter().all(|table| read(&out.join(table)).1.is_empty()));
-    assert!(read(&out.join("cells.csv")).1.iter().all(|row| row[10].is_empty() && row[11].is_empty()));
+    assert!(["tests.csv", "agreement.csv"].iter().all(|name| table(&out.join(name)).1.is_empty()));
+    assert!(table(&out.join("cells.csv")).1.iter().all(|row| row[10].is_empty() && row[11].is_empty()));
     let model = json(&out.join("model.json"));
     assert!(model["random"].is_null() && model["coefficients"][0]["p"].is_null(), "{model}");
     assert!(model["sentences"][0].as_str().unwrap().contains("only one participant"), "{model}");
@@ -226,7 +216,8 @@ fn faults_are_named_and_the_rest_is_analyzed() {
     assert_eq!((output.status.code(), error.lines().count()), (Some(1), 1), "{error}");
     let place = "subject-S002_session-1_task-quick_data.csv:11:";
     assert!(error.starts_with("error: ") && error.contains(place) && error.contains("expected"), "{error}");
-    let total: u64 = read(&folder.path().join("a/counts.csv")).1.iter().map(|row| row[5].parse::<u64>().unwrap()).sum();
+    let total: u64 =
+        table(&folder.path().join("a/counts.csv")).1.iter().map(|row| row[5].parse::<u64>().unwrap()).sum();
     assert_eq!(total, 71);
     fs::write(folder.path().join("nothing"), "").unwrap();
     fs::write(folder.path().join("columns.csv"), "a,b\n1,2\n").unwrap();

@@ -12,7 +12,7 @@ use machband::{
     store::definition,
 };
 
-use crate::common::{command, fails, split, text};
+use crate::common::{command, fails, split, table, text};
 
 const DESIGN: &str = include_str!("../golden/power.toml");
 
@@ -231,18 +231,13 @@ fn the_table_the_sentences_and_the_csv_say_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let line = "shaders --participants 3 --studies 40 --effect shader:gouraud=3 --out p.csv";
     let said = succeeds(folder.path(), line, "2");
-    let mut reader = csv::Reader::from_path(folder.path().join("p.csv")).unwrap();
-    let header = reader.headers().unwrap().clone();
-    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
-    let cell = |row: usize, name: &str| rows[row][header.iter().position(|column| column == name).unwrap()].to_owned();
+    let (header, rows) = table(&folder.path().join("p.csv"));
+    let cell = |row: usize, name: &str| rows[row][header.iter().position(|column| column == name).unwrap()].clone();
     assert_eq!(rows.len(), 6);
     // Mixed model and Friedman's test of shader, then of mesh.
-    assert_eq!((cell(0, "term"), cell(0, "test")), ("shader".to_owned(), "likelihood-ratio".to_owned()));
-    assert_eq!(
-        (cell(0, "truth"), cell(0, "effect_logits"), cell(0, "above")),
-        ("effect".into(), "3".into(), "gouraud".into())
-    );
-    assert_eq!((cell(2, "truth"), cell(2, "power")), ("none".to_owned(), String::new()));
+    let first = ["term", "test", "truth", "effect_logits", "above"].map(|name| cell(0, name));
+    assert_eq!(first, ["shader", "likelihood-ratio", "effect", "3", "gouraud"]);
+    assert_eq!(["term", "truth", "power"].map(|name| cell(2, name)), ["mesh", "none", ""]);
     let share = |row, name| 100.0 * cell(row, name).parse::<f64>().unwrap();
     let (power, alarms) = (share(0, "power"), share(2, "false_alarms"));
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");

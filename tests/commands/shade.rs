@@ -1,30 +1,24 @@
 //! `machband shade`, as a user types it.
 
-use std::{fs, path::Path, process::Output};
+use std::{fs, path::Path};
 
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{Reference, Scene, Shade, Shader, Surface, picture, shapes},
 };
 
-use crate::common::{machband, pixels, succeeds};
+use crate::common::{fails, json, pixels, split, succeeds};
 
-fn shade(folder: &Path, arguments: &[&str]) -> Output {
-    machband(folder, &[&["shade"], arguments].concat())
-}
-
-fn metrics(folder: &Path, arguments: &[&str]) -> serde_json::Value {
-    let output = shade(folder, &[arguments, &["--metrics", "m.json"]].concat());
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&fs::read(folder.join("m.json")).unwrap()).unwrap()
+fn metrics(folder: &Path, options: &str) -> serde_json::Value {
+    succeeds(folder, &split(&format!("shade {options} --metrics m.json")));
+    json(&folder.join("m.json"))
 }
 
 /// The picture is the library's, within a code of the reference's, and says how it was made.
 #[test]
 fn the_picture_matches_the_reference() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["--mesh", "torus", "--vertices", "120", "--shader", "cut", "--size", "90", "--out", "a.png"];
-    assert!(shade(folder.path(), &arguments).status.success());
+    succeeds(folder.path(), &split("shade --mesh torus --vertices 120 --shader cut --size 90 --out a.png"));
     let (info, codes) = pixels(&folder.path().join("a.png"));
     let surface = Surface::new(shapes::mesh(shapes::Shape::Torus, 120).unwrap());
     let frame = Scene::default().frame(&surface, 90, 90);
@@ -46,24 +40,21 @@ fn the_picture_matches_the_reference() {
 #[test]
 fn metrics_have_the_contracts_fields_and_ours_have_no_creases() {
     let folder = tempfile::tempdir().unwrap();
-    for (vertices, triangles) in [("313", 622), ("771", 1538)] {
-        for options in [
-            &["--shader", "exact", "--depth", "3", "--boundary", "0.05"][..],
-            &["--shader", "exact", "--depth", "2", "--boundary", "0.33"],
-            &["--shader", "cut", "--boundary", "1"],
-            &["--shader", "patch"],
+    for (vertices, triangles) in [(313, 622), (771, 1538)] {
+        for (shader, options) in [
+            ("exact", "--depth 3 --boundary 0.05"),
+            ("exact", "--depth 2 --boundary 0.33"),
+            ("cut", "--boundary 1"),
+            ("patch", ""),
         ] {
-            let found = metrics(
-                folder.path(),
-                &[&["--mesh", "blob", "--vertices", vertices, "--size", "512"][..], options].concat(),
-            );
-            assert_eq!(found["triangles"], triangles);
-            assert_eq!(found["shader"], options[1]);
+            let mesh = format!("--mesh blob --vertices {vertices} --size 512");
+            let found = metrics(folder.path(), &format!("{mesh} --shader {shader} {options}"));
+            assert_eq!((&found["triangles"], &found["shader"]), (&triangles.into(), &shader.into()));
             assert!(found["edges"].as_u64().unwrap() > 300, "{found}");
             assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
         }
     }
-    let gouraud = metrics(folder.path(), &["--shader", "gouraud"]);
+    let gouraud = metrics(folder.path(), "--shader gouraud");
     assert!((gouraud["crease_rms_over_gouraud"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{gouraud}");
 }
 
@@ -73,14 +64,12 @@ fn metrics_have_the_contracts_fields_and_ours_have_no_creases() {
 fn metrics_have_the_visibility_of_bands() {
     let folder = tempfile::tempdir().unwrap();
     let number = |found: &serde_json::Value, field: &str| found[field].as_f64().unwrap_or_else(|| panic!("{field}"));
-    let fields = ["visibility", "visibility_bright", "visibility_dark", "band_density"];
     // A surface without lines of its own: no terminator, no highlight, no part that hides another.
-    let plain = ["--light", "0,0,1", "--specular", "0", "--rotate", "0,-30,0"];
-    let of = |shader: &str, size: &str| {
-        metrics(folder.path(), &[&plain[..], &["--shader", shader, "--size", size]].concat())
+    let of = |options: &str| {
+        metrics(folder.path(), &format!("--light 0,0,1 --specular 0 --rotate 0,-30,0 --shader {options}"))
     };
-    let (patch, gouraud, larger) = (of("patch", "100"), of("gouraud", "64"), of("patch", "333"));
-    for field in fields {
+    let (patch, gouraud, larger) = (of("patch --size 100"), of("gouraud --size 64"), of("patch --size 333"));
+    for field in ["visibility", "visibility_bright", "visibility_dark", "band_density"] {
         assert_eq!(number(&patch, field), number(&larger, field), "{field}");
     }
     for field in ["visibility", "band_density"] {
@@ -92,23 +81,22 @@ fn metrics_have_the_visibility_of_bands() {
     }
 
     // The stimulus' lamp, highlight and surroundings, should the command's defaults ever be others.
-    let scene = ["--ambient", "0.1", "--diffuse", "0.6", "--specular", "0.2", "--background", "0.05"];
-    let shown = ["--shader", "patch", "--size", "64", "--window", "5", "--white", "250"];
-    let shaded = metrics(folder.path(), &[&scene[..], &shown].concat());
+    let scene = "--ambient 0.1 --diffuse 0.6 --specular 0.2 --background 0.05 --size 64";
+    let shown = "--shader patch --window 5 --white 250";
+    let shaded = metrics(folder.path(), &format!("{scene} {shown}"));
     assert_ne!(number(&shaded, "visibility"), number(&patch, "visibility"));
-    let predict = ["predict", "--kind", "shaded-mesh", "--shader", "patch", "--window", "5", "--white", "250"];
-    let text = succeeds(folder.path(), &predict);
+    let text = succeeds(folder.path(), &split(&format!("predict --kind shaded-mesh {shown}")));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     let at = table.headers().unwrap().iter().position(|name| name == "visibility").unwrap();
     let predicted: f64 = table.records().next().unwrap().unwrap()[at].parse().unwrap();
     assert!((number(&shaded, "visibility") - predicted).abs() < 1e-3 * predicted, "{shaded} and {predicted}");
 
     // What a renderer emits that interpolates codes is another picture; a black one has no bands.
-    let naive = metrics(folder.path(), &[&plain[..], &["--shader", "gouraud", "--size", "64", "--naive"]].concat());
+    let naive = of("gouraud --size 64 --naive");
     assert_eq!(number(&naive, "visibility_gouraud"), number(&gouraud, "visibility"));
     assert_ne!(number(&naive, "visibility"), number(&gouraud, "visibility"));
-    let dark = ["--ambient", "0", "--diffuse", "0", "--specular", "0", "--background", "0"];
-    let black = metrics(folder.path(), &[&["--shader", "patch", "--size", "64"][..], &dark].concat());
+    let dark = "--ambient 0 --diffuse 0 --specular 0 --background 0";
+    let black = metrics(folder.path(), &format!("--shader patch --size 64 {dark}"));
     assert_eq!(number(&black, "visibility"), 0.0);
     assert!(black["visibility_over_gouraud"].is_null());
 }
@@ -118,34 +106,28 @@ fn metrics_have_the_visibility_of_bands() {
 fn each_fault_has_its_own_message() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("range.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
-    let out = ["--out", "x.png"];
     for (options, status, words) in [
-        (&["--shader", "goraud"][..], 2, "goraud"),
-        (&["--shader", "exact", "--depth", "0"], 2, "1…32"),
-        (&["--shader", "exact", "--boundary", "1.5"], 2, "'1.5' for '--boundary <B>': outside 0…1"),
-        (&["--shader", "flat", "--mesh", "teapot"], 2, "teapot"),
-        (&["--shader", "flat", "--mesh", "blob", "--vertices", "3"], 2, "--vertices"),
-        (&["--shader", "flat", "--light", "0,0,0"], 2, "no direction"),
-        (&["--shader", "flat", "--rotate", "1,2"], 2, "three numbers"),
-        (&["--shader", "flat", "--distance", "0.5"], 2, "outside 1.05…1000000"),
-        (&["--shader", "phong", "--reweight", "repaired"], 2, "expected off with phong"),
-        (&["--shader", "flat", "--metrics", "x.png"], 2, "file of --out"),
-        (&["--shader", "flat", "--ambient", "NaN"], 2, "'--ambient <L>': outside 0…1"),
-        (&["--shader", "flat", "--window", "0"], 2, "'0' for '--window <DEG>': outside 0.5…170"),
-        (&["--shader", "flat", "--white", "-1"], 2, "'-1' for '--white <CD_M2>'"),
-        (&["--shader", "flat", "--mesh", "none.obj"], 1, "none.obj"),
-        (&["--shader", "flat", "--mesh", "range.obj"], 1, "range.obj:4:"),
-        (&["--shader", "flat", "--display", "none.toml"], 1, "none.toml"),
+        ("goraud", 2, "goraud"),
+        ("exact --depth 0", 2, "1…32"),
+        ("exact --boundary 1.5", 2, "'1.5' for '--boundary <B>': outside 0…1"),
+        ("flat --mesh teapot", 2, "teapot"),
+        ("flat --mesh blob --vertices 3", 2, "--vertices"),
+        ("flat --light 0,0,0", 2, "no direction"),
+        ("flat --rotate 1,2", 2, "three numbers"),
+        ("flat --distance 0.5", 2, "outside 1.05…1000000"),
+        ("phong --reweight repaired", 2, "expected off with phong"),
+        ("flat --metrics x.png", 2, "file of --out"),
+        ("flat --ambient NaN", 2, "'--ambient <L>': outside 0…1"),
+        ("flat --window 0", 2, "'0' for '--window <DEG>': outside 0.5…170"),
+        ("flat --white -1", 2, "'-1' for '--white <CD_M2>'"),
+        ("flat --mesh none.obj", 1, "none.obj"),
+        ("flat --mesh range.obj", 1, "range.obj:4:"),
+        ("flat --display none.toml", 1, "none.toml"),
     ] {
-        let output = shade(folder.path(), &[options, &out].concat());
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(status), "{options:?}: {error}");
-        assert!(error.starts_with("error: ") && error.contains(words), "{options:?}: {error}");
-        assert!(!folder.path().join("x.png").exists(), "{options:?}");
+        let error = fails(folder.path(), &split(&format!("shade --shader {options} --out x.png")), status);
+        assert!(error.contains(words) && !folder.path().join("x.png").exists(), "{options}: {error}");
     }
-    let nothing = shade(folder.path(), &["--shader", "flat"]);
-    assert_eq!(nothing.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&nothing.stderr).contains("nothing to write"));
+    assert!(fails(folder.path(), &split("shade --shader flat"), 2).contains("nothing to write"));
 }
 
 /// A quad, a polygon, relative indices and given normals make a picture.
@@ -155,10 +137,10 @@ fn an_obj_file_makes_a_picture() {
     let text =
         "o roof\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf -5 -4 -1\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 4 3 2 1\n";
     fs::write(folder.path().join("roof.obj"), text).unwrap();
-    let found = metrics(folder.path(), &["--mesh", "roof.obj", "--shader", "exact", "--depth", "2"]);
+    let found = metrics(folder.path(), "--mesh roof.obj --shader exact --depth 2");
     assert_eq!(found["triangles"], 6);
     assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
     // Where every edge is a crease, fewer edges are left to be smooth.
-    let creased = metrics(folder.path(), &["--mesh", "roof.obj", "--shader", "gouraud", "--crease", "10"]);
+    let creased = metrics(folder.path(), "--mesh roof.obj --shader gouraud --crease 10");
     assert!(creased["edges"].as_u64().unwrap() < found["edges"].as_u64().unwrap(), "{creased}");
 }

@@ -45,6 +45,34 @@ pub fn pixels(path: &Path) -> (png::Info<'static>, Vec<u8>) {
     (reader.info().clone(), samples)
 }
 
+/// A JSON file.
+pub fn json(path: &Path) -> serde_json::Value {
+    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
+}
+
+/// Header and rows of a CSV file, its comments left out.
+pub fn table(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
+    let reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path);
+    let mut reader = reader.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let header = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    (header, reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect())
+}
+
+/// Where a file with recorded values is.
+pub fn golden_path(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(file)
+}
+
+/// Rows of a golden file: the text in the first column, if it is one, and the numbers.
+pub fn golden(file: &str) -> Vec<(String, Vec<f64>)> {
+    let row = |row: Vec<String>| {
+        let named = row[0].parse::<f64>().is_err();
+        let numbers = row.iter().skip(usize::from(named)).map(|field| field.parse().unwrap()).collect();
+        (if named { row[0].clone() } else { String::new() }, numbers)
+    };
+    table(&golden_path(file)).1.into_iter().map(row).collect()
+}
+
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }

@@ -1,6 +1,8 @@
 //! Meshes, lighting and shaders, on the processor and on a graphics card; and frames made by hand for them: triangles in
 //! the plane of the screen.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod crease;
 #[cfg(feature = "window")]
 mod gpu;

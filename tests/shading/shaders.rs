@@ -10,7 +10,10 @@ use machband::shading::{
 };
 use proptest::prelude::*;
 
-use crate::{joined as frame, vertex};
+use crate::{
+    common::{golden_path, json},
+    joined as frame, vertex,
+};
 
 const CORRECTIONS: [Correction; 3] = [Correction::Off, Correction::Printed, Correction::Repaired];
 
@@ -56,8 +59,7 @@ fn numbers<const N: usize>(value: &serde_json::Value) -> [f64; N] {
 }
 
 fn golden() -> serde_json::Value {
-    let path = format!("{}/tests/golden/shading.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+    json(&golden_path("shading.json"))
 }
 
 /// The golden file's triangle ABC with D across BC and nothing across the other edges.

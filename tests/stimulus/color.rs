@@ -1,7 +1,7 @@
 //! Color: CIE spaces and the rearrangements of RGB against other implementations and against themselves; a stimulus'
 //! color as text; ramps between two colors.
 
-use super::{golden, ramp::band};
+use super::{common::golden, ramp::band};
 use machband::light::Depth;
 use machband::light::color::*;
 use machband::stimulus::{MachBand, RampSpace, StimulusColor};

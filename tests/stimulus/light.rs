@@ -7,7 +7,7 @@ use machband::light::transfer::{equal_brightness_levels, nearest_equal_brightnes
 use machband::light::{Bits, Depth, Interpolation, Quantizer, Transfer, TransferTable, Transfers};
 use proptest::prelude::*;
 
-use super::{golden, transfers};
+use super::{common::golden, transfers};
 
 fn depths() -> impl Iterator<Item = u8> {
     1..=Depth::MAX_FINITE

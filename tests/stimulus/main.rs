@@ -22,19 +22,6 @@ use machband::{
     stimulus::{MachBand, Stimulus},
 };
 
-/// Rows of a golden file: the text in the first column, if it is one, and the numbers.
-fn golden(file: &str) -> Vec<(String, Vec<f64>)> {
-    let path = format!("{}/tests/golden/{file}", env!("CARGO_MANIFEST_DIR"));
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
-    let rows = reader.records().map(|row| {
-        let row = row.unwrap();
-        let named = row[0].parse::<f64>().is_err();
-        let numbers = row.iter().skip(usize::from(named)).map(|field| field.parse().unwrap()).collect();
-        (if named { row[0].to_owned() } else { String::new() }, numbers)
-    });
-    rows.collect()
-}
-
 /// One of every kind, and exponents below and above 1.
 fn transfers() -> Vec<Transfer> {
     let table = TransferTable::new(vec![0.0, 0.1, 0.35, 0.8, 1.0], vec![0.0, 0.004, 0.11, 0.55, 1.0]).unwrap();

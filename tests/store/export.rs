@@ -19,7 +19,7 @@ use machband::{
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::common::{everything, session_csv, succeeds};
+use crate::common::{everything, json as read_json, session_csv, succeeds};
 
 const FORMATS: [Format; 2] = [Format::Bids, Format::PsychDs];
 
@@ -33,10 +33,6 @@ fn simulated(study: &[&str]) -> (TempDir, PathBuf) {
 
 fn sidecar(results: &Path, experiment: &str, subject: &str) -> PathBuf {
     session_csv(results, experiment, subject).with_extension("json")
-}
-
-fn read_json(path: &Path) -> Value {
-    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
 }
 
 fn edit_json(path: &Path, edit: impl FnOnce(&mut Value)) {

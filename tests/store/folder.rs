@@ -18,7 +18,7 @@ use machband::{
 use proptest::prelude::*;
 
 use crate::{
-    common::everything,
+    common::{everything, json},
     recording::{self, TEXT, create, paths, resume, rows, sitting, small, someone},
 };
 
@@ -70,8 +70,7 @@ mod layout {
         let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
         let contract = "row_id,experiment,subject_id,session_id,phase,block,trial,attempt,repetition,stimulus,width,depth,orientation_deg,low,high,color,rating,response_time_s,onset_s,recovery_s,frames,dropped_frames,started_at";
         assert!(csv.starts_with(contract), "{csv:.300}");
-        let read = |path: &Path| -> serde_json::Value { serde_json::from_slice(&fs::read(path).unwrap()).unwrap() };
-        let description = read(&paths.dataset.join("dataset_description.json"));
+        let description = json(&paths.dataset.join("dataset_description.json"));
         for (key, value) in
             [("@context", "https://schema.org/"), ("@type", "Dataset"), ("name", "small-one"), ("description", "Small")]
         {
@@ -82,7 +81,7 @@ mod layout {
             description["variableMeasured"].as_array().unwrap().iter().map(|v| v["name"].as_str().unwrap()).collect();
         assert_eq!(names, header);
         assert_eq!(header[header.len() - 4..], ["tanh_k", "stimulus_s", "late_onset", "response_uncertainty_s"]);
-        let sidecar = read(&paths.sidecar);
+        let sidecar = json(&paths.sidecar);
         let described: Vec<&String> = sidecar["columns"].as_object().unwrap().keys().collect();
         assert_eq!(described, header);
         assert!(
