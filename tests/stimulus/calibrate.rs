@@ -115,7 +115,6 @@ fn a_power_and_an_offset_are_found_within_the_bound() {
     }
     for (name, display, count, levels, least) in cases {
         let found = shares(&display, 2.2, count, levels);
-        println!("{name}: {found:?}");
         assert!(found.0 >= least.0 && found.1 >= least.1, "{name}: {found:?}");
     }
 }
@@ -219,7 +218,6 @@ fn the_table_follows_what_no_curve_fits() {
         let exact = calibrate(display.read(33, 0.0, 1));
         assert_eq!(exact.chosen, Family::Table, "{name}");
         let (table, curve) = (display.error_codes(&exact, Family::Table), display.error_codes(&exact, Family::Gog));
-        println!("{name}: table {table:.3}, curve {curve:.3} codes");
         assert!(table <= least && table < 0.7 * curve, "{name}: table {table}, curve {curve} codes");
         let mut with_noise: Vec<f64> = (0..20)
             .map(|seed| {
@@ -228,7 +226,6 @@ fn the_table_follows_what_no_curve_fits() {
             })
             .collect();
         with_noise.sort_by(f64::total_cmp);
-        println!("{name} with noise: median {:.3}, most {:.3} codes", with_noise[10], with_noise[19]);
         assert!(with_noise[10] <= least.max(1.3) + 0.3, "{name}: {with_noise:?}");
     }
 }

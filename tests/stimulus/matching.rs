@@ -67,9 +67,8 @@ fn gamma_is_recovered_within_five_minutes() {
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / number).sqrt();
     let bias = errors.iter().sum::<f64>() / number;
     let covered = covered as f64 / number;
-    println!("within 0.05: {within:.3}, rms {rms:.4}, bias {bias:+.4}, covered {covered:.3}, warned {warned}");
-    assert!(within >= 0.99 && rms < 0.02 && bias.abs() < 0.005);
-    assert!((0.9..=0.98).contains(&covered) && warned <= 4);
+    assert!(within >= 0.99 && rms < 0.02 && bias.abs() < 0.005, "{within} within 0.05, rms {rms}, bias {bias}");
+    assert!((0.9..=0.98).contains(&covered) && warned <= 4, "{covered} covered, {warned} warned");
 }
 
 #[test]
