@@ -9,7 +9,7 @@ use machband::{
 };
 
 use crate::{
-    common::{command, everything, fails, succeeds},
+    common::{command, everything, fails, pixels, succeeds},
     transfers,
 };
 
@@ -66,9 +66,7 @@ fn an_image_describes_its_codes() {
     let path = folder.path().join("image.png");
     let info = |recipe: &Recipe| {
         image::write_recipe(&path, recipe, &recipe.quantizer()).unwrap();
-        let reader =
-            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap())).read_info().unwrap();
-        reader.info().clone()
+        pixels(&path).0
     };
     let yellow = info(&recipe("mach-band"));
     assert_eq!((yellow.color_type, yellow.srgb.is_some()), (png::ColorType::Rgb, true));

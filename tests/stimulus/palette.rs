@@ -49,12 +49,7 @@ fn other_texts_and_images_are_refused() {
 /// Small enough to do by hand.
 #[test]
 fn each_reducer_does_what_its_name_says() {
-    let repeat = |count: usize, codes: [u8; 3]| std::iter::repeat_n(codes, count);
-    let pixels: Vec<[u8; 3]> = repeat(5, [10, 0, 0])
-        .chain(repeat(4, [12, 0, 0]))
-        .chain(repeat(3, [100, 0, 0]))
-        .chain(repeat(1, [201, 0, 0]))
-        .collect();
+    let pixels = [(10, 5), (12, 4), (100, 3), (201, 1)].map(|(red, count)| vec![[red, 0, 0]; count]).concat();
     let of = |colors, reducer| reduce(&image(1, &pixels), &Transfer::Linear, colors, reducer);
     assert_eq!(of(2, Reducer::Popularity).palette, [[10, 0, 0], [12, 0, 0]]);
     // 13 pixels: the middle one is a 12, nearer to the cut before it (5 | 8) than to the one after it (9 | 4).

@@ -98,13 +98,8 @@ fn expected(files: &[PathBuf]) -> Vec<String> {
     let text = |row: &TrialRecord| {
         let values: Vec<String> = ["width", "tanh_k"].iter().map(|name| row.level(&protocol, name).unwrap()).collect();
         let place = (row.session_id.as_str(), row.repetition);
-        format!(
-            "{} {} {} 1 {place:?} {:?}",
-            row.subject_id,
-            values.join("|"),
-            row.rating.0,
-            Some(row.response_time_s.0)
-        )
+        let (subject, rating, time) = (&row.subject_id, row.rating.0, Some(row.response_time_s.0));
+        format!("{subject} {} {rating} 1 {place:?} {time:?}", values.join("|"))
     };
     sorted(last.values().map(text).collect())
 }
@@ -288,10 +283,8 @@ mod layouts {
         let path = file(&folder, "long.csv", LONG);
         let how = ReadOptions { factors: None, also: vec!["width".to_owned(), "inv_n".to_owned()], ..long() };
         let (source, rows) = read(&[&path], &how);
-        assert_eq!(
-            (source.shape.factors, rows),
-            (vec!["width".to_owned(), "depth".to_owned()], LONG_ROWS.map(str::to_owned).to_vec())
-        );
+        assert_eq!(source.shape.factors, ["width", "depth"]);
+        assert_eq!(rows, LONG_ROWS);
     }
 
     /// The columns of the stimulus stand in for a definition; the order of trials is not lost with it.
