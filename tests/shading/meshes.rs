@@ -225,10 +225,10 @@ fn faults_of_triangles_are_named() {
     let message =
         |places: &[DVec3], triangles: &[[u32; 3]]| Mesh::new(places, triangles, 180.0).unwrap_err().to_string();
     assert_eq!(message(&places, &[]), "the mesh has no triangles; expected at least one");
-    assert_eq!(message(&places, &[[0, 1, 2], [0, 1, 4]]), "face 1 names position 4 of 4; expected a smaller number");
+    assert_eq!(message(&places, &[[0, 1, 2], [0, 1, 4]]), "face 1 refers to position 4; expected a number below 4");
     assert_eq!(
         message(&places, &[[0, 1, 3], [0, 0, 1]]),
-        "none of the 2 triangles has an area; expected at least one that does"
+        "none of the 2 triangles has an area; expected at least one with an area"
     );
     for bad in [f64::NAN, f64::INFINITY, 1e31] {
         assert_eq!(
