@@ -1,4 +1,4 @@
-//! This project's own shader: light with a continuous slope over the triangles on the screen.
+//! New in machband: light with a continuous slope over the triangles on the screen.
 //!
 //! Every vertex has a light and a gradient, the slope of the light on the screen. A reduced Clough–Tocher cubic joins
 //! them: each triangle is split at its centroid into three parts, each with a cubic, and along an edge the slope toward
