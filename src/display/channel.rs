@@ -1,4 +1,4 @@
-//! The channels that light a patch.
+//! Which channels of the screen light a patch.
 
 use std::fmt;
 use std::str::FromStr;

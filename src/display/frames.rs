@@ -7,7 +7,7 @@ use std::time::Duration;
 
 /// An interval above this many refreshes is a dropped frame.
 pub const DROPPED_ABOVE: f64 = 1.5;
-/// Minimum number of intervals for an estimate of the refresh.
+/// The minimum number of intervals for an estimate of the refresh.
 pub const ESTIMATE_LEAST: usize = 30;
 /// Longer intervals, in refreshes, are interruptions rather than dropped frames, and carry no information about the
 /// refresh.

@@ -46,7 +46,7 @@ pub fn distance_cm(deg: f64, size_cm: f64) -> f64 {
     size_cm / (2.0 * (deg.to_radians() / 2.0).tan())
 }
 
-/// A screen: its physical pixels, which are square, and its width.
+/// A screen: its physical pixels, which are square, and the width of its lit part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screen {
     width_px: u32,

@@ -47,7 +47,7 @@ impl LuminanceRange {
         self.black_cd_m2 + linear * (self.white_cd_m2 - self.black_cd_m2)
     }
 
-    /// The lowest intensity I₀ of equal-brightness steps: black relative to white, Shoaff §2.1.1.
+    /// Returns the lowest intensity I₀ of equal-brightness steps: black relative to white, Shoaff §2.1.1.
     #[must_use]
     pub fn lowest_intensity(&self) -> f64 {
         self.black_cd_m2 / self.white_cd_m2

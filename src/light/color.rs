@@ -180,7 +180,7 @@ pub fn rgb_from_hsv([hue, saturation, value]: [f64; 3]) -> [f64; 3] {
 /// Returns red, green and blue in a sector (0…5) of the hexagon.
 #[inline]
 fn arranged(sector: f64, max: f64, min: f64, rising: f64, falling: f64) -> [f64; 3] {
-    // A whole number below 6.
+    // `sector` is a whole number below 6.
     match sector as u8 {
         0 => [max, rising, min],
         1 => [falling, max, min],

@@ -27,7 +27,7 @@ pub enum Dither {
     /// The nearest code, in encoded space: no dither.
     #[default]
     None,
-    /// A small matrix, repeated. Written without a matrix it is [`DitherMatrix::Bayer8`].
+    /// A small matrix, repeated. Without a matrix in the text, it is [`DitherMatrix::Bayer8`].
     Ordered(DitherMatrix),
     /// The 64 × 64 mask of [`mask`], repeated.
     BlueNoise,
@@ -41,7 +41,7 @@ pub enum Dither {
     },
 }
 
-/// Why something is not a [`Dither`].
+/// Why a text is not a valid [`Dither`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DitherError {
     /// A text that names no dither.
@@ -104,7 +104,7 @@ const SHOAFF_2: [[u16; 2]; 2] = [[0, 2], [3, 1]];
 const SHOAFF_3: [[u16; 3]; 3] = [[6, 8, 4], [1, 0, 3], [5, 2, 7]];
 
 named! {
-    /// An n × n tile that holds every rank 0…n²−1 once: the dot of rank k is the (k + 1)-th to be lit.
+    /// An n × n tile that contains every rank 0…n²−1 once: the dot of rank k is the (k + 1)-th to be lit.
     ///
     /// Bayer's matrices (*An optimum method for two-level rendition of continuous-tone pictures*, ICC 1973) scatter the
     /// dots as far apart as possible, for screens. Shoaff's matrices, named `clustered`, grow a single dot, for print;
@@ -142,7 +142,7 @@ impl DitherMatrix {
 
     /// Returns the rank, 0…n²−1, of the dot in column `x` and row `y`; the tile repeats without end.
     ///
-    /// Shoaff indexes D\[i\]\[j\] with i = x mod n, j = y mod n, so his printed rows are columns here.
+    /// Shoaff indexes D\[i\]\[j\] with i = x mod n and j = y mod n, so the rows as printed are columns here.
     #[must_use]
     pub fn rank(self, x: u32, y: u32) -> u16 {
         let (x, y) = (x % self.size(), y % self.size());
@@ -333,7 +333,7 @@ impl Levels {
 
     /// Returns the largest code that makes no more light than `linear`; 0 for light below 0 and for NaN.
     pub(super) fn at_most(&self, linear: f32) -> u16 {
-        // At most 2¹⁶ codes, the first of them dark.
+        // There are at most 2¹⁶ codes, and the first of them is dark.
         self.0.partition_point(|&level| level <= linear).saturating_sub(1) as u16
     }
 

@@ -90,7 +90,7 @@ impl Halftone {
         let levels = &self.levels[channel];
         let code = levels.at_most(linear);
         let lit = self.thresholds.partition_point(|&threshold| levels.decide(linear, threshold, code) > code);
-        // At most n² ≤ 2⁸.
+        // `lit` is at most n² ≤ 2⁸.
         u32::from(code) * self.dots() + lit as u32
     }
 
@@ -110,7 +110,7 @@ impl Halftone {
         let size = self.screen.matrix.size();
         let (width, height) = (image.width * size, image.height * size);
         let max = max_code(self.screen.bits);
-        // At most 255, as a code is at most `max`.
+        // The result is at most 255 because a code is at most `max`.
         let scaled = |code: u8| ((u16::from(code) * 255 + max / 2) / max) as u8;
         let cells: Vec<Vec<u8>> =
             (0..self.level_count()).map(|level| self.cell(level).into_iter().map(scaled).collect()).collect();

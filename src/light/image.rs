@@ -6,7 +6,7 @@
 pub struct LinearImage {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// Red, green and blue of every pixel, row by row from the top left; `3 · width · height`
     /// values.
@@ -57,7 +57,7 @@ impl LinearImage {
 pub struct CodeImage {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// The codes, in [`LinearImage::data`]'s order.
     pub samples: Samples,
@@ -66,9 +66,9 @@ pub struct CodeImage {
 /// Codes of 8 or 16 bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Samples {
-    /// 0…255.
+    /// 8-bit codes, 0…255.
     Eight(Vec<u8>),
-    /// 0…65535.
+    /// 16-bit codes, 0…65535.
     Sixteen(Vec<u16>),
 }
 

@@ -24,7 +24,7 @@ pub enum Depth {
     /// A polynomial of degree 2n − 1, n from 1 (linear) to [`Depth::MAX_FINITE`]. Made by
     /// [`Depth::finite`].
     Finite(u8),
-    /// Bangay's n = ∞, a scaled tanh. Not the limit of the finite depths, which is a step.
+    /// Bangay's n = ∞, a scaled tanh. It is not the limit of the finite depths, which is a step.
     Infinite,
 }
 
@@ -32,7 +32,7 @@ impl Depth {
     /// The largest finite depth that is evaluated to within 1e-12.
     pub const MAX_FINITE: u8 = 32;
 
-    /// The finite depth `n`.
+    /// Makes the finite depth `n`.
     ///
     /// # Errors
     /// When `n` is not within 1…32.
@@ -44,7 +44,7 @@ impl Depth {
     }
 }
 
-/// Why something is not a [`Depth`].
+/// Why a value is not a valid [`Depth`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DepthError {
     /// A whole number that is not supported.
@@ -136,7 +136,7 @@ const fn binomial(n: usize, k: usize) -> u128 {
     let mut result = 1u128;
     let mut i = 0;
     while i < k {
-        // Exact at every step: the product so far is C(n, i + 1).
+        // The division is exact at every step: the product so far is C(n, i + 1).
         result = result * (n - i) as u128 / (i as u128 + 1);
         i += 1;
     }
@@ -227,7 +227,7 @@ impl Interpolation {
                 let v = 1.0 - u;
                 power(u, n) * sum.iter().rev().fold(0.0, |sum, c| sum * v + c)
             }
-            // (1 + tanh(k(u−½)))/2, without the cancellation below u = ½.
+            // (1 + tanh(k(u−½)))/2, in a form that does not cancel below u = ½.
             Form::Tanh { k } => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),
         }
     }

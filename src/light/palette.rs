@@ -58,12 +58,12 @@ pub struct LightError {
     pub max: f64,
 }
 
-/// An image as a palette and an index for every pixel.
+/// An image that consists of a palette and a palette index for every pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexedImage {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// The red, green and blue codes of each color: at most as many colors as requested, in ascending order, without
     /// duplicates.
@@ -181,7 +181,7 @@ fn light_of(codes: [u8; 3], quantizer: &Quantizer) -> [f64; 3] {
 }
 
 fn codes_of(light: [f64; 3], quantizer: &Quantizer) -> [u8; 3] {
-    // An 8-bit code fits.
+    // An 8-bit code fits into u8.
     quantizer.codes(light.map(|value| value as f32)).map(|code| code as u8)
 }
 
@@ -220,7 +220,7 @@ fn median_cut(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u
     while boxes.len() < colors {
         let pixels = |tallies: &[Tally]| tallies.iter().map(|tally| u64::from(tally.count)).sum::<u64>();
         let splittable = boxes.iter().enumerate().filter(|(_, tallies)| tallies.len() > 1);
-        // The first of equally full boxes.
+        // Of equally full boxes, the first.
         let Some((fullest, _)) = splittable.max_by_key(|(at, tallies)| (pixels(tallies), std::cmp::Reverse(*at)))
         else {
             break;
@@ -375,7 +375,7 @@ fn index(
             squares += f64::from(tally.count) * error * error;
             max = max.max(error);
         }
-        // At most 256 colors.
+        // There are at most 256 colors.
         chosen.push(at as u8);
     }
     // Every color of the image has a tally, so the search always succeeds.

@@ -33,7 +33,7 @@ impl Bits {
 
 /// Returns the code of the relative luminance `linear`: round(encoded · largest code), clamped. NaN gets code 0.
 ///
-/// This is the definition. [`ChannelQuantizer::code`] gives the same code for every f32, faster.
+/// This is the definition. [`ChannelQuantizer::code`] gives the same code for every f32 but is faster.
 #[must_use]
 pub fn reference_code(transfer: &Transfer, bits: Bits, linear: f32) -> u16 {
     let scaled = transfer.encoded_from_linear(f64::from(linear)) * f64::from(bits.max_code());
@@ -58,8 +58,8 @@ pub struct ChannelQuantizer {
 }
 
 impl ChannelQuantizer {
-    /// A quantizer for a channel that `transfer` describes. Takes about 0.1 ms for 8 bits and 5 ms for
-    /// 16: keep it.
+    /// Makes a quantizer for a channel that `transfer` describes. This takes about 0.1 ms for 8 bits and 5 ms for 16
+    /// bits, so keep the quantizer.
     #[must_use]
     pub fn new(transfer: &Transfer, bits: Bits) -> Self {
         let max = bits.max_code();
@@ -123,8 +123,8 @@ pub struct Quantizer {
 }
 
 impl Quantizer {
-    /// A quantizer for a display that `transfers` describes. Takes about 0.1 ms for 8 bits and 5 ms for
-    /// 16, for each channel that differs from the others: keep it.
+    /// Makes a quantizer for a display that `transfers` describes. This takes about 0.1 ms for 8 bits and 5 ms for 16
+    /// bits for each channel that differs from the others, so keep the quantizer.
     #[must_use]
     pub fn new(transfers: impl Into<Transfers>, bits: Bits) -> Self {
         let transfers = transfers.into();
@@ -152,7 +152,7 @@ impl Quantizer {
         &self.transfers
     }
 
-    /// Red (0), green (1) or blue (2) alone.
+    /// Returns the quantizer of red (0), green (1) or blue (2).
     ///
     /// # Panics
     /// When `channel` is above 2.

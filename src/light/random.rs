@@ -3,7 +3,8 @@
 
 use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
 
-/// Standard errors from an estimate to either end of its 95 % interval: the 97.5 % quantile of the normal distribution.
+/// The number of standard errors from an estimate to either end of its 95 % interval: the 97.5 % quantile of the normal
+/// distribution.
 pub const Z_95: f64 = 1.959_963_984_540_054;
 
 /// Puts `items` into a random order with the Fisher–Yates shuffle.

@@ -8,9 +8,9 @@ use std::str::FromStr;
 
 /// IEC 61966-2-1: the encoded value up to which sRGB is a straight line.
 const SRGB_ENCODED_KNEE: f64 = 0.04045;
-/// IEC 61966-2-1: the straight line's slope, encoded per linear.
+/// IEC 61966-2-1: the slope of the straight line, encoded value per linear value.
 const SRGB_SLOPE: f64 = 12.92;
-/// IEC 61966-2-1: the offset of the power part; 1.055 is 1 + this.
+/// IEC 61966-2-1: the offset of the power part; the factor 1.055 is 1 plus this offset.
 const SRGB_OFFSET: f64 = 0.055;
 /// IEC 61966-2-1: the exponent of the power part.
 const SRGB_EXPONENT: f64 = 2.4;
@@ -22,7 +22,7 @@ const GAMMA_RANGE: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 /// or `srgb`; a table has no short text form.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Transfer {
-    /// Light proportional to the encoded value.
+    /// Light is proportional to the encoded value.
     Linear,
     /// linear = encoded^γ, Shoaff's L = K·V^γ with K = 1. Made by [`Transfer::gamma`], with γ within 0.1…10.
     Gamma(f64),
@@ -67,7 +67,7 @@ pub enum TransferError {
 }
 
 impl Transfer {
-    /// linear = encoded^`gamma`.
+    /// Makes linear = encoded^`gamma`.
     ///
     /// # Errors
     /// When `gamma` is not within 0.1…10.
@@ -79,7 +79,7 @@ impl Transfer {
         }
     }
 
-    /// linear ∝ max(`gain`·encoded + `offset`, 0)^`gamma`, the model of gain, offset and gamma; see [`Gog`].
+    /// Makes linear ∝ max(`gain`·encoded + `offset`, 0)^`gamma`, the model of gain, offset and gamma; see [`Gog`].
     ///
     /// # Errors
     /// When `gamma` is not within 0.1…10, `gain` not above 0 and up to 10, `offset` not within −1…1, or when gain and
@@ -201,7 +201,7 @@ impl Gog {
     fn encoded_from_linear(&self, linear: f64) -> f64 {
         let (black, white) = self.ends();
         let drive = (black + linear * (white - black)).powf(self.gamma.recip());
-        // The ends are exact, and no light is encoded as 0.
+        // The ends are exact; zero light is encoded as 0.
         if linear <= 0.0 || linear >= 1.0 { linear } else { ((drive - self.offset) / self.gain).clamp(0.0, 1.0) }
     }
 }
@@ -276,13 +276,13 @@ fn piecewise(x: &[f64], y: &[f64], at: f64) -> f64 {
 pub struct Transfers([Transfer; 3]);
 
 impl Transfers {
-    /// Red, green, blue.
+    /// Makes the transfer functions of red, green and blue, in this order.
     #[must_use]
     pub fn new(channels: [Transfer; 3]) -> Self {
         Self(channels)
     }
 
-    /// Red, green, blue.
+    /// The transfer functions of red, green and blue, in this order.
     #[must_use]
     pub fn channels(&self) -> &[Transfer; 3] {
         &self.0

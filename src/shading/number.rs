@@ -44,7 +44,7 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     /// Returns the larger of two numbers, pixel by pixel.
     fn max(self, other: Self) -> Self;
 
-    /// The square root.
+    /// Returns the square root, pixel by pixel.
     fn sqrt(self) -> Self;
 
     /// True where this is below `other`; false for NaN.
@@ -123,7 +123,7 @@ impl Number for f64 {
     }
 }
 
-/// Σ w_k·values_k.
+/// Returns Σ w_k·values_k.
 #[inline(always)]
 pub fn weighted<N: Number, const C: usize>(w: [N; 3], values: &[[N::Constant; C]; 3]) -> [N; C] {
     let mut sum = [w[0]; C];
@@ -153,7 +153,7 @@ pub fn select<N: Number, const C: usize>(mask: N::Mask, yes: [N; C], no: [N; C])
     chosen
 }
 
-/// The scalar product.
+/// Returns the scalar product.
 #[inline(always)]
 pub fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -55,7 +55,7 @@ impl MatchSettings {
         self.matches * self.channels.len()
     }
 
-    /// Expected duration, seconds.
+    /// Expected duration in seconds.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.total() as f64 * MATCH_S
@@ -67,7 +67,7 @@ impl MatchSettings {
 pub struct Match {
     /// The lit channel.
     pub channel: Channel,
-    /// The field.
+    /// The field of rows around the patch.
     pub rows: Rows,
     /// The patch's code.
     pub code: u8,
@@ -84,7 +84,7 @@ impl Match {
 /// A run of matches: provides the images and takes the codes.
 #[derive(Clone, Debug)]
 pub struct Matching {
-    /// Every match in its initial state.
+    /// All matches in their initial state.
     starts: Vec<Match>,
     done: Vec<Match>,
     /// The match on the screen; `None` when all are done.
@@ -157,7 +157,7 @@ impl Matching {
         self.starts.len()
     }
 
-    /// Expected remaining time, seconds.
+    /// Expected remaining time in seconds.
     #[must_use]
     pub fn left_s(&self) -> f64 {
         (self.total() - self.done.len()) as f64 * MATCH_S

@@ -8,14 +8,14 @@ use crate::{
 /// Lit rows and rows per period in the fields of a check: a quarter, a half and three quarters of full light.
 pub const CHECKED: [(u32, u32); 3] = [(1, 4), (1, 2), (3, 4)];
 
-/// A field of rows: `lit` of every `period` rows have the largest code, the others are dark.
+/// A field of rows: `lit` of every `period` rows have the largest code, and the others are dark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Rows {
     /// Lit rows per period.
     pub lit: u32,
     /// Rows per period.
     pub period: u32,
-    /// Thickness of a row, pixels.
+    /// Thickness of a row in pixels.
     pub row_px: u32,
 }
 
@@ -59,7 +59,7 @@ impl Rows {
     pub fn check_patch(&self, transfers: &Transfers, channel: Channel, error: f64) -> [u8; 3] {
         let share = self.share();
         let codes = transfers.encoded_from_linear([share; 3]).map(|encoded| {
-            // The exponent that maps this encoded value to this light, for any transfer function.
+            // For any transfer function, the exponent that maps this encoded value to this light.
             let gamma = (share.ln() / encoded.ln() + error).max(0.1);
             let encoded = if error == 0.0 { encoded } else { share.powf(gamma.recip()) };
             (encoded * 255.0).round() as u8

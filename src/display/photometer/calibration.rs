@@ -39,11 +39,11 @@ const EXACT: f64 = 1e-8;
 /// no model can predict black and white without readings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Validation {
-    /// Root mean square error, 8-bit codes.
+    /// Root mean square error, in 8-bit codes.
     pub rms_codes: f64,
-    /// Root mean square error, cd/m².
+    /// Root mean square error, in cd/m².
     pub rms_cd_m2: f64,
-    /// Largest error, 8-bit codes.
+    /// Largest error, in 8-bit codes.
     pub largest_codes: f64,
     /// Mean squared error in units of the noise of the readings: close to 1 if the model is correct.
     pub score: f64,
@@ -74,13 +74,13 @@ pub struct FittedChannel {
     pub channel: Channel,
     /// The fitted curve.
     pub curve: Curve,
-    /// Standard error of γ, if there is one.
+    /// Standard error of γ, if the curve has one.
     pub gamma_se: Option<f64>,
-    /// 1 − Σ(L − fit)²/Σ(L − mean)², luminances in cd/m².
+    /// R² = 1 − Σ(L − fit)²/Σ(L − mean)², with luminances in cd/m².
     pub r_squared: f64,
-    /// Largest difference of a reading from the curve, 8-bit codes.
+    /// Largest difference of a reading from the curve, in 8-bit codes.
     pub largest_codes: f64,
-    /// Largest difference of a reading from the curve, cd/m².
+    /// Largest difference of a reading from the curve, in cd/m².
     pub largest_cd_m2: f64,
 }
 

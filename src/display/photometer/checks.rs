@@ -32,9 +32,9 @@ pub enum About {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct Fault {
-    /// Where to look.
+    /// The readings that the error is about.
     pub about: About,
-    /// The error and what is expected.
+    /// The error, and what is expected instead.
     pub message: String,
 }
 
@@ -62,7 +62,7 @@ impl Readings {
     }
 }
 
-/// Faults of single readings.
+/// Returns the faults of single readings.
 fn reading_faults(readings: &[Reading]) -> Vec<Fault> {
     let codes = readings.iter().all(|one| (0.0..=255.0).contains(&one.level) && one.level.fract() == 0.0);
     let mut faults = Vec::new();
@@ -93,7 +93,7 @@ fn reading_faults(readings: &[Reading]) -> Vec<Fault> {
     faults
 }
 
-/// Missing channels or levels.
+/// Returns a fault for each missing channel or level.
 fn set_faults(readings: &Readings) -> Vec<Fault> {
     let expected = "expected red, green and blue, or gray, each from level 0 to 1";
     let read = readings.channels();
@@ -109,9 +109,7 @@ fn set_faults(readings: &Readings) -> Vec<Fault> {
         _ => {}
     }
     if !readings.all().iter().any(|one| one.level == 0.0) {
-        messages.push(
-            "no reading at level 0; expected a reading of the screen's black, where every curve starts".to_owned(),
-        );
+        messages.push("no reading at level 0; expected the screen's black, where every curve starts".to_owned());
     }
     for channel in read {
         let means = readings.means(*channel);
@@ -131,7 +129,7 @@ fn set_faults(readings: &Readings) -> Vec<Fault> {
     messages.into_iter().map(|message| Fault::new(About::All, message)).collect()
 }
 
-/// Channels whose light does not rise all the way to the highest level.
+/// Returns a fault for each channel whose light does not rise all the way to the highest level.
 fn curve_faults(readings: &Readings) -> Vec<Fault> {
     let black_cd_m2 = readings.black_cd_m2();
     let (share, steps, of_most) = FALL;
@@ -191,7 +189,7 @@ fn saturated_from(means: &[LevelMean], black_cd_m2: f64, resolution: f64) -> Opt
     Some(*lowest.unwrap_or(level))
 }
 
-/// Channels whose luminances at level 1 are not in the order gray > green > red > blue.
+/// Returns a fault if the channels' luminances at level 1 are not in the order gray > green > red > blue.
 fn order_faults(readings: &Readings) -> Vec<Fault> {
     let falling = [Channel::Gray, Channel::Green, Channel::Red, Channel::Blue];
     let whites: Vec<(Channel, f64)> = (falling.into_iter())

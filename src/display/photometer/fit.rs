@@ -20,10 +20,10 @@ const STARTS: [[f64; 2]; 2] = [[2.2, 0.03], [2.2, -0.03]];
 const MOST_STEPS: usize = 80;
 /// A relative improvement of the weighted sum of squares at or below this counts as 0.
 const CONVERGED: f64 = 1e-13;
-/// Maximum useful damping.
+/// The damping at which the fit stops because no step improves it.
 const STUCK: f64 = 1e12;
 
-/// The families of curves.
+/// A family of curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Family {
     /// The curve of sRGB.

@@ -20,7 +20,7 @@ pub struct PatchSettings {
     pub levels: usize,
     /// The number of readings of each patch.
     pub repeats: usize,
-    /// Seed of the order.
+    /// The seed of the random order.
     pub seed: u64,
 }
 

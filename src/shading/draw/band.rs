@@ -9,7 +9,7 @@ use crate::shading::{
     shaders::Spread,
 };
 
-/// The weights of a triangle's corners, then its light in up to three channels.
+/// The weights of a triangle's corners, followed by its light in up to three channels.
 pub(super) type Corners = Planes<6>;
 
 /// Buffers that are reused from band to band.

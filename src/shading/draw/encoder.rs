@@ -104,7 +104,7 @@ impl Encoder {
             *code = (table.bits(*light) >> LOWER) - (table.least.to_bits() >> LOWER);
         }
         for code in &mut codes[..light.len()] {
-            // Always in range; this form avoids a bounds check.
+            // The index is always in range; the remainder avoids a bounds check.
             *code = table.entries[*code as usize % ENTRIES];
         }
         for (code, light) in codes.iter_mut().zip(light) {

@@ -20,7 +20,7 @@ use crate::{
 pub struct View {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// The rotation from the mesh's own axes to eye space.
     pub rotation: DMat3,
@@ -80,7 +80,7 @@ impl View {
 pub struct Frame {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// The light where there is no surface.
     pub background: DVec3,

@@ -16,7 +16,7 @@ pub struct EdgeCrease {
     pub triangles: [u32; 2],
     /// The edge's ends, as indices into [`Frame::vertices`].
     pub ends: [u32; 2],
-    /// Length on the screen in pixels.
+    /// The edge's length on the screen in pixels.
     pub length: f64,
     /// The jump of the slope normal to the edge, in linear light per pixel: the root mean square along the edge and
     /// over red, green and blue.

@@ -9,7 +9,7 @@ use super::{normals, triangles::Mesh};
 /// The largest absolute coordinate of a mesh; it leaves room for products of several coordinates.
 pub const LARGEST_COORDINATE: f64 = 1e30;
 
-/// Why triangles do not form a mesh.
+/// Why faces do not form a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
     /// No triangles.

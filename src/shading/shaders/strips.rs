@@ -67,7 +67,7 @@ pub fn by_smallest<N: Number, const C: usize>(
 pub enum Curve<T> {
     /// The curve of a finite depth.
     Finite {
-        /// n.
+        /// The depth n.
         n: u32,
         /// C(n−1+k, k), k < n.
         sums: Vec<T>,

@@ -8,7 +8,7 @@ struct Globals {
     boundary: f32,
     // The distance of the eye from the origin of eye space; 0 for a parallel projection.
     distance: f32,
-    // k_a·I_a·O_d.
+    // The ambient light, k_a·I_a·O_d.
     ambient: vec4f,
     // k_d·O_d; w is m of the Phong and Blinn highlights.
     diffuse: vec4f,

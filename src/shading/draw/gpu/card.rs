@@ -81,7 +81,7 @@ impl Gpu {
     /// drawing is complete.
     ///
     /// # Errors
-    /// If the frame or the mesh is too large for the device, or the driver fails.
+    /// If the frame, the mesh or the number of lamps is too large for the device, or if the driver fails.
     pub fn draw(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<wgpu::Texture, GpuError> {
         let limits = self.device.limits();
         let contents = pack::buffers(frame, shade, transfer);

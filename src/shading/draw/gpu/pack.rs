@@ -28,7 +28,7 @@ struct Globals {
     lamps: [[[f32; 4]; 3]; MOST_LAMPS],
 }
 
-/// Maximum number of lamps.
+/// The maximum number of lamps, which is the size of `lamps` in the WGSL.
 pub const MOST_LAMPS: usize = 64;
 
 #[repr(C)]
