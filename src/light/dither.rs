@@ -107,7 +107,7 @@ named! {
     /// An n × n tile that contains every rank 0…n²−1 once: the dot of rank k is the (k + 1)-th to be lit.
     ///
     /// Bayer's matrices (*An optimum method for two-level rendition of continuous-tone pictures*, ICC 1973) scatter the
-    /// dots as far apart as possible, for screens. Shoaff's matrices, named `clustered`, grow a single dot, for print;
+    /// dots as far apart as possible, for screens. Shoaff's matrices, named `clustered`, grow a single dot, for print.
     /// D⁽²⁾ is too small to cluster; it is Bayer's 2 × 2 matrix transposed.
     #[derive(Default)]
     DitherMatrix, DitherMatrixError {

@@ -35,8 +35,8 @@ impl Rows {
     /// Draws the rows over `width` × `height` pixels, with a uniform square patch of about `patch_px` pixels in the
     /// middle. The image has 8 bits and must be shown pixel by pixel.
     ///
-    /// The patch is shrunk until it spans whole periods, and it starts where a period starts, so the rows continue
-    /// unbroken above and below it.
+    /// The patch is shrunk until it spans whole periods, and it starts where a period starts, so whole periods border
+    /// it above and below.
     #[must_use]
     pub fn picture(&self, channel: Channel, patch: [u8; 3], [width, height]: [u32; 2], patch_px: u32) -> CodeImage {
         let period = self.period_px().max(1);
