@@ -222,8 +222,8 @@ pub fn attenuation<N: Number>([c1, c2, c3]: [N::Constant; 3], distance: N) -> N 
     (distance.of(1.0) / weaker).min(distance.of(1.0))
 }
 
-/// Returns Phong's R·V, where R is the mirror image of L, or Blinn's N·H, where H is halfway between L and V; at least
-/// 0. Shoaff §3.3, §3.6.
+/// Returns Phong's R·V, where R is the mirror image of L, or Blinn's N·H, where H is halfway between L and V;
+/// never below 0. Shoaff §3.3, §3.6.
 #[inline(always)]
 fn shine<N: Number>(blinn: bool, normal: [N; 3], to_lamp: [N; 3], to_viewer: [N; 3]) -> N {
     let cosine = if blinn {
