@@ -1,5 +1,6 @@
-//! How to use the shader *cut* in your own program: the library's WGSL unchanged, and the four numbers per edge that it needs.
-//! Computes them for two triangles, draws the triangles, and compares the image with the library's.
+//! Shows how to use the shader *cut* in your own program: the library's WGSL, unchanged, and the four numbers per edge
+//! that it needs. The example computes these numbers for two triangles, draws the triangles, and compares the image
+//! with the library's.
 //!
 //! `cargo run --example cut`
 
@@ -12,10 +13,10 @@ use offscreen::{CORNERS, TRIANGLES};
 const CUT: &str =
     concat!(include_str!("../src/shading/shaders/strips.wgsl"), include_str!("../src/shading/shaders/cut.wgsl"),);
 
-/// A position on the screen, and its light value.
+/// A position on the screen and its light value.
 type Corner = ([f32; 2], f32);
 
-/// Width b of the strip at each edge.
+/// The width b of the strip at each edge.
 const STRIP: f32 = 1.0 / 3.0;
 
 /// Twice the area of a triangle, positive if the triangle is counterclockwise with y pointing down.
@@ -23,18 +24,19 @@ fn area2(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
     (c[0] - a[0]) * (b[1] - a[1]) - (b[0] - a[0]) * (c[1] - a[1])
 }
 
-/// Where the perpendicular from `p` meets the line from `b` (0) to `c` (1), as a fraction.
+/// The point where the perpendicular from `p` meets the line from `b` (0) to `c` (1), as a fraction.
 fn foot(p: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
     let (x, y) = (c[0] - b[0], c[1] - b[1]);
     ((p[0] - b[0]) * x + (p[1] - b[1]) * y) / (x * x + y * y)
 }
 
-/// The four numbers of the edge from `b` to `c`. The opposite corner of the triangle is `a`, and that of the neighbor is `d`.
-/// `c` = −(h_D·a_A + h_A·a_D)/(h_A + h_D), where a is how far the light at an opposite corner exceeds the line through the
-/// edge, and h is the corner's height above the edge.
+/// Returns the four numbers of the edge from `b` to `c`. The opposite corner of the triangle is `a`; the opposite
+/// corner of the neighbor is `d`. The first number is c = −(h_D·a_A + h_A·a_D)/(h_A + h_D), where a is the amount by
+/// which the light at an opposite corner exceeds the line through the edge, and h is the corner's height above the
+/// edge.
 ///
-/// `d` is `None` where the light need not be smooth: at a border, at a crease, at an edge of more than two triangles, and
-/// where the neighbor faces away from the viewer or has no area on the screen.
+/// `d` is `None` where the light need not be smooth: at a border, at a crease, at an edge of more than two triangles,
+/// and at an edge whose neighbor faces away from the viewer or has no area on the screen.
 fn edge(a: Corner, b: Corner, c: Corner, d: Option<Corner>) -> [f32; 4] {
     let excess = |p: Corner, at: f32| p.1 - (b.1 * (1.0 - at) + c.1 * at);
     let own = foot(a.0, b.0, c.0);
@@ -46,7 +48,8 @@ fn edge(a: Corner, b: Corner, c: Corner, d: Option<Corner>) -> [f32; 4] {
 }
 
 fn main() {
-    // Light values of the corners, then the edges opposite them. The two triangles share their first edge.
+    // The light values of the corners, followed by the numbers of the edges opposite them. The two triangles share
+    // their first edge.
     let mut constants: Vec<f32> = Vec::new();
     for (t, [a, b, c]) in TRIANGLES.map(|triangle| triangle.map(|corner| CORNERS[corner])).into_iter().enumerate() {
         let opposite = CORNERS[TRIANGLES[1 - t][0]];

@@ -1,4 +1,4 @@
-//! Makes one stimulus as a PNG: `cargo run --example make_stimulus`.
+//! Makes one stimulus as a PNG file: `cargo run --example make_stimulus`.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Err(faults[0].clone().into());
     }
 
-    // Conversion to display codes. The dither keeps the shallow ramp free of steps.
+    // Conversion to display codes. The dither keeps the shallow ramp free of visible steps.
     let recipe = Recipe {
         stimulus: Stimulus::MachBand(ramp),
         size: 512,

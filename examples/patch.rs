@@ -1,9 +1,10 @@
-//! How to use the shader *patch* in your own program: the library's WGSL unchanged, and the twelve numbers per triangle that
-//! it needs. Computes them for two triangles, draws the triangles, and compares the image with the library's.
+//! Shows how to use the shader *patch* in your own program: the library's WGSL, unchanged, and the twelve numbers per
+//! triangle that it needs. The example computes these numbers for two triangles, draws the triangles, and compares the
+//! image with the library's.
 //!
 //! Every vertex needs the slope of its light value on the screen. There are two ways to compute it from lighting at the
-//! vertices only: fit a plane to the light values of the neighboring vertices (below), or, better, apply the chain rule to
-//! the curvature of the surface (`machband::shading::Patches` with `Gradients::Curvature`).
+//! vertices only: fit a plane to the light values of the neighboring vertices (as below) or, better, apply the chain
+//! rule to the curvature of the surface (`machband::shading::Patches` with `Gradients::Curvature`).
 //!
 //! `cargo run --example patch`
 
@@ -15,8 +16,9 @@ use machband::shading::{
 };
 use offscreen::{CORNERS, TRIANGLES};
 
-/// The slope of the light at vertex `v`, per pixel right and down: a least-squares fit over its neighbors, weighted by
-/// 1/distance². A vertex needs neighbors in two directions; where it has none, the library uses the smallest possible slope.
+/// Returns the slope of the light at vertex `v`, per pixel to the right and down: a least-squares fit over its
+/// neighbors, weighted by 1/distance². A vertex needs neighbors in two directions; otherwise, the library uses the
+/// smallest possible slope.
 fn gradient(v: usize) -> [f32; 2] {
     let (place, light) = CORNERS[v];
     let (mut xx, mut xy, mut yy, mut xl, mut yl) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -46,12 +48,12 @@ fn centroid(place: [[f32; 2]; 3]) -> [f32; 2] {
     [0, 1].map(|axis| (place[0][axis] + place[1][axis] + place[2][axis]) / 3.0)
 }
 
-/// The twelve ordinates of a triangle (a reduced Clough–Tocher cubic) from the positions, light values and slopes of its
-/// corners: the light values of the corners, the ordinates toward the next corners and toward the ones after them, and the
-/// midpoints of the parts at the edges.
+/// Returns the twelve ordinates of a triangle (a reduced Clough–Tocher cubic) from the positions, light values and
+/// slopes of its corners: the light values of the corners, the ordinates toward the next corner and toward the corner
+/// after that, and the midpoints of the parts at the edges.
 ///
-/// `across` is the centroid of the neighbor at each edge. The slope along the line between the centroids changes linearly
-/// along the edge, so that it is the same in both triangles. `None` at borders, creases and silhouettes.
+/// `across` is the centroid of the neighbor at each edge, or `None` at borders, creases and silhouettes. The slope
+/// along the line between the centroids changes linearly along the edge, so it is the same in both triangles.
 fn ordinates(place: [[f32; 2]; 3], light: [f32; 3], slope: [[f32; 2]; 3], across: [Option<[f32; 2]>; 3]) -> [f32; 12] {
     let toward = |i: usize, j: usize| {
         light[i] + (slope[i][0] * (place[j][0] - place[i][0]) + slope[i][1] * (place[j][1] - place[i][1])) / 3.0
@@ -62,7 +64,7 @@ fn ordinates(place: [[f32; 2]; 3], light: [f32; 3], slope: [[f32; 2]; 3], across
     let own = centroid(place);
     let middle = [0, 1, 2].map(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        // Where the line between the centroids meets the edge, 0 at corner i and 1 at corner j.
+        // The point where the line between the centroids meets the edge: 0 at corner i, 1 at corner j.
         let crossing = across[k].map_or(0.5, |other| {
             let toward = minus(other, own);
             cross(minus(own, place[i]), toward) / cross(minus(place[j], place[i]), toward)
@@ -96,7 +98,7 @@ fn main() {
     let wgsl = concat!(include_str!("../src/shading/shaders/patch.wgsl"), "\n");
     let drawn = offscreen::draw(&format!("{wgsl}{light_of}"), 0, made.as_flattened(), 12);
 
-    // The library's result, in f64, from the same slopes.
+    // The library's result in f64, from the same slopes.
     let frame = offscreen::frame();
     let vectors = slopes.iter().map(|s| [glam::DVec2::from(s.map(f64::from)); 3]).collect();
     let patch = Patch::<f64, 3>::new(&frame, Channels::Color, &Patches::with_gradients(&frame, vectors));

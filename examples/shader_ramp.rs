@@ -1,7 +1,8 @@
-//! A ramp without Mach bands for your own shader: `cargo run --example shader_ramp`.
+//! Prints a ramp with less visible Mach bands, for use in your own shader: `cargo run --example shader_ramp`.
 //!
-//! Replace `mix(a, b, t)` with `mix(a, b, ramp(t))`, in linear light. I_n is a polynomial of degree 2n − 1 whose n − 1
-//! first derivatives vanish at both ends; n = 2 is the well-known smoothstep. The visibility of the bands falls with n.
+//! Replace `mix(a, b, t)` with `mix(a, b, ramp(t))`, in linear light. I_n is a polynomial of degree 2n − 1 whose first
+//! n − 1 derivatives vanish at both ends; n = 2 is the well-known smoothstep. The visibility of the bands decreases as
+//! n increases.
 
 use machband::light::{Depth, Interpolation, interpolation::coefficients};
 

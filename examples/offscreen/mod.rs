@@ -1,4 +1,4 @@
-//! Shared by both shader examples: draws two triangles off screen, with one byte per pixel.
+//! Code that both shader examples share: draws two triangles off screen, with one byte per pixel.
 
 use std::borrow::Cow;
 
@@ -9,13 +9,15 @@ use wgpu::util::DeviceExt as _;
 /// Side of the image, in pixels.
 pub const SIZE: u32 = 256;
 
-/// A kite of two triangles, ABC and DCB, that share the edge BC: positions in pixels from the top left, and light values.
+/// A kite of two triangles, ABC and DCB, that share the edge BC: positions in pixels from the top left and light
+/// values.
 pub const CORNERS: [([f32; 2], f32); 4] =
     [([40.0, 30.0], 0.35), ([30.0, 170.0], 0.75), ([220.0, 60.0], 0.8), ([200.0, 230.0], 0.3)];
 /// The corners of each triangle, counterclockwise as seen by the viewer.
 pub const TRIANGLES: [[usize; 3]; 2] = [[0, 1, 2], [3, 2, 1]];
 
-/// The code around a shader: `constants` contains `N` numbers per triangle, and `light_of(weights, base)` computes the light.
+/// The code around a shader: `constants` contains `N` numbers per triangle, and `light_of(weights, base)` computes the
+/// light from them.
 const AROUND: &str = "
 @group(0) @binding(0) var<storage, read> constants: array<f32>;
 struct Vertex { @builtin(position) place: vec4f, @location(0) @interpolate(linear) weights: vec3f,
@@ -60,8 +62,9 @@ pub fn frame() -> Frame {
     }
 }
 
-/// Draws the kite with `shader`, which uses `count` of the `constants` per triangle. Returns one byte per pixel in linear
-/// light, row by row from the top, and 0 outside; `None` if there is no graphics adapter. `depth` is n of the strips.
+/// Draws the kite with `shader`, which uses `count` of the `constants` per triangle. `depth` is n of the strips.
+/// Returns one byte per pixel in linear light, row by row from the top, and 0 outside the kite; `None` if there is no
+/// graphics adapter.
 pub fn draw(shader: &str, depth: u8, constants: &[f32], count: usize) -> Option<Vec<u8>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
@@ -156,7 +159,8 @@ pub fn draw(shader: &str, depth: u8, constants: &[f32], count: usize) -> Option<
     Some(bytes.slice(..).get_mapped_range().ok()?.to_vec())
 }
 
-/// Barycentric weights in triangle `triangle` of the pixel at column `x` and row `y`, if the pixel is inside.
+/// Returns the barycentric weights of the pixel at column `x` and row `y` in triangle `triangle`, if the pixel is
+/// inside.
 pub fn weights(triangle: usize, x: u32, y: u32) -> Option<[f64; 3]> {
     let p = [f64::from(x) + 0.5, f64::from(y) + 0.5];
     let [a, b, c] = TRIANGLES[triangle].map(|corner| CORNERS[corner].0.map(f64::from));
@@ -166,7 +170,7 @@ pub fn weights(triangle: usize, x: u32, y: u32) -> Option<[f64; 3]> {
     w.iter().all(|w| *w > 1e-3).then_some(w)
 }
 
-/// Compares an image with the library's, and prints the largest difference.
+/// Compares an image with the library's and prints the largest difference.
 pub fn compare(name: &str, drawn: Option<Vec<u8>>, light: impl Fn(usize, [f64; 3]) -> f64) {
     let Some(drawn) = drawn else {
         println!("{name}: SKIPPED, because there is no graphics adapter; the shader needs only the constants above");

@@ -1,4 +1,4 @@
-//! The channels that light a patch.
+//! Which channels of the screen light a patch.
 
 use std::fmt;
 use std::str::FromStr;
@@ -17,10 +17,10 @@ pub enum Channel {
 }
 
 impl Channel {
-    /// All of them, in the order of tables.
+    /// All channels, in the order in which tables list them.
     pub const ALL: [Self; 4] = [Self::Red, Self::Green, Self::Blue, Self::Gray];
 
-    /// Name, name at the beginning of a line, and name in a file.
+    /// The name within a sentence, at the beginning of a line, and in a file.
     fn names(self) -> [&'static str; 3] {
         match self {
             Self::Red => ["red", "Red", "r"],
@@ -30,28 +30,28 @@ impl Channel {
         }
     }
 
-    /// red, green, blue or gray.
+    /// Returns red, green, blue or gray.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.names()[0]
     }
 
-    /// Red, Green, Blue or Gray.
+    /// Returns Red, Green, Blue or Gray.
     #[must_use]
     pub fn capitalized(self) -> &'static str {
         self.names()[1]
     }
 
-    /// r, g, b or gray, as in a file.
+    /// Returns r, g, b or gray, as written in files.
     #[must_use]
     pub fn key(self) -> &'static str {
         self.names()[2]
     }
 
-    /// Whether a profile can be made from measurements of these channels.
+    /// Checks that a profile can be made from measurements of these channels.
     ///
     /// # Errors
-    /// Neither red, green and blue nor gray, or one of them twice.
+    /// If `channels` contains neither gray nor all of red, green and blue, or if it contains a channel twice.
     pub fn make_a_profile(channels: &[Self]) -> Result<(), SettingsError> {
         let [red, green, blue, gray] = Self::ALL.map(|one| channels.iter().filter(|channel| **channel == one).count());
         let enough = (gray == 1 || red + green + blue == 3) && [red, green, blue, gray].iter().all(|count| *count < 2);
@@ -59,7 +59,7 @@ impl Channel {
         if enough { Ok(()) } else { Err(SettingsError(message.to_owned())) }
     }
 
-    /// The pixel that has `code` in this channel and 0 in the others.
+    /// Returns the pixel with `code` in this channel (in all three for gray) and 0 in the others.
     #[must_use]
     pub fn rgb(self, code: u8) -> [u8; 3] {
         match self {
@@ -70,7 +70,7 @@ impl Channel {
         }
     }
 
-    /// Red 0, green 1, blue 2; `None` for gray.
+    /// Returns 0 for red, 1 for green and 2 for blue; `None` for gray.
     #[must_use]
     pub fn index(self) -> Option<usize> {
         match self {
@@ -88,7 +88,7 @@ impl fmt::Display for Channel {
     }
 }
 
-/// Settings of a measurement that cannot be run: the error and what is expected.
+/// Why a measurement cannot be run with these settings, and what is expected instead.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct SettingsError(pub String);
@@ -101,7 +101,7 @@ pub struct UnknownChannel(pub String);
 impl FromStr for Channel {
     type Err = UnknownChannel;
 
-    /// Reads r, g, b, gray; also red, green, blue, and grey, in upper or lower case.
+    /// Accepts r, g, b, gray, red, green, blue and grey, in upper or lower case.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let lower = text.trim().to_ascii_lowercase();
         let is_named = |channel: &Self| channel.names().contains(&lower.as_str());

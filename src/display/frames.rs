@@ -1,4 +1,4 @@
-//! The refresh of the screen, and the frames judged against it. There is no clock here: times are arguments.
+//! The refresh of the screen, and the frames judged against it. This module has no clock: times are arguments.
 //!
 //! A frame is judged by the interval to the next one. Durations are rounded to whole refreshes, because an image can
 //! change only at a refresh.
@@ -7,23 +7,23 @@ use std::time::Duration;
 
 /// An interval above this many refreshes is a dropped frame.
 pub const DROPPED_ABOVE: f64 = 1.5;
-/// Minimum number of intervals for an estimate of the refresh.
+/// The minimum number of intervals for an estimate of the refresh.
 pub const ESTIMATE_LEAST: usize = 30;
 /// Longer intervals, in refreshes, are interruptions rather than dropped frames, and carry no information about the
 /// refresh.
 const ESTIMATE_LONGEST: f64 = 8.5;
-/// Share of the intervals that must be one refresh long for an estimate.
+/// The share of the intervals that must be one refresh long for an estimate.
 const ESTIMATE_STEADY: f64 = 0.7;
-/// Maximum distance of an interval from a whole number of refreshes, in refreshes, to count as synchronized with the
-/// screen.
+/// The maximum distance of an interval from a whole number of refreshes, in refreshes, at which it counts as
+/// synchronized with the screen.
 const HELD_WITHIN: f64 = 0.25;
-/// Share of the intervals that may deviate more, because of jitter, if frames follow a refresh.
+/// The share of the intervals that may deviate more because of jitter when frames follow a refresh.
 const HELD_JITTER: f64 = 0.1;
-/// Share of the intervals that may be long, above [`DROPPED_ABOVE`] refreshes, and deviate more.
+/// The share of the intervals that may deviate more and be longer than [`DROPPED_ABOVE`] refreshes.
 const HELD_LONG: f64 = 0.01;
-/// Longest refresh to which frames can be synchronized, seconds: slower frames wait for something else.
+/// The longest refresh to which frames can be synchronized, in seconds: slower frames wait for something else.
 const ESTIMATE_SLOWEST_S: f64 = 0.1;
-/// Longest refresh that is accepted, seconds.
+/// The longest refresh that is accepted, in seconds.
 const LONGEST_S: f64 = 10.0;
 
 /// The time from one refresh of a screen to the next.
@@ -31,30 +31,30 @@ const LONGEST_S: f64 = 10.0;
 pub struct Refresh(f64);
 
 impl Refresh {
-    /// From the interval in seconds; `None` unless it is above 0 and at most 10.
+    /// Makes a refresh from its interval in seconds; `None` unless the interval is above 0 and at most 10.
     #[must_use]
     pub fn new(seconds: f64) -> Option<Self> {
         (seconds > 0.0 && seconds <= LONGEST_S).then_some(Self(seconds))
     }
 
-    /// From the rate in Hz; `None` unless it is at least 0.1.
+    /// Makes a refresh from its rate in Hz; `None` unless the rate is finite and at least 0.1.
     #[must_use]
     pub fn from_hz(hz: f64) -> Option<Self> {
         Self::new(1.0 / hz)
     }
 
-    /// The refresh that frames with these durations follow, as estimated by [`Refresh::estimate`]; `None` if they
-    /// scatter.
+    /// Returns the refresh that frames with these durations follow, as estimated by [`Refresh::estimate`]; `None` if
+    /// the durations scatter.
     #[must_use]
     pub fn measured(intervals_us: &[u32]) -> Option<Self> {
         Self::estimate(intervals_us).filter(|refresh| refresh.is_followed_by(intervals_us))
     }
 
-    /// The refresh of the screen from the intervals of its frames: their total time over the number of refreshes in it.
-    /// Single late or dropped frames do not change the result, which is not rounded to a common rate. `None` for fewer
-    /// than [`ESTIMATE_LEAST`] intervals, if too few of them are one refresh long, and below 10 Hz: then the frames are
-    /// not synchronized with the screen. If they are not synchronized but all take equally long, the result is that
-    /// time: only the window system knows better.
+    /// Estimates the refresh of the screen from the intervals of its frames: their total time divided by the number of
+    /// refreshes in it. Single late or dropped frames do not change the result, which is not rounded to a common rate.
+    /// Returns `None` if there are fewer than [`ESTIMATE_LEAST`] intervals, if too few of them are one refresh long, or
+    /// if the rate is below 10 Hz: then the frames are not synchronized with the screen. If the frames are not
+    /// synchronized but all take equally long, the result is that time: only the window system knows better.
     #[must_use]
     pub fn estimate(intervals_us: &[u32]) -> Option<Self> {
         if intervals_us.len() < ESTIMATE_LEAST {
@@ -62,7 +62,7 @@ impl Refresh {
         }
         let mut refresh = f64::from(quantile(intervals_us, 0.5)?) * 1e-6;
         let mut ones = 0;
-        // The median is rough; each round counts the refreshes again. A few rounds are enough.
+        // The median is only a rough start; each round counts the refreshes again. A few rounds are enough.
         for _ in 0..4 {
             let (mut time, mut refreshes) = (0.0, 0.0);
             ones = 0;
@@ -70,7 +70,8 @@ impl Refresh {
                 let interval = f64::from(*interval) * 1e-6;
                 let ratio = interval / refresh;
                 if ratio < ESTIMATE_LONGEST {
-                    // A late frame and the early one after it are 2 + 0 refreshes, or 1 + 1: right together.
+                    // A late frame and the early frame after it count as 2 + 0 or 1 + 1 refreshes; the sum is right
+                    // either way.
                     (time, refreshes) = (time + interval, refreshes + ratio.round());
                     ones += usize::from(ratio.round() == 1.0);
                 }
@@ -81,9 +82,10 @@ impl Refresh {
         Self::new(refresh).filter(|_| steady && refresh <= ESTIMATE_SLOWEST_S)
     }
 
-    /// Whether frames shown for these times follow this refresh: nearly all of them were shown for a whole number of
-    /// refreshes, and 99 % of them for one, or for several as dropped frames are. Frames that last as long as their
-    /// work takes scatter in between; dropped frames among those would be meaningless.
+    /// True if frames shown for these times follow this refresh: nearly all of them were shown for close to a whole
+    /// number of refreshes, and at most 1 % were longer than [`DROPPED_ABOVE`] refreshes without being close to a whole
+    /// number, which dropped frames always are. Frames that last as long as their work takes fall in between; calling
+    /// some of them dropped would be meaningless.
     #[must_use]
     pub fn is_followed_by(self, intervals_us: &[u32]) -> bool {
         let refreshes = intervals_us.iter().map(|us| f64::from(*us) * 1e-6 / self.0);
@@ -104,33 +106,35 @@ impl Refresh {
         1.0 / self.0
     }
 
-    /// Whether a frame shown for `interval` means that one was dropped: above [`DROPPED_ABOVE`] refreshes.
+    /// True if a frame shown for `interval` means that a frame was dropped: `interval` is longer than [`DROPPED_ABOVE`]
+    /// refreshes.
     #[must_use]
     pub fn is_dropped(self, interval: Duration) -> bool {
         interval.as_secs_f64() > DROPPED_ABOVE * self.0
     }
 
-    /// Refreshes within `interval` without a new frame: its number of refreshes minus one.
+    /// Returns the number of refreshes within `interval` that showed no new frame: its number of refreshes minus one.
     #[must_use]
     pub fn missed(self, interval: Duration) -> u64 {
         ((interval.as_secs_f64() / self.0).round() as u64).saturating_sub(1)
     }
 
-    /// A duration as the nearest whole number of refreshes; at least one, but 0 for 0.
+    /// Returns a duration as the nearest whole number of refreshes: at least 1, except that a duration of 0 gives 0.
     #[must_use]
     pub fn count(self, duration: Duration) -> u64 {
         let count = (duration.as_secs_f64() / self.0).round() as u64;
         count.max(u64::from(!duration.is_zero()))
     }
 
-    /// Whether a frame `elapsed` after the start of something that should last `duration` is the one to end it: the
-    /// first that comes half a refresh or less before its refresh, so that no jitter adds or drops a frame.
+    /// True if a frame that begins `elapsed` after the start of something that should last `duration` should end it.
+    /// That is the first frame that begins at most half a refresh before the planned refresh, so that jitter never adds
+    /// or drops a frame.
     #[must_use]
     pub fn is_due(self, elapsed: Duration, duration: Duration) -> bool {
         elapsed.as_secs_f64() >= (self.count(duration) as f64 - 0.5) * self.0
     }
 
-    /// Whether such a frame is later than its refresh, by more than half of one.
+    /// True if such a frame begins more than half a refresh after the planned refresh.
     #[must_use]
     pub fn is_late(self, elapsed: Duration, duration: Duration) -> bool {
         elapsed.as_secs_f64() > (self.count(duration) as f64 + 0.5) * self.0
@@ -140,16 +144,16 @@ impl Refresh {
 /// One frame's interval to the next frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameInterval {
-    /// Microseconds. The times of the frames are rounded and not their differences, so that a sum of intervals is the
-    /// time they took, to a microsecond.
+    /// The interval in microseconds. The times of the frames are rounded, not their differences, so the sum of the
+    /// intervals is the total time to within a microsecond.
     pub us: u32,
-    /// The refresh that it was judged against, where it is known.
+    /// The refresh that the frame was judged against, if known.
     pub refresh: Option<Refresh>,
-    /// Whether a frame was dropped.
+    /// True if a frame was dropped.
     pub dropped: bool,
 }
 
-/// Every frame interval of a run, with its evaluation.
+/// All frame intervals of a run, and the counts derived from them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimes {
     last: Option<(Duration, Option<Refresh>)>,
@@ -161,20 +165,21 @@ pub struct FrameTimes {
 }
 
 impl FrameTimes {
-    /// A frame begins at `now`, on a screen with this refresh, if known. Returns the interval of the previous frame.
+    /// Records that a frame begins at `now` on a screen with this refresh, if known. Returns the interval of the
+    /// previous frame.
     pub fn frame(&mut self, now: Duration, refresh: Option<Refresh>) -> Option<FrameInterval> {
         let before = self.end(now);
         self.begin(now, refresh);
         before
     }
 
-    /// Begins a frame that does not follow another.
+    /// Records that a frame begins that does not follow another frame.
     pub fn begin(&mut self, now: Duration, refresh: Option<Refresh>) {
         self.last = Some((now, refresh));
     }
 
-    /// The frame that began last was shown until `now`. It is judged against the refresh it began with: after a change
-    /// of screens, judging starts again with the first frame. `None` if no frame has begun.
+    /// Records that the frame that began last was shown until `now`. It is judged against the refresh it began with:
+    /// after a change of screens, judging starts again with the first frame. Returns `None` if no frame has begun.
     pub fn end(&mut self, now: Duration) -> Option<FrameInterval> {
         let (last, refresh) = self.last.take()?;
         let interval = now.saturating_sub(last);
@@ -189,17 +194,18 @@ impl FrameTimes {
         Some(FrameInterval { us, refresh, dropped })
     }
 
-    /// The next frame does not follow the last: a page that requests no frames was shown in between.
+    /// Records that the next frame does not follow the last one because a page that requests no frames was shown in
+    /// between.
     pub fn interrupt(&mut self) {
         self.last = None;
     }
 
-    /// Counts an onset later than its planned refresh.
+    /// Counts an onset that came later than its planned refresh.
     pub fn late_onset(&mut self) {
         self.late_onsets += 1;
     }
 
-    /// All intervals in microseconds, in their order.
+    /// All intervals in microseconds, in order.
     #[must_use]
     pub fn intervals_us(&self) -> &[u32] {
         &self.intervals_us
@@ -211,27 +217,28 @@ impl FrameTimes {
         (self.judged > 0).then_some(self.dropped)
     }
 
-    /// Refreshes without a new frame, Σ (round(interval / refresh) − 1): two for an interval of three. `None`
-    /// where no refresh was known.
+    /// The number of refreshes without a new frame, Σ (round(interval / refresh) − 1): an interval of three refreshes
+    /// counts two. `None` if no refresh was known.
     #[must_use]
     pub fn missed_refreshes(&self) -> Option<u64> {
         (self.judged > 0).then_some(self.missed)
     }
 
-    /// Onsets later than their planned refresh.
+    /// The number of onsets that came later than their planned refresh.
     #[must_use]
     pub fn late_onsets(&self) -> u32 {
         self.late_onsets
     }
 
-    /// The interval in seconds that a share `p`, 0…1, of them does not exceed; exact. `None` if there are no intervals.
+    /// Returns the exact `p` quantile of the intervals, in seconds: a share `p`, 0…1, of them does not exceed it.
+    /// `None` if there are no intervals.
     #[must_use]
     pub fn quantile(&self, p: f64) -> Option<f64> {
         quantile(&self.intervals_us, p).map(|us| f64::from(us) * 1e-6)
     }
 }
 
-/// The smallest of the values that at least a share `p` of them does not exceed.
+/// Returns the smallest of the values that at least a share `p` of the values do not exceed.
 fn quantile(values: &[u32], p: f64) -> Option<u32> {
     let rank = (p * values.len() as f64).ceil().max(1.0) as usize;
     let index = rank.min(values.len()).checked_sub(1)?;
@@ -239,7 +246,7 @@ fn quantile(values: &[u32], p: f64) -> Option<u32> {
     Some(*values.select_nth_unstable(index).1)
 }
 
-/// A time to the nearest microsecond.
+/// Rounds a time to the nearest microsecond.
 fn micros(time: Duration) -> u64 {
     u64::try_from((time.as_nanos() + 500) / 1000).unwrap_or(u64::MAX)
 }

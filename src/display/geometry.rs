@@ -1,17 +1,17 @@
-//! Visual angle, centimeters and physical pixels.
+//! Conversions between visual angle, centimeters and physical pixels.
 //!
-//! A size is centered on the line of sight and perpendicular to it, so that size = 2·distance·tan(angle/2).
-//! Pixels are the display's own, not the window system's scaled ones, and are square.
+//! A size is centered on the line of sight and perpendicular to it, so that size = 2·distance·tan(angle/2). Pixels are
+//! the display's physical pixels, not the scaled pixels of the window system, and are square.
 
-/// Width in centimeters of an identity or bank card, ISO/IEC 7810 ID-1, which most people have at hand to measure a
-/// screen.
+/// The width in centimeters of an identity card or bank card (ISO/IEC 7810 ID-1), which most people have at hand to
+/// measure a screen.
 pub const CARD_WIDTH_CM: f64 = 8.56;
 
-/// Possible numbers of pixels along a side of a screen.
+/// Plausible numbers of pixels along a side of a screen.
 const SIDE_PX: std::ops::RangeInclusive<f64> = 16.0..=65_536.0;
-/// Possible widths of a screen: from a viewfinder to a cinema.
+/// Plausible widths of a screen, from a viewfinder to a movie theater.
 const WIDTH_CM: std::ops::RangeInclusive<f64> = 1.0..=10_000.0;
-/// Possible viewing distances.
+/// Plausible viewing distances.
 const DISTANCE_CM: std::ops::RangeInclusive<f64> = 1.0..=100_000.0;
 
 /// A quantity outside its plausible range.
@@ -40,13 +40,13 @@ fn check(
     Err(GeometryError { quantity, value, unit, lowest, highest, expected })
 }
 
-/// The distance, cm, from which `size_cm` subtends `deg` degrees.
+/// Returns the distance in cm from which `size_cm` subtends `deg` degrees.
 #[must_use]
 pub fn distance_cm(deg: f64, size_cm: f64) -> f64 {
     size_cm / (2.0 * (deg.to_radians() / 2.0).tan())
 }
 
-/// A screen: its physical pixels, which are square, and its width.
+/// A screen: its physical pixels, which are square, and the width of its lit part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screen {
     width_px: u32,
@@ -55,11 +55,11 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// A screen of `width_px` × `height_px` physical pixels, `width_cm` wide (the lit part, without
-    /// the frame).
+    /// Makes a screen of `width_px` × `height_px` physical pixels whose lit part, without the frame, is `width_cm`
+    /// wide.
     ///
     /// # Errors
-    /// When a side is not within 16…65536 pixels, or the width not within 1…10000 cm.
+    /// When a side is not within 16…65536 pixels, or the width is not within 1…10000 cm.
     pub fn new(width_px: u32, height_px: u32, width_cm: f64) -> Result<Screen, GeometryError> {
         for (quantity, side) in [("screen width", width_px), ("screen height", height_px)] {
             check(quantity, side.into(), &SIDE_PX, "pixels", "the screen's physical pixels")?;
@@ -108,7 +108,7 @@ pub struct Viewing {
 }
 
 impl Viewing {
-    /// `screen`, viewed from `distance_cm` centimeters.
+    /// Makes a viewing of `screen` from `distance_cm` centimeters.
     ///
     /// # Errors
     /// When the distance is not within 1…100000 cm.
@@ -122,45 +122,45 @@ impl Viewing {
         self.screen
     }
 
-    /// Distance from the eye in centimeters.
+    /// Distance from the eye to the screen in centimeters.
     #[must_use]
     pub fn distance_cm(&self) -> f64 {
         self.distance_cm
     }
 
-    /// Centimeters on the screen, centered on the line of sight, that subtend `deg` degrees (0 ≤ `deg`
-    /// < 180).
+    /// Returns the size in centimeters on the screen, centered on the line of sight, that subtends `deg` degrees (0 ≤
+    /// `deg` < 180).
     #[must_use]
     pub fn cm_from_deg(&self, deg: f64) -> f64 {
         2.0 * self.distance_cm * (deg.to_radians() / 2.0).tan()
     }
 
-    /// Physical pixels, centered on the line of sight, that subtend `deg` degrees (0 ≤ `deg` < 180).
-    /// Not rounded.
+    /// Returns the size in physical pixels, centered on the line of sight, that subtends `deg` degrees (0 ≤ `deg` <
+    /// 180). The result is not rounded.
     #[must_use]
     pub fn px_from_deg(&self, deg: f64) -> f64 {
         self.cm_from_deg(deg) * self.screen.px_per_cm()
     }
 
-    /// Degrees subtended by `px` physical pixels, centered on the line of sight.
+    /// Returns the angle in degrees that `px` physical pixels, centered on the line of sight, subtend.
     #[must_use]
     pub fn deg_from_px(&self, px: f64) -> f64 {
         2.0 * (px / self.screen.px_per_cm() / (2.0 * self.distance_cm)).atan().to_degrees()
     }
 
-    /// Physical pixels per degree where the line of sight meets the screen: the limit of small
-    /// angles.
+    /// Returns the physical pixels per degree where the line of sight meets the screen: the limit for small angles.
     #[must_use]
     pub fn px_per_degree(&self) -> f64 {
         1f64.to_radians() * self.distance_cm * self.screen.px_per_cm()
     }
 }
 
-/// Width in centimeters of a screen of `screen_width_px` physical pixels on which a card of
+/// Returns the width in centimeters of a screen that is `screen_width_px` physical pixels wide and on which a card of
 /// [`CARD_WIDTH_CM`] covers `card_px` physical pixels.
 ///
 /// # Errors
-/// If the card covers no pixels, or more than the screen has, or if the resulting width is implausible for a screen.
+/// If the card covers less than one pixel or more pixels than the screen has, or if the resulting width is implausible
+/// for a screen.
 pub fn width_cm_from_card(card_px: f64, screen_width_px: u32) -> Result<f64, GeometryError> {
     let screen_px = f64::from(screen_width_px);
     let expected = "the width of the card's outline on the screen";

@@ -1,4 +1,4 @@
-//! Properties of a screen: how codes become light, its luminance, its colors, and its size.
+//! Properties of a screen: its transfer functions, luminance, colors, and size.
 
 use jiff::civil::Date;
 use serde::{Deserialize, Serialize};
@@ -8,24 +8,24 @@ use crate::light::{Transfer, Transfers};
 /// Days after which a measurement should be repeated.
 pub const VALID_DAYS: i32 = 30;
 
-/// A display profile. Without a measurement it is an assumption.
+/// A display profile. Without a measurement, it is an assumption.
 ///
-/// Linear light is what a code adds to the screen's black, relative to what the largest code adds: 0…1. The luminance of
-/// both ends is in [`DisplayProfile::luminance`].
+/// Linear light, 0…1, is the light that a code adds to the screen's black, relative to the light that the largest code
+/// adds. [`DisplayProfile::luminance`] gives the luminance of both ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplayProfile {
     pub name: String,
-    /// Encoded value to linear light, channel by channel.
+    /// How encoded values become linear light, channel by channel.
     pub transfers: Transfers,
     /// Luminance of code 0 and of the largest code in all channels, if measured.
     pub luminance: Option<LuminanceRange>,
     /// Chromaticities of the channels and of white, if known.
     pub primaries: Option<Primaries>,
-    /// Bits per channel that the screen itself shows, if known.
+    /// Bits per channel that the panel itself shows, if known.
     pub bits: Option<u8>,
     /// Who measured the screen, when, and with what; `None` for an assumption.
     pub measured: Option<Measurement>,
-    /// Width of the visible screen in cm, if known.
+    /// Width of the visible part of the screen in cm, if known.
     pub screen_width_cm: Option<f64>,
     /// The native pixels of the screen, columns and rows, if known.
     pub native_px: Option<[u32; 2]>,
@@ -41,19 +41,19 @@ pub struct LuminanceRange {
 }
 
 impl LuminanceRange {
-    /// Luminance of the relative linear light `linear`, 0…1, cd/m².
+    /// Returns the luminance of the linear light `linear`, 0…1, in cd/m².
     #[must_use]
     pub fn cd_m2(&self, linear: f64) -> f64 {
         self.black_cd_m2 + linear * (self.white_cd_m2 - self.black_cd_m2)
     }
 
-    /// The lowest intensity I₀ of equal-brightness steps: black relative to white, Shoaff §2.1.1.
+    /// Returns the lowest intensity I₀ of equal-brightness steps: black relative to white, Shoaff §2.1.1.
     #[must_use]
     pub fn lowest_intensity(&self) -> f64 {
         self.black_cd_m2 / self.white_cd_m2
     }
 
-    /// Both, as in "0.251 to 134 cd/m²".
+    /// Formats both luminances, as in "0.251 to 134 cd/m²".
     #[must_use]
     pub fn sentence(&self) -> String {
         format!("{} to {} cd/m²", short(self.black_cd_m2), short(self.white_cd_m2))
@@ -64,13 +64,13 @@ impl LuminanceRange {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Primaries {
-    /// Of the red channel.
+    /// Chromaticity of the red channel.
     pub red: [f64; 2],
-    /// Of the green channel.
+    /// Chromaticity of the green channel.
     pub green: [f64; 2],
-    /// Of the blue channel.
+    /// Chromaticity of the blue channel.
     pub blue: [f64; 2],
-    /// Of all channels together.
+    /// Chromaticity of all channels together.
     pub white: [f64; 2],
 }
 
@@ -78,18 +78,18 @@ pub struct Primaries {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measurement {
-    /// The day, if known.
+    /// The day of the measurement, if known.
     #[serde(default, deserialize_with = "day", skip_serializing_if = "Option::is_none")]
     pub on: Option<Date>,
-    /// By whom.
+    /// Who measured it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by: Option<String>,
-    /// With what: the photometer, or the eye and which procedure.
+    /// The instrument: the photometer, or the eye and the procedure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with: Option<String>,
 }
 
-/// Accepts a missing or a valid day.
+/// Reads a valid day; `serde(default)` covers a missing one.
 fn day<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Date>, D::Error> {
     let text = String::deserialize(deserializer)?;
     let wrong = |_| serde::de::Error::custom(format!("measured.on is {text:?}; expected a day such as \"2026-01-31\""));
@@ -97,7 +97,7 @@ fn day<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Date>
 }
 
 impl Measurement {
-    /// Days from the measurement to `today`; `None` where its day is not known.
+    /// Returns the days from the measurement to `today`; `None` if the day of the measurement is unknown.
     #[must_use]
     pub fn age_days(&self, today: Date) -> Option<i32> {
         let since = self.on?.until((jiff::Unit::Day, today)).ok()?;
@@ -106,7 +106,7 @@ impl Measurement {
 }
 
 impl Default for DisplayProfile {
-    /// sRGB, assumed.
+    /// An sRGB display, assumed and not measured.
     fn default() -> Self {
         Self {
             name: "sRGB".to_owned(),
@@ -122,7 +122,7 @@ impl Default for DisplayProfile {
 }
 
 impl DisplayProfile {
-    /// The profile in one sentence.
+    /// Describes the profile in one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         let transfer = match self.transfers.uniform() {
@@ -144,7 +144,7 @@ impl DisplayProfile {
         )
     }
 
-    /// Why the profile may be unreliable on the day `today`, in one sentence; `None` if there is no reason.
+    /// Says in one sentence why the profile may be unreliable on the day `today`; `None` if there is no reason.
     #[must_use]
     pub fn warning(&self, today: Date) -> Option<String> {
         let Some(measured) = &self.measured else {
@@ -161,7 +161,7 @@ impl DisplayProfile {
     }
 }
 
-/// A transfer function with no more digits than a measurement has.
+/// Formats a transfer function with no more digits than a measurement provides.
 fn described(transfer: &Transfer) -> String {
     match transfer {
         Transfer::Gamma(gamma) => format!("γ {gamma:.3}"),
@@ -170,7 +170,7 @@ fn described(transfer: &Transfer) -> String {
     }
 }
 
-/// A number with three significant digits and at most six decimals.
+/// Formats a number with three significant digits and at most six decimals.
 #[must_use]
 pub fn short(value: f64) -> String {
     let digits = (2 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;

@@ -1,5 +1,5 @@
-//! Steps of equal brightness on a screen, Shoaff §2.1.1: levels I_j = r^j·I₀ with r = (1/I₀)^(1/n), and the codes that
-//! are nearest to them.
+//! Steps of equal brightness on a screen (Shoaff §2.1.1): the levels I_j = r^j·I₀ with r = (1/I₀)^(1/n), and the codes
+//! nearest to them.
 
 use super::DisplayProfile;
 use crate::light::{
@@ -10,23 +10,24 @@ use crate::light::{
 /// One level and its codes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// j, from 0 at the screen's black to n at its white.
+    /// The index j, from 0 at the screen's black to n at its white.
     pub level: usize,
-    /// I_j, relative to white, including the screen's black.
+    /// I_j relative to white; includes the light of the screen's black.
     pub intensity: f64,
-    /// I_j in cd/m²; `None` where white was not measured.
+    /// I_j in cd/m²; `None` if white was not measured.
     pub cd_m2: Option<f64>,
     /// The nearest 8-bit codes of red, green and blue under the profile.
     pub codes: [u8; 3],
-    /// The light of the green code, relative to white, including black.
+    /// The light of the green code relative to white; includes the light of the screen's black.
     pub emitted: f64,
-    /// The level nearest to that light; not j if 8 bits are too few.
+    /// The index of the level nearest to that light; differs from j if 8 bits are too few.
     pub nearest: usize,
 }
 
-/// The n + 1 levels from `i0`, the light of code 0 relative to white, to white.
+/// Returns the n + 1 levels from `i0`, the light of code 0 relative to white, up to white.
 ///
-/// The linear light of a profile is what a code adds to black: level I_j needs (I_j − I₀)/(1 − I₀) of it.
+/// A profile's linear light is the light that a code adds to black, so level I_j needs the linear light (I_j − I₀)/(1 −
+/// I₀).
 ///
 /// # Errors
 /// When `i0` is not strictly between 0 and 1, or `n` is 0.
@@ -48,7 +49,7 @@ pub fn steps(profile: &DisplayProfile, i0: f64, n: usize) -> Result<Vec<Step>, T
     Ok(equal_brightness_levels(i0, n)?.into_iter().enumerate().map(step).collect())
 }
 
-/// The steps as CSV, with a header.
+/// Returns the steps as CSV with a header.
 #[must_use]
 pub fn csv(steps: &[Step]) -> String {
     let mut text = String::from("level,intensity,cd_m2,red_code,green_code,blue_code,emitted,nearest_level\n");

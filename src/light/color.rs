@@ -1,56 +1,57 @@
-//! Ways to write a color: CIE XYZ, xyY, CIELAB and CIELUV, Shoaff §2.2.3 and §2.2.4, and the models that only rearrange
-//! red, green and blue: HSV, HLS, CMY and CMYK, Shoaff §2.2.5–2.2.7.
+//! Color spaces and color models: CIE XYZ, xyY, CIELAB and CIELUV (Shoaff §2.2.3 and §2.2.4), and the models that only
+//! rearrange red, green and blue: HSV, HLS, CMY and CMYK (Shoaff §2.2.5–2.2.7).
 //!
-//! Every function's name says its direction. For the CIE spaces RGB is linear in light, each 0…1, on a screen with the
-//! primaries of sRGB; XYZ is relative to white, whose Y is 1. Lab and Luv are CIE 1976, as CIE 15:2004 gives them, with
-//! its exact constants. The other models take RGB as it comes: the HSV of linear values is not the HSV of encoded ones.
+//! Every function's name says its direction. For the CIE spaces, RGB is linear in light, 0…1 per channel, on a screen
+//! with the sRGB primaries; XYZ is relative to white, whose Y is 1. Lab and Luv are the CIE 1976 spaces as defined in
+//! CIE 15:2004, with its exact constants. The other models take RGB as given: the HSV of linear values is not the HSV
+//! of encoded values.
 //!
-//! Hues are angles in degrees: red 0, green 120, blue 240. A gray has no hue; models have 0 there.
+//! Hues are angles in degrees: red is 0, green 120, blue 240. A gray has no hue; the models give it a hue of 0.
 
 type Matrix = [[f64; 3]; 3];
 
-/// XYZ = M·RGB, the columns the XYZ of the primaries. Computed from the chromaticities of ITU-R BT.709-6 and the white
-/// (0.3127, 0.3290); IEC 61966-2-1 prints it rounded to four digits. Shoaff §2.2.4.
+/// M in XYZ = M·RGB; its columns are the XYZ of the primaries. Computed from the chromaticities in ITU-R BT.709-6 and
+/// the white point (0.3127, 0.3290); IEC 61966-2-1 prints it rounded to four digits. Shoaff §2.2.4.
 const XYZ_FROM_RGB: Matrix = [
     [0.412_390_799_265_959_3, 0.357_584_339_383_878, 0.180_480_788_401_834_3],
     [0.212_639_005_871_510_24, 0.715_168_678_767_756, 0.072_192_315_360_733_71],
     [0.019_330_818_715_591_82, 0.119_194_779_794_625_98, 0.950_532_152_249_660_6],
 ];
 
-/// Its inverse.
+/// The inverse of [`XYZ_FROM_RGB`].
 const RGB_FROM_XYZ: Matrix = [
     [3.240_969_941_904_522_6, -1.537_383_177_570_094, -0.498_610_760_293_003_44],
     [-0.969_243_636_280_879_5, 1.875_967_501_507_720_2, 0.041_555_057_407_175_6],
     [0.055_630_079_696_993_63, -0.203_976_958_888_976_5, 1.056_971_514_242_878_4],
 ];
 
-/// X, Y and Z of white.
+/// X, Y and Z of the white point.
 pub const WHITE: [f64; 3] = [0.950_455_927_051_671_7, 0.999_999_999_999_999_9, 1.089_057_750_759_878_4];
 
 fn product(m: &Matrix, [a, b, c]: [f64; 3]) -> [f64; 3] {
     m.map(|row| row[0] * a + row[1] * b + row[2] * c)
 }
 
-/// X, Y and Z of the light `rgb`. Shoaff §2.2.4.
+/// Converts linear RGB to XYZ. Shoaff §2.2.4.
 #[must_use]
 pub fn xyz_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     product(&XYZ_FROM_RGB, rgb)
 }
 
-/// The RGB that makes `xyz`, outside 0…1 if the screen cannot show it. Shoaff §2.2.4.
+/// Converts XYZ to linear RGB; the result is outside 0…1 if the screen cannot show the color. Shoaff §2.2.4.
 #[must_use]
 pub fn rgb_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     product(&RGB_FROM_XYZ, xyz)
 }
 
-/// X, Y and Z: X = Y·x/y, Z = Y·(1 − x − y)/y; y is above 0. Shoaff §2.2.3.
+/// Converts xyY to XYZ: X = Y·x/y, Z = Y·(1 − x − y)/y. `y` must be above 0. Shoaff §2.2.3.
 #[must_use]
 pub fn xyz_from_xyy([x, y, luminance]: [f64; 3]) -> [f64; 3] {
     let total = luminance / y;
     [x * total, luminance, (1.0 - x - y) * total]
 }
 
-/// Chromaticity x, y and luminance Y; black has no chromaticity, and NaN there. Shoaff §2.2.3.
+/// Returns the chromaticity x, y and the luminance Y. Black has no chromaticity: its x and y are NaN. Shoaff §2.2.3.
 #[must_use]
 pub fn xyy_from_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
     let total = x + y + z;
@@ -78,7 +79,8 @@ pub fn lab_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// f(X/Xn), f(Y/Yn) and f(Z/Zn) of [`lab_from_xyz`]: the cube roots that Lab is made of, straight lines in it.
+/// f(X/Xn), f(Y/Yn) and f(Z/Zn) of [`lab_from_xyz`]: the cube roots from which Lab is computed. They are linear
+/// functions of L\*, a\* and b\*.
 #[must_use]
 #[inline]
 pub fn cube_roots([lightness, a, b]: [f64; 3]) -> [f64; 3] {
@@ -112,7 +114,7 @@ pub fn luv_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// The inverse of [`luv_from_xyz`]; black where L\* is 0.
+/// The inverse of [`luv_from_xyz`]; an L\* of 0 gives black.
 #[must_use]
 pub fn xyz_from_luv([lightness, u, v]: [f64; 3]) -> [f64; 3] {
     if lightness == 0.0 {
@@ -124,13 +126,13 @@ pub fn xyz_from_luv([lightness, u, v]: [f64; 3]) -> [f64; 3] {
     [y * 9.0 * u / (4.0 * v), y, y * (12.0 - 3.0 * u - 20.0 * v) / (4.0 * v)]
 }
 
-/// The largest and the smallest of three.
+/// Returns the largest and the smallest channel.
 fn extremes([r, g, b]: [f64; 3]) -> (f64, f64) {
     (r.max(g).max(b), r.min(g).min(b))
 }
 
-/// The hue, 0…360 degrees without 360 itself: which channel leads, and by how much the second is ahead of the third.
-/// `None` for a gray, Shoaff's UNDEFINED. Shoaff §2.2.6.
+/// Returns the hue in degrees, at least 0 and less than 360. It is determined by the largest channel and the difference
+/// of the other two. `None` for a gray, Shoaff's UNDEFINED. Shoaff §2.2.6.
 #[must_use]
 pub fn hue(rgb: [f64; 3]) -> Option<f64> {
     let ([r, g, b], (max, min)) = (rgb, extremes(rgb));
@@ -148,23 +150,23 @@ pub fn hue(rgb: [f64; 3]) -> Option<f64> {
     Some(wrapped_deg(60.0 * sixth))
 }
 
-/// The angle `degrees` in 0…360, 360 itself being 0.
+/// Wraps the angle `degrees` into 0…360; 360 itself becomes 0.
 #[must_use]
 pub fn wrapped_deg(degrees: f64) -> f64 {
     let wrapped = degrees.rem_euclid(360.0);
-    // A hair below 0 wraps to 360. Adding 0 takes the sign off −0.
+    // An angle just below 0 wraps to 360. Adding 0 turns −0 into 0.
     if wrapped >= 360.0 { 0.0 } else { wrapped + 0.0 }
 }
 
-/// Hue, saturation S = (max − min)/max and value V = max: a six-sided pyramid, black its tip. Black has S = 0. Shoaff
-/// §2.2.6.
+/// Hue, saturation S = (max − min)/max and value V = max: a six-sided pyramid with black at its tip. Black has S = 0.
+/// Shoaff §2.2.6.
 #[must_use]
 pub fn hsv_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     let (max, min) = extremes(rgb);
     [hue(rgb).unwrap_or(0.0), if max > 0.0 { (max - min) / max } else { 0.0 }, max]
 }
 
-/// The inverse of [`hsv_from_rgb`], Foley, van Dam, Feiner and Hughes 1990, fig. 13.34; any angle is a hue.
+/// The inverse of [`hsv_from_rgb`] (Foley, van Dam, Feiner and Hughes 1990, fig. 13.34); accepts any angle as a hue.
 #[must_use]
 #[inline]
 pub fn rgb_from_hsv([hue, saturation, value]: [f64; 3]) -> [f64; 3] {
@@ -175,10 +177,10 @@ pub fn rgb_from_hsv([hue, saturation, value]: [f64; 3]) -> [f64; 3] {
     arranged(sector, value, value * (1.0 - saturation), rising, falling)
 }
 
-/// The values of red, green and blue in a sector of the hexagon, 0…5.
+/// Returns red, green and blue in a sector (0…5) of the hexagon.
 #[inline]
 fn arranged(sector: f64, max: f64, min: f64, rising: f64, falling: f64) -> [f64; 3] {
-    // A whole number below 6.
+    // `sector` is a whole number below 6.
     match sector as u8 {
         0 => [max, rising, min],
         1 => [falling, max, min],
@@ -189,9 +191,10 @@ fn arranged(sector: f64, max: f64, min: f64, rising: f64, falling: f64) -> [f64;
     }
 }
 
-/// Hue, lightness and saturation: two six-sided pyramids base to base, black and white their tips. L = (max + min)/2, S =
-/// (max − min)/(max + min) in the lower half and (max − min)/(2 − max − min) in the upper. Shoaff §2.2.7, repaired: the
-/// code printed there divides by (2 − max + min), which leaves saturated colors in the upper half short of S = 1.
+/// Hue, lightness and saturation: two six-sided pyramids base to base, with black and white at the tips. L = (max +
+/// min)/2, S = (max − min)/(max + min) in the lower half and (max − min)/(2 − max − min) in the upper half. Shoaff
+/// §2.2.7, corrected: the code printed there divides by (2 − max + min), so saturated colors in the upper half never
+/// reach S = 1.
 #[must_use]
 pub fn hls_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     let (max, min) = extremes(rgb);
@@ -201,32 +204,32 @@ pub fn hls_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     [hue(rgb).unwrap_or(0.0), lightness, saturation]
 }
 
-/// The inverse of [`hls_from_rgb`], Foley, van Dam, Feiner and Hughes 1990, fig. 13.37; any angle is a hue.
+/// The inverse of [`hls_from_rgb`] (Foley, van Dam, Feiner and Hughes 1990, fig. 13.37); accepts any angle as a hue.
 #[must_use]
 pub fn rgb_from_hls([hue, lightness, saturation]: [f64; 3]) -> [f64; 3] {
     let sixth = wrapped_deg(hue) / 60.0;
     let (sector, part) = (sixth.floor(), sixth - sixth.floor());
-    // Half the height of the color over the axis.
+    // Half the difference between the largest and the smallest channel.
     let half = saturation * lightness.min(1.0 - lightness);
     let (max, min) = (lightness + half, lightness - half);
     arranged(sector, max, min, min + (max - min) * part, max - (max - min) * part)
 }
 
-/// Cyan, magenta and yellow, 1 − RGB: ideal inks, each of which takes away one of the three. Its own inverse. Shoaff
-/// §2.2.5.
+/// Cyan, magenta and yellow, 1 − RGB: ideal inks, each absorbing one of the three primaries. This function is its own
+/// inverse. Shoaff §2.2.5.
 #[must_use]
 pub fn cmy_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     rgb.map(|value| 1.0 - value)
 }
 
-/// Cyan, magenta, yellow and black: K = min(C, M, Y), taken off each of the three. Shoaff §2.2.5.
+/// Cyan, magenta, yellow and black: K = min(C, M, Y) is subtracted from each of the three inks. Shoaff §2.2.5.
 #[must_use]
 pub fn cmyk_from_rgb(rgb: [f64; 3]) -> [f64; 4] {
     let (cmy, (_, black)) = (cmy_from_rgb(rgb), extremes(cmy_from_rgb(rgb)));
     [cmy[0] - black, cmy[1] - black, cmy[2] - black, black]
 }
 
-/// The inverse of [`cmyk_from_rgb`]: black put back on each of the three. Shoaff §2.2.5.
+/// The inverse of [`cmyk_from_rgb`]: adds black back to each of the three inks. Shoaff §2.2.5.
 #[must_use]
 pub fn rgb_from_cmyk([cyan, magenta, yellow, black]: [f64; 4]) -> [f64; 3] {
     cmy_from_rgb([cyan + black, magenta + black, yellow + black])

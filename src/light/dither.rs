@@ -1,16 +1,16 @@
-//! Dither: a pixel's place decides which of the two codes that enclose a value it gets, so that the mean light of many
-//! pixels is the requested light.
+//! Dither: a pixel's position decides which of the two codes that enclose a value it gets, so that the mean light of
+//! many pixels is the requested light.
 //!
-//! Every kind compares in linear light: between the codes c and c + 1, whose relative luminances L(c)
-//! and L(c + 1) enclose v, p = (v − L(c)) / (L(c + 1) − L(c)) is the share of pixels that should have
-//! the upper code, and the pixel at (x, y) has it iff p > t(x, y). The thresholds t are spread evenly
-//! over the open interval (0, 1); the kinds of dither differ in nothing else.
+//! All kinds of dither compare in linear light. If the relative luminances L(c) and L(c + 1) of the codes c and c + 1
+//! enclose v, then p = (v − L(c)) / (L(c + 1) − L(c)) is the fraction of pixels that should have the upper code, and
+//! the pixel at (x, y) gets it iff p > t(x, y). The thresholds t are spread evenly over the open interval (0, 1); the
+//! kinds of dither differ only in t.
 //!
-//! - A value that is a code's own luminance, to within one unit of f32's last place, gets that code
+//! - A value that equals a code's own luminance, to within one unit in the last place of an f32, gets that code
 //!   everywhere, without noise.
-//! - Red, green and blue of a pixel share its threshold: equal values give equal codes, a yellow stays
-//!   yellow and a gray gray.
-//! - Thresholds depend on the pixel's place and the seed only, and are the same on every machine.
+//! - The red, green and blue of a pixel share its threshold. Equal values therefore give equal codes: yellow stays
+//!   yellow, and gray stays gray.
+//! - Thresholds depend only on the pixel's position and the seed, and are the same on every machine.
 
 use std::fmt;
 use std::str::FromStr;
@@ -20,43 +20,43 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::names::{named, serde_as_text};
 
-/// The choice between two codes. Written `none`, `ordered`, `ordered:MATRIX` with the name
-/// of a [`DitherMatrix`], `blue-noise` or `random`; the text does not hold the seed of the last.
+/// How to choose between two codes. Written `none`, `ordered`, `ordered:MATRIX` with the name of a [`DitherMatrix`],
+/// `blue-noise` or `random`; the text does not include the seed of `random`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Dither {
     /// The nearest code, in encoded space: no dither.
     #[default]
     None,
-    /// A small matrix, repeated. Written without a matrix it is [`DitherMatrix::Bayer8`].
+    /// A small matrix, repeated. Without a matrix in the text, it is [`DitherMatrix::Bayer8`].
     Ordered(DitherMatrix),
     /// The 64 × 64 mask of [`mask`], repeated.
     BlueNoise,
-    /// Random thresholds, stratified: every tile of 4 × 4 pixels has one threshold in each sixteenth of
-    /// (0, 1), and each 2 × 2 quarter of it one in each quarter of (0, 1); which pixel has which, and
-    /// where in its share a threshold lies, is random. Plain white noise misses the mean of 16 × 16
-    /// pixels by up to 0.14 code; this, by less than 0.1.
+    /// Stratified random thresholds. Every tile of 4 × 4 pixels has one threshold in each sixteenth of (0, 1), and each
+    /// 2 × 2 quarter of a tile has one in each quarter of (0, 1). Which pixel gets which stratum, and where the
+    /// threshold lies within it, is random. The mean of 16 × 16 pixels is off by up to 0.14 code with plain white
+    /// noise, but by less than 0.1 code here.
     Random {
-        /// Seed of the pattern.
+        /// The seed of the pattern.
         seed: u64,
     },
 }
 
-/// Why something is not a [`Dither`].
+/// Why a text is not a valid [`Dither`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DitherError {
     /// A text that names no dither.
     #[error("dither {0:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random")]
     Unknown(String),
-    /// An ordered dither by a matrix that does not exist.
+    /// An ordered dither with a matrix that does not exist.
     #[error(transparent)]
     Matrix(#[from] DitherMatrixError),
 }
 
 impl Dither {
-    /// The seed of `random` where none is given.
+    /// The seed of `random` if none is given.
     pub const DEFAULT_SEED: u64 = 1;
 
-    /// This dither with the seed `seed`; the same, if it is not random.
+    /// Returns this dither with the seed `seed`; a dither that is not random stays the same.
     #[must_use]
     pub const fn with_seed(self, seed: u64) -> Self {
         match self {
@@ -100,15 +100,15 @@ serde_as_text!(Dither);
 
 /// Shoaff §2.1.2, D⁽²⁾.
 const SHOAFF_2: [[u16; 2]; 2] = [[0, 2], [3, 1]];
-/// Shoaff §2.1.2, D⁽³⁾: it grows outward from its center.
+/// Shoaff §2.1.2, D⁽³⁾: the dot grows outward from its center.
 const SHOAFF_3: [[u16; 3]; 3] = [[6, 8, 4], [1, 0, 3], [5, 2, 7]];
 
 named! {
-    /// An n × n tile that holds every rank 0…n²−1 once: the dot of rank k is the (k + 1)-th to be lit.
+    /// An n × n tile that contains every rank 0…n²−1 once: the dot of rank k is the (k + 1)-th to be lit.
     ///
-    /// Bayer's (*An optimum method for two-level rendition of continuous-tone pictures*, ICC 1973) scatter
-    /// the dots as far as they can, for screens. Shoaff's, written `clustered`, are those of a growing
-    /// dot, for print; D⁽²⁾ is too small to cluster, and is Bayer's 2 × 2 turned over.
+    /// Bayer's matrices (*An optimum method for two-level rendition of continuous-tone pictures*, ICC 1973) scatter the
+    /// dots as far apart as possible, for screens. Shoaff's matrices, named `clustered`, grow a single dot, for print.
+    /// D⁽²⁾ is too small to cluster; it is Bayer's 2 × 2 matrix transposed.
     #[derive(Default)]
     DitherMatrix, DitherMatrixError {
         /// Bayer 2 × 2: 5 levels between two codes.
@@ -140,9 +140,9 @@ impl DitherMatrix {
         }
     }
 
-    /// The rank, 0…n²−1, of the dot in column `x` and row `y`; the tile repeats forever.
+    /// Returns the rank, 0…n²−1, of the dot in column `x` and row `y`; the tile repeats without end.
     ///
-    /// Shoaff indexes D\[i\]\[j\] with i = x mod n, j = y mod n, so his printed rows are columns here.
+    /// Shoaff indexes D\[i\]\[j\] with i = x mod n and j = y mod n, so the rows as printed are columns here.
     #[must_use]
     pub fn rank(self, x: u32, y: u32) -> u16 {
         let (x, y) = (x % self.size(), y % self.size());
@@ -153,7 +153,7 @@ impl DitherMatrix {
         }
     }
 
-    /// Every rank, row by row from the top left.
+    /// Returns every rank, row by row from the top left.
     #[must_use]
     pub fn ranks(self) -> Vec<u16> {
         let n = self.size();
@@ -161,8 +161,8 @@ impl DitherMatrix {
     }
 }
 
-/// Bayer's recursion, M₂ₙ = \[4Mₙ, 4Mₙ + 2; 4Mₙ + 3, 4Mₙ + 1\] from M₁ = \[0\], bit by bit: the lowest
-/// bits of the place decide the highest of the rank. `size` is a power of 2.
+/// Bayer's recursion, M₂ₙ = \[4Mₙ, 4Mₙ + 2; 4Mₙ + 3, 4Mₙ + 1\] from M₁ = \[0\], bit by bit: the lowest bits of the
+/// position determine the highest bits of the rank. `size` is a power of 2.
 fn bayer_rank(size: u32, x: u32, y: u32) -> u16 {
     let bits = size.trailing_zeros();
     (0..bits).fold(0, |rank, bit| {
@@ -178,37 +178,37 @@ pub const MASK_SIZE: u32 = 64;
 /// The mask's ranks, 16 bits each, lower byte first.
 const MASK_BYTES: &[u8; 2 * MASK_SIZE as usize * MASK_SIZE as usize] = include_bytes!("blue_noise_64.bin");
 
-/// The ranks of the blue-noise mask, each of 0…[`MASK_SIZE`]²−1 once, row by row from the top left: noise without
-/// pattern and without slow undulation. R. Ulichney, *The void-and-cluster method for dither array generation*, Proc.
-/// SPIE 1913 (1993).
+/// Returns the ranks of the blue-noise mask, row by row from the top left. Each of 0…[`MASK_SIZE`]²−1 occurs once. Blue
+/// noise has no visible pattern and no low-frequency variation. R. Ulichney, *The void-and-cluster method for dither
+/// array generation*, Proc. SPIE 1913 (1993).
 ///
-/// `cargo run -p tools -- blue-noise` generates the file again; a test there compares the two byte for byte.
+/// `cargo run -p tools -- blue-noise` regenerates the file; a test in `tools` compares the two byte for byte.
 #[must_use]
 pub fn mask() -> Vec<u16> {
     MASK_BYTES.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect()
 }
 
-/// The threshold of `rank` among `size`²: the middle of its share of (0, 1).
+/// Returns the threshold of `rank` among `size`² ranks: the middle of its share of (0, 1).
 pub(super) fn from_rank(rank: u16, size: u32) -> f64 {
     (f64::from(rank) + 0.5) / f64::from(size * size)
 }
 
 /// Pixels per side of a tile of [`Dither::Random`].
 const TILE: u32 = 4;
-/// Pixels of a tile, and strata of (0, 1).
+/// Pixels in a tile, which is also the number of strata in (0, 1).
 const STRATA: usize = (TILE * TILE) as usize;
-/// Where the quarters of a tile begin, and the places of a quarter from there.
+/// The index of the first pixel of each quarter of a tile; [`PLACES`] are the offsets of a quarter's pixels from there.
 const QUARTERS: [usize; 4] = [0, 2, 8, 10];
 const PLACES: [usize; 4] = [0, 1, 4, 5];
-/// Random words of a tile: 16 jitters, 12 for strata to quarters, 12 for places within quarters, 8
-/// not used.
+/// Random words per tile: 16 for jitter, 12 to assign strata to quarters, 12 to assign places within quarters, 8
+/// unused.
 const WORDS: u32 = 48;
-/// First stream of the generator; the streams are one for each row of tiles. No other
-/// user of the same seed may use them.
+/// The first stream of the generator; each row of tiles has its own stream. No other code that uses the same seed may
+/// use these streams.
 const FIRST_STREAM: u64 = u64::from_be_bytes(*b"dith\0\0\0\0");
 
-/// The tiles of [`Dither::Random`]: ChaCha8 with the seed, stream [`FIRST_STREAM`] + row of tiles, from
-/// word [`WORDS`] · column of tiles.
+/// The tiles of [`Dither::Random`]: ChaCha8 with the given seed. A tile uses the stream [`FIRST_STREAM`] + row of
+/// tiles, starting at word [`WORDS`] · column of tiles.
 struct Tiles(ChaCha8Rng);
 
 impl Tiles {
@@ -216,15 +216,15 @@ impl Tiles {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// Moves to the first tile of a row.
+    /// Moves to the first tile of row `row` of tiles.
     fn seek(&mut self, row: u32) {
         self.0.set_stream(FIRST_STREAM + u64::from(row));
         self.0.set_word_pos(0);
     }
 
-    /// The thresholds of the tile here, row by row; then on to the one at its right.
+    /// Returns the thresholds of the current tile, row by row, and moves to the next tile on the right.
     fn next(&mut self) -> [f64; STRATA] {
-        // quarters[i][k]: what the i-th quarter of the tile has in the k-th quarter of (0, 1).
+        // quarters[i][k]: the threshold in the k-th quarter of (0, 1) that the i-th quarter of the tile gets.
         let mut quarters = [[0.0; 4]; 4];
         for k in 0..4 {
             let strata = [0, 1, 2, 3].map(|s| (f64::from(4 * k + s) + self.unit()) / STRATA as f64);
@@ -244,13 +244,13 @@ impl Tiles {
         tile
     }
 
-    /// A number strictly between 0 and 1, of one word.
+    /// Returns a number strictly between 0 and 1, made from one word.
     fn unit(&mut self) -> f64 {
         (f64::from(self.0.next_u32()) + 0.5) / 2f64.powi(32)
     }
 
-    /// Fisher and Yates, of three words. 32 bits are so many more than 4 places that no pick needs
-    /// repeating.
+    /// The Fisher–Yates shuffle, using three words. With 32 bits for at most 4 places, the bias is too small to need
+    /// rejection.
     fn shuffled(&mut self, mut four: [f64; 4]) -> [f64; 4] {
         for last in (1..4).rev() {
             let pick = (u64::from(self.0.next_u32()) * (last as u64 + 1)) >> 32;
@@ -260,8 +260,8 @@ impl Tiles {
     }
 }
 
-/// The thresholds of an image, a row at a time: the share of the step to the next code that a value must exceed to get
-/// that code.
+/// The thresholds of an image, one row at a time. A threshold is the fraction of the step to the next code that a value
+/// must exceed to get that code.
 pub struct Thresholds {
     source: Source,
     row: Vec<f64>,
@@ -270,12 +270,12 @@ pub struct Thresholds {
 enum Source {
     /// A square of `size` pixels per side, repeated.
     Periodic { size: usize, thresholds: Vec<f64> },
-    /// Tiles, and the thresholds of the last row of tiles.
+    /// Tiles, the row of tiles computed last, and its thresholds.
     Tiled { tiles: Box<Tiles>, at: Option<u32>, band: Vec<[f64; STRATA]> },
 }
 
 impl Thresholds {
-    /// For an image of `width` pixels per row. `None` without dither.
+    /// Makes the thresholds for an image of `width` pixels per row. `None` without dither.
     #[must_use]
     pub fn new(dither: &Dither, width: u32) -> Option<Self> {
         let width = width as usize;
@@ -296,7 +296,7 @@ impl Thresholds {
         Some(Self { source, row: vec![0.0; width] })
     }
 
-    /// Those of row `y`, from 0 at the top; each strictly between 0 and 1.
+    /// Returns the thresholds of row `y`, counted from 0 at the top; each is strictly between 0 and 1.
     pub fn row(&mut self, y: u32) -> &[f64] {
         match &mut self.source {
             Source::Periodic { size, thresholds } => {
@@ -320,31 +320,31 @@ impl Thresholds {
     }
 }
 
-/// The relative luminance of every code of a device, ready for decisions between two of them.
+/// The relative luminance of every code of a device, prepared for choosing between two of them.
 #[derive(Clone, Debug)]
 pub(super) struct Levels(Vec<f32>);
 
 impl Levels {
-    /// The device whose code c makes `levels[c]`, from 0 to 1, rising. They are rounded to f32, as images
-    /// are, so that the last bits of a machine's `powf` do not matter.
+    /// Describes a device whose code c makes the c-th of `levels`, which rise from 0 to 1. They are rounded to f32, as
+    /// images are, so that the last bits of a machine's `powf` do not matter.
     pub(super) fn new(levels: impl Iterator<Item = f64>) -> Self {
         Self(levels.map(|level| level as f32).collect())
     }
 
-    /// The largest code that makes no more light than `linear`; 0 for light below 0 and NaN.
+    /// Returns the largest code that makes no more light than `linear`; 0 for light below 0 and for NaN.
     pub(super) fn at_most(&self, linear: f32) -> u16 {
-        // At most 2¹⁶ codes, the first of them dark.
+        // There are at most 2¹⁶ codes, and the first of them is dark.
         self.0.partition_point(|&level| level <= linear).saturating_sub(1) as u16
     }
 
-    /// The code of `linear` where the threshold is `threshold`, one of the two codes that enclose it.
-    /// `near` is one of these too. Light outside 0…1 gets the nearest code, NaN code 0.
+    /// Returns the code of `linear` at the threshold `threshold`: one of the two codes that enclose it. `near` must be
+    /// one of these two. Light outside 0…1 gets the nearest code, and NaN gets code 0.
     #[inline]
     pub(super) fn decide(&self, linear: f32, threshold: f64, near: u16) -> u16 {
         let near = usize::from(near);
         let lower = if linear < self.0[near] { near.saturating_sub(1) } else { near };
         let (low, Some(&high)) = (self.0[lower], self.0.get(lower + 1)) else { return lower as u16 };
-        // Light a rounding away from a code's is that code's. NaN is above nothing.
+        // Light within one rounding error of a code's light gets that code. Every comparison with NaN is false.
         let above = linear > low.next_up() && {
             let (linear, low, high) = (f64::from(linear), f64::from(low), f64::from(high));
             linear - low > threshold * (high - low)

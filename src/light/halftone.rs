@@ -1,12 +1,12 @@
 //! Halftone: many levels of light from a device with few codes. Shoaff §2.1.2.
 //!
-//! A device of m bits makes 2^m levels on its own and n²·(2^m − 1) + 1 with cells of n × n dots. Level
-//! j = c·n² + r is a cell whose r first dots, in the order of a [`DitherMatrix`], have the code c + 1 and
-//! whose others have c. From level to level one dot gains one code and none loses any: the levels are a
-//! growth sequence.
+//! A device with m bits makes 2^m levels on its own and n²·(2^m − 1) + 1 levels with cells of n × n dots. Level j =
+//! c·n² + r is a cell whose first r dots, in the order of a [`DitherMatrix`], have the code c + 1, and whose other dots
+//! have the code c. From each level to the next, one dot gains one code and no dot loses any: the levels are a growth
+//! sequence.
 //!
-//! Shoaff counts levels as if the codes were evenly spaced in light. Here a device has a [`Transfer`],
-//! and a value's level is the one whose cell's mean light is nearest, as in [`dither`](super::dither).
+//! Shoaff counts levels as if the codes were evenly spaced in light. Here, a device has a [`Transfer`], and a value
+//! gets the level whose cell has the nearest mean light, as in [`dither`](super::dither).
 
 use std::fmt;
 use std::str::FromStr;
@@ -16,13 +16,13 @@ use super::image::{CodeImage, LinearImage, Samples};
 use super::names::with_number;
 use super::transfer::{Transfer, Transfers};
 
-/// Most bits of a code.
+/// The maximum number of bits in a code.
 const MAX_BITS: u32 = 8;
 
-/// A device with few codes and the cells drawn on it. Written `clustered3:1`: the matrix and the bits per channel.
+/// A device with few codes and the cells drawn on it. Written as the matrix and the bits per channel: `clustered3:1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Screen {
-    /// Order of the dots in a cell.
+    /// The order of the dots in a cell.
     pub matrix: DitherMatrix,
     /// Bits m of a code, 1…8.
     pub bits: u32,
@@ -50,20 +50,20 @@ impl FromStr for Screen {
     }
 }
 
-/// Light to the cells of a device whose code c is encoded as c/(2^m − 1).
+/// Converts light to the cells of a device whose code c has the encoded value c/(2^m − 1).
 #[derive(Clone, Debug)]
 pub struct Halftone {
     screen: Screen,
     ranks: Vec<u16>,
-    /// The threshold of every rank, rising.
+    /// The threshold of every rank, in ascending order.
     thresholds: Vec<f64>,
-    /// Of red, green and blue.
+    /// The levels of red, green and blue.
     levels: [Levels; 3],
 }
 
 impl Halftone {
-    /// A halftone by `screen` for a device that `transfers` describes. Bits outside 1…8, which no text names, act as the
-    /// nearest inside.
+    /// Makes a halftone with `screen` for a device that `transfers` describes. Bits outside 1…8, which no valid text
+    /// contains, are clamped to that range.
     #[must_use]
     pub fn new(screen: Screen, transfers: &Transfers) -> Self {
         let screen = Screen { bits: screen.bits.clamp(1, MAX_BITS), ..screen };
@@ -76,40 +76,41 @@ impl Halftone {
         Self { screen, ranks, thresholds, levels: transfers.channels().each_ref().map(light) }
     }
 
-    /// The levels that a cell can show, n²·(2^m − 1) + 1. Three channels together show its cube.
+    /// Returns the number of levels that a cell can show, n²·(2^m − 1) + 1. Three channels together show the cube of
+    /// that.
     #[must_use]
     pub fn level_count(&self) -> u32 {
         self.dots() * u32::from(max_code(self.screen.bits)) + 1
     }
 
-    /// The level, 0…[`level_count`](Halftone::level_count) − 1, whose mean light is nearest to the relative
-    /// luminance `linear` of a channel; the lower of two as near. NaN is level 0.
+    /// Returns the level, 0…[`level_count`](Halftone::level_count) − 1, whose mean light is nearest to the relative
+    /// luminance `linear` of a channel; of two equally near levels, the lower. NaN is level 0.
     #[must_use]
     pub fn level(&self, channel: usize, linear: f32) -> u32 {
         let levels = &self.levels[channel];
         let code = levels.at_most(linear);
         let lit = self.thresholds.partition_point(|&threshold| levels.decide(linear, threshold, code) > code);
-        // At most n² ≤ 2⁸.
+        // `lit` is at most n² ≤ 2⁸.
         u32::from(code) * self.dots() + lit as u32
     }
 
-    /// The codes of the cell of `level`, row by row. Levels above the last are the last.
+    /// Returns the codes of the cell of `level`, row by row. Levels above the last are treated as the last.
     #[must_use]
     pub fn cell(&self, level: u32) -> Vec<u8> {
         let level = level.min(self.level_count() - 1);
         let (code, lit) = (level / self.dots(), level % self.dots());
-        // The last level has code 2^m − 1 ≤ 255, and lights no dot above it.
+        // The last level has the code 2^m − 1 ≤ 255 and no dot above it.
         self.ranks.iter().map(|&rank| (code + u32::from(u32::from(rank) < lit)) as u8).collect()
     }
 
-    /// `image` with a cell in the place of every pixel, n times as wide and as high, in 8 bits: code c is there
-    /// c·255/(2^m − 1), rounded, exact for 1, 2, 4 and 8 bits.
+    /// Returns `image` with a cell in place of every pixel, n times as wide and n times as high, in 8 bits: code c
+    /// becomes c·255/(2^m − 1), rounded; this is exact for 1, 2, 4 and 8 bits.
     #[must_use]
     pub fn enlarged(&self, image: &LinearImage) -> CodeImage {
         let size = self.screen.matrix.size();
         let (width, height) = (image.width * size, image.height * size);
         let max = max_code(self.screen.bits);
-        // At most 255, as a code is at most `max`.
+        // The result is at most 255 because a code is at most `max`.
         let scaled = |code: u8| ((u16::from(code) * 255 + max / 2) / max) as u8;
         let cells: Vec<Vec<u8>> =
             (0..self.level_count()).map(|level| self.cell(level).into_iter().map(scaled).collect()).collect();
@@ -128,7 +129,7 @@ impl Halftone {
         CodeImage { width, height, samples: Samples::Eight(codes) }
     }
 
-    /// Dots n² of a cell.
+    /// Dots per cell, n².
     fn dots(&self) -> u32 {
         self.screen.matrix.size().pow(2)
     }

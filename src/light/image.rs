@@ -1,12 +1,12 @@
-//! Pictures: light, and the codes made of it. Rows from the top, pixels from the left, red green
-//! blue interleaved.
+//! Images: light, and the codes that represent it. Rows run from the top, pixels from the left; red, green and blue are
+//! interleaved.
 
-/// An image of relative luminances, 0…1, linear in light.
+/// An image of relative luminances, 0…1, proportional to light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearImage {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// Red, green and blue of every pixel, row by row from the top left; `3 · width · height`
     /// values.
@@ -14,13 +14,13 @@ pub struct LinearImage {
 }
 
 impl LinearImage {
-    /// A dark image of `width` × `height` pixels.
+    /// Makes a black image of `width` × `height` pixels.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
         Self { width, height, data: vec![0.0; samples(width, height)] }
     }
 
-    /// The image whose pixel in column x and row y is `light(x, y)`.
+    /// Makes the image whose pixel in column x and row y is `light(x, y)`.
     #[must_use]
     pub fn from_fn(width: u32, height: u32, mut light: impl FnMut(u32, u32) -> [f32; 3]) -> Self {
         let mut data = Vec::with_capacity(samples(width, height));
@@ -52,29 +52,28 @@ impl LinearImage {
     }
 }
 
-/// An image of codes, as a file or a texture takes them. Made by
-/// [`Quantizer::quantize`](super::Quantizer::quantize).
+/// An image of codes, ready for a file or a texture. Made by [`Quantizer::quantize`](super::Quantizer::quantize).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CodeImage {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// The codes, in [`LinearImage::data`]'s order.
     pub samples: Samples,
 }
 
-/// Codes of one of two sizes.
+/// Codes of 8 or 16 bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Samples {
-    /// 0…255.
+    /// 8-bit codes, 0…255.
     Eight(Vec<u8>),
-    /// 0…65535.
+    /// 16-bit codes, 0…65535.
     Sixteen(Vec<u16>),
 }
 
 impl CodeImage {
-    /// The 8-bit codes, red green blue interleaved; `None` if this image has 16 bits.
+    /// Returns the 8-bit codes, with red, green and blue interleaved; `None` if this image has 16 bits.
     #[must_use]
     pub fn bytes(&self) -> Option<&[u8]> {
         match &self.samples {
@@ -97,12 +96,12 @@ impl CodeImage {
     }
 }
 
-/// Number of samples of an image.
+/// Returns the number of samples in an image.
 fn samples(width: u32, height: u32) -> usize {
     width as usize * height as usize * 3
 }
 
-/// Where a pixel's red is.
+/// Returns the index of a pixel's red sample.
 fn sample_index(width: u32, height: u32, x: u32, y: u32) -> usize {
     assert!(x < width && y < height, "pixel ({x}, {y}) is outside the {width} × {height} image");
     (y as usize * width as usize + x as usize) * 3

@@ -1,14 +1,14 @@
-//! I_n(u), the profile of a ramp from 0 to 1: Bangay eq. 1, with n as corrected in the crate's mathematics (the labels
-//! of the scan are shifted by one).
+//! I_n(u), the profile of a ramp from 0 to 1: Bangay eq. 1, with n as corrected in this project's mathematics notes
+//! (the labels in the scanned paper are off by one).
 //!
 //! For every whole n ≥ 1, I_n is the regularized incomplete beta function I_u(n, n),
 //! `(2n−1)·C(2n−2, n−1)·∫₀ᵘ s^(n−1)(1−s)^(n−1) ds`: n = 1 is `u`, n = 2 is `3u²−2u³`, n = 3 is
 //! `10u³−15u⁴+6u⁵`.
 //!
-//! The powers of u alternate in sign and cancel (at n = 32 nothing is left of an f64), so here, on
-//! 0 ≤ u ≤ ½, `I_n(u) = uⁿ · Σ_{k<n} C(n−1+k, k)·(1−u)^k`, in which every term is positive: the
-//! probability of n successes before n failures. The upper half follows from I_n(u) = 1 − I_n(1−u).
-//! Relative error is then a few n·ε everywhere.
+//! The terms in powers of u alternate in sign and cancel (at n = 32 no digit of an f64 survives). This module therefore
+//! uses, on 0 ≤ u ≤ ½, `I_n(u) = uⁿ · Σ_{k<n} C(n−1+k, k)·(1−u)^k`, the probability of n successes before n failures,
+//! in which every term is positive. The upper half follows from I_n(u) = 1 − I_n(1−u). The relative error is then a few
+//! n·ε everywhere.
 
 use std::fmt;
 use std::str::FromStr;
@@ -18,21 +18,21 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// Continuity depth n of Bangay eq. 1: n − 1 derivatives of the interpolation vanish at both ends of
 /// the ramp.
 ///
-/// Written `1` … `32`, or `inf`, in text and in files.
+/// Commands and files write it as `1` … `32` or `inf`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Depth {
     /// A polynomial of degree 2n − 1, n from 1 (linear) to [`Depth::MAX_FINITE`]. Made by
     /// [`Depth::finite`].
     Finite(u8),
-    /// Bangay's n = ∞, a scaled tanh. Not the limit of the finite depths, which is a step.
+    /// Bangay's n = ∞, a scaled tanh. It is not the limit of the finite depths, which is a step.
     Infinite,
 }
 
 impl Depth {
-    /// Largest finite depth that is evaluated to 1e-12.
+    /// The largest finite depth that is evaluated to within 1e-12.
     pub const MAX_FINITE: u8 = 32;
 
-    /// The finite depth `n`.
+    /// Makes the finite depth `n`.
     ///
     /// # Errors
     /// When `n` is not within 1…32.
@@ -44,7 +44,7 @@ impl Depth {
     }
 }
 
-/// Why something is not a [`Depth`].
+/// Why a value is not a valid [`Depth`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DepthError {
     /// A whole number that is not supported.
@@ -109,14 +109,14 @@ impl<'de> Deserialize<'de> for Depth {
 
 /// Steepness k of the infinite depth as Bangay prints it, `(1 + tanh(5(u − ½)))/2`.
 ///
-/// It does not reach the plateaus: I_∞(0) = 1/(1+e⁵) ≈ 0.00669, a step of up to 0.84 8-bit codes at
-/// ¼→¾. With k = 10, `(1 + tanh(5(2u−1)))/2`, the residual is 4.54e-5, "below the quantization
-/// error" as Bangay's text says.
+/// The curve does not reach the plateaus: I_∞(0) = 1/(1+e⁵) ≈ 0.00669, a step of up to 0.84 8-bit codes on a ramp from
+/// ¼ to ¾. With k = 10, `(1 + tanh(5(2u−1)))/2`, the residual is 4.54e-5, "below the quantization error", as Bangay's
+/// text says.
 pub const TANH_K: f64 = 5.0;
 
 const MAX: usize = Depth::MAX_FINITE as usize;
 
-/// `SUMS[n][k]` = C(n−1+k, k): coefficients of the sum that does not cancel.
+/// `SUMS[n][k]` = C(n−1+k, k): the coefficients of the sum whose terms do not cancel.
 static SUMS: [[f64; MAX]; MAX + 1] = {
     let mut table = [[0.0; MAX]; MAX + 1];
     let mut n = 1;
@@ -136,7 +136,7 @@ const fn binomial(n: usize, k: usize) -> u128 {
     let mut result = 1u128;
     let mut i = 0;
     while i < k {
-        // Exact at every step: the product so far is C(n, i + 1).
+        // The division is exact at every step: the product so far is C(n, i + 1).
         result = result * (n - i) as u128 / (i as u128 + 1);
         i += 1;
     }
@@ -146,12 +146,12 @@ const fn binomial(n: usize, k: usize) -> u128 {
 /// Coefficients c_j of u^(n+j), j = 0 … n−1, of the polynomial I_N(u) on 0…1: `[3, −2]` for N = 2,
 /// `[10, −15, 6]` for N = 3.
 ///
-/// For shaders and other code that needs a plain polynomial. The coefficients cancel, the more the larger N is;
-/// [`Interpolation::value`] does not. Does not compile for N outside 1…32.
+/// For shaders and other code that needs a plain polynomial. The terms cancel more and more as N grows;
+/// [`Interpolation::value`] has no such cancellation. Does not compile for N outside 1…32.
 #[must_use]
 pub const fn coefficients<const N: usize>() -> [f64; N] {
     const { assert!(N >= 1 && N <= MAX, "depth outside 1…32") }
-    // (2n−1)·C(2n−2, n−1)·C(n−1, j)/(n+j) is a whole number, below 2^93 for n ≤ 32.
+    // (2n−1)·C(2n−2, n−1)·C(n−1, j)/(n+j) is a whole number below 2^93 for n ≤ 32.
     let scale = (2 * N as u128 - 1) * binomial(2 * N - 2, N - 1);
     let mut c = [0.0; N];
     let mut j = 0;
@@ -163,7 +163,7 @@ pub const fn coefficients<const N: usize>() -> [f64; N] {
     c
 }
 
-/// I_n for one depth, ready to be evaluated many times.
+/// I_n for one depth, prepared for repeated evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {
     form: Form,
@@ -179,14 +179,14 @@ enum Form {
 }
 
 impl Interpolation {
-    /// Depth `depth`; k = [`TANH_K`] if it is infinite. A finite depth outside 1…32, which
-    /// [`Depth::finite`] never makes, acts as the nearest one inside.
+    /// Uses k = [`TANH_K`] if `depth` is infinite. A finite depth outside 1…32, which [`Depth::finite`] never makes, is
+    /// clamped to that range.
     #[must_use]
     pub fn new(depth: Depth) -> Self {
         Self::with_k(depth, TANH_K)
     }
 
-    /// Depth `depth`, of steepness `k` (> 0) if it is infinite; a finite depth ignores `k`.
+    /// Uses the steepness `k` (> 0) if `depth` is infinite; a finite depth ignores `k`.
     #[must_use]
     pub fn with_k(depth: Depth, k: f64) -> Self {
         let form = match depth {
@@ -199,8 +199,8 @@ impl Interpolation {
         Self { form }
     }
 
-    /// I_n at `u`, the position across the ramp: 0 for u < 0, where it leaves the lower plateau, 1 for u ≥ 1, where it
-    /// meets the upper one; within 1e-12 of exact for every depth, and I_n(u) + I_n(1−u) = 1 inside.
+    /// Returns I_n at `u`, the position across the ramp: 0 for u < 0 (the lower plateau), 1 for u ≥ 1 (the upper
+    /// plateau). The value is within 1e-12 of exact for every depth, and I_n(u) + I_n(1−u) = 1 in between.
     ///
     /// The infinite depth jumps at both ends, from 0 to 1/(1+e^k) at u = 0 and back to 1 at u = 1;
     /// see [`TANH_K`].
@@ -210,7 +210,7 @@ impl Interpolation {
         if u >= 1.0 {
             1.0
         } else if u > 0.5 {
-            // 1 − u is exact here, so nothing is lost by the symmetry.
+            // 1 − u is exact here, so using the symmetry costs no precision.
             1.0 - self.lower_half(1.0 - u)
         } else if u >= 0.0 {
             self.lower_half(u)
@@ -227,13 +227,13 @@ impl Interpolation {
                 let v = 1.0 - u;
                 power(u, n) * sum.iter().rev().fold(0.0, |sum, c| sum * v + c)
             }
-            // (1 + tanh(k(u−½)))/2, without the cancellation below u = ½.
+            // (1 + tanh(k(u−½)))/2, in a form that does not cancel below u = ½.
             Form::Tanh { k } => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),
         }
     }
 }
 
-/// x^n by squaring. `f64::powi` leaves its precision open; this is the same on every machine.
+/// x^n by squaring. The precision of `f64::powi` is unspecified; this gives the same result on every machine.
 #[inline]
 fn power(x: f64, n: u8) -> f64 {
     let (mut result, mut square, mut n) = (1.0, x, n);

@@ -1,12 +1,12 @@
-//! Floor 0: light as numbers. No files, no windows; it uses no other module of this crate.
+//! Floor 0: light as numbers. This module touches no files and no windows, and uses no other module of this crate.
 //!
-//! In this crate's comments Bangay is *Methods of Reducing the Visibility of Mach Bands during
-//! Gouraud Shading*, Shoaff is *Color, Illumination Models, and Shading*.
+//! In this crate's comments, Bangay is *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*, and
+//! Shoaff is *Color, Illumination Models, and Shading*.
 //!
-//! Values called *linear* are relative luminances, proportional to physical light, 0 (none) to 1
-//! (the display's most). Values called *encoded* are what a display is driven with, 0…1, before
-//! rounding. *Codes* are the rounded integers. [`quantize`] is the only way from light to a display's
-//! codes; [`halftone`], to those of a device with few.
+//! Values called *linear* are relative luminances: proportional to physical light, from 0 (none) to 1 (the display's
+//! maximum). Values called *encoded* are the signals that drive a display, 0…1, before rounding. *Codes* are the
+//! rounded integers. Only [`quantize`] converts light to a display's codes; [`halftone`] does so for devices with few
+//! codes.
 
 pub mod color;
 pub mod dither;

@@ -1,9 +1,9 @@
-//! Values that commands and files write as a word.
+//! Values that commands and files write as words.
 
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-/// "expected one of …; did you mean …?", the latter where a known name is near.
+/// Returns "expected one of …", followed by "; did you mean …?" if a known name is similar to `name`.
 pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String {
     let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
     let near = |candidate: &&str| strsim::damerau_levenshtein(name, candidate);
@@ -62,13 +62,13 @@ macro_rules! named {
 }
 pub(crate) use named;
 
-/// A name and a number within `range`, joined by a colon.
+/// Parses a name and a number within `range`, joined by a colon.
 pub(crate) fn with_number<T: FromStr>(text: &str, range: RangeInclusive<u32>) -> Option<(T, u32)> {
     let (name, number) = text.split_once(':')?;
     Some((name.parse().ok()?, number.parse().ok().filter(|number| range.contains(number))?))
 }
 
-/// Files hold these types as their text.
+/// Makes files store these types as their text.
 macro_rules! serde_as_text {
     ($($type:ty),*) => {$(
         impl serde::Serialize for $type {

@@ -1,11 +1,12 @@
-//! Palettes: an image of 8-bit codes in fewer colors, and the error of its light. Shoaff §2.2.10.
+//! Palettes: reduces an image of 8-bit codes to fewer colors and reports the error in light. Shoaff §2.2.10.
 //!
-//! Colors are counted and split into boxes by their codes, and averaged and compared in linear light: the color of a box
-//! is that of its mean light, and a pixel gets the nearest color of the palette. The reported error is therefore the
-//! least that the palette allows.
+//! Colors are counted and split into boxes by their codes, but averaged and compared in linear light: the color of a
+//! box is its mean light, and each pixel gets the nearest color in the palette. The reported error is therefore the
+//! smallest that the palette allows.
 //!
-//! Palette and indices are the same on every machine: no threads, no random numbers, ties decided by the codes, sums in
-//! one order, and light rounded to f32 first, so that the last bits of a machine's `powf` do not decide.
+//! The palette and the indices are the same on every machine: the code uses no threads and no random numbers, breaks
+//! ties by the codes, adds in a fixed order, and first rounds light to f32, so the last bits of a machine's `powf` make
+//! no difference.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -20,58 +21,61 @@ use super::names::{named, with_number};
 use super::quantize::{Bits, Quantizer};
 use super::transfer::Transfers;
 
-/// Most colors that an 8-bit index can tell apart.
+/// The most colors that an 8-bit index can address.
 const MOST_COLORS: u32 = 256;
 
 named! {
     /// How the colors of a palette are chosen.
     Reducer, ReducerError {
-        /// The most frequent colors, as they are. Shoaff §2.2.10, solution 2; Heckbert 1982, without his reduction to 5
-        /// bits beforehand.
+        /// The most frequent colors, unchanged. Shoaff §2.2.10, solution 2; Heckbert 1982, without his initial
+        /// reduction to 5 bits.
         Popularity = "popularity",
-        /// The box around all colors is split at the median of its longest side, and again the fullest box that can be,
-        /// until there are enough; each box gives its mean. Shoaff §2.2.10, solution 3; Heckbert 1982, *Color image
-        /// quantization for frame buffer display*, Computer Graphics 16(3):297, doi:10.1145/965145.801294.
+        /// Splits the box around all colors at the median of its longest side, then repeatedly splits the box with the
+        /// most pixels among those that can be split, until there are enough boxes. Each box contributes its mean
+        /// color. Shoaff §2.2.10, solution 3; Heckbert 1982, *Color image quantization for frame buffer display*,
+        /// Computer Graphics 16(3):297, doi:10.1145/965145.801294.
         MedianCut = "median-cut",
-        /// K-means in linear light (Celebi 2011, doi:10.1016/j.imavis.2010.10.002), begun from boxes of least variance (Wu
-        /// 1992, doi:10.1145/146443.146475, by the crate quantette), from median cut and from the most frequent colors; the
-        /// best of the three. Its rms error is never above that of the others.
+        /// K-means in linear light (Celebi 2011, doi:10.1016/j.imavis.2010.10.002), started from boxes of least
+        /// variance (Wu 1992, doi:10.1145/146443.146475, computed by the crate quantette), from median cut and from the
+        /// most frequent colors; the best of the three results wins. Its rms error is never larger than the error of
+        /// the other two methods.
         KMeans = "k-means",
     }
 }
 
-/// An image of more bits than a palette has.
+/// The image has more bits per code than a palette can hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the image has 16-bit codes; expected 8 bits, which is what palettes hold")]
+#[error("the image has 16-bit codes; expected 8-bit codes, the only ones that palettes hold")]
 pub struct SixteenBits;
 
-/// The difference in light between a reduced image and the original, over all pixels and the three channels, in relative
+/// The difference between a reduced image and the original, over all pixels and all three channels, in relative
 /// luminance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightError {
-    /// Root of the mean of the squares.
+    /// The root mean square of the differences.
     pub rms: f64,
-    /// The largest.
+    /// The largest difference.
     pub max: f64,
 }
 
-/// An image as a palette and an index for every pixel.
+/// An image that consists of a palette and a palette index for every pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexedImage {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// Red, green and blue codes; at most as many as requested, in rising order, none twice.
+    /// The red, green and blue codes of each color: at most as many colors as requested, in ascending order, without
+    /// duplicates.
     pub palette: Vec<[u8; 3]>,
-    /// Index into the palette of every pixel, row by row from the top left.
+    /// The palette index of every pixel, row by row from the top left.
     pub indices: Vec<u8>,
-    /// The error of the reduction.
+    /// The error that the reduction causes.
     pub error: LightError,
 }
 
 impl IndexedImage {
-    /// The image with a pixel's codes in place of its index.
+    /// Returns the image with each index replaced by its color's codes.
     #[must_use]
     pub fn codes(&self) -> CodeImage {
         let codes = self.indices.iter().flat_map(|&index| self.palette[usize::from(index)]).collect();
@@ -79,22 +83,22 @@ impl IndexedImage {
     }
 }
 
-/// A color of the image.
+/// A color of the image and how often it occurs.
 #[derive(Clone, Copy, Debug)]
 struct Tally {
     codes: [u8; 3],
-    /// Its relative luminances, rounded to f32.
+    /// The relative luminance of each channel, rounded to f32.
     light: [f64; 3],
-    /// Pixels that have it.
+    /// The number of pixels of this color.
     count: u32,
 }
 
-/// A way to reduce colors, and to how many. Written `median-cut:16`.
+/// A method of color reduction and the number of colors, written as in `median-cut:16`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Reduction {
     /// How the palette is chosen.
     pub reducer: Reducer,
-    /// Most colors, 1…256.
+    /// The maximum number of colors, 1…256.
     pub colors: u32,
 }
 
@@ -120,10 +124,10 @@ impl FromStr for Reduction {
     }
 }
 
-/// The image `image`, of a display that `transfers` describes, in at most as many colors as `reduction` says; numbers
-/// outside 1…256, which no text names, act as the nearest inside.
+/// Reduces `image`, meant for a display that `transfers` describes, to at most as many colors as `reduction` says.
+/// Numbers outside 1…256, which no valid text contains, are clamped to that range.
 ///
-/// An image of no more colors than that keeps them all.
+/// An image that already has no more colors than that keeps all of them.
 ///
 /// # Errors
 /// When the image has 16 bits.
@@ -150,7 +154,7 @@ pub fn reduce(
     Ok(index(image, pixels, palette, &tallies, &quantizer))
 }
 
-/// Every color, in rising order of its codes.
+/// Counts the pixels of every color; the colors come in ascending order of their codes.
 fn count(pixels: &[[u8; 3]], quantizer: &Quantizer) -> Vec<Tally> {
     let mut counts: BTreeMap<[u8; 3], u32> = BTreeMap::new();
     pixels.iter().for_each(|&codes| *counts.entry(codes).or_default() += 1);
@@ -159,30 +163,29 @@ fn count(pixels: &[[u8; 3]], quantizer: &Quantizer) -> Vec<Tally> {
 
 fn most_frequent(tallies: &[Tally], colors: usize) -> Vec<[u8; 3]> {
     let mut tallies = tallies.to_vec();
-    // Stable: of equally frequent colors the one of lower codes comes first.
+    // The sort is stable: among equally frequent colors, the one with lower codes comes first.
     tallies.sort_by_key(|tally| std::cmp::Reverse(tally.count));
     tallies[..colors].iter().map(|tally| tally.codes).collect()
 }
 
-/// The codes of the mean light of `tallies`, which are not none.
+/// Returns the codes of the mean light of `tallies`, which must not be empty.
 fn mean_codes(tallies: &[Tally], quantizer: &Quantizer) -> [u8; 3] {
     let mut sum = Sum::default();
     tallies.iter().for_each(|tally| sum.add(tally));
     codes_of(sum.mean(), quantizer)
 }
 
-/// The light of `codes`, rounded to f32.
+/// Returns the relative luminances of `codes`, rounded to f32.
 fn light_of(codes: [u8; 3], quantizer: &Quantizer) -> [f64; 3] {
     quantizer.linear(codes.map(u16::from)).map(|light| f64::from(light as f32))
 }
 
-/// Codes of the light `light`.
 fn codes_of(light: [f64; 3], quantizer: &Quantizer) -> [u8; 3] {
-    // An 8-bit code fits.
+    // An 8-bit code fits into u8.
     quantizer.codes(light.map(|value| value as f32)).map(|code| code as u8)
 }
 
-/// Light added up.
+/// A sum of light over pixels, from which the mean is taken.
 #[derive(Clone, Copy, Default)]
 struct Sum {
     light: [f64; 3],
@@ -203,7 +206,7 @@ impl Sum {
     }
 }
 
-/// The channel in which the box of codes around `tallies` is longest; the first of equals.
+/// Returns the channel in which the box of codes around `tallies` is longest; of equally long channels, the first.
 fn longest_side(tallies: &[Tally]) -> usize {
     let side = |channel: usize| {
         let codes = || tallies.iter().map(|tally| tally.codes[channel]);
@@ -217,7 +220,7 @@ fn median_cut(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u
     while boxes.len() < colors {
         let pixels = |tallies: &[Tally]| tallies.iter().map(|tally| u64::from(tally.count)).sum::<u64>();
         let splittable = boxes.iter().enumerate().filter(|(_, tallies)| tallies.len() > 1);
-        // The first of equally full boxes.
+        // Of equally full boxes, the first.
         let Some((fullest, _)) = splittable.max_by_key(|(at, tallies)| (pixels(tallies), std::cmp::Reverse(*at)))
         else {
             break;
@@ -232,14 +235,15 @@ fn median_cut(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u
     boxes.iter().map(|tallies| mean_codes(tallies, quantizer)).collect()
 }
 
-/// How many of the sorted `tallies`, at least 2, hold half of the pixels, or as near to it as can be; neither none nor all.
+/// Returns how many of the sorted `tallies` (at least 2) together hold closest to half of the pixels; at least one and
+/// never all.
 fn median(tallies: &[Tally]) -> usize {
     let total: u64 = tallies.iter().map(|tally| u64::from(tally.count)).sum();
     let mut below = 0;
     for (at, tally) in tallies.iter().enumerate() {
         let with = below + u64::from(tally.count);
         if 2 * with >= total {
-            // The cut before this color or after it, whichever is nearer to the middle.
+            // Cut before or after this color, whichever is nearer to the middle.
             let at = if total - 2 * below < 2 * with - total { at } else { at + 1 };
             return at.clamp(1, tallies.len() - 1);
         }
@@ -248,9 +252,9 @@ fn median(tallies: &[Tally]) -> usize {
     tallies.len() - 1
 }
 
-/// Bins per side of Wu's histogram, spread over the range of light that the image has.
+/// Bins per side of Wu's histogram, spread over the image's range of light.
 const BINS: usize = 64;
-/// Most rounds of k-means. Every round improves the palette; most images need fewer.
+/// The maximum number of k-means rounds. Every round improves the palette; most images need fewer.
 const MOST_ROUNDS: usize = 64;
 
 fn k_means(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 3]> {
@@ -261,20 +265,20 @@ fn k_means(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 
         light(&median_cut(tallies, colors, quantizer)),
         light(&most_frequent(tallies, colors)),
     ];
-    // Rounding to codes may undo what the last rounds gained.
+    // Rounding to codes may undo what the last rounds gained, so the starting palettes also compete.
     let palettes = starts.into_iter().flat_map(|start| [coded(&start), coded(&settled(start, tallies))]);
     let squares = |palette: &[[u8; 3]]| {
         let centers = light(palette);
         tallies.iter().map(|tally| f64::from(tally.count) * nearest(&centers, tally.light).1).sum::<f64>()
     };
-    // The first of equals.
+    // `min_by` returns the first of equally good palettes.
     palettes
         .map(|palette| (squares(&palette), palette))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map_or(vec![], |best| best.1)
 }
 
-/// The `centers` and, up to `colors`, the colors with the largest error.
+/// Fills `centers` up to `colors` entries by repeatedly adding the color with the largest total error.
 fn filled_up(mut centers: Vec<[f64; 3]>, tallies: &[Tally], colors: usize) -> Vec<[f64; 3]> {
     let mut distances: Vec<f64> = tallies.iter().map(|tally| nearest(&centers, tally.light).1).collect();
     while centers.len() < colors {
@@ -292,7 +296,7 @@ fn filled_up(mut centers: Vec<[f64; 3]>, tallies: &[Tally], colors: usize) -> Ve
     centers
 }
 
-/// The `centers` after k-means: every one the mean of the colors nearest to it.
+/// Returns the `centers` after k-means: each is the mean of the colors nearest to it.
 fn settled(mut centers: Vec<[f64; 3]>, tallies: &[Tally]) -> Vec<[f64; 3]> {
     let mut chosen: Vec<usize> = vec![usize::MAX; tallies.len()];
     for _ in 0..MOST_ROUNDS {
@@ -315,7 +319,7 @@ fn settled(mut centers: Vec<[f64; 3]>, tallies: &[Tally]) -> Vec<[f64; 3]> {
     centers
 }
 
-/// Centers of at most `colors` boxes of little variance in linear light.
+/// Returns the centers of at most `colors` boxes of low variance in linear light.
 fn least_variance(tallies: &[Tally], colors: usize) -> Vec<[f64; 3]> {
     let ranges = [0, 1, 2].map(|channel| {
         let light = || tallies.iter().map(|tally| tally.light[channel] as f32);
@@ -339,7 +343,8 @@ fn squared_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     x * x + y * y + z * z
 }
 
-/// The nearest of `centers` to `light`, the first of equals, and the square of its distance; ∞ if there are none.
+/// Returns the index of the center nearest to `light` (the first of equally near centers) and its squared distance,
+/// which is ∞ if `centers` is empty.
 fn nearest(centers: &[[f64; 3]], light: [f64; 3]) -> (usize, f64) {
     let mut best = (0, f64::INFINITY);
     for (at, &center) in centers.iter().enumerate() {
@@ -351,7 +356,7 @@ fn nearest(centers: &[[f64; 3]], light: [f64; 3]) -> (usize, f64) {
     best
 }
 
-/// Gives every pixel its nearest color in `palette`.
+/// Gives every pixel the nearest color in `palette` and measures the error.
 fn index(
     image: &CodeImage,
     pixels: &[[u8; 3]],
@@ -370,10 +375,10 @@ fn index(
             squares += f64::from(tally.count) * error * error;
             max = max.max(error);
         }
-        // At most 256 colors.
+        // There are at most 256 colors.
         chosen.push(at as u8);
     }
-    // Every color of the image has its tally.
+    // Every color of the image has a tally, so the search always succeeds.
     let tally = |codes: &[u8; 3]| tallies.binary_search_by_key(codes, |tally| tally.codes).unwrap_or(0);
     let indices = pixels.iter().map(|codes| chosen[tally(codes)]).collect();
     let rms = if pixels.is_empty() { 0.0 } else { (squares / (3 * pixels.len()) as f64).sqrt() };

@@ -1,5 +1,5 @@
-//! From light to codes, the only place that knows how many codes there are. Rounding is to the nearest code, in encoded
-//! space; dither decides between the two codes that enclose a value, in linear light.
+//! Converts light to codes; the only place that knows how many codes there are. Rounding goes to the nearest code in
+//! encoded space; dither chooses between the two codes that enclose a value in linear light.
 
 use std::sync::{Arc, OnceLock};
 
@@ -31,36 +31,35 @@ impl Bits {
     }
 }
 
-/// The code of the relative luminance `linear`: round(encoded · largest code), clamped. NaN is code
-/// 0.
+/// Returns the code of the relative luminance `linear`: round(encoded · largest code), clamped. NaN gets code 0.
 ///
-/// This is the definition. [`ChannelQuantizer::code`] gives the same code for every f32, faster.
+/// This is the definition. [`ChannelQuantizer::code`] gives the same code for every f32 but is faster.
 #[must_use]
 pub fn reference_code(transfer: &Transfer, bits: Bits, linear: f32) -> u16 {
     let scaled = transfer.encoded_from_linear(f64::from(linear)) * f64::from(bits.max_code());
-    // encoded_from_linear clamps, so this only drops a fraction of exactly 0; `as` takes NaN to 0.
+    // encoded_from_linear clamps and `round` leaves a whole number, so the cast is exact; `as` turns NaN into 0.
     scaled.round() as u16
 }
 
-/// Lower bits of an f32 that the first look-up ignores; the exponent and 7 bits of the mantissa remain.
+/// The number of low bits of an f32 that the first lookup ignores; the exponent and 7 bits of the mantissa remain.
 const BUCKET_SHIFT: u32 = 16;
 
-/// Light to codes for one channel of a display and one code size, prepared for many pixels.
+/// Converts light to codes for one channel of a display and one code size, prepared for many pixels.
 #[derive(Clone, Debug)]
 pub struct ChannelQuantizer {
     transfer: Transfer,
     bits: Bits,
-    /// `thresholds[c]`: smallest f32 with a code of at least c. Never decreases.
+    /// `thresholds[c]` is the smallest f32 with a code of at least c. Never decreases with c.
     thresholds: Vec<f32>,
-    /// Code of the smallest f32 of every bucket, the one that starts at 1 included.
+    /// The code of the smallest f32 in every bucket, including the bucket that starts at 1.
     bucket_codes: Vec<u16>,
-    /// The light of every code, for dither; computed at its first use.
+    /// The light of every code, for dither; computed on first use.
     levels: OnceLock<Levels>,
 }
 
 impl ChannelQuantizer {
-    /// A quantizer for a channel that `transfer` describes. Takes about 0.1 ms for 8 bits and 5 ms for
-    /// 16: keep it.
+    /// Makes a quantizer for a channel that `transfer` describes. This takes about 0.1 ms for 8 bits and 5 ms for 16
+    /// bits, so keep the quantizer.
     #[must_use]
     pub fn new(transfer: &Transfer, bits: Bits) -> Self {
         let max = bits.max_code();
@@ -71,8 +70,8 @@ impl ChannelQuantizer {
         Self { transfer: transfer.clone(), bits, thresholds, bucket_codes, levels: OnceLock::new() }
     }
 
-    /// The code nearest, in encoded space, to the relative luminance `linear`; 0 below 0 and for
-    /// NaN, the largest above 1.
+    /// Returns the code nearest, in encoded space, to the relative luminance `linear`: 0 for values below 0 and for
+    /// NaN, and the largest code for values above 1.
     #[must_use]
     #[inline]
     pub fn code(&self, linear: f32) -> u16 {
@@ -88,13 +87,13 @@ impl ChannelQuantizer {
         first + inside.partition_point(|&threshold| threshold <= linear) as u16
     }
 
-    /// The relative luminance that `code` makes. Codes above the largest make full light.
+    /// Returns the relative luminance that `code` makes. Codes above the largest make full light.
     #[must_use]
     pub fn linear(&self, code: u16) -> f64 {
         self.transfer.linear_from_encoded(f64::from(code) / f64::from(self.bits.max_code()))
     }
 
-    /// The smallest relative luminance whose code is at least `code`; 0 for code 0.
+    /// Returns the smallest relative luminance whose code is at least `code`; 0 for code 0.
     ///
     /// # Panics
     /// When `code` is above the largest code.
@@ -107,25 +106,25 @@ impl ChannelQuantizer {
         self.levels.get_or_init(|| Levels::new((0..=self.bits.max_code()).map(|code| self.linear(code))))
     }
 
-    /// One of the two codes that enclose `linear`, by `threshold`.
+    /// Chooses one of the two codes that enclose `linear` by `threshold`.
     fn decide(&self, linear: f32, threshold: f64) -> u16 {
         self.levels().decide(linear, threshold, self.code(linear))
     }
 }
 
-/// Light to codes for one display and one code size, prepared for many pixels: a [`ChannelQuantizer`] for each of red,
-/// green and blue.
+/// Converts light to codes for one display and one code size, prepared for many pixels: a [`ChannelQuantizer`] for each
+/// of red, green and blue.
 #[derive(Clone, Debug)]
 pub struct Quantizer {
     transfers: Transfers,
     bits: Bits,
-    /// Channels that are alike share one.
+    /// Channels with the same transfer function share one.
     channels: [Arc<ChannelQuantizer>; 3],
 }
 
 impl Quantizer {
-    /// A quantizer for a display that `transfers` describes. Takes about 0.1 ms for 8 bits and 5 ms for
-    /// 16, for each channel that differs from the others: keep it.
+    /// Makes a quantizer for a display that `transfers` describes. This takes about 0.1 ms for 8 bits and 5 ms for 16
+    /// bits for each channel that differs from the others, so keep the quantizer.
     #[must_use]
     pub fn new(transfers: impl Into<Transfers>, bits: Bits) -> Self {
         let transfers = transfers.into();
@@ -153,7 +152,7 @@ impl Quantizer {
         &self.transfers
     }
 
-    /// Red (0), green (1) or blue (2) alone.
+    /// Returns the quantizer of red (0), green (1) or blue (2).
     ///
     /// # Panics
     /// When `channel` is above 2.
@@ -176,16 +175,17 @@ impl Quantizer {
         std::array::from_fn(|channel| self.channels[channel].linear(codes[channel]))
     }
 
-    /// The codes of a whole image.
+    /// Returns the codes of a whole image, without dither.
     #[must_use]
     pub fn quantize(&self, image: &LinearImage) -> CodeImage {
         self.quantize_with(image, &Dither::None)
     }
 
-    /// The codes of a whole image, each one of the two that enclose its value, chosen by `dither` such
-    /// that the mean light is right; without dither, the nearest.
+    /// Returns the codes of a whole image. Each is one of the two codes that enclose its value, chosen by `dither` so
+    /// that the mean light is right; without dither, it is the nearest.
     ///
-    /// Red, green and blue of a pixel share a threshold. [`dither`](super::dither) lists the properties of every kind.
+    /// The red, green and blue of a pixel share a threshold. [`dither`](super::dither) lists the properties of every
+    /// kind.
     #[must_use]
     pub fn quantize_with(&self, image: &LinearImage, dither: &Dither) -> CodeImage {
         let samples = match self.bits {
@@ -202,7 +202,7 @@ impl Quantizer {
         dither: &Dither,
         sample: impl Fn(u16) -> T + Sync,
     ) -> Vec<T> {
-        /// Rows in a block: whole tiles of a random dither.
+        /// Rows per block: a multiple of the tile height of a random dither.
         const ROWS: usize = 16;
         let width = 3 * image.width.max(1) as usize;
         let mut samples = vec![T::default(); image.data.len() / 3 * 3];
@@ -231,8 +231,8 @@ impl Quantizer {
 
 /// The smallest f32 in 0…1 whose [`reference_code`] is at least `code`.
 ///
-/// Non-negative floats are ordered as their bits are: this is a search over whole numbers, around
-/// the place where the inverse transfer function puts the threshold.
+/// Non-negative floats are ordered like their bits, so this is a search over whole numbers, near the threshold that the
+/// inverse transfer function gives.
 fn find_threshold(transfer: &Transfer, bits: Bits, code: u16) -> f32 {
     if code == 0 {
         return 0.0;
@@ -240,7 +240,8 @@ fn find_threshold(transfer: &Transfer, bits: Bits, code: u16) -> f32 {
     let reached = |at: u32| reference_code(transfer, bits, f32::from_bits(at)) >= code;
     let half_way = (f64::from(code) - 0.5) / f64::from(bits.max_code());
     let guess = (transfer.linear_from_encoded(half_way) as f32).to_bits();
-    // `low` is not reached (0 has code 0), `high` is (1 has the largest); nearly always they are close to the guess.
+    // `low` does not reach the code (0 has code 0), and `high` does (1 has the largest code); they are nearly always
+    // close to the guess.
     let whole = (0, 1f32.to_bits());
     let near = (guess.saturating_sub(8), (guess + 8).min(whole.1));
     let (mut low, mut high) = if !reached(near.0) && reached(near.1) { near } else { whole };

@@ -1,4 +1,4 @@
-//! Transfer functions: the light of an encoded value, and the encoded value for a light. Shoaff §2.1.1.
+//! Transfer functions: from an encoded value to light, and from light to an encoded value. Shoaff §2.1.1.
 //!
 //! Both quantities are relative, 0…1. Every function's name says its direction.
 
@@ -8,43 +8,42 @@ use std::str::FromStr;
 
 /// IEC 61966-2-1: the encoded value up to which sRGB is a straight line.
 const SRGB_ENCODED_KNEE: f64 = 0.04045;
-/// IEC 61966-2-1: the straight line's slope, encoded per linear.
+/// IEC 61966-2-1: the slope of the straight line, encoded value per linear value.
 const SRGB_SLOPE: f64 = 12.92;
-/// IEC 61966-2-1: the offset of the power part; 1.055 is 1 + this.
+/// IEC 61966-2-1: the offset of the power part; the factor 1.055 is 1 plus this offset.
 const SRGB_OFFSET: f64 = 0.055;
 /// IEC 61966-2-1: the exponent of the power part.
 const SRGB_EXPONENT: f64 = 2.4;
 
-/// Exponents that a display could have.
+/// The range of plausible display exponents.
 const GAMMA_RANGE: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
 /// How a display turns encoded values into light. Written `linear`, `gamma:2.2`, `gog:2.2,1.05,-0.05` (γ, gain, offset)
-/// or `srgb`; a table has no short text.
+/// or `srgb`; a table has no short text form.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Transfer {
-    /// Light proportional to the encoded value.
+    /// Light is proportional to the encoded value.
     Linear,
-    /// linear = encoded^γ, Shoaff's L = K·V^γ with K = 1. Made by [`Transfer::gamma`], γ within
-    /// 0.1…10.
+    /// linear = encoded^γ, Shoaff's L = K·V^γ with K = 1. Made by [`Transfer::gamma`], with γ within 0.1…10.
     Gamma(f64),
     /// Gain, offset and gamma. Made by [`Transfer::gog`].
     Gog(Gog),
     /// sRGB, IEC 61966-2-1: a straight line up to 0.04045, then a power of 2.4.
     Srgb,
-    /// A measured table, linear between its points.
+    /// A measured table, interpolated linearly between its points.
     Table(TransferTable),
 }
 
-/// Why something is not a [`Transfer`].
+/// Why a text or a set of values is not a valid [`Transfer`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TransferError {
     /// A text that names no transfer function.
     #[error("transfer {0:?} is not known; expected srgb, linear, gamma:G such as gamma:2.2, or gog:GAMMA,GAIN,OFFSET")]
     Unknown(String),
-    /// An exponent that no display has.
+    /// An exponent that is implausible for a display.
     #[error("gamma {0} is outside 0.1…10; expected the display's exponent, such as 2.2")]
     Gamma(String),
-    /// A gain or an offset that no display has.
+    /// A gain or an offset that is implausible for a display.
     #[error(
         "gain {gain} with offset {offset} describes no display; expected a gain above 0 and up to 10, an offset of -1…1, and light at the largest code (gain + offset above 0)"
     )]
@@ -55,20 +54,20 @@ pub enum TransferError {
     /// A table that does not rise from 0 to 1.
     #[error("{0}")]
     Table(String),
-    /// Steps of equal brightness that no display has.
+    /// Equal-brightness steps that are impossible for a display.
     #[error(
-        "lowest intensity {i0} for {n} steps; expected one between 0 and 1, relative to the highest, and 1 step or more"
+        "lowest intensity {i0} for {n} steps; expected an intensity between 0 and 1, relative to the highest, and at least 1 step"
     )]
     EqualSteps {
         /// Number of steps.
         n: usize,
-        /// The lowest intensity.
+        /// The lowest intensity, relative to the highest.
         i0: f64,
     },
 }
 
 impl Transfer {
-    /// linear = encoded^`gamma`.
+    /// Makes linear = encoded^`gamma`.
     ///
     /// # Errors
     /// When `gamma` is not within 0.1…10.
@@ -80,11 +79,11 @@ impl Transfer {
         }
     }
 
-    /// linear ∝ max(`gain`·encoded + `offset`, 0)^`gamma`, the model of gain, offset and gamma; see [`Gog`].
+    /// Makes linear ∝ max(`gain`·encoded + `offset`, 0)^`gamma`, the model of gain, offset and gamma; see [`Gog`].
     ///
     /// # Errors
-    /// When `gamma` is not within 0.1…10, `gain` not above 0 and up to 10, `offset` not within −1…1, or the two leave the
-    /// largest code dark.
+    /// When `gamma` is not within 0.1…10, `gain` not above 0 and up to 10, `offset` not within −1…1, or when gain and
+    /// offset together leave the largest code dark.
     pub fn gog(gamma: f64, gain: f64, offset: f64) -> Result<Transfer, TransferError> {
         if !GAMMA_RANGE.contains(&gamma) {
             return Err(TransferError::Gamma(gamma.to_string()));
@@ -96,12 +95,12 @@ impl Transfer {
         }
     }
 
-    /// The encoded value, 0…1, that makes the relative luminance `linear`; clamped to 0…1 first.
-    /// NaN stays NaN.
+    /// Returns the encoded value, 0…1, that makes the relative luminance `linear`, which is first clamped to 0…1. NaN
+    /// stays NaN.
     ///
-    /// Never decreases. For sRGB the standard's rounded constants leave a gap in the light that
-    /// encoded values make, of 2.3e-9 at 0.00313; light within the gap is encoded as its lower end,
-    /// 0.04045. Everywhere else this and [`Transfer::linear_from_encoded`] are inverses.
+    /// The result never decreases as `linear` rises. For sRGB, the standard's rounded constants leave a gap of 2.3e-9
+    /// at 0.00313 in the light that encoded values make; light within the gap is encoded as its lower end, 0.04045.
+    /// Everywhere else, this function and [`Transfer::linear_from_encoded`] are inverses.
     #[must_use]
     pub fn encoded_from_linear(&self, linear: f64) -> f64 {
         let linear = linear.clamp(0.0, 1.0);
@@ -119,7 +118,7 @@ impl Transfer {
         }
     }
 
-    /// The relative luminance, 0…1, that the encoded value `encoded` makes; clamped to 0…1 first.
+    /// Returns the relative luminance, 0…1, that the encoded value `encoded` makes; `encoded` is first clamped to 0…1.
     /// NaN stays NaN.
     #[must_use]
     pub fn linear_from_encoded(&self, encoded: f64) -> f64 {
@@ -166,10 +165,11 @@ impl FromStr for Transfer {
 }
 
 /// The model of gain, offset and gamma (Berns, Motta and Gorzynski 1993, doi:10.1002/col.5080180504): the light is
-/// proportional to max(gain·V + offset, 0)^γ, V the encoded value, and lies between the light of V = 0 and that of V = 1.
+/// proportional to max(gain·V + offset, 0)^γ, where V is the encoded value, and lies between the light at V = 0 and the
+/// light at V = 1.
 ///
-/// As a transfer function it is scaled to 0…1; a profile has the light at V = 0, the display's black, in cd/m². With an
-/// offset below 0 the lowest encoded values are all dark; 0 is then the encoded value of no light.
+/// As a transfer function, it is scaled to 0…1; a profile records the light at V = 0, the display's black, in cd/m².
+/// With an offset below 0, the lowest encoded values are all dark; zero light is then encoded as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gog {
     /// The exponent γ.
@@ -187,7 +187,7 @@ impl Gog {
         if drive < 0.0 { 0.0 } else { drive }
     }
 
-    /// The light at encoded 0 and at 1, before it is scaled to 0…1.
+    /// Returns the light at the encoded values 0 and 1, before scaling to 0…1.
     fn ends(&self) -> (f64, f64) {
         (self.drive(0.0).powf(self.gamma), self.drive(1.0).powf(self.gamma))
     }
@@ -201,13 +201,12 @@ impl Gog {
     fn encoded_from_linear(&self, linear: f64) -> f64 {
         let (black, white) = self.ends();
         let drive = (black + linear * (white - black)).powf(self.gamma.recip());
-        // The ends are exact, and no light is encoded as 0.
+        // The ends are exact; zero light is encoded as 0.
         if linear <= 0.0 || linear >= 1.0 { linear } else { ((drive - self.offset) / self.gain).clamp(0.0, 1.0) }
     }
 }
 
-/// A measured transfer function: pairs of encoded value and relative luminance, joined by straight
-/// lines.
+/// A measured transfer function: pairs of an encoded value and a relative luminance, joined by straight lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferTable {
     encoded: Vec<f64>,
@@ -215,7 +214,7 @@ pub struct TransferTable {
 }
 
 impl TransferTable {
-    /// The table whose encoded value `encoded[i]` makes the relative luminance `linear[i]`.
+    /// Makes the table in which the encoded value `encoded[i]` makes the relative luminance `linear[i]`.
     ///
     /// # Errors
     /// When the columns differ in length or have fewer than two values, when one of them does not
@@ -223,7 +222,7 @@ impl TransferTable {
     pub fn new(encoded: Vec<f64>, linear: Vec<f64>) -> Result<Self, TransferError> {
         if encoded.len() != linear.len() || encoded.len() < 2 {
             return Err(TransferError::Table(format!(
-                "the table has {} encoded and {} linear values; expected as many of both, at least 2",
+                "the table has {} encoded and {} linear values; expected the same number of each, at least 2",
                 encoded.len(),
                 linear.len()
             )));
@@ -232,7 +231,7 @@ impl TransferTable {
             for (i, pair) in values.windows(2).enumerate() {
                 if pair[0].partial_cmp(&pair[1]) != Some(Ordering::Less) {
                     return Err(TransferError::Table(format!(
-                        "{column} value {} at index {} is not above the {} before it; expected every value above the last",
+                        "{column} value {} at index {} is not above the {} before it; expected strictly rising values",
                         pair[1],
                         i + 1,
                         pair[0]
@@ -249,54 +248,54 @@ impl TransferTable {
         Ok(Self { encoded, linear })
     }
 
-    /// The encoded values, from 0 to 1, rising.
+    /// The encoded values, rising from 0 to 1.
     #[must_use]
     pub fn encoded(&self) -> &[f64] {
         &self.encoded
     }
 
-    /// The relative luminances, from 0 to 1, rising.
+    /// The relative luminances, rising from 0 to 1.
     #[must_use]
     pub fn linear(&self) -> &[f64] {
         &self.linear
     }
 }
 
-/// The straight line between the points (`x[i]`, `y[i]`) at `at`; both rise from 0 to 1, and `at`
-/// is within 0…1 or NaN.
+/// Interpolates linearly between the points (`x[i]`, `y[i]`) at `at`. Both columns rise from 0 to 1, and `at` is within
+/// 0…1 or NaN.
 fn piecewise(x: &[f64], y: &[f64], at: f64) -> f64 {
-    // The last segment also takes at = 1, and NaN, which goes through the arithmetic.
+    // The last segment also covers at = 1 and NaN, which propagates through the arithmetic.
     let i = x.partition_point(|&x| x <= at).clamp(1, x.len() - 1);
     let t = (at - x[i - 1]) / (x[i] - x[i - 1]);
     if t >= 1.0 { y[i] } else { y[i - 1] + t * (y[i] - y[i - 1]) }
 }
 
-/// The transfer functions of a display's three channels. Written as one [`Transfer`] where they are alike, else as
+/// The transfer functions of a display's three channels. Written as one [`Transfer`] if they are equal, otherwise as
 /// three joined by `/`: `gamma:2.2/gamma:2.1/gamma:2.3`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfers([Transfer; 3]);
 
 impl Transfers {
-    /// Red, green, blue.
+    /// Makes the transfer functions of red, green and blue, in this order.
     #[must_use]
     pub fn new(channels: [Transfer; 3]) -> Self {
         Self(channels)
     }
 
-    /// Red, green, blue.
+    /// The transfer functions of red, green and blue, in this order.
     #[must_use]
     pub fn channels(&self) -> &[Transfer; 3] {
         &self.0
     }
 
-    /// The one transfer function of all channels; `None` where they differ.
+    /// Returns the transfer function that all channels share; `None` if they differ.
     #[must_use]
     pub fn uniform(&self) -> Option<&Transfer> {
         let [red, green, blue] = &self.0;
         (red == green && green == blue).then_some(red)
     }
 
-    /// Whether a channel is a measured table, which has no short text.
+    /// True if any channel is a measured table, which has no short text form.
     #[must_use]
     pub fn has_table(&self) -> bool {
         self.0.iter().any(|transfer| matches!(transfer, Transfer::Table(_)))
@@ -355,7 +354,7 @@ impl FromStr for Transfers {
     }
 }
 
-/// n + 1 levels at equal steps of brightness: I_j = r^j·I₀, r = (1/I₀)^(1/n), j = 0…n. Shoaff §2.1.1.
+/// Returns n + 1 levels at equal steps of brightness: I_j = r^j·I₀, with r = (1/I₀)^(1/n) and j = 0…n. Shoaff §2.1.1.
 ///
 /// `i0` is the lowest level relative to the highest, so 1/`i0` is the display's dynamic range.
 ///
@@ -369,13 +368,14 @@ pub fn equal_brightness_levels(i0: f64, n: usize) -> Result<Vec<f64>, TransferEr
     Ok((0..=n).map(|j| i0.powf(1.0 - j as f64 / n as f64)).collect())
 }
 
-/// The level j of [`equal_brightness_levels`]`(i0, n)` nearest to the relative luminance `i`:
+/// Returns the level j of [`equal_brightness_levels`]`(i0, n)` that is nearest to the relative luminance `i`:
 /// ⌊log_r(i/I₀) + ½⌋, Shoaff §2.1.1.
 ///
-/// Kept within 0…n. An `i` of 0 or less, or NaN, is level 0. `i0` and `n` as there.
+/// The result is clamped to 0…n. An `i` of 0 or less, or NaN, is level 0. `i0` and `n` mean the same as in that
+/// function.
 #[must_use]
 pub fn nearest_equal_brightness_level(i: f64, i0: f64, n: usize) -> usize {
     let level = (i / i0).ln() / i0.recip().ln() * n as f64;
-    // `as` takes NaN and everything below 0 to 0.
+    // `as` turns NaN and everything below 0 into 0.
     ((level + 0.5).floor() as usize).min(n)
 }

@@ -1,16 +1,17 @@
-//! Floor 1: shading. A projected and lit mesh becomes light on a screen, with shaders from flat to smooth everywhere.
+//! Floor 1: shading. A projected and lit mesh becomes light on a screen, with shaders that range from flat to smooth
+//! everywhere.
 //!
 //! ```text
-//! Mesh → Surface (edges, curvature: once a mesh) → Frame (view, light: once a frame) → picture
+//! Mesh → Surface (edges, curvature: once per mesh) → Frame (view, light: once per frame) → picture
 //! ```
 //!
-//! | room | what is in it |
+//! | room | contents |
 //! |---|---|
 //! | [`mesh`] | triangles, their normals, edges and curvature, and meshes by name |
 //! | [`lighting`] | materials, lamps, highlights, transparency, refraction |
 //! | [`frame`] | a mesh on the screen: the view, which triangle each pixel shows, bends at edges, slopes at vertices |
-//! | [`shaders`] | one file a shader: how light spreads over a triangle |
-//! | [`draw`] | pictures, on the processor and on a graphics card |
+//! | [`shaders`] | one file per shader: how light spreads over a triangle |
+//! | [`draw`] | drawing on the CPU and on a graphics card |
 //! | [`measure`] | the creases that a shader leaves |
 
 pub mod draw;

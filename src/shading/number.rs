@@ -1,13 +1,13 @@
-//! The numbers of the shaders: one pixel in f64, or several neighboring pixels at once in f32; of one channel or of
-//! three.
+//! The numbers that shaders compute with: one pixel in f64, or several neighboring pixels at once in f32; for one
+//! channel or three.
 
 use std::ops::{Add, BitAnd, Div, Mul, Sub};
 
 use glam::DVec3;
 
-/// A constant of a triangle, in the precision of the pixels.
+/// A constant of a triangle, in the same precision as the pixels.
 pub trait Constant: Copy + Send + Sync {
-    /// `value`, rounded.
+    /// Rounds `value` to this precision.
     fn of(value: f64) -> Self;
 }
 
@@ -25,55 +25,56 @@ impl Constant for f32 {
     }
 }
 
-/// A number for each of several pixels, or for one.
+/// A number for each of several pixels, or for a single pixel.
 ///
-/// Functions of numbers are always inlined: the vectors of the machine are known only where the loop over the pixels is.
+/// Functions of numbers are always inlined, because the machine's vector type is known only where the loop over the
+/// pixels is.
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
     /// A value that is the same for all pixels.
     type Constant: Constant;
-    /// A yes or no for each pixel.
+    /// A condition that is true or false for each pixel.
     type Mask: Copy + BitAnd<Output = Self::Mask>;
 
-    /// `value` for as many pixels as this has.
+    /// Returns `value` for every pixel of this number.
     fn all(self, value: Self::Constant) -> Self;
 
-    /// The smaller of two.
+    /// Returns the smaller of two numbers, pixel by pixel.
     fn min(self, other: Self) -> Self;
 
-    /// The larger of two.
+    /// Returns the larger of two numbers, pixel by pixel.
     fn max(self, other: Self) -> Self;
 
-    /// The square root.
+    /// Returns the square root, pixel by pixel.
     fn sqrt(self) -> Self;
 
-    /// Where this is below `other`; nowhere for NaN.
+    /// True where this is below `other`; false for NaN.
     fn below(self, other: Self) -> Self::Mask;
 
-    /// Where this is below `other` or equal; nowhere for NaN.
+    /// True where this is below or equal to `other`; false for NaN.
     fn at_most(self, other: Self) -> Self::Mask;
 
-    /// Whether any pixel has a yes.
+    /// True if `mask` is true for any pixel.
     fn any(mask: Self::Mask) -> bool;
 
-    /// `yes` where the mask says so, `no` elsewhere.
+    /// Returns `yes` where the mask is true and `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// What `of` makes of each pixel's numbers in f64: for functions that no vector has.
+    /// Calls `of` with each pixel's numbers in f64, for functions that have no vector version.
     fn each<const I: usize, const O: usize>(inputs: [Self; I], of: impl Fn([f64; I]) -> [f64; O]) -> [Self; O];
 
-    /// `value` for as many pixels as this has.
+    /// Returns `value` for every pixel of this number.
     #[inline(always)]
     fn of(self, value: f64) -> Self {
         self.all(Self::Constant::of(value))
     }
 
-    /// This times a constant.
+    /// Multiplies this by a constant.
     #[inline(always)]
     fn times(self, factor: Self::Constant) -> Self {
         self * self.all(factor)
     }
 
-    /// This within `low`…`high`.
+    /// Clamps this to `low`…`high`.
     #[inline(always)]
     fn within(self, low: f64, high: f64) -> Self {
         self.max(self.of(low)).min(self.of(high))
@@ -122,7 +123,7 @@ impl Number for f64 {
     }
 }
 
-/// Σ w_k·values_k.
+/// Returns Σ w_k·values_k.
 #[inline(always)]
 pub fn weighted<N: Number, const C: usize>(w: [N; 3], values: &[[N::Constant; C]; 3]) -> [N; C] {
     let mut sum = [w[0]; C];
@@ -132,7 +133,7 @@ pub fn weighted<N: Number, const C: usize>(w: [N; 3], values: &[[N::Constant; C]
     sum
 }
 
-/// `to` and `amount` times `of`, channel by channel.
+/// Returns `to + amount · of`, channel by channel.
 #[inline(always)]
 pub fn plus<N: Number, const C: usize>(to: [N; C], amount: N, of: &[N::Constant; C]) -> [N; C] {
     let mut sum = to;
@@ -142,7 +143,7 @@ pub fn plus<N: Number, const C: usize>(to: [N; C], amount: N, of: &[N::Constant;
     sum
 }
 
-/// `yes` where the mask says so, `no` elsewhere, channel by channel.
+/// Returns `yes` where the mask is true and `no` elsewhere, channel by channel.
 #[inline(always)]
 pub fn select<N: Number, const C: usize>(mask: N::Mask, yes: [N; C], no: [N; C]) -> [N; C] {
     let mut chosen = no;
@@ -152,13 +153,13 @@ pub fn select<N: Number, const C: usize>(mask: N::Mask, yes: [N; C], no: [N; C])
     chosen
 }
 
-/// The scalar product.
+/// Returns the scalar product.
 #[inline(always)]
 pub fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The unit vector along `v`, zero for zero, and its length.
+/// Returns the unit vector along `v` (zero if `v` is zero) and the length of `v`.
 #[inline(always)]
 pub fn unit<N: Number>(v: [N; 3]) -> ([N; 3], N) {
     let length = dot(v, v).sqrt();
@@ -166,13 +167,13 @@ pub fn unit<N: Number>(v: [N; 3]) -> ([N; 3], N) {
     ([v[0] * per_length, v[1] * per_length, v[2] * per_length], length)
 }
 
-/// A vector that is the same for all pixels; `like` says for how many.
+/// Returns a vector that is the same for all pixels; `like` determines the number of pixels.
 #[inline(always)]
 pub fn all<N: Number>(like: N, v: &[N::Constant; 3]) -> [N; 3] {
     [like.all(v[0]), like.all(v[1]), like.all(v[2])]
 }
 
-/// x^`exponent` by squaring, `exponent` at least 1.
+/// Returns x^`exponent`, computed by squaring; `exponent` must be at least 1.
 #[inline(always)]
 pub fn power<N: Number>(x: N, exponent: u32) -> N {
     let (mut result, mut square, mut rest) = (x, x, exponent - 1);
@@ -191,12 +192,13 @@ pub fn power<N: Number>(x: N, exponent: u32) -> N {
 pub enum Channels {
     /// Red, green and blue.
     Color,
-    /// One that stands for those that have any light; the others are dark. This applies to gray and yellow images.
+    /// One channel stands for all channels that have any light; the others are dark. This applies to gray and yellow
+    /// images, for example.
     Gray([bool; 3]),
 }
 
 impl Channels {
-    /// Those of a picture made of `lights`.
+    /// Returns the channels that must be shaded for a picture made of `lights`.
     pub fn of(lights: impl Iterator<Item = DVec3> + Clone) -> Channels {
         let lit = lights.clone().fold([false; 3], |lit, light| {
             let [r, g, b] = light.to_array().map(|l| l != 0.0);
@@ -211,7 +213,7 @@ impl Channels {
         }
     }
 
-    /// The first channel that is shaded.
+    /// Returns the first channel that is shaded.
     fn first(self) -> usize {
         match self {
             Channels::Color => 0,
@@ -219,7 +221,7 @@ impl Channels {
         }
     }
 
-    /// The `C` channels of `light` that are shaded.
+    /// Returns the `C` channels of `light` that are shaded.
     pub fn pick<T: Constant, const C: usize>(self, light: DVec3) -> [T; C] {
         let (light, first) = (light.to_array(), self.first());
         std::array::from_fn(|c| T::of(light[(first + c) % 3]))

@@ -1,4 +1,4 @@
-//! The crease metric, and what the shaders leave of Gouraud's creases.
+//! The crease metric, and how much of Gouraud's creases the shaders leave.
 
 use crate::{frame, grid, random};
 use glam::{DVec2, DVec3};
@@ -7,7 +7,8 @@ use machband::shading::{
     shapes::{self, Shape},
 };
 
-/// B and C, and the apexes A and D of two triangles at the edge between them, in pixels; and their lights.
+/// B and C, and the apexes A and D of the two triangles at the edge between B and C, in pixels; [`LIGHTS`] are their
+/// lights.
 const PLACES: [DVec2; 4] =
     [DVec2::new(20.0, 60.0), DVec2::new(100.0, 75.0), DVec2::new(50.0, 10.0), DVec2::new(85.0, 110.0)];
 const LIGHTS: [f64; 4] = [0.3, 0.55, 0.9, 0.2];
@@ -15,13 +16,14 @@ const LIGHTS: [f64; 4] = [0.3, 0.55, 0.9, 0.2];
 fn pair(places: [DVec2; 4], lights: [f64; 4]) -> Frame {
     let mut frame = frame(&places, &[[2, 0, 1], [3, 0, 1]], |_| DVec3::ZERO);
     for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
-        // Channels of different contrast.
+        // The channels have different contrasts.
         vertex.light = DVec3::new(light, 0.5 * light, 0.0);
     }
     frame
 }
 
-/// The jump over a gray pair's edge: each apex's light above the edge line's at its foot, over its height.
+/// Returns the jump across the edge of a gray pair: for each apex, the difference between its light and the edge's
+/// light at its foot, divided by its height.
 fn analytic_jump(places: [DVec2; 4], lights: [f64; 4]) -> f64 {
     let [b, c, a, d] = places;
     let slope_to = |apex: DVec2, light: f64| {
@@ -50,7 +52,7 @@ fn over_gouraud(frame: &Frame, shade: &Shade) -> f64 {
 }
 
 #[test]
-fn gourauds_jump_is_that_of_its_planes() {
+fn gouraud_jump_matches_the_analytic_value() {
     let creases = Creases::of_gouraud(&pair(PLACES, LIGHTS));
     let expected = analytic_jump(PLACES, LIGHTS).abs() * (1.25_f64 / 3.0).sqrt();
     assert_eq!(creases.edges.len(), 1);
@@ -65,13 +67,15 @@ fn gourauds_jump_is_that_of_its_planes() {
 fn a_jump_that_changes_along_the_edge_is_averaged() {
     let frame = pair(PLACES, LIGHTS);
     let height = Frame::area2(PLACES[0], PLACES[1], PLACES[2]).abs() / PLACES[0].distance(PLACES[1]);
-    // Curved and steep on one side, nothing but a step on the other: the slope at the edge is s, from 0 to 1 along it.
+    // The light is curved and steep on one side and a mere step on the other. The slope at the edge is s, which rises
+    // from 0 to ½ and falls to 0 along the edge.
     let creases = Creases::of_field(&frame, |t, w| {
         let s = w[1].min(w[2]) / (w[1] + w[2]);
         let far = w[0] * height;
         if t == 0 { DVec3::new((3.0 * far).sin() / 3.0 * s, 0.0, 0.0) } else { DVec3::new(0.0, 0.25, 0.0) }
     });
-    // Mean square of a slope that runs 0 … ½ … 0, in one channel of three; six points fall short by 1 in 72.
+    // The mean square of a slope that runs 0 … ½ … 0, in one of three channels; with six points, the root is low by 1
+    // in 72.
     let expected = (1.0 / 12.0 * (1.0 - 1.0 / 36.0) / 3.0_f64).sqrt();
     assert!((creases.rms / expected - 1.0).abs() < 0.01, "{} {expected}", creases.rms);
     assert!((creases.step_rms - 0.25 / 3.0_f64.sqrt()).abs() < 1e-12);
@@ -87,7 +91,7 @@ fn a_smooth_field_has_no_crease() {
         DVec3::splat((0.2 * p.x).sin() * (0.3 * p.y).cos())
     });
     assert!(creases.max < 1e-7, "{}", creases.max);
-    // What is left is rounding, which nothing is compared with.
+    // What remains is rounding error, with which nothing is compared.
     assert_eq!(creases.over(&creases), None);
     let uniform = Creases::of_field(&frame, |_, _| DVec3::ONE);
     assert_eq!((uniform.max, creases.over(&uniform)), (0.0, None));
@@ -107,7 +111,7 @@ fn percentiles_are_weighted_by_length() {
     assert!((creases.rms - mean.sqrt()).abs() < 1e-12 * creases.rms);
 }
 
-/// Each edge of a frame once, those at silhouettes not.
+/// Each shared edge of a frame is measured once, and silhouettes are not measured.
 #[test]
 fn every_shared_edge_is_measured_once() {
     for (name, frame) in scenes() {
@@ -120,7 +124,7 @@ fn every_shared_edge_is_measured_once() {
 }
 
 #[test]
-fn patch_leaves_a_thousandth_at_most_and_one_slope_at_a_vertex() {
+fn patch_leaves_at_most_a_thousandth_and_one_slope_per_vertex() {
     let rms = |frame: &Frame, shade: &Shade| {
         let reference = Reference::new(frame, shade);
         let spreads = crease::at_vertices(frame, |t, w| reference.light(t, w));
@@ -135,7 +139,7 @@ fn patch_leaves_a_thousandth_at_most_and_one_slope_at_a_vertex() {
             let spread = rms(&frame, &shade) / rms(&frame, &Shade::new(Shader::Gouraud));
             assert!(spread <= 1e-3, "{name}, {gradients}: spread {spread} at the vertices");
         }
-        // Those of exact are Gouraud's: it does not touch the edges themselves.
+        // The spread of *exact* is similar to Gouraud's because it does not change the light on the edges themselves.
         let spread = rms(&frame, &Shade::new(Shader::Exact)) / rms(&frame, &Shade::new(Shader::Gouraud));
         assert!((0.7..1.3).contains(&spread), "{name}: {spread}");
     }
@@ -156,7 +160,7 @@ fn the_picture_shows_edges_by_their_jump_unless_hidden() {
     let (surface, ground) = (at(&frame, &creases, 1.0, inside), at(&frame, &creases, 1.0, DVec2::new(2.0, 2.0)));
     assert!(strong > 2.0 * weak && weak > 2.0 * surface && surface > ground, "{strong} {weak} {surface} {ground}");
 
-    // A triangle nearer to the eye, over the edge.
+    // A triangle that is nearer to the eye and covers the edge.
     let mut covered = frame.clone();
     let cover = [DVec2::new(-200.0, -200.0), DVec2::new(400.0, -200.0), DVec2::new(50.0, 600.0)];
     let own = crate::frame(&cover, &[[0, 1, 2]], |_| DVec3::ONE);

@@ -1,4 +1,4 @@
-//! The shaders on graphics cards, software ones here, held against the plain f64 reference.
+//! Compares the shaders on a graphics card, often a software renderer, with the plain f64 reference.
 
 use glam::DVec3;
 use machband::{
@@ -14,7 +14,8 @@ use machband::{
 
 use crate::grid;
 
-/// A device of the best card of `backends`, or nothing where there is none and none is required.
+/// Returns a device of the best card of `backends`. Returns `None` if there is no card, unless `MACHBAND_REQUIRE_GPU`
+/// requires one.
 fn device(
     backends: wgpu::Backends,
     limits: impl FnOnce(&wgpu::Adapter) -> wgpu::Limits,
@@ -35,7 +36,7 @@ fn device(
     Some((adapter.get_info().name, device, queue))
 }
 
-/// A card with what it needs to make images.
+/// A card with everything that is needed to make images.
 struct Card {
     name: String,
     device: wgpu::Device,
@@ -44,7 +45,7 @@ struct Card {
 }
 
 impl Card {
-    /// `frame` shaded by `shade` as 8-bit codes for a display of `transfer`.
+    /// Draws `frame`, shaded by `shade`, as 8-bit codes for a display with `transfer`.
     fn image(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<CodeImage, GpuError> {
         let texture = self.gpu.draw(frame, shade, transfer)?;
         gpu::codes(&self.device, &self.queue, &texture)
@@ -56,7 +57,7 @@ fn card(backend: wgpu::Backends) -> Option<Card> {
     Some(Card { gpu: Gpu::new(&device, &queue).unwrap(), name, device, queue })
 }
 
-/// A wavy sheet: open, both sides seen, folds of it hidden by others.
+/// Makes a wavy sheet: it is open, both of its sides are visible, and some of its folds hide others.
 fn sheet() -> Mesh {
     let (places, triangles) = grid(14, 14.0, 0.35, 3);
     let places: Vec<DVec3> = places.iter().map(|p| p.extend(2.5 * (0.9 * p.x).sin() + (0.6 * p.y).cos())).collect();
@@ -86,12 +87,12 @@ fn frames() -> Vec<(&'static str, Frame)> {
         ("cube", frame(shapes::cube(), View::square(96).rotated([25.0, -35.0, 0.0]), Lighting::standard())),
         ("blob", frame(shapes::blob(313), View::square(160).rotated([20.0, 30.0, 0.0]), Lighting::standard())),
         ("sheet", frame(sheet(), wide, colored())),
-        // Most of it outside the window.
+        // Most of it is outside the window.
         ("near", frame(shapes::blob(100), View { fill: 4.0, distance: 1.5, ..View::square(120) }, colored())),
     ]
 }
 
-/// A square whose sides lie on the centers of pixels: half of those are its own.
+/// Makes a square whose sides run through pixel centers: half of these pixels belong to it.
 fn square() -> (&'static str, Frame) {
     let view = View { fill: 36.0 * 3f64.sqrt() / 65.0, ..View::square(65) };
     let frame = Frame::new(&Surface::new(shapes::cube()), &view, &Lighting::standard(), DVec3::ZERO);
@@ -99,7 +100,7 @@ fn square() -> (&'static str, Frame) {
     ("square", frame)
 }
 
-/// `frame` with each triangle in a light of its own, that is its number.
+/// Gives each triangle of `frame` a light of its own that encodes the triangle's number.
 fn numbered(mut frame: Frame) -> Frame {
     let mut vertices: Vec<FrameVertex> = Vec::new();
     for (t, triangle) in frame.triangles.iter_mut().enumerate() {
@@ -148,7 +149,7 @@ fn shades() -> Vec<Shade> {
     shades
 }
 
-/// Largest difference between codes, and where it is.
+/// Returns the largest difference between codes and the pixel where it occurs.
 fn compare(card: &mut Card, frame: &Frame, light: &LinearImage, shade: &Shade, transfer: &Transfer) -> (u8, usize) {
     let expected = Quantizer::new(transfer, Bits::Eight).quantize(light);
     let image = card.image(frame, shade, transfer).unwrap();
@@ -238,7 +239,7 @@ on_both! {
 }
 
 #[test]
-fn too_much_is_an_error() {
+fn frames_that_are_too_large_are_errors() {
     let Some(mut card) = card(wgpu::Backends::all()) else { return };
     let surface = Surface::new(shapes::cube());
     let shade = Shade::new(Shader::Phong);

@@ -1,4 +1,4 @@
-//! The light of lit surfaces, against other implementations and against what must be true of it.
+//! Compares the light of lit surfaces with other implementations, and checks properties that it must have.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -47,7 +47,7 @@ fn model(name: &str) -> Specular {
     MODELS.iter().find(|(known, _)| *known == name).unwrap().1
 }
 
-/// A unit vector from two numbers within 0…1, all directions alike.
+/// Makes a unit vector from two numbers within 0…1; all directions are equally likely.
 fn direction((u, v): (f64, f64)) -> DVec3 {
     let (z, angle) = (2.0 * u - 1.0, 2.0 * PI * v);
     DVec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z).normalize()
@@ -57,7 +57,7 @@ fn directions() -> impl Strategy<Value = DVec3> {
     (0.0..1.0f64, 0.0..1.0f64).prop_map(direction)
 }
 
-/// A unit vector in the plane of x and z, `degrees` from z.
+/// Returns the unit vector in the plane of x and z that is `degrees` from z.
 fn leaning(degrees: f64) -> DVec3 {
     let (sin, cos) = degrees.to_radians().sin_cos();
     DVec3::new(sin, 0.0, cos)
@@ -95,7 +95,7 @@ fn fresnel_is_the_mean_of_the_two_polarizations() {
         assert!((fresnel(0.0, index) - 1.0).abs() < 1e-12, "{index}");
         for degrees in 0..90 {
             let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
-            // Snell's law, then the amplitudes of light that swings across and along the plane of incidence.
+            // Snell's law, then the amplitudes of light polarized perpendicular and parallel to the plane of incidence.
             let sin_t = sin / index;
             let expected = if sin_t >= 1.0 {
                 1.0
@@ -110,7 +110,7 @@ fn fresnel_is_the_mean_of_the_two_polarizations() {
         }
     }
     assert_eq!((fresnel(0.0, 1.0), fresnel(0.5, 1.0)), (0.0, 0.0));
-    // Glass, as every textbook has it.
+    // Glass, as in every textbook.
     assert!((fresnel(1.0, 1.5) - 0.04).abs() < 1e-15);
 }
 
@@ -127,7 +127,7 @@ fn microfacets_seen_from_above_fill_the_surface() {
             })
             .sum();
         assert!((sum / PI - 1.0).abs() < 1e-7, "{slope}: {}", sum / PI);
-        // The Gaussian: c1 at the top, c1/e at a tilt of m.
+        // The Gaussian is c1 at the top and c1/e at a tilt of m.
         assert_eq!(gaussian(1.0, slope, 2.5), 2.5);
         if slope < FRAC_PI_2 {
             assert!((gaussian(slope.cos(), slope, 2.5) * 1f64.exp() - 2.5).abs() < 1e-10, "{slope}");
@@ -136,14 +136,15 @@ fn microfacets_seen_from_above_fill_the_surface() {
     assert_eq!((beckmann(0.0, 0.3), beckmann(-0.1, 10.0), beckmann(1e-200, 10.0)), (0.0, 0.0, 0.0));
 }
 
-/// The share of a groove's wall that light from `lean` radians reaches, by ray tracing: a symmetric V along y, its walls
-/// leaning by `tilt` from straight up, its rims at z = 0; the wall in question is the one that faces +x.
+/// Finds by ray tracing the share of a groove's wall that light from `lean` radians reaches. The groove is a symmetric
+/// V along y with its rims at z = 0; its walls lean by `tilt` from vertical. The wall is the one that faces +x.
 fn lit_share(tilt: f64, lean: f64) -> f64 {
     let (half, depth) = (tilt.sin(), tilt.cos());
     let steps = 20_000;
     let lit = (0..steps).filter(|i| {
         let up = (f64::from(*i) + 0.5) / f64::from(steps);
-        // From the bottom (0, −depth) to the rim (−half, 0); out of the groove if past the other rim at its height.
+        // The wall runs from the bottom (0, −depth) to the rim (−half, 0). The ray leaves the groove if it passes the
+        // other rim at the rim's height.
         let (x, z) = (-half * up, -depth * (1.0 - up));
         let x_at_rims = x + lean.tan() * -z;
         x_at_rims < half
@@ -152,8 +153,8 @@ fn lit_share(tilt: f64, lean: f64) -> f64 {
 }
 
 #[test]
-fn geometry_is_what_a_groove_lets_through() {
-    // A wall that faces H = (cos tilt, sin tilt); V and L mirror each other in H, all in one plane.
+fn geometry_matches_a_ray_traced_groove() {
+    // The wall faces H = (cos tilt, sin tilt); V and L are mirror images about H, all in one plane.
     for (tilt, off) in [(70.0f64, 10.0f64), (70.0, 40.0), (60.0, 30.0), (80.0, 65.0), (45.0, 40.0), (50.0, 25.0)] {
         let (tilt, off) = (tilt.to_radians(), off.to_radians());
         let facing = FRAC_PI_2 - tilt;
@@ -213,7 +214,7 @@ fn models() -> impl Strategy<Value = Specular> {
     (0..MODELS.len()).prop_map(|i| MODELS[i].1)
 }
 
-/// Numbers that break careless code, beside usual ones.
+/// Ordinary numbers and numbers that break careless code.
 fn odd() -> impl Strategy<Value = f64> {
     prop_oneof![
         -2.0..2.0,
@@ -232,7 +233,7 @@ fn odd_vectors() -> impl Strategy<Value = DVec3> {
     (odd(), odd(), odd()).prop_map(DVec3::from)
 }
 
-/// Unit vectors, many of them at a right angle to z or nearly so, and zero.
+/// Unit vectors, many of them perpendicular or nearly perpendicular to z, and the zero vector.
 fn odd_directions() -> impl Strategy<Value = DVec3> {
     let grazing = (-1e-9..1e-9, 0.0..2.0 * PI).prop_map(|(z, a)| DVec3::new(a.cos(), a.sin(), z).normalize());
     let any = odd_vectors().prop_map(DVec3::normalize_or_zero);
@@ -242,7 +243,7 @@ fn odd_directions() -> impl Strategy<Value = DVec3> {
 proptest! {
 
     #[test]
-    fn turning_everything_changes_nothing(
+    fn rotating_everything_changes_nothing(
         specular in models(), p in directions(), n in directions(), v in directions(), axis in directions(), a in 0.0..6.3,
     ) {
         let turn = DMat3::from_quat(DQuat::from_axis_angle(axis, a));
@@ -253,7 +254,7 @@ proptest! {
                 LampPlace::Direction(place) | LampPlace::Point { position: place, .. } => *place = turn * *place,
             }
         }
-        // The microfacets' light has a pole where the surface is seen along it.
+        // The microfacets' light has a pole where the view direction is along the surface.
         prop_assume!(n.dot(v).abs() > 1e-2);
         let (before, after) = (lighting.light(p, n, v), turned.light(turn * p, turn * n, turn * v));
         prop_assert!((before - after).abs().max_element() < 1e-12 * (1.0 + before.max_element()), "{before} {after}");
@@ -267,8 +268,9 @@ proptest! {
         let sin = along(l).length();
         match Refraction::of(l, n, ratio) {
             Refraction::Transmitted(t) => {
-                // Of unit length, beyond the surface, with Snell's sine; and light from there comes out where it went in.
-                // Near grazing, in or out, one of the ways is near the critical angle and a square root of rounding.
+                // The vector has unit length, lies beyond the surface and has Snell's sine, and light from there returns
+                // along the way it came. Near grazing angles, one of the two directions is near the critical angle,
+                // where the error is the square root of the rounding error.
                 prop_assert!(ratio * sin < 1.0 + 1e-14 && (t.length() - 1.0).abs() < 1e-14);
                 prop_assert!((along(t) + ratio * along(l)).length() < 1e-14 && t.dot(n) * l.dot(n) <= 0.0, "{t} {l}");
                 prop_assume!(t.dot(n).abs() > 1e-3 && l.dot(n).abs() > 1e-3);

@@ -1,4 +1,4 @@
-//! Meshes, lighting and shaders, on the processor and on a graphics card; and frames made by hand for them: triangles in
+//! Tests of meshes, lighting and shaders on the CPU and on a graphics card, and handmade frames for them: triangles in
 //! the plane of the screen.
 
 #[path = "../common/mod.rs"]
@@ -21,7 +21,7 @@ use machband::{
     shading::{Across, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Shade, Shader, View},
 };
 
-/// A vertex at `screen`, facing the eye, with the light `light`.
+/// Makes a vertex at `screen` that faces the eye and has the light `light`.
 fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
     FrameVertex {
         screen,
@@ -34,8 +34,8 @@ fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
     }
 }
 
-/// A frame of 200 × 200 pixels. Edges run between vertices of one index: two triangles at one are smooth neighbors,
-/// more are several.
+/// Makes a frame of 200 × 200 pixels. Edges are identified by the indices of their vertices: two triangles at an edge
+/// are smooth neighbors; more than two are [`Across::Several`].
 fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting) -> Frame {
     let ends = |t: usize, k: usize| (triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
     let mut sides: HashMap<[u32; 2], Vec<(usize, usize)>> = HashMap::new();
@@ -66,7 +66,7 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
     }
 }
 
-/// The frame of `triangles` over `places` in pixels, with the lights given. Its lights are not those of its lighting.
+/// Makes the frame of `triangles` over `places` (in pixels) with the given lights, which do not come from its lighting.
 fn frame(places: &[DVec2], triangles: &[[u32; 3]], light: impl Fn(DVec2) -> DVec3) -> Frame {
     let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| facing(places, *t)).collect();
     let vertices = places.iter().map(|&screen| vertex(screen, light(screen))).collect();
@@ -78,7 +78,8 @@ fn facing(places: &[DVec2], t: [u32; 3]) -> [u32; 3] {
     if Frame::area2(a, b, c) > 0.0 { t } else { [t[0], t[2], t[1]] }
 }
 
-/// Every shader: with its defaults, with these depths (0 for ∞) and widths of its strips, with slopes from everywhere.
+/// Returns every shader with its defaults, with these depths (0 for ∞) and widths of its strips, and with every method
+/// for the slopes.
 fn shades(strips: &[(u8, f64)]) -> Vec<Shade> {
     let depth = |n| if n == 0 { Depth::Infinite } else { Depth::Finite(n) };
     let with_options = |&shader: &Shader| {
@@ -92,7 +93,7 @@ fn shades(strips: &[(u8, f64)]) -> Vec<Shade> {
     Shader::ALL.iter().flat_map(with_options).collect()
 }
 
-/// A number of 0…1 that depends on `seed` only: the golden ratio's multiples, hashed.
+/// Returns a number within 0…1 that depends only on `seed`: a hash of multiples of the golden ratio.
 fn random(seed: u64) -> f64 {
     let mut x = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -100,8 +101,8 @@ fn random(seed: u64) -> f64 {
     (x ^ (x >> 31)) as f64 / u64::MAX as f64
 }
 
-/// A square of `size` pixels in `n` × `n` cells of two triangles, split along either diagonal at random, their corners
-/// moved by up to `jitter` of a cell, except on the border.
+/// Makes a square of `size` pixels with `n` × `n` cells of two triangles each. Each cell is split along a random
+/// diagonal, and the corners, except on the border, are moved by up to `jitter` of a cell.
 fn grid(n: usize, size: f64, jitter: f64, seed: u64) -> (Vec<DVec2>, Vec<[u32; 3]>) {
     let at = |i: usize, j: usize| (j * (n + 1) + i) as u32;
     let mut places = Vec::new();
@@ -122,7 +123,8 @@ fn grid(n: usize, size: f64, jitter: f64, seed: u64) -> (Vec<DVec2>, Vec<[u32; 3
     (places, triangles)
 }
 
-/// Whether a triangle holds a place, on a left or top edge too. Exact: places are multiples of 1/256 pixel.
+/// True if a triangle contains a point, including points on its left and top edges. This is exact because positions are
+/// multiples of 1/256 pixel.
 fn covers(frame: &Frame, triangle: usize, p: DVec2) -> bool {
     let [a, b, c] = frame.corners(triangle).map(|v| v.screen);
     [(b, c), (c, a), (a, b)].into_iter().all(|(from, to)| {

@@ -1,4 +1,4 @@
-//! Meshes: their shapes, normals, edges, curvature.
+//! Meshes: their shapes, normals, edges, and curvature.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,8 @@ fn volume(mesh: &Mesh) -> f64 {
     (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.cross(b).dot(c) / 6.0).sum()
 }
 
-/// Vertices − edges + triangles, every edge having two sides that go round it in opposite senses.
+/// Returns vertices − edges + triangles, after checking that every edge has two sides that traverse it in opposite
+/// directions.
 fn euler_of_closed(mesh: &Mesh) -> i64 {
     let edges = Edges::of(mesh);
     for edge in &edges.edges {
@@ -28,7 +29,7 @@ fn euler_of_closed(mesh: &Mesh) -> i64 {
 }
 
 #[test]
-fn shapes_are_closed_and_look_outward() {
+fn shapes_are_closed_and_face_outward() {
     let sizes = [(4, Shape::Blob), (5, Shape::Blob), (6, Shape::Blob), (7, Shape::Blob)]
         .into_iter()
         .chain([12, 13, 40, 313, 771, 5000].into_iter().flat_map(|n| Shape::ALL.iter().map(move |s| (n, *s))));
@@ -48,7 +49,7 @@ fn shapes_are_closed_and_look_outward() {
 }
 
 #[test]
-fn shapes_have_the_triangles_they_promise() {
+fn shapes_have_the_expected_number_of_triangles() {
     assert_eq!(shapes::sphere(4).triangles.len(), 320);
     assert_eq!(shapes::torus(24, 12).triangles.len(), 576);
     for (shape, vertices, least) in [(Shape::Blob, 3, 4), (Shape::Sphere, 11, 12), (Shape::Torus, 500_001, 12)] {
@@ -78,12 +79,12 @@ fn shoaffs_pyramid_has_shoaffs_normal() {
     let mesh = shapes::pyramid();
     let v1 = mesh.vertices.iter().find(|v| v.position == DVec3::new(-1.0, -1.0, 1.0)).unwrap();
     assert!(v1.normal.distance(DVec3::new(-1.0, -1.0, 3.0) / 11f64.sqrt()) < 1e-15, "{}", v1.normal);
-    // Its faces are the planes that Shoaff gives: z = 1, z = y + 2, z = x + 2.
+    // Its faces lie in the planes that Shoaff gives: z = 1, z = y + 2, z = x + 2.
     for (plane, distance) in [(DVec3::Z, 1.0), (DVec3::new(0.0, -1.0, 1.0), 2.0), (DVec3::new(-1.0, 0.0, 1.0), 2.0)] {
         let within = (0..12).filter(|t| mesh.corners(*t).iter().all(|p| (plane.dot(*p) - distance).abs() < 1e-12));
         assert_eq!(within.count(), 2, "{plane}");
     }
-    // A vertex of the cube has the mean of three faces, though five triangles meet there.
+    // A vertex of the cube has the mean normal of three faces, although up to six triangles meet there.
     for vertex in shapes::cube().vertices {
         assert!(vertex.normal.distance(vertex.position / 3f64.sqrt()) < 1e-15);
     }
@@ -91,16 +92,16 @@ fn shoaffs_pyramid_has_shoaffs_normal() {
 
 #[test]
 fn newell_finds_the_plane() {
-    // A quad bent by 2h along its diagonals: its projections on the axes' planes have the areas 0, 0 and 1.
+    // A quad bent by 2h along its diagonals: its projections onto the coordinate planes have the areas 0, 0 and 1.
     for h in [0.0, 0.1, 0.5] {
         let bent =
             [DVec3::new(0.0, 0.0, h), DVec3::new(1.0, 0.0, -h), DVec3::new(1.0, 1.0, h), DVec3::new(0.0, 1.0, -h)];
         assert!(newell(&bent).distance(DVec3::Z) < 1e-15, "{h}");
     }
-    // A concave quad whose first corner turns the other way.
+    // A concave quad whose first corner turns in the opposite direction.
     let dart = [DVec3::new(1.0, 0.5, 0.0), DVec3::new(0.0, 2.0, 0.0), DVec3::ZERO, DVec3::new(4.0, 0.5, 0.0)];
     assert!(newell(&dart).distance(DVec3::Z) < 1e-15);
-    // Far away, and of any size.
+    // Quads far from the origin and of any size.
     let axis = DVec3::new(1.0, 2.0, 2.0) / 3.0;
     let (u, v) = axis.any_orthonormal_pair();
     for (size, offset) in [(1.0, 1e6), (1e-25, 0.0), (1e25, 0.0), (1e-3, 1e4)] {
@@ -121,7 +122,7 @@ fn kinds(mesh: &Mesh) -> Vec<([u32; 2], EdgeKind)> {
 #[test]
 fn edges_are_classified() {
     use EdgeKind::{Border, Crease, NonManifold, Smooth};
-    // A roof over the edge 0–1, at 90°, and a third wing.
+    // A roof over the edge 0–1, bent by 90°, and a third wing.
     let places =
         [DVec3::ZERO, DVec3::Y, DVec3::new(1.0, 0.0, -1.0), DVec3::new(-1.0, 0.0, -1.0), DVec3::new(0.0, 0.0, 1.0)];
     let (right, left, up) = ([0, 2, 1], [0, 1, 3], [0, 1, 4]);
@@ -139,9 +140,9 @@ fn edges_are_classified() {
     assert_eq!(kind(&[right, left], 0.0), Crease);
     assert_eq!(kind(&[right], 180.0), Border);
     assert_eq!(kind(&[right, left, up], 180.0), NonManifold);
-    // The second goes round the edge as the first does.
+    // The second triangle traverses the edge in the same direction as the first.
     assert_eq!(kind(&[right, [1, 0, 3]], 180.0), NonManifold);
-    // Triangles that name a place twice do not come between.
+    // Triangles that use a site twice do not separate others.
     let mesh = Mesh::new(&places, &[right, [0, 1, 1], left, [0, 0, 0]], 180.0).unwrap();
     let edges = Edges::of(&mesh);
     let ridge = edges.edges.iter().find(|e| e.sites == [0, 1]).unwrap();
@@ -158,9 +159,9 @@ fn edges_are_classified() {
 }
 
 proptest! {
-    /// An edge below the angle of the crease is smooth: its faces share both their vertices there.
+    /// An edge below the crease angle is smooth: its faces share both vertices there.
     #[test]
-    fn creases_are_where_faces_make_an_angle(crease in 0.0..60f64, points in 6usize..60) {
+    fn creases_are_where_faces_meet_at_an_angle(crease in 0.0..60f64, points in 6usize..60) {
         let whole = shapes::mesh(Shape::Blob, points).unwrap();
         let places: Vec<DVec3> = whole.vertices.iter().map(|v| v.position).collect();
         let mesh = Mesh::new(&places, &whole.triangles, crease).unwrap();
@@ -175,11 +176,12 @@ proptest! {
                 prop_assert_eq!(edge.kind, EdgeKind::Smooth);
             }
         }
-        // Without a single joint all are creases.
+        // If no faces are joined, all edges are creases.
         prop_assert!(is_any_joined || kinds.iter().all(|kind| *kind == EdgeKind::Crease));
     }
 
-    /// Any simple polygon: its triangles have its area, none is turned over, and each of its edges is one of theirs.
+    /// For any simple polygon, the triangles have the polygon's area, none is flipped, and every edge of the polygon is
+    /// an edge of a triangle.
     #[test]
     fn polygons_become_triangles(radii in prop::collection::vec(0.1..1f64, 3..40), tilt in 0.0..6f64) {
         let count = radii.len();
@@ -209,7 +211,7 @@ proptest! {
         }
     }
 
-    /// Whatever the polygon: two triangles fewer than corners, of its own corners.
+    /// For any polygon, there are two fewer triangles than corners, and they use only the polygon's corners.
     #[test]
     fn degenerate_polygons_become_triangles(corners in prop::collection::vec((0..4i32, 0..4i32, 0..2i32), 0..12)) {
         let corners: Vec<DVec3> = corners.iter().map(|(x, y, z)| DVec3::from([*x, *y, *z].map(f64::from))).collect();
@@ -220,15 +222,15 @@ proptest! {
 }
 
 #[test]
-fn faults_of_triangles_are_named() {
+fn invalid_meshes_are_reported() {
     let places = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X * 2.0];
     let message =
         |places: &[DVec3], triangles: &[[u32; 3]]| Mesh::new(places, triangles, 180.0).unwrap_err().to_string();
     assert_eq!(message(&places, &[]), "the mesh has no triangles; expected at least one");
-    assert_eq!(message(&places, &[[0, 1, 2], [0, 1, 4]]), "face 1 names position 4 of 4; expected a smaller number");
+    assert_eq!(message(&places, &[[0, 1, 2], [0, 1, 4]]), "face 1 refers to position 4; expected a number below 4");
     assert_eq!(
         message(&places, &[[0, 1, 3], [0, 0, 1]]),
-        "none of the 2 triangles has an area; expected at least one that does"
+        "none of the 2 triangles has an area; expected at least one with an area"
     );
     for bad in [f64::NAN, f64::INFINITY, 1e31] {
         assert_eq!(
@@ -238,7 +240,7 @@ fn faults_of_triangles_are_named() {
     }
 }
 
-/// The round shapes' normals are those of the surface: across it, as its neighboring places tell ever better.
+/// The round shapes have the normals of the true surface; with many vertices, averaged normals come close to them.
 #[test]
 fn round_shapes_have_the_normals_of_their_surface() {
     for shape in [Shape::Sphere, Shape::Torus, Shape::Blob] {
@@ -252,7 +254,8 @@ fn round_shapes_have_the_normals_of_their_surface() {
     }
 }
 
-/// The largest difference between the curvature of the vertices and the true one, relative to the largest true one.
+/// Returns the largest difference between the curvature of the vertices and the true curvature, relative to the largest
+/// true curvature.
 fn curvature_error(mesh: &Mesh, truth: impl Fn(DVec3) -> DMat3) -> f64 {
     let surface = Surface::new(mesh.clone());
     let norm = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -278,11 +281,12 @@ fn curvature_of_a_sphere() {
             Mesh::new(&places, &mesh.triangles, 180.0).unwrap()
         };
         let truth = |p: DVec3| (DMat3::IDENTITY - outer((p + 0.1 * radius).normalize())) * (1.0 / radius);
-        // True normals: their differences are the edges, and only the turn of the faces is left.
+        // With true normals, the differences of normals are the edges, and only the rotation of the faces remains as an
+        // error.
         let mesh = scaled(&shapes::sphere(16));
         let exact = curvature_error(&mesh.clone().with_normals(|p| p + 0.1 * radius), truth);
         assert!(exact < 1e-3, "{radius}: {exact}");
-        // Averaged ones are themselves a little off where the triangles around are not alike.
+        // Averaged normals are themselves slightly off where the surrounding triangles differ from one another.
         let averaged = curvature_error(&mesh, truth);
         assert!(averaged < 0.05, "{radius}: {averaged}");
     }
@@ -295,7 +299,7 @@ fn curvature_of_a_torus_converges_with_averaged_normals() {
             let along = DVec3::new(-p.y, p.x, 0.0).normalize();
             let out = DVec3::new(p.x, p.y, 0.0).normalize();
             let normal = (p - out) / 0.4;
-            // 1/0.4 round the tube, and cos/(1 + 0.4 cos) along it: negative on the inside.
+            // 1/0.4 around the tube, and cos/(1 + 0.4 cos) along it, which is negative on the inside.
             outer(normal.cross(along)) / 0.4 + outer(along) * (normal.dot(out) / p.dot(out))
         })
     };
@@ -306,7 +310,8 @@ fn curvature_of_a_torus_converges_with_averaged_normals() {
 
 #[test]
 fn curvature_converges_on_uneven_triangles_with_true_normals() {
-    // An ellipsoid over Fibonacci points: no two triangles alike. N = ∇F/|∇F|, dN/dp = P·diag(1/a²)·P/|∇F|.
+    // An ellipsoid over Fibonacci points, on which no two triangles are alike. N = ∇F/|∇F|, dN/dp =
+    // P·diag(1/a²)·P/|∇F|.
     let axes = DVec3::new(1.0, 0.7, 1.4);
     let gradient = |p: DVec3| p / (axes * axes);
     let error = |count: usize| {
@@ -324,9 +329,9 @@ fn curvature_converges_on_uneven_triangles_with_true_normals() {
 }
 
 proptest! {
-    /// Whatever the triangles: finite, and unit normals.
+    /// For any triangles, the curvature is finite and the normals have unit length.
     #[test]
-    fn nothing_makes_curvature_or_normals_infinite(
+    fn curvature_and_normals_are_always_finite(
         places in prop::collection::vec((-2..3i32, -2..3i32, -1..2i32), 3..12),
         corners in prop::collection::vec((0..12u32, 0..12u32, 0..12u32), 1..20),
         power in -28..30i32,

@@ -1,4 +1,4 @@
-//! OBJ files: a valid file becomes a mesh, any other a message.
+//! OBJ files: a valid file becomes a mesh; any other file gives an error message.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -17,7 +17,7 @@ fn message(content: impl AsRef<[u8]>) -> String {
     obj::parse("it.obj", content.as_ref(), 180.0).expect_err("a fault").to_string()
 }
 
-/// A cube of quads, as a program would write it: with everything that is not of interest, too.
+/// A cube of quads as a program would write it, including everything that is ignored.
 const CUBE: &str = "\
 # A cube, écrit à la main
 mtllib cube.mtl
@@ -58,7 +58,7 @@ fn cube_of_quads_is_the_cube() {
     let sorted = |mesh: &Mesh| {
         let mut all: Vec<_> = (0..12)
             .map(|t| {
-                // From its lowest corner on.
+                // Start at the lowest corner.
                 let mut corners = mesh.triangles[t]
                     .map(|v| mesh.vertices[v as usize])
                     .map(|v| format!("{} {:.12}", v.position, v.normal));
@@ -71,7 +71,7 @@ fn cube_of_quads_is_the_cube() {
         all
     };
     assert_eq!(sorted(&read), sorted(&cube));
-    // Sharp edges, at less than 90°.
+    // With a crease angle below 90°, all edges of the cube are sharp.
     let sharp = obj::parse("it.obj", CUBE.as_bytes(), 60.0).unwrap();
     assert_eq!(sharp.vertices.len(), 24);
     let edges = Edges::of(&sharp).edges;
@@ -79,7 +79,7 @@ fn cube_of_quads_is_the_cube() {
     assert_eq!(edges.iter().filter(|e| e.kind == EdgeKind::Smooth).count(), 6);
 }
 
-/// Any mesh, written and read.
+/// Writes a mesh as an OBJ file.
 fn written(mesh: &Mesh, normals: bool) -> String {
     let mut text = String::new();
     for v in &mesh.vertices {
@@ -106,14 +106,14 @@ fn same_picture(a: &Mesh, b: &Mesh) -> bool {
 }
 
 #[test]
-fn meshes_come_back_to_the_last_digit() {
+fn written_meshes_are_read_back_exactly() {
     let blob = shapes::blob(313);
     assert!(same_picture(&mesh(&written(&blob, true)), &blob));
-    // Without its normals, with the averages.
+    // Without normals in the file, the normals are averaged.
     let places: Vec<DVec3> = blob.vertices.iter().map(|v| v.position).collect();
     let averaged = Mesh::new(&places, &blob.triangles, 180.0).unwrap();
     assert!(same_picture(&mesh(&written(&blob, false)), &averaged));
-    // With normals that are not the averages, and creases that follow from them.
+    // With normals that are not averages, creases follow from the normals.
     let places: Vec<DVec3> = shapes::cube().vertices.iter().map(|v| v.position).collect();
     let sharp = Mesh::new(&places, &shapes::cube().triangles, 30.0).unwrap();
     let back = mesh(&written(&sharp, true));
@@ -132,9 +132,10 @@ fn a_million_triangles_are_read() {
 }
 
 #[test]
-fn normals_are_the_files_where_it_has_some() {
+fn normals_from_the_file_take_precedence() {
     let roof = "v 0 0 0\nv 1 0 -1\nv 0 1 0\nv -1 0 -1\n";
-    // No normal, a zero one, one that is not a number: averaged. One of any length: made a unit.
+    // A missing normal, a zero normal, and a normal that is not a number are replaced by averages. A normal of any
+    // other length is normalized.
     let text = format!("{roof}vn 0 0 0\nvn nan 0 0\nvn 3 0 4\nf 1//3 2 3//1\nf 1//3 3//2 4\n");
     let mesh = mesh(&text);
     let normal = |t: usize, k: usize| mesh.vertices[mesh.triangles[t][k] as usize].normal;
@@ -142,7 +143,7 @@ fn normals_are_the_files_where_it_has_some() {
     assert!(normal(0, 2).distance(DVec3::Z) < 1e-15);
     assert!(normal(0, 1).distance(newell(&mesh.corners(0))) < 1e-15);
     assert_eq!(mesh.vertices.len(), 4);
-    // Normals that a program has rounded differently are one; others are two.
+    // Normals that a program rounded differently are merged; different normals stay separate.
     for (z, count) in [("1.0001", 4), ("1.1", 6)] {
         let text = format!("{roof}vn 1 0 1\nvn 1 0 {z}\nf 1//1 2//1 3//1\nf 1//2 3//2 4//2\n");
         assert_eq!(self::mesh(&text).vertices.len(), count, "{z}");
@@ -150,7 +151,7 @@ fn normals_are_the_files_where_it_has_some() {
 }
 
 #[test]
-fn equal_positions_are_one_and_close_ones_are_not() {
+fn equal_positions_are_merged_and_close_ones_are_not() {
     let seam = |y: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv -0 0 0\nv 0 {y} 0\nv -1 0 0\nf 4 5 6\n");
     let smooth = |text: &str| Edges::of(&mesh(text)).edges.iter().filter(|e| e.kind == EdgeKind::Smooth).count();
     assert_eq!(smooth(&seam("1.0")), 1);
@@ -158,7 +159,7 @@ fn equal_positions_are_one_and_close_ones_are_not() {
 }
 
 #[test]
-fn faults_are_named_with_their_place() {
+fn faults_are_reported_with_their_position() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     for (text, expected) in [
         ("", "it.obj: has no faces; expected at least one line \"f 1 2 3\""),
@@ -198,23 +199,23 @@ fn faults_are_named_with_their_place() {
         for corner in [format!("{huge}"), format!("3//{huge}")] {
             assert!(message(face(corner)).starts_with("it.obj:5:7: "), "{huge}");
         }
-        // Texture coordinates are not looked at.
+        // Texture coordinates are ignored.
         assert_eq!(mesh(&face(format!("3/{huge}"))).triangles.len(), 1);
     }
-    // A face before its vertices, and before another fault.
+    // A face that comes before its vertices and before another fault.
     assert_eq!(
         message("f 1 2 3\nv 0 0 0\nv 0 0 x\n"),
         "it.obj:1:7: vertex 3 does not exist; expected 1…2\nit.obj:3:7: \"x\" is not a number; expected one"
     );
     assert!(obj::parse("it.obj", format!("f 1 2 3\n{triangle}").as_bytes(), 180.0).is_ok());
-    // Several, in the order of the file, and not without end.
+    // Several faults are listed in the order of the file, up to a limit.
     assert_eq!(message("v a 0 0\nv 0 b 0\nf 1 2\n").lines().count(), 3);
     assert_eq!(message("v a 0 0\n".repeat(1000)).lines().count(), 20);
     assert!(message(format!("v {} 0 0\n", "x".repeat(100_000))).len() < 200);
 }
 
 #[test]
-fn files_of_other_kinds_are_named() {
+fn files_of_other_kinds_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let fault = |path: &Path| obj::read(path, 180.0).expect_err("a fault").to_string();
     let missing = folder.path().join("missing.obj");
@@ -224,7 +225,7 @@ fn files_of_other_kinds_are_named() {
     std::fs::write(&picture, b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap();
     assert!(fault(&picture).ends_with("picture.obj:3:1: is not text; expected an OBJ file"), "{}", fault(&picture));
     assert_eq!(message(b"v 0 0 0\nv 1 \xff 2\n"), "it.obj:2:5: is not UTF-8 text; expected numbers");
-    // A name or a comment in another encoding does no harm.
+    // Names and comments in another encoding do no harm.
     let latin = b"# \xe9crit\no \xe9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     assert_eq!(obj::parse("it.obj", latin, 180.0).unwrap().triangles.len(), 1);
 }
@@ -252,9 +253,9 @@ fn a_face_of_many_corners_is_read_or_refused() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// A file with bytes changed, taken out and put in is read or refused; nothing else.
+    /// A file with bytes changed, removed and inserted is either read or rejected; nothing else happens.
     #[test]
-    fn no_bytes_make_it_panic(
+    fn malformed_bytes_never_panic(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..4u8), 1..12),
         crease in prop_oneof![Just(180.0), Just(f64::NAN), -10.0..200f64],
         with_normals in any::<bool>(),
@@ -264,7 +265,7 @@ proptest! {
             let at = at.index(bytes.len());
             match how {
                 0 => bytes[at] = byte,
-                // Characters that mean something.
+                // Characters that have a meaning in OBJ files.
                 1 => bytes[at] = b"0123456789-+.e/ \n\r\\#vfnoglinfa"[usize::from(byte) % 30],
                 2 => { bytes.remove(at); }
                 _ => {

@@ -1,4 +1,4 @@
-//! The patch shader: fields that it must give back, its smoothness, another implementation.
+//! The patch shader: fields that it must reproduce, its smoothness, and a comparison with another implementation.
 
 use crate::{frame, grid};
 use glam::{DMat3, DVec2, DVec3};
@@ -12,7 +12,7 @@ use machband::{
     },
 };
 
-/// The same field in all channels but for its size.
+/// The same field in all channels, scaled differently.
 fn gray(value: f64) -> DVec3 {
     value * DVec3::new(1.0, 0.5, -2.0)
 }
@@ -21,13 +21,13 @@ fn gray_gradient(slope: DVec2) -> Gradient {
     [slope, 0.5 * slope, -2.0 * slope]
 }
 
-/// The light of the patches.
+/// Returns the light of the patches as a function.
 fn spread(frame: &Frame, patches: &Patches) -> impl Fn(usize, [f64; 3]) -> DVec3 + Sync + use<> {
     let patch = Patch::<f64, 3>::new(frame, Channels::Color, patches);
     move |triangle, w| DVec3::from_array(patch.light(triangle, w, [0.0; 3]))
 }
 
-/// Differences between the patches and `truth` over all triangles, in red.
+/// Returns the differences between the patches and `truth` in red, over all triangles.
 fn errors(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> Vec<f64> {
     let light = spread(frame, patches);
     let mut errors = Vec::new();
@@ -51,8 +51,8 @@ fn given(frame: &Frame, gradient: impl Fn(DVec2) -> DVec2) -> Patches {
     Patches::with_gradients(frame, frame.vertices.iter().map(|v| gray_gradient(gradient(v.screen))).collect())
 }
 
-/// Neighbors count by 1/d²: of two along x, one a unit away with a slope of 1, one four units away with none, the slope
-/// that fits is half; unweighted it were 1/17.
+/// Neighbors are weighted by 1/d². Of the two neighbors along x, one is 1 unit away with a slope of 1, the other 4
+/// units away with a slope of 0. The slope that fits is ½; without weights, it would be 1/17.
 #[test]
 fn near_neighbors_count_more() {
     let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0), (-4.0, 0.0), (0.0, -2.0)].map(|(x, y)| DVec2::new(x, y));
@@ -62,10 +62,10 @@ fn near_neighbors_count_more() {
     assert!(gradient[0].distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
 }
 
-/// With true gradients a quadratic field comes out exactly; every error of a gradient adds at most 0.4 times itself times
-/// the longest edge.
+/// With true gradients, a quadratic field is reproduced exactly. Errors in the gradients add at most 0.4 times the
+/// largest gradient error times the longest edge.
 #[test]
-fn quadratic_fields_come_out_within_the_error_of_their_gradients() {
+fn quadratic_fields_are_within_the_error_of_their_gradients() {
     let (places, triangles) = grid(8, 80.0, 0.3, 2);
     let field = |p: DVec2| 0.2 + 0.01 * p.x + 1e-4 * (2.0 * p.x * p.x - 3.0 * p.x * p.y + 1.5 * p.y * p.y);
     let slope = |p: DVec2| DVec2::new(0.01 + 1e-4 * (4.0 * p.x - 3.0 * p.y), 1e-4 * (3.0 * p.y - 3.0 * p.x));
@@ -90,7 +90,7 @@ fn quadratic_fields_come_out_within_the_error_of_their_gradients() {
         assert!(fault > 1e-6 && error > 1e-6, "{gradients}: nothing to bound");
         assert!(error <= 0.4 * fault * longest, "{gradients}: {error} with gradients off by {fault}");
     }
-    // A quadric needs five neighbors that lie well: inside, they mostly do.
+    // A quadric needs five well-placed neighbors, which inner vertices usually have.
     let inside = |gradients| {
         let patches = Patches::new(&frame, gradients);
         let exact = frame.vertices.iter().zip(&patches.gradients);
@@ -99,7 +99,7 @@ fn quadratic_fields_come_out_within_the_error_of_their_gradients() {
     assert!(inside(Gradients::Quadric) > 20 && inside(Gradients::Ring) < 5);
 }
 
-/// Root mean square error on a smooth field with `n` × `n` cells.
+/// Returns the root mean square error on a smooth field with `n` × `n` cells.
 fn rms_error(n: usize, gradients: Option<Gradients>) -> f64 {
     let (places, triangles) = grid(n, 1.0, 0.25, 3);
     let field = |p: DVec2| (3.0 * p.x + 0.4).sin() * (2.5 * p.y).cos() + 0.3 * (4.0 * p.x * p.y).sin();
@@ -123,7 +123,7 @@ fn smooth_fields_converge_at_third_order() {
 }
 
 #[test]
-fn cubics_are_those_of_scipy() {
+fn cubics_match_scipy() {
     let text = include_str!("../golden/patch.csv");
     let (mut places, mut lights, mut gradients, mut triangles) = (vec![], vec![], vec![], vec![]);
     let mut samples = vec![];
@@ -147,7 +147,7 @@ fn cubics_are_those_of_scipy() {
     let light = spread(&frame, &Patches::with_gradients(&frame, gradients));
     assert!(samples.len() >= 100);
     for (t, first, second, expected) in samples {
-        // The frame's corners may go round the other way.
+        // The frame's corners may be in the opposite order.
         let w = frame.triangles[t].vertices.map(|v| {
             let k = triangles[t].iter().position(|own| *own == v).expect("a corner");
             [first, second, 1.0 - first - second][k]
@@ -157,12 +157,12 @@ fn cubics_are_those_of_scipy() {
     }
 }
 
-/// A sphere with the curvature that is estimated from its mesh.
+/// Makes a sphere with the curvature that is estimated from its mesh.
 fn sphere(vertices: usize) -> Surface {
     Surface::new(shapes::mesh(Shape::Sphere, vertices).expect("a sphere"))
 }
 
-/// The same with true normals and curvature.
+/// Makes a sphere with true normals and true curvature.
 fn true_sphere(vertices: usize) -> Surface {
     let mut surface = sphere(vertices);
     for (tensor, vertex) in surface.curvature.iter_mut().zip(&mut surface.mesh.vertices) {
@@ -173,8 +173,9 @@ fn true_sphere(vertices: usize) -> Surface {
     surface
 }
 
-/// Root mean square error of the gradients of a sphere under a lamp far away, where it faces the eye by more than
-/// `facing`, relative to the root mean square of the true ones.
+/// Returns the root mean square error of the gradients of a sphere under a distant lamp, relative to the root mean
+/// square of the true gradients. Only vertices whose normals have a cosine above `facing` with the direction of the eye
+/// count.
 fn gradient_error(frame: &Frame, gradients: Gradients, facing: f64) -> f64 {
     let patches = Patches::new(frame, gradients);
     let (mut error, mut size) = (0.0, 0.0);
@@ -189,13 +190,13 @@ fn gradient_error(frame: &Frame, gradients: Gradients, facing: f64) -> f64 {
     (error / size).sqrt()
 }
 
-/// The slope of red where the unit sphere is seen at `p`, by tracing rays beside it.
+/// Returns the slope of red on the unit sphere at the pixel position `p`, by tracing rays next to it.
 fn traced_gradient(frame: &Frame, p: DVec2) -> DVec2 {
     let light = |p: DVec2| {
         let View { width, height, fill, distance: d, .. } = frame.view;
         let scale = f64::from(width.min(height)) * fill / 2.0;
         let q = (p - DVec2::new(f64::from(width), f64::from(height)) / 2.0) / scale;
-        // Where the ray through the picture meets the sphere around the origin.
+        // The ray through the picture; it meets the unit sphere around the origin at `hit`.
         let (from, along) = if d.is_finite() {
             let eye = DVec3::new(0.0, 0.0, d);
             (eye, DVec3::new(q.x, -q.y, -(d * d - 1.0).sqrt()).normalize())
@@ -224,8 +225,8 @@ fn curvature_gives_a_spheres_gradients() {
 }
 
 #[test]
-fn near_the_silhouette_nothing_explodes() {
-    // The middle of a triangle, the middle of each third and of an edge.
+fn lights_stay_bounded_near_the_silhouette() {
+    // The centroid of a triangle, a point in each of its thirds, and the midpoint of an edge.
     const WEIGHTS: [[f64; 3]; 5] = [[1.0 / 3.0; 3], [0.6, 0.3, 0.1], [0.1, 0.6, 0.3], [0.3, 0.1, 0.6], [0.0, 0.5, 0.5]];
     for shape in [Shape::Sphere, Shape::Torus, Shape::Blob] {
         let surface = Surface::new(shapes::mesh(shape, 700).expect("a mesh"));
@@ -236,7 +237,7 @@ fn near_the_silhouette_nothing_explodes() {
             for t in 0..frame.triangles.len() {
                 for w in WEIGHTS {
                     let light = light(t, w).x;
-                    // The surface's lights are 0.1…1.
+                    // The lights of the surface are within 0.1…1.
                     assert!((-0.1..1.2).contains(&light), "{shape}, turn {turn}, triangle {t}: {light}");
                 }
             }
@@ -244,9 +245,10 @@ fn near_the_silhouette_nothing_explodes() {
     }
 }
 
-/// A frame whose lights are not its lighting's has nothing to differentiate: its gradients are those of its own lights.
+/// If a frame's lights do not come from its lighting, the chain rule does not apply, and the gradients are fitted to
+/// the lights themselves.
 #[test]
-fn replaced_lights_take_the_ring() {
+fn replaced_lights_use_ring_gradients() {
     let frame = Scene::default().frame(&sphere(200), 300, 300);
     let mut replaced = frame.clone();
     replaced.vertices.iter_mut().for_each(|vertex| vertex.light *= 0.5);
@@ -255,7 +257,7 @@ fn replaced_lights_take_the_ring() {
     assert_ne!(gradients(&frame, Gradients::Curvature), gradients(&frame, Gradients::Ring));
 }
 
-/// Encoded lights change along the surface by the chain rule, through the transfer function.
+/// For encoded lights, the chain rule also goes through the transfer function.
 #[test]
 fn encoded_lights_have_encoded_gradients() {
     let frame = Scene { specular: 0.0, ..Scene::default() }.frame(&sphere(1000), 300, 300);
@@ -264,7 +266,7 @@ fn encoded_lights_have_encoded_gradients() {
     let (linear, encoded) = (gradients(&frame), gradients(&encoded));
     let mut compared = 0;
     for (v, vertex) in frame.vertices.iter().enumerate() {
-        // Lit, and not at the rim, where the ring has a say.
+        // Only lit vertices away from the rim, where the ring has an influence.
         if vertex.light.x > 0.25 && vertex.normal.z > 0.7 {
             // d√L = dL/2√L
             let expected = linear[v][0] / (2.0 * vertex.light.x.sqrt());

@@ -1,4 +1,5 @@
-//! Drawing in lanes of f32 against the f64 reference: the same pixels, the same light, whatever the threads.
+//! Compares drawing in lanes of f32 with the f64 reference: the same pixels and the same light, for any number of
+//! threads.
 
 use glam::{DVec2, DVec3};
 use machband::light::{Depth, LinearImage, Transfer};
@@ -10,11 +11,11 @@ use pulp::Arch;
 
 use crate::{covers, random};
 
-/// Triangles through each other, thin ones among them.
+/// Makes triangles that pass through each other, some of them thin.
 fn ugly(seed: u32) -> Mesh {
     let place = |i: u32| DVec3::from_array([0, 1, 2].map(|c| 2.0 * random(u64::from(seed * 1000 + 3 * i + c)) - 1.0));
     let mut places: Vec<DVec3> = (0..90).map(place).collect();
-    // Next to another: slivers.
+    // These points lie next to others and make slivers.
     places.extend((0..30).map(|i| place(i) + 0.01 * place(i + 200)));
     let mut triangles: Vec<[u32; 3]> = (0..30).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     triangles.extend((0..20).map(|t| [t, t + 1, t + 30]));
@@ -37,7 +38,7 @@ fn brown() -> Lighting {
     colored(DVec3::new(0.9, 0.6, 0.3))
 }
 
-/// Meshes of every kind, wholly, partly and hardly within windows of awkward sizes, in gray, yellow and more colors.
+/// Meshes of every kind, fully, partly or barely within windows of awkward sizes, in gray, yellow and other colors.
 fn scenes() -> Vec<(&'static str, Frame)> {
     let yellow = colored(DVec3::new(1.0, 1.0, 0.0));
     let mut yellow_dull = yellow.clone();
@@ -60,7 +61,7 @@ fn scenes() -> Vec<(&'static str, Frame)> {
     scenes
 }
 
-/// Every shader, with depths and widths that take different ways through the lanes.
+/// Every shader, with depths and widths that take different code paths.
 fn shades() -> Vec<Shade> {
     let widths = [0.05, 1.0 / 3.0, 1.0];
     let mut strips: Vec<_> = [1, 2, 3, 4, 5, 32].into_iter().flat_map(|n| widths.map(|width| (n, width))).collect();
@@ -76,13 +77,13 @@ fn drawn(frame: &Frame, shade: &Shade) -> LinearImage {
     Prepared::new(frame, shade).image()
 }
 
-/// The largest difference between the lanes's light and the reference's, relative to full light or to the most
-/// there is.
+/// Returns the largest difference between the light drawn in lanes and the reference, relative to full light or to the
+/// largest light if it is above that.
 fn error(frame: &Frame, shade: &Shade) -> f32 {
     let (fast, slow) = (drawn(frame, shade), Reference::new(frame, shade).image());
     assert_eq!((fast.width, fast.height), (slow.width, slow.height));
     let most = slow.data.iter().fold(1.0, |most: f32, light| most.max(light.abs()));
-    // NaN counts as a difference, unless it is in both.
+    // NaN counts as a difference unless it is in both images.
     let difference = |(a, b): (&f32, &f32)| if a.to_bits() == b.to_bits() { 0.0 } else { (a - b).abs() };
     let difference = fast.data.iter().zip(&slow.data).map(difference);
     difference.fold(0.0, |worst: f32, d| if d <= worst { worst } else { d }) / most
@@ -127,7 +128,7 @@ fn phong_matches_the_reference_under_any_lamps() {
 #[test]
 fn every_pixel_shows_the_nearest_triangle() {
     for (name, mut frame) in scenes() {
-        // Every triangle on its own, its light its number.
+        // Separate all triangles, and use each triangle's number as its light.
         let corners = frame.triangles.iter().flat_map(|t| t.vertices).map(|v| frame.vertices[v as usize]);
         let numbered = corners.enumerate().map(|(i, mut vertex)| {
             vertex.light = DVec3::splat((i / 3) as f64);
@@ -247,7 +248,7 @@ fn buffers_of_another_size_get_the_rows_that_fit() {
     let encoder = Encoder::new(&Transfer::Srgb);
     let mut whole = vec![7; 4 * 33 * 20 + 5];
     prepared.codes(&encoder, &mut whole);
-    assert!(whole.ends_with(&[255, 7, 7, 7, 7, 7]), "what lies beyond the picture is left alone");
+    assert!(whole.ends_with(&[255, 7, 7, 7, 7, 7]), "bytes beyond the picture are unchanged");
     let mut part = vec![7; 4 * 33 * 11 + 3];
     prepared.codes(&encoder, &mut part);
     assert_eq!(part[..4 * 33 * 11], whole[..4 * 33 * 11], "the rows that fit");

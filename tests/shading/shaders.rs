@@ -1,4 +1,4 @@
-//! The reference shaders, against numbers computed elsewhere and against what must be true of them.
+//! Compares the reference shaders with numbers computed elsewhere, and checks properties that they must have.
 
 use glam::{DVec2, DVec3};
 use machband::light::Depth;
@@ -27,7 +27,8 @@ fn only_ambient() -> Lighting {
     Lighting { lamps: vec![], ..lighting(DVec3::Z) }
 }
 
-/// A square of `cells`² cells of two triangles, its inner vertices jittered, with the light that `light` gives a place.
+/// Makes a square of `cells`² cells of two triangles each, with jittered inner vertices and the light that `light`
+/// gives for each position.
 fn grid(cells: usize, light: impl Fn(DVec2) -> DVec3) -> Frame {
     let (places, triangles) = crate::grid(cells, 160.0, 0.3, 7);
     let places: Vec<DVec2> = places.iter().map(|p| ((p + 20.0) * 256.0).round() / 256.0).collect();
@@ -38,7 +39,7 @@ fn shade(shader: Shader, depth: Depth, boundary: f64) -> Shade {
     Shade { depth, boundary, ..Shade::new(shader) }
 }
 
-/// Weights all over a triangle, its corners and edges among them.
+/// Returns weights all over a triangle, including its corners and edges.
 fn all_weights() -> Vec<[f64; 3]> {
     let n = 24;
     (0..=n)
@@ -49,7 +50,7 @@ fn all_weights() -> Vec<[f64; 3]> {
 
 // ---- numbers computed elsewhere ----
 
-/// A value of the golden file; its numbers are strings.
+/// Reads a value of the golden file, in which numbers are strings.
 fn number(value: &serde_json::Value) -> f64 {
     value.as_f64().or_else(|| value.as_str()?.parse().ok()).unwrap()
 }
@@ -62,14 +63,14 @@ fn golden() -> serde_json::Value {
     json(&golden_path("shading.json"))
 }
 
-/// The golden file's triangle ABC with D across BC and nothing across the other edges.
+/// Makes the golden file's triangle ABC, with D across BC and nothing across the other edges.
 fn golden_pair() -> Frame {
     let sample = &golden()["sample"];
     let lighting = lighting(DVec3::from_array(numbers(&sample["light"]["L"])));
     let vertices = [("A", "A"), ("B", "B"), ("C", "C"), ("D_across_BC", "D")].map(|(place, name)| {
         let place = DVec3::from_array(numbers(&sample["positions"][place]));
         let normal = DVec3::from_array(numbers(&sample["normals_unnormalised"][name])).normalize();
-        // Not turned over: A, B, C are clockwise with y up.
+        // The y axis is not flipped because A, B, C are clockwise with y up.
         let vertex = vertex(place.truncate() * 100.0, lighting.light(place, normal, DVec3::Z));
         let expected = number(&sample["intensities"][name]);
         assert!((vertex.light - DVec3::splat(expected)).abs().max_element() < 1e-14, "{name}");
@@ -151,13 +152,13 @@ fn printed_vertex_shading_darkens_a_uniform_surface() {
 // ---- edges ----
 
 #[test]
-fn rest_is_the_integral_of_what_is_left_of_the_blend() {
+fn rest_is_the_integral_of_one_minus_the_blend() {
     for depth in (1..=Depth::MAX_FINITE).map(Depth::Finite).chain([Depth::Infinite]) {
         let blend = Curve::<f64>::new(depth);
         assert_eq!((blend.value(0.0), blend.value(1.0), blend.rest(1.0)), (0.0, 1.0, 0.0));
         assert!((blend.rest(0.0) - 0.5).abs() < 1e-15);
         assert!(blend.value(1e-12) < 1e-11 && blend.value(1.0 - 1e-12) > 1.0 - 1e-11);
-        // Simpson's rule, from the end.
+        // Simpson's rule, starting from the end.
         let n = 4096;
         let left = |i: i32| 1.0 - blend.value(f64::from(i) / f64::from(n));
         let mut sum = 0.0;
@@ -169,7 +170,7 @@ fn rest_is_the_integral_of_what_is_left_of_the_blend() {
     }
 }
 
-/// A place, far enough from the others.
+/// A position on the grid of 1/256 pixel within these ranges, which keep the corners apart.
 fn place(x: std::ops::Range<f64>, y: std::ops::Range<f64>) -> impl Strategy<Value = DVec2> {
     (x, y).prop_map(|(x, y)| (DVec2::new(x, y) * 256.0).round() / 256.0)
 }
@@ -183,7 +184,8 @@ fn normal() -> impl Strategy<Value = DVec3> {
 }
 
 prop_compose! {
-    /// Two triangles at an edge, of any shape: A above, D below, B left, C right; the apexes may lie beyond its ends.
+    /// Two triangles of any shape at an edge: A above, D below, B left, C right. The apexes may lie beyond the edge's
+    /// ends.
     fn pair()(
         a in place(10.0..190.0, 10.0..70.0),
         b in place(20.0..80.0, 95.0..105.0),
@@ -198,7 +200,7 @@ prop_compose! {
     }
 }
 
-/// c by the lines that cross in X.
+/// Returns c, computed from the lines that cross at X.
 fn crossing_gap(pair: &Frame) -> DVec3 {
     let [a, b, c, d] = [0, 1, 2, 3].map(|v| (pair.vertices[v].screen, pair.vertices[v].light));
     let (ad, bc) = (d.0 - a.0, c.0 - b.0);
@@ -217,7 +219,7 @@ fn any_correction() -> impl Strategy<Value = Correction> {
 
 proptest! {
     #[test]
-    fn edge_constants_are_what_the_crossing_says_and_one_for_both_sides(pair in pair()) {
+    fn edge_constants_match_the_crossing_and_are_equal_on_both_sides(pair in pair()) {
         let constants = bends(&pair);
         let (ours, theirs) = (constants[0][0], constants[1][2]);
         let expected = crossing_gap(&pair);
@@ -233,11 +235,11 @@ proptest! {
     }
 
     #[test]
-    fn both_sides_of_an_edge_have_one_light(
+    fn both_sides_of_an_edge_have_the_same_light(
         pair in pair(), s in 0.0..=1.0f64, depth in any_depth(), b in 0.0..0.5f64,
         vertex in any_correction(), reweight in any_correction(),
     ) {
-        // As printed, regions of vertex shading overlap and jump for b > ¼.
+        // As printed, the regions of vertex shading overlap for b > ¼, and the light jumps.
         let b = if vertex == Correction::Printed { b.min(0.25) } else { b };
         for &shader in Shader::ALL.iter().filter(|s| **s != Shader::Flat) {
             let reference = Reference::new(&pair, &Shade { vertex, reweight, ..shade(shader, depth, b) });
@@ -247,15 +249,15 @@ proptest! {
         }
     }
 
-    /// Cⁿ: on a line across the edge, second differences on and on either side of it vanish with the power n + 1 of
-    /// their step. Gouraud's vanishes with the first.
+    /// Cⁿ continuity: on a line across the edge, the second differences at the edge and on either side of it vanish
+    /// with the power n + 1 of their step. With Gouraud's shader, they vanish with the first power.
     #[test]
     fn exact_has_n_continuous_derivatives_across_an_edge(
         pair in pair(), n in 1u8..=4, b in 0.05..0.33f64, s in 0.2..0.8f64, angle in 0.4..2.7f64,
     ) {
         let depth = Depth::Finite(n);
         let bend = |shader, h: f64| second_differences(&pair, &shade(shader, depth, b), s, angle, h);
-        // Small against the strips: each b of its triangle's height.
+        // The step is small compared with the strips, whose width is b times the height of their triangle.
         let [a, left, c, d] = [0, 1, 2, 3].map(|v| pair.vertices[v].screen);
         let height = Frame::area2(a, left, c).min(Frame::area2(d, c, left)) / left.distance(c);
         let step = b * height / 100.0;
@@ -266,9 +268,10 @@ proptest! {
         prop_assert!((fine - coarse / 2.0).abs() < 1e-14);
     }
 
-    /// C1, of the paper's shaders none; vertex shading, repaired, does not spoil it, not even at angles above 120°.
+    /// The new shaders are C1; none of the paper's shaders is. Repaired vertex shading keeps this property, even at
+    /// angles above 120°.
     #[test]
-    fn our_shaders_have_a_continuous_slope_across_an_edge(
+    fn new_shaders_have_a_continuous_slope_across_an_edge(
         pair in pair(), depth in any_depth(), b in 0.1..1.0f64, s in 0.05..0.95f64, angle in 0.4..2.7f64,
     ) {
         let slope_jump = |shader, vertex| {
@@ -284,8 +287,8 @@ proptest! {
         }
     }
 
-    /// Inside triangles as well: on a line through both, the largest second difference falls with the square of the
-    /// step where the slope is continuous, with the step itself where it is not.
+    /// The slope is continuous inside triangles, too. On a line through both triangles, the largest second difference
+    /// falls with the square of the step if the slope is continuous, and with the step itself if it is not.
     #[test]
     fn cut_has_a_continuous_slope_everywhere(pair in pair(), n in 1u8..=3, b in 0.2..1.0f64, s in 0.25..0.75f64) {
         let largest = |shader, count| largest_second_difference(&pair, &shade(shader, Depth::Finite(n), b), s, count);
@@ -296,7 +299,7 @@ proptest! {
     }
 
     #[test]
-    fn strips_do_not_change_more_than_they_promise(pair in pair(), n in 2u8..=3, b in 0.0..0.33f64, i in 0usize..325) {
+    fn changes_by_strips_are_bounded(pair in pair(), n in 2u8..=3, b in 0.0..0.33f64, i in 0usize..325) {
         let w = all_weights()[i];
         let change = |shader| {
             let light = |shader| Reference::new(&pair, &shade(shader, Depth::Finite(n), b)).light(0, w);
@@ -308,15 +311,15 @@ proptest! {
     }
 }
 
-/// The light of `pair` at `p`.
+/// Returns the light of `pair` at `p`.
 fn at(pair: &Frame, reference: &Reference, p: DVec2) -> DVec3 {
     let (b, c) = (pair.vertices[1].screen, pair.vertices[2].screen);
     let triangle = usize::from(Frame::area2(p, b, c) < 0.0);
     reference.light(triangle, pair.weights(triangle, p))
 }
 
-/// The largest second difference of step `h`, on the edge at `s` of the way from B to C and on either side of it, along
-/// a line at `angle`.
+/// Returns the largest second difference with the step `h` along a line at `angle`. The line crosses the edge at the
+/// fraction `s` of the way from B to C; the differences are taken at that point and on either side of it.
 fn second_differences(pair: &Frame, shade: &Shade, s: f64, angle: f64, h: f64) -> f64 {
     let reference = Reference::new(pair, shade);
     let (b, c) = (pair.vertices[1].screen, pair.vertices[2].screen);
@@ -327,8 +330,8 @@ fn second_differences(pair: &Frame, shade: &Shade, s: f64, angle: f64, h: f64) -
         .fold(0.0, f64::max)
 }
 
-/// The largest of second differences on a line, `count` steps from near A to the edge, there at `s` of the way from B
-/// to C, as far as the other triangle goes.
+/// Returns the largest second difference on a line that starts near A, takes `count` steps to the edge, crosses it at
+/// the fraction `s` of the way from B to C, and continues to the end of the other triangle.
 fn largest_second_difference(pair: &Frame, shade: &Shade, s: f64, count: i32) -> f64 {
     let reference = Reference::new(pair, shade);
     let [a, b, c] = [0, 1, 2].map(|v| pair.vertices[v].screen);
@@ -344,7 +347,7 @@ fn largest_second_difference(pair: &Frame, shade: &Shade, s: f64, count: i32) ->
 
 // ---- fields and frames ----
 
-/// Where the weights `w` of a triangle are on the screen.
+/// Returns the position on the screen of the weights `w` of a triangle.
 fn place_of(frame: &Frame, triangle: usize, w: [f64; 3]) -> DVec2 {
     frame.corners(triangle).iter().zip(w).map(|(corner, w)| w * corner.screen).sum()
 }
@@ -367,7 +370,7 @@ fn a_linear_field_stays_linear() {
             }
         }
     }
-    // Not so what is printed: it flattens the edges.
+    // The printed shader does not preserve the field: it flattens the edges.
     let reference = Reference::new(&grid, &shade(Shader::Fixed, Depth::Finite(3), 0.2));
     let w = [0.1, 0.45, 0.45];
     let p = place_of(&grid, 30, w);
@@ -376,13 +379,13 @@ fn a_linear_field_stays_linear() {
 
 #[test]
 fn a_uniform_field_stays_uniform() {
-    // Light from everywhere: the light of a place does not depend on its normal.
+    // With only ambient light, the light at a point does not depend on its normal.
     let mut field = grid(4, |_| DVec3::splat(0.1));
     field.lighting = only_ambient();
     for (i, vertex) in field.vertices.iter_mut().enumerate() {
         vertex.normal = DVec3::new((i as f64).sin(), (2.0 * i as f64).cos(), 1.0).normalize();
     }
-    // A border, a crease and an edge of several among the others.
+    // Include an edge without a neighbor and an edge of several triangles.
     field.triangles[9].across[0] = Across::Nothing;
     field.triangles[12].across[1] = Across::Several;
     for &shader in Shader::ALL {
@@ -402,14 +405,14 @@ fn a_uniform_field_stays_uniform() {
     }
 }
 
-/// The cube seen from a corner.
+/// Projects the cube, rotated by `degrees`.
 fn cube(degrees: [f64; 3], lighting: &Lighting) -> Frame {
     let view = View::square(200).rotated(degrees);
     Frame::new(&Surface::new(shapes::cube()), &view, lighting, DVec3::splat(0.25))
 }
 
 #[test]
-fn no_strip_is_gouraud_and_wide_strips_are_a_third() {
+fn zero_width_is_gouraud_and_widths_are_limited() {
     let frame = grid(3, |p| DVec3::new((p.x / 30.0).sin(), (p.y / 40.0).cos(), (p.x * p.y / 4000.0).sin()) * 0.4 + 0.5);
     let light = |shader, b, t, w| {
         let shade = Shade { vertex: Correction::Repaired, ..shade(shader, Depth::Finite(2), b) };
@@ -420,7 +423,7 @@ fn no_strip_is_gouraud_and_wide_strips_are_a_third() {
             for none in [0.0, -1.0] {
                 assert_eq!(light(shader, none, t, w), light(Shader::Gouraud, none, t, w), "{shader}");
             }
-            // From the strip to none without a jump.
+            // The light does not jump as the width approaches zero.
             let error = (light(shader, 1e-9, t, w) - light(Shader::Gouraud, 0.0, t, w)).abs().max_element();
             assert!(error < 1e-8, "{shader}: {error}");
             let wide = if shader == Shader::Cut { 1.0 } else { 1.0 / 3.0 };
@@ -435,14 +438,14 @@ fn no_strip_is_gouraud_and_wide_strips_are_a_third() {
 }
 
 #[test]
-fn quadratic_goes_through_vertices_and_middles() {
-    // The middles are lit as Phong's shader lights them.
+fn quadratic_passes_through_vertices_and_midpoints() {
+    // The midpoints are lit as Phong's shader lights them.
     let frame = cube([25.0, 35.0, 10.0], &lighting(DVec3::new(0.36, 0.48, 0.8)));
     let light = |shader, w| Reference::new(&frame, &Shade::new(shader)).light(2, w);
     for w in [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0]] {
         assert!((light(Shader::Quadratic, w) - light(Shader::Phong, w)).abs().max_element() < 1e-12);
     }
-    // Between them it is the quadratic that those six lights settle.
+    // In between, the light is the quadratic that these six lights determine.
     let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|w| light(Shader::Quadratic, w));
     let middles = [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]].map(|w| light(Shader::Quadratic, w));
     for w in all_weights() {
@@ -453,19 +456,20 @@ fn quadratic_goes_through_vertices_and_middles() {
 }
 
 #[test]
-fn a_pixel_on_an_edge_belongs_to_the_top_or_left_one() {
-    // A square of 2 × 2 pixels between centers: centers on its top and left edges are its own, the others not.
+fn pixels_on_edges_follow_the_top_left_rule() {
+    // A square of 2 × 2 pixels whose corners are pixel centers. Centers on its top and left edges belong to it; the
+    // other centers on its edges do not.
     let square = [(10.5, 10.5), (12.5, 10.5), (10.5, 12.5), (12.5, 12.5)];
     let vertices = square.map(|(x, y)| vertex(DVec2::new(x, y), DVec3::ONE)).to_vec();
     let square = frame(vertices, &[[0, 2, 1], [1, 2, 3]], only_ambient());
     let seen = coverage::visible(&square);
     let held: Vec<(usize, u32)> = seen.iter().copied().enumerate().filter(|(_, t)| *t != coverage::NONE).collect();
-    // The diagonal, from top right to bottom left, is the left edge of the second triangle.
+    // The diagonal from top right to bottom left is the left edge of the second triangle.
     assert_eq!(held, [(10 * 200 + 10, 0), (10 * 200 + 11, 0), (11 * 200 + 10, 0), (11 * 200 + 11, 1)]);
 }
 
 #[test]
-fn the_nearest_triangle_is_seen_and_of_equally_near_ones_the_first() {
+fn the_nearest_triangle_is_visible_and_ties_go_to_the_first() {
     let at = |x: f64, y: f64, depth: f64| FrameVertex { depth, ..vertex(DVec2::new(x, y), DVec3::ONE) };
     let large = |depth| [at(10.0, 10.0, depth), at(10.0, 190.0, depth), at(190.0, 10.0, depth)];
     let vertices: Vec<FrameVertex> = [large(0.5), large(0.5), large(0.3)].concat();
@@ -476,7 +480,8 @@ fn the_nearest_triangle_is_seen_and_of_equally_near_ones_the_first() {
     assert_eq!(seen(&[[6, 7, 8], [0, 1, 2]]), 0);
 }
 
-/// Slivers, triangles without area, a fin, borders, vertices of one place, a triangle that looks away.
+/// Makes a frame with slivers, triangles without area, a fin, borders, vertices at the same position, and a triangle
+/// that faces away.
 fn ugly() -> Frame {
     let places = [
         (20.0, 20.0),
@@ -511,7 +516,7 @@ fn ugly() -> Frame {
 }
 
 #[test]
-fn every_shader_gives_a_light_on_every_frame() {
+fn every_shader_gives_finite_light_on_every_frame() {
     let toward = DVec3::new(0.36, 0.48, 0.8);
     let frames = [
         ugly(),

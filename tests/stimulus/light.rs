@@ -146,7 +146,7 @@ fn transfers_are_read_and_refused_with_reasons() {
     let table = |encoded: &[f64], linear: &[f64]| TransferTable::new(encoded.to_vec(), linear.to_vec());
     assert!(table(&[0.0, 0.5, 1.0], &[0.0, 0.2, 1.0]).is_ok());
     for (encoded, linear, expected) in [
-        (&[0.0, 1.0][..], &[0.0][..], "2 encoded and 1 linear values; expected as many of both"),
+        (&[0.0, 1.0][..], &[0.0][..], "2 encoded and 1 linear values; expected the same number of each"),
         (&[], &[], "0 encoded and 0 linear values"),
         (&[0.0, 0.5, 1.0], &[0.0, 0.0, 1.0], "linear value 0 at index 1 is not above the 0 before it; expected"),
         (&[0.0, f64::NAN, 1.0], &[0.0, 0.5, 1.0], "encoded value NaN at index 1"),

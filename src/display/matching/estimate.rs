@@ -1,4 +1,4 @@
-//! γ of each channel from its matches, with the spread of the matches as the uncertainty.
+//! Estimates γ of each channel from its matches; the spread of the matches gives the uncertainty.
 
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
@@ -14,29 +14,29 @@ const WIDEST: f64 = 0.1;
 /// The result of the matches of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelGamma {
-    /// Which.
+    /// The matched channel.
     pub channel: Channel,
-    /// γ.
+    /// The exponent γ.
     pub gamma: f64,
-    /// Its 95 % interval, by Student's t.
+    /// The 95 % interval of γ, by Student's t.
     pub interval: [f64; 2],
     /// Number of matches.
     pub matches: usize,
-    /// Light share of the field.
+    /// The field's share of full light, 0…1.
     pub share: f64,
     /// Mean of the matched codes.
     pub code: f64,
-    /// Their standard deviation.
+    /// Standard deviation of the matched codes.
     pub code_sd: f64,
 }
 
-/// Why there is no γ.
+/// Why γ cannot be estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GammaError {
     /// Too few matches.
     #[error("{0} matches; expected at least 2")]
     TooFew(usize),
-    /// Matches of different fields.
+    /// Matches to different fields.
     #[error("the matches have different rows; expected matches of one run")]
     Mixed,
     /// Matches that differ so much, or are so close to black or white, that they do not determine γ.
@@ -44,7 +44,7 @@ pub enum GammaError {
     Open,
 }
 
-/// γ of each channel that has matches, in the order of [`Channel::ALL`].
+/// Estimates γ of each channel that has matches, in the order of [`Channel::ALL`].
 #[must_use]
 pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, GammaError>)> {
     let of = |channel: Channel| {
@@ -54,7 +54,7 @@ pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, GammaEr
     Channel::ALL.into_iter().filter_map(of).collect()
 }
 
-/// A match says (c/255)^γ = share: ln(255/c), which varies with the observer, is |ln share|/γ.
+/// A match means (c/255)^γ = share, so ln(255/c), the quantity that varies from match to match, equals |ln share|/γ.
 fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaError> {
     let n = own.len() as f64;
     if own.len() < 2 {
@@ -70,7 +70,7 @@ fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaE
     let codes: Vec<f64> = own.iter().map(|one| f64::from(one.code.max(1))).collect();
     let (mean, sd) = mean_and_sd(&codes.iter().map(|code| (255.0 / code).ln()).collect::<Vec<_>>());
     let t = StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
-    // Equal codes are not exact: the precision of a match is one code at best.
+    // Equal codes do not mean zero uncertainty: a match is precise to one code at best.
     let rounding = codes.iter().sum::<f64>().recip() * n / 12f64.sqrt();
     let half = t * sd.hypot(rounding) / n.sqrt();
     if mean - half <= 0.0 {
@@ -84,7 +84,7 @@ fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaE
 }
 
 impl ChannelGamma {
-    /// A warning, if any.
+    /// Returns a warning if γ is too uncertain.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let half = (self.interval[1] - self.interval[0]) / 2.0;
@@ -100,14 +100,14 @@ impl ChannelGamma {
     /// The transfer function, with γ rounded for a profile.
     ///
     /// # Errors
-    /// A γ that is impossible for a display.
+    /// When γ is implausible for a display.
     fn transfer(&self) -> Result<Transfer, TransferError> {
         Transfer::gamma((self.gamma * 1e3).round() / 1e3)
     }
 }
 
-/// The display's transfer functions: of red, green, and blue if all were matched, otherwise that of gray for all three.
-/// `None` if a channel is missing or has no γ.
+/// Returns the display's transfer functions: one each for red, green, and blue if all were matched, otherwise the gray
+/// one for all three. `None` if a required channel is missing or has no γ.
 #[must_use]
 pub fn transfers(estimates: &[(Channel, Result<ChannelGamma, GammaError>)]) -> Option<Transfers> {
     let of = |wanted: Channel| {

@@ -11,10 +11,10 @@ use crate::{
     light::{CodeImage, random::shuffle},
 };
 
-/// Time of one match, seconds: about ten steps at a few per second, past the match and back, then a check.
+/// Expected time of one match, in seconds: about ten steps at a few per second, past the match and back, then a check.
 const MATCH_S: f64 = 10.0;
-/// Blank screen between two images, seconds, so that the afterimage of one does not mask the next. Part of
-/// `MATCH_S`.
+/// Duration of the blank screen between two images, in seconds; it keeps the afterimage of one image from masking the
+/// next. Included in `MATCH_S`.
 pub const GAP_S: f64 = 0.4;
 /// The patch starts from a code that would match for a γ within this range.
 const START_GAMMA: (f64, f64) = (1.2, 4.0);
@@ -22,19 +22,20 @@ const START_GAMMA: (f64, f64) = (1.2, 4.0);
 /// The settings of the matches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MatchSettings {
-    /// Each once.
+    /// The channels to match, each once.
     pub channels: Vec<Channel>,
-    /// One row of this many is lit: 4, or 2. With 2, the rows blend at half the distance, and each match is half as
-    /// precise.
+    /// One row out of this many is lit: 4 or 2. With 2, the rows blend at half the viewing distance, but each match is
+    /// half as precise.
     pub period: u32,
-    /// Thickness of a row, 1 or 2 pixels; 2 for interlaced pictures and panels that invert from row to row.
+    /// Thickness of a row, 1 or 2 pixels; use 2 for interlaced pictures and for panels that invert their polarity from
+    /// row to row.
     pub row_px: u32,
-    /// Matches per channel: their spread is the uncertainty.
+    /// Matches per channel; their spread gives the uncertainty.
     pub matches: usize,
 }
 
 impl Default for MatchSettings {
-    /// Ten matches of red, green and blue.
+    /// Ten matches each of red, green and blue.
     fn default() -> Self {
         let channels = vec![Channel::Red, Channel::Green, Channel::Blue];
         Self { channels, period: 4, row_px: 1, matches: 10 }
@@ -54,7 +55,7 @@ impl MatchSettings {
         self.matches * self.channels.len()
     }
 
-    /// Expected duration, seconds.
+    /// Expected duration in seconds.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.total() as f64 * MATCH_S
@@ -66,37 +67,37 @@ impl MatchSettings {
 pub struct Match {
     /// The lit channel.
     pub channel: Channel,
-    /// The field.
+    /// The field of rows around the patch.
     pub rows: Rows,
     /// The patch's code.
     pub code: u8,
 }
 
 impl Match {
-    /// The image on a square of `side` pixels, with a square patch of about `patch_px`.
+    /// Draws the image: a square of `side` pixels with a square patch of about `patch_px` pixels.
     #[must_use]
     pub fn picture(&self, side: u32, patch_px: u32) -> CodeImage {
         self.rows.picture(self.channel, self.channel.rgb(self.code), [side, side], patch_px)
     }
 }
 
-/// A run of matches: provides images, takes codes.
+/// A run of matches: provides the images and takes the codes.
 #[derive(Clone, Debug)]
 pub struct Matching {
-    /// Every match in its initial state.
+    /// All matches in their initial state.
     starts: Vec<Match>,
     done: Vec<Match>,
-    /// What is on the screen; `None` when all are done.
+    /// The match on the screen; `None` when all are done.
     shown: Option<Match>,
 }
 
 impl Matching {
-    /// Plans the matches: channels in random order, one after the other so that the eye adapts to each once, each match
-    /// from a random code. Equal settings and seeds give the same matches on every machine. `done` are those of an
-    /// earlier run with the same seed.
+    /// Plans the matches. The channels come in random order, one after the other so that the eye adapts to each only
+    /// once, and each match starts from a random code. Equal settings and seeds give the same matches on every machine.
+    /// `done` contains the matches of an earlier run with the same seed.
     ///
     /// # Errors
-    /// Settings that cannot be run, or that `done` does not fit.
+    /// When the settings cannot be run, or when `done` comes from other settings.
     pub fn new(settings: &MatchSettings, seed: u64, done: Vec<Match>) -> Result<Self, SettingsError> {
         Channel::make_a_profile(&settings.channels)?;
         if !(2..=50).contains(&settings.matches) {
@@ -116,7 +117,7 @@ impl Matching {
         Ok(Self { starts, done, shown })
     }
 
-    /// The picture on the screen; `None` when all are done.
+    /// The match on the screen; `None` when all are done.
     #[must_use]
     pub fn shown(&self) -> Option<Match> {
         self.shown
@@ -129,7 +130,7 @@ impl Matching {
         }
     }
 
-    /// Accepts the current patch, and shows the next image.
+    /// Accepts the current patch and shows the next image. Returns the accepted match.
     pub fn accept(&mut self) -> Option<Match> {
         let accepted = self.shown?;
         self.done.push(accepted);
@@ -137,7 +138,8 @@ impl Matching {
         Some(accepted)
     }
 
-    /// Undoes the last match and shows it again as accepted. Returns the match that no longer counts.
+    /// Undoes the last match and shows it again with the code that was accepted. Returns the match that no longer
+    /// counts.
     pub fn undo(&mut self) -> Option<Match> {
         self.shown = Some(self.done.pop()?);
         self.shown
@@ -155,7 +157,7 @@ impl Matching {
         self.starts.len()
     }
 
-    /// Expected remaining time, seconds.
+    /// Expected remaining time in seconds.
     #[must_use]
     pub fn left_s(&self) -> f64 {
         (self.total() - self.done.len()) as f64 * MATCH_S

@@ -16,21 +16,21 @@ use crate::{
     light::{Transfer, Transfers, random::Z_95},
 };
 
-/// Uncertainty of γ (standard error) above which more readings are advised.
+/// The standard error of γ above which more readings are advised.
 const UNCERTAIN_GAMMA: f64 = 0.01;
-/// Noise, relative to the light, above which readings are unsteady.
+/// The noise, relative to the light, above which readings are unsteady.
 const UNSTEADY: f64 = 0.03;
-/// Percent of white above which the channels of a display are not independent.
+/// The deviation from additivity, in percent of white, above which the channels of a display are not independent.
 const ADDITIVE_PERCENT: f64 = 5.0;
-/// Change of white that requires a longer warm-up, percent.
+/// The change of white, in percent, above which a longer warm-up is advised.
 const DRIFT_PERCENT: f64 = 2.0;
-/// Differences of black between channels that noise does not explain, as a share.
+/// The relative difference of black between channels that noise does not explain.
 const BLACK_DIFFERS: f64 = 0.1;
-/// A table's error at a level that was left out, squared and relative to the noise: that of a reading, and that of the
-/// mean of its two neighbors.
+/// The expected squared error of a table at a level that was left out, relative to the noise: 1 from the reading
+/// itself, and 0.5 from the mean of its two neighbors.
 const TABLE_SQUARE: f64 = 1.5;
-/// Maximum error of a simpler model relative to the smallest error, whatever its standard error, which is poorly known
-/// with few levels.
+/// The maximum error of a simpler model, relative to the smallest error. It applies whatever the standard error is,
+/// which is poorly known with few levels.
 const MOST_TIMES: f64 = 1.5;
 /// Mean squared errors below this, in units of the assumed noise, count as 0.
 const EXACT: f64 = 1e-8;
@@ -39,11 +39,11 @@ const EXACT: f64 = 1e-8;
 /// no model can predict black and white without readings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Validation {
-    /// Root mean square error, 8-bit codes.
+    /// Root mean square error, in 8-bit codes.
     pub rms_codes: f64,
-    /// Root mean square error, cd/m².
+    /// Root mean square error, in cd/m².
     pub rms_cd_m2: f64,
-    /// Largest error, 8-bit codes.
+    /// Largest error, in 8-bit codes.
     pub largest_codes: f64,
     /// Mean squared error in units of the noise of the readings: close to 1 if the model is correct.
     pub score: f64,
@@ -55,32 +55,32 @@ pub struct Validation {
 /// A model fitted to readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedModel {
-    /// Which curves.
+    /// The family of its curves.
     pub family: Family,
-    /// Whether the channels share one shape.
+    /// True if the channels share one shape.
     pub common_shape: bool,
     /// The channels that were read, in the order of [`Readings::channels`].
     pub channels: Vec<FittedChannel>,
-    /// How well it predicts levels that are left out.
+    /// How well the model predicts levels that are left out.
     pub validation: Validation,
-    /// Noise of the readings if this model is correct, relative to the light.
+    /// The noise of the readings, relative to the light, if this model is correct.
     noise: f64,
 }
 
 /// One channel of a fitted model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedChannel {
-    /// Which one.
+    /// The channel.
     pub channel: Channel,
-    /// The fitted light.
+    /// The fitted curve.
     pub curve: Curve,
-    /// Standard error of γ, if there is one.
+    /// Standard error of γ, if the curve has one.
     pub gamma_se: Option<f64>,
-    /// 1 − Σ(L − fit)²/Σ(L − mean)², luminances in cd/m².
+    /// R² = 1 − Σ(L − fit)²/Σ(L − mean)², with luminances in cd/m².
     pub r_squared: f64,
-    /// Largest difference of a reading from the curve, 8-bit codes.
+    /// Largest difference of a reading from the curve, in 8-bit codes.
     pub largest_codes: f64,
-    /// Largest difference of a reading from the curve, cd/m².
+    /// Largest difference of a reading from the curve, in cd/m².
     pub largest_cd_m2: f64,
 }
 
@@ -88,9 +88,9 @@ pub struct FittedChannel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     pub readings: Readings,
-    /// Noise of the readings, relative to the light, by the chosen model.
+    /// Noise of the readings, relative to the light, according to the chosen model.
     pub noise: f64,
-    /// One of each family, in the order of [`Family::ALL`].
+    /// One model of each family, in the order of [`Family::ALL`].
     pub models: Vec<FittedModel>,
     /// The model to use: the one that cross-validation prefers.
     pub chosen: Family,
@@ -98,12 +98,12 @@ pub struct Calibration {
     pub additivity: Vec<Sum>,
     /// Change of white during the measurement in percent, if it was read repeatedly.
     pub drift_percent: Option<f64>,
-    /// Warnings; the profile can be used.
+    /// Warnings that do not prevent the profile from being used.
     pub notes: Vec<String>,
 }
 
 impl Calibration {
-    /// Fits all models to readings, and chooses one.
+    /// Fits all models to the readings and chooses one.
     #[must_use]
     pub fn new(readings: &Readings) -> Self {
         let sample = Sample::new(readings);
@@ -128,11 +128,11 @@ impl Calibration {
 
     #[must_use]
     pub fn model(&self, family: Family) -> &FittedModel {
-        // One of each, in this order.
+        // `models` has one model of each family, in this order.
         &self.models[Family::ALL.iter().position(|one| *one == family).unwrap_or(0)]
     }
 
-    /// Black and white by a model, cd/m².
+    /// Returns black and white according to a model, in cd/m².
     #[must_use]
     pub fn luminance_of(&self, family: Family) -> LuminanceRange {
         let channels = &self.model(family).channels;
@@ -144,7 +144,7 @@ impl Calibration {
         LuminanceRange { black_cd_m2, white_cd_m2: black_cd_m2 + sum(|curve| curve.range_cd_m2) }
     }
 
-    /// The transfer functions of a model. A channel that was not read has that of gray.
+    /// Returns the transfer functions of a model. A channel that was not read gets the transfer function of gray.
     #[must_use]
     pub fn transfers(&self, family: Family) -> Transfers {
         let channels = &self.model(family).channels;
@@ -156,7 +156,7 @@ impl Calibration {
         Transfers::new([of(Channel::Red), of(Channel::Green), of(Channel::Blue)])
     }
 
-    /// The display profile by a model.
+    /// Returns the display profile according to a model.
     #[must_use]
     pub fn profile(&self, family: Family, name: &str, measured: Measurement) -> DisplayProfile {
         DisplayProfile {
@@ -169,7 +169,7 @@ impl Calibration {
     }
 }
 
-/// The model of a family, with one shape for all channels or one for each, whichever predicts better.
+/// Fits the model of a family, with one shape for all channels or one for each, whichever predicts better.
 fn model(family: Family, sample: &Sample) -> FittedModel {
     let variants: &[bool] = if family == Family::Srgb || sample.channels.len() == 1 { &[true] } else { &[true, false] };
     let validated = |shared: &bool| {
@@ -200,7 +200,7 @@ fn fitted(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) ->
     fit
 }
 
-/// Leaves out level by level; `fitted_to` fits the model to the rest.
+/// Leaves out one level at a time and predicts it; `fitted_to` fits the model to the rest.
 fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Validation {
     let (mut codes, mut cd_m2, mut squares) = (Vec::new(), Vec::new(), Vec::new());
     for level in sample.inner_levels() {
@@ -221,9 +221,10 @@ fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Valid
     }
 }
 
-/// Index of the model to use, the first being the simplest: the simplest whose error is within one standard error of the
-/// least one (Hastie, Tibshirani & Friedman 2009, The Elements of Statistical Learning, §7.10), the standard error being
-/// that of the difference at the same levels, and at most [`MOST_TIMES`] the least.
+/// Returns the index of the model to use; `models` are sorted from the simplest. It is the simplest model whose error
+/// is within one standard error of the smallest error (Hastie, Tibshirani & Friedman 2009, The Elements of Statistical
+/// Learning, §7.10) and at most [`MOST_TIMES`] the smallest. The standard error is the one of the difference at the
+/// same levels.
 fn simplest_of_the_best(models: &[&Validation]) -> usize {
     let Some(least) = models.iter().min_by(|a, b| mean(&a.squares).total_cmp(&mean(&b.squares))) else { return 0 };
     let bound = MOST_TIMES.powi(2) * mean(&least.squares).max(EXACT);

@@ -1,40 +1,40 @@
-//! Checks whether readings are plausible for a display, describes errors, and checks whether the readings agree with
-//! each other.
+//! Checks whether readings are plausible for a display and agree with each other, and describes the errors.
 
 use super::readings::{LevelMean, Reading, Readings, is_same_level};
 use crate::display::channel::Channel;
 
 /// Minimum number of levels per channel, including 0 and 1.
 pub const LEAST_LEVELS: usize = 5;
-/// A decrease that noise could explain: share of the reading, steps of the photometer, share of the maximum light.
+/// The decrease that noise could explain: a share of the reading, steps of the photometer, and a share of the maximum
+/// light.
 const FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
-/// A rise that noise could not hide, ln.
+/// The rise that noise could not hide, as a natural logarithm.
 const CLEAR_RISE: f64 = 0.1;
-/// Share of the rise predicted from the levels below, under which the light has stopped rising.
+/// The light has stopped rising if it rises by less than this share of the rise predicted from the levels below.
 const STOPPED: f64 = 0.3;
-/// How much lighter the dimmer channel must be to indicate swapped channels.
+/// The ratio by which the channel that should be dimmer must be brighter to indicate swapped channels.
 const SWAPPED: f64 = 1.05;
 
 /// The readings to which an error refers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum About {
-    /// The level of one, by its index.
+    /// The level of one reading, by its index.
     Level(usize),
-    /// The luminance of one, by its index.
+    /// The luminance of one reading, by its index.
     Luminance(usize),
     /// Two levels of a channel, which may have been misread.
     Levels(Channel, [f64; 2]),
-    /// All of them.
+    /// All readings.
     All,
 }
 
-/// Why no profile can be made from readings.
+/// Why a profile cannot be made from the readings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct Fault {
-    /// Where to look.
+    /// The readings that the error is about.
     pub about: About,
-    /// The error and what is expected.
+    /// The error, and what is expected instead.
     pub message: String,
 }
 
@@ -48,12 +48,12 @@ impl Readings {
     /// Checks readings, given in the order in which they were taken.
     ///
     /// # Errors
-    /// Every error of single readings; if there are none, every error of the set.
+    /// All errors of single readings. If there are none, all errors of the first check of the whole set that fails.
     pub fn new(readings: Vec<Reading>) -> Result<Self, Vec<Fault>> {
-        let mut faults = of_each(&readings);
+        let mut faults = reading_faults(&readings);
         let readings = Self::unchecked(readings);
         // Each check relies on the previous one.
-        for check in [of_set, of_curves, of_order] {
+        for check in [set_faults, curve_faults, order_faults] {
             if faults.is_empty() {
                 faults = check(&readings);
             }
@@ -62,8 +62,8 @@ impl Readings {
     }
 }
 
-/// Faults of single readings.
-fn of_each(readings: &[Reading]) -> Vec<Fault> {
+/// Returns the faults of single readings.
+fn reading_faults(readings: &[Reading]) -> Vec<Fault> {
     let codes = readings.iter().all(|one| (0.0..=255.0).contains(&one.level) && one.level.fract() == 0.0);
     let mut faults = Vec::new();
     for (index, Reading { level, luminance_cd_m2: light, .. }) in readings.iter().enumerate() {
@@ -93,8 +93,8 @@ fn of_each(readings: &[Reading]) -> Vec<Fault> {
     faults
 }
 
-/// Missing channels or levels.
-fn of_set(readings: &Readings) -> Vec<Fault> {
+/// Returns a fault for each missing channel or level.
+fn set_faults(readings: &Readings) -> Vec<Fault> {
     let expected = "expected red, green and blue, or gray, each from level 0 to 1";
     let read = readings.channels();
     let mut messages = Vec::new();
@@ -109,14 +109,13 @@ fn of_set(readings: &Readings) -> Vec<Fault> {
         _ => {}
     }
     if !readings.all().iter().any(|one| one.level == 0.0) {
-        messages
-            .push("no reading at level 0; expected the black of the screen, which every curve starts from".to_owned());
+        messages.push("no reading at level 0; expected the screen's black, where every curve starts".to_owned());
     }
     for channel in read {
         let means = readings.means(*channel);
         if means.len() < LEAST_LEVELS {
             messages.push(format!(
-                "{channel}: too few levels: {}; expected {LEAST_LEVELS} or more (9 are good, 17 better), 0 and 1 among them",
+                "{channel}: too few levels: {}; expected {LEAST_LEVELS} or more (9 are good, 17 better), including 0 and 1",
                 means.len()
             ));
         }
@@ -130,8 +129,8 @@ fn of_set(readings: &Readings) -> Vec<Fault> {
     messages.into_iter().map(|message| Fault::new(About::All, message)).collect()
 }
 
-/// Channels whose light does not rise up to the highest level.
-fn of_curves(readings: &Readings) -> Vec<Fault> {
+/// Returns a fault for each channel whose light does not rise all the way to the highest level.
+fn curve_faults(readings: &Readings) -> Vec<Fault> {
     let black_cd_m2 = readings.black_cd_m2();
     let (share, steps, of_most) = FALL;
     let still = steps * readings.resolution_cd_m2() + of_most * readings.largest_cd_m2();
@@ -169,29 +168,29 @@ fn of_curves(readings: &Readings) -> Vec<Fault> {
     faults
 }
 
-/// The lowest level from which on the light has stopped rising, where there is one.
+/// Returns the lowest level at which the light has stopped rising, if any.
 fn saturated_from(means: &[LevelMean], black_cd_m2: f64, resolution: f64) -> Option<LevelMean> {
     let (white, below) = means.split_last()?;
     let light = |at: &LevelMean| at.luminance_cd_m2 - black_cd_m2;
     let stopped = |at: &&LevelMean| {
         let is_half = |one: &&LevelMean| one.level > 0.0 && one.level <= at.level * 0.6 && light(one) > 0.0;
         let Some(half) = means.iter().rfind(is_half) else { return false };
-        // The exponent on the way up to this level, at least that of a linear display.
+        // The exponent of the rise up to this level, at least 1, which is the exponent of a linear display.
         let exponent = ((light(at) / light(half)).ln() / (at.level / half.level).ln()).clamp(1.0, 3.0);
         let promised = exponent * (1.0 / at.level).ln();
-        // Equal to the last digit, though a step would show.
+        // The readings are equal to the last digit, although a rise would have been visible.
         let same = white.luminance_cd_m2 == at.luminance_cd_m2 && promised * light(at) > 5.0 * resolution;
         same || promised >= CLEAR_RISE && (light(white) / light(at)).ln() < STOPPED * promised
     };
-    // A flat top alone is saturation: above the level that is found, all are.
+    // Only a flat top is saturation, so the search runs down from the highest level.
     let is_lit = |one: &&LevelMean| one.level > 0.0 && light(one) > 0.0;
     let level = below.iter().rev().take_while(is_lit).find(stopped)?;
     let lowest = below.iter().find(|one| (light(white) / light(one)).ln() < STOPPED * CLEAR_RISE);
     Some(*lowest.unwrap_or(level))
 }
 
-/// Luminances of the channels at level 1: gray above green above red above blue.
-fn of_order(readings: &Readings) -> Vec<Fault> {
+/// Returns a fault if the channels' luminances at level 1 are not in the order gray > green > red > blue.
+fn order_faults(readings: &Readings) -> Vec<Fault> {
     let falling = [Channel::Gray, Channel::Green, Channel::Red, Channel::Blue];
     let whites: Vec<(Channel, f64)> = (falling.into_iter())
         .filter_map(|channel| Some((channel, readings.means(channel).last()?.luminance_cd_m2)))
@@ -203,23 +202,23 @@ fn of_order(readings: &Readings) -> Vec<Fault> {
     sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
     let moved = whites.iter().zip(&sorted).filter(|(named, is)| named.0 != is.0).map(|(named, _)| named.0);
     let question = match moved.collect::<Vec<_>>()[..] {
-        [one, other] => format!(": are {one} and {other} exchanged?"),
+        [one, other] => format!(": are {one} and {other} swapped?"),
         _ => String::new(),
     };
     let each: Vec<String> = whites.iter().map(|(channel, light)| format!("{channel} {light}")).collect();
     let message = format!(
-        "swapped channels: level 1 gives {} cd/m²; expected more light in gray than in green, in green than in red, in red than in blue, as on every screen{question}",
+        "swapped channels: level 1 gives {} cd/m²; expected more light from gray than from green, from green than from red, and from red than from blue, as on every screen{question}",
         each.join(", ")
     );
     vec![Fault::new(About::All, message)]
 }
 
-/// Gray at one level, and the sum of its channels.
+/// Gray at one level, compared with the sum of its channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sum {
     /// Encoded value, 0…1.
     pub level: f64,
-    /// Gray as it was read, cd/m².
+    /// The reading of gray, cd/m².
     pub gray_cd_m2: f64,
     /// Red + green + blue − 2·black, cd/m².
     pub sum_cd_m2: f64,
@@ -232,14 +231,14 @@ impl Sum {
         self.gray_cd_m2 - self.sum_cd_m2
     }
 
-    /// The same in percent of gray.
+    /// Gray minus the sum, in percent of gray.
     #[must_use]
     pub fn deviation_percent(&self) -> f64 {
         100.0 * self.deviation_cd_m2() / self.gray_cd_m2
     }
 }
 
-/// Gray and the sum of its channels at every level above 0 that was read of all four, from dark to light.
+/// Compares gray with the sum of its channels at every level above 0 at which all four were read, from dark to light.
 #[must_use]
 pub fn additivity(readings: &Readings) -> Vec<Sum> {
     let [red, green, blue, gray] = Channel::ALL.map(|channel| readings.means(channel));
@@ -254,14 +253,14 @@ pub fn additivity(readings: &Readings) -> Vec<Sum> {
     gray.iter().filter(|gray| gray.level > 0.0 && gray.luminance_cd_m2 > 0.0).filter_map(sum).collect()
 }
 
-/// The deviation farthest from 0; 0 if there is none.
+/// Returns the deviation farthest from 0; 0 if `sums` is empty.
 #[must_use]
 pub fn largest(sums: &[Sum], deviation: fn(&Sum) -> f64) -> f64 {
     sums.iter().map(deviation).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
 }
 
-/// The change of white from its first reading to its last, by a straight line through all of them, in percent of its
-/// mean; `None` where no channel's level 1 was read at least three times, spread over the measurement.
+/// Returns the change of white over the measurement in percent of its mean, from a straight line fitted to all readings
+/// of white; `None` unless level 1 of some channel was read at least three times, spread over the measurement.
 #[must_use]
 pub fn drift_percent(readings: &Readings) -> Option<f64> {
     let all = readings.all();

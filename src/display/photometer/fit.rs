@@ -1,29 +1,29 @@
 //! Models of how a display's light rises with the encoded value, fitted by weighted least squares.
 //!
-//! For a given shape, black and ranges follow in closed form; the shape's own parameters, at most two, by the method of
-//! Levenberg and Marquardt.
+//! For a given shape, black and the ranges follow in closed form. The shape's own parameters, at most two, are fitted
+//! by the Levenberg–Marquardt method.
 
 use nalgebra::{Matrix2, Vector2};
 
 use super::readings::{Readings, is_same_level};
 use crate::{display::channel::Channel, light::Transfer};
 
-/// Noise assumed for the weights, relative to the light: the noise of a photometer is about proportional to its
+/// The noise assumed for the weights, relative to the light: a photometer's noise is roughly proportional to its
 /// reading.
 pub(super) const ASSUMED_NOISE: f64 = 0.01;
 /// Noise below this, relative to the largest reading, counts as 0.
 const LEAST_NOISE: f64 = 1e-8;
-/// Exponents and offsets that are tried.
+/// The ranges of exponents and offsets to search.
 const RANGES: [(f64, f64); 2] = [(0.3, 6.0), (-0.6, 0.4)];
-/// Exponents and offsets to start from.
+/// Pairs of exponent and offset to start from.
 const STARTS: [[f64; 2]; 2] = [[2.2, 0.03], [2.2, -0.03]];
 const MOST_STEPS: usize = 80;
-/// An improvement of the weighted sum of squares below this share counts as 0.
+/// A relative improvement of the weighted sum of squares at or below this counts as 0.
 const CONVERGED: f64 = 1e-13;
-/// Maximum useful damping.
+/// The damping at which the fit stops because no step improves it.
 const STUCK: f64 = 1e12;
 
-/// The families of curves.
+/// A family of curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Family {
     /// The curve of sRGB.
@@ -37,7 +37,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// All of them, the simplest first.
+    /// All families, the simplest first.
     pub const ALL: [Self; 4] = [Self::Srgb, Self::Gamma, Self::Gog, Self::Table];
 
     /// The name on the command line and in tables.
@@ -51,7 +51,7 @@ impl Family {
         }
     }
 
-    /// Free parameters of the shape.
+    /// The number of free parameters of the shape.
     fn free(self) -> usize {
         match self {
             Self::Srgb => 0,
@@ -60,14 +60,14 @@ impl Family {
         }
     }
 
-    /// The shape with these parameters; a table has that of gain, offset and gamma.
+    /// Returns the shape with these parameters; a table starts from the shape of gain, offset and gamma.
     fn transfer(self, [gamma, offset]: [f64; 2]) -> Transfer {
         let made = match self.free() {
             0 => Ok(Transfer::Srgb),
             1 => Transfer::gamma(gamma),
             _ => Transfer::gog(gamma, 1.0 - offset, offset),
         };
-        // Within [`RANGES`] every shape is a display's.
+        // Within [`RANGES`], every shape is plausible for a display.
         made.unwrap_or(Transfer::Srgb)
     }
 }
@@ -81,23 +81,23 @@ impl std::fmt::Display for Family {
 /// The light of one channel, L = black + range·transfer(V).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// At V = 0, cd/m².
+    /// The light at V = 0, cd/m².
     pub black_cd_m2: f64,
-    /// Added by V = 1, cd/m².
+    /// The light that V = 1 adds to black, cd/m².
     pub range_cd_m2: f64,
-    /// Between them.
+    /// The shape of the curve between the two.
     pub transfer: Transfer,
 }
 
 impl Curve {
-    /// Luminance of the encoded value `v`, 0…1, cd/m².
+    /// Returns the luminance of the encoded value `v`, 0…1, in cd/m².
     #[must_use]
     pub fn cd_m2(&self, v: f64) -> f64 {
         self.black_cd_m2 + self.range_cd_m2 * self.transfer.linear_from_encoded(v)
     }
 
-    /// The encoded value that gives a luminance; 0 for black and less. Above white, where noise puts readings, the curve
-    /// continues as a straight line.
+    /// Returns the encoded value that gives a luminance; 0 for black and below. Above white, where noise can put a
+    /// reading, the curve continues as a straight line.
     #[must_use]
     pub fn encoded(&self, cd_m2: f64) -> f64 {
         let light = (cd_m2 - self.black_cd_m2) / self.range_cd_m2;
@@ -106,7 +106,7 @@ impl Curve {
         if light > 1.0 { 1.0 + (light - 1.0) / slope } else { self.transfer.encoded_from_linear(light) }
     }
 
-    /// The exponent, if there is one.
+    /// The exponent, if the curve has one.
     #[must_use]
     pub fn gamma(&self) -> Option<f64> {
         match &self.transfer {
@@ -116,7 +116,7 @@ impl Curve {
         }
     }
 
-    /// Gain and offset, if there are any.
+    /// Gain and offset, if the curve has them.
     #[must_use]
     pub fn gain_and_offset(&self) -> Option<(f64, f64)> {
         match &self.transfer {
@@ -126,7 +126,7 @@ impl Curve {
     }
 }
 
-/// One reading as it is fitted.
+/// One reading, as used in the fit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub channel: Channel,
@@ -138,7 +138,7 @@ pub(super) struct Point {
     pub sd: f64,
 }
 
-/// What is fitted together.
+/// The readings that are fitted together.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     pub channels: Vec<Channel>,
@@ -148,7 +148,7 @@ pub(super) struct Sample {
 impl Sample {
     /// The weights come from a first fit, so that readings that are too dark because of noise do not get more weight.
     pub fn new(readings: &Readings) -> Self {
-        // Noise in the dark: that of the photometer's last digit.
+        // The noise in the dark is the rounding to the photometer's last digit.
         let floor = (readings.resolution_cd_m2() / 12f64.sqrt()).max(LEAST_NOISE * readings.largest_cd_m2());
         let sd = |cd_m2: f64| (ASSUMED_NOISE * cd_m2).hypot(floor);
         let points = readings.all().iter().map(|one| {
@@ -162,7 +162,7 @@ impl Sample {
         sample
     }
 
-    /// Each point, and its channel's curve.
+    /// Pairs each point with its channel's curve.
     fn pairs<'a>(&'a self, curves: &'a [Curve]) -> impl Iterator<Item = (&'a Point, &'a Curve)> {
         self.points.iter().map(|point| (point, &curves[self.index(point)]))
     }
@@ -171,19 +171,19 @@ impl Sample {
         self.channels.iter().position(|channel| *channel == point.channel).unwrap_or(0)
     }
 
-    /// The points of a channel; black is the same patch in all of them.
+    /// Returns the points of a channel, including the black of all channels, which is the same patch.
     fn of(&self, channel: Channel) -> Self {
         let own = self.points.iter().filter(|point| point.channel == channel || point.v == 0.0);
         Self { channels: vec![channel], points: own.map(|point| Point { channel, ..*point }).collect() }
     }
 
-    /// All points but those at a level.
+    /// Returns all points except those at a level.
     pub fn without(&self, level: f64) -> Self {
         let rest = self.points.iter().filter(|point| !is_same_level(point.v, level));
         Self { channels: self.channels.clone(), points: rest.copied().collect() }
     }
 
-    /// The levels strictly between 0 and 1, rising.
+    /// Returns the levels strictly between 0 and 1, in ascending order.
     pub fn inner_levels(&self) -> Vec<f64> {
         let mut levels: Vec<f64> = self.points.iter().map(|point| point.v).filter(|v| *v > 0.0 && *v < 1.0).collect();
         levels.sort_by(f64::total_cmp);
@@ -191,8 +191,8 @@ impl Sample {
         levels
     }
 
-    /// Mean and standard deviation of the mean of a channel's points at a level; `None` where there are none. Black is
-    /// the same patch in every channel.
+    /// Returns the mean of a channel's points at a level, and the standard error of that mean; `None` if there are
+    /// none. Black is the same patch in every channel.
     pub fn mean(&self, channel: Channel, level: f64) -> Option<(f64, f64)> {
         let is_wanted = |point: &&Point| is_same_level(point.v, level) && (level == 0.0 || point.channel == channel);
         let points: Vec<&Point> = self.points.iter().filter(is_wanted).collect();
@@ -204,18 +204,18 @@ impl Sample {
 /// A model fitted to a sample.
 #[derive(Clone, Debug)]
 pub(super) struct Fit {
-    /// In the order of the sample's channels.
+    /// The curves, in the order of the sample's channels.
     pub curves: Vec<Curve>,
-    /// Standard error of each channel's γ, for noise as large as what the fit leaves.
+    /// Standard error of each channel's γ, if the noise is as large as the residuals of the fit.
     pub gamma_se: Vec<Option<f64>>,
-    /// Weighted sum of squares that is left, over the readings beyond the parameters.
+    /// Weighted residual sum of squares, divided by the degrees of freedom.
     pub variance: f64,
     /// γ and offset of each shape.
     shapes: Vec<[f64; 2]>,
 }
 
-/// Fits a curve: one shape and one black for all channels if `shared`, otherwise for each channel separately. Starts
-/// from another fit of the same model, if given.
+/// Fits the curves: one shape and one black for all channels if `shared`, otherwise a separate shape and black for each
+/// channel. Starts from another fit of the same model, if given.
 pub(super) fn fit(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) -> Fit {
     let best = |sample: &Sample, starts: &[[f64; 2]]| {
         let fits = starts.iter().map(|start| descend(family, sample, *start));
@@ -236,9 +236,9 @@ pub(super) fn fit(family: Family, shared: bool, sample: &Sample, start: Option<&
     all
 }
 
-/// The shape with the black and the ranges that fit best.
+/// Returns the curves of the shape `transfer` with the black and the ranges that fit best.
 fn curves(transfer: &Transfer, sample: &Sample) -> Vec<Curve> {
-    // For each channel the weighted sums of 1, y, t, t², and t·y, t being the light of the shape.
+    // For each channel, the weighted sums of 1, y, t, t², and t·y, where t is the light of the shape.
     let mut sums = vec![[0.0; 5]; sample.channels.len()];
     for point in &sample.points {
         let (t, weight) = (transfer.linear_from_encoded(point.v), point.sd.powi(-2));
@@ -254,7 +254,7 @@ fn curves(transfer: &Transfer, sample: &Sample) -> Vec<Curve> {
 }
 
 fn descend(family: Family, sample: &Sample, start: [f64; 2]) -> Fit {
-    // How far each point is from its channel's curve, in standard deviations.
+    // The distance of each point from its channel's curve, in standard deviations.
     let residuals = |shape: Vector2<f64>| -> Vec<f64> {
         let curves = curves(&family.transfer(shape.into()), sample);
         sample.pairs(&curves).map(|(point, curve)| (point.y - curve.cd_m2(point.v)) / point.sd).collect()
@@ -266,7 +266,7 @@ fn descend(family: Family, sample: &Sample, start: [f64; 2]) -> Fit {
     let mut damping = 1e-4;
     let mut normal = Matrix2::identity();
     for _ in 0..MOST_STEPS {
-        // How the residuals fall with each parameter.
+        // The decrease of the residuals per unit of each parameter.
         let h = 1e-6;
         let slopes: Vec<Vec<f64>> = (0..free)
             .map(|parameter| {

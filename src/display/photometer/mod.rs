@@ -1,12 +1,12 @@
 //! Derives from photometer readings how a display turns codes into light.
 //!
-//! [`Readings`] are checked, and [`Calibration`] fits them: sRGB, a power, gain–offset–gamma and a monotone table. The one
-//! that best predicts levels left out is used.
+//! [`Readings`] checks the readings, and [`Calibration`] fits four models to them: sRGB, a power, gain–offset–gamma and
+//! a monotone table. It prefers the simplest model that predicts left-out levels about as well as the best one.
 //!
-//! A photometer's noise is about proportional to what it reads. With one reading per level of red, green, blue and gray
-//! and 1 % of noise, γ of a power has an uncertainty of 0.005, 0.004, 0.003 and 0.002 (standard error at 6, 9, 17 and
-//! 33 levels) where the channels share it, and with a free offset to 0.022, 0.013, 0.008 and 0.005: γ and offset
-//! explain much of the same.
+//! A photometer's noise is roughly proportional to its reading. With one reading per level of red, green, blue and
+//! gray, 1 % noise, and one γ for all channels, the standard error of γ is 0.005, 0.004, 0.003 and 0.002 at 6, 9, 17
+//! and 33 levels for a power. With a free offset, it is 0.022, 0.013, 0.008 and 0.005, because γ and the offset explain
+//! much the same differences.
 
 mod calibration;
 mod checks;

@@ -8,7 +8,7 @@ use crate::{
     light::random::shuffle,
 };
 
-/// Patches between two readings of white, which reveal drift.
+/// The number of patches between two readings of white, which reveal drift.
 const BETWEEN_WHITES: usize = 16;
 
 /// The measurement settings.
@@ -16,11 +16,11 @@ const BETWEEN_WHITES: usize = 16;
 pub struct PatchSettings {
     /// The channels, each once.
     pub channels: Vec<Channel>,
-    /// Levels of each channel, evenly spaced in encoded value, including 0 and 1.
+    /// The number of levels of each channel, evenly spaced in encoded value, including 0 and 1.
     pub levels: usize,
-    /// Readings of each patch.
+    /// The number of readings of each patch.
     pub repeats: usize,
-    /// Seed of the order.
+    /// The seed of the random order.
     pub seed: u64,
 }
 
@@ -32,21 +32,21 @@ impl Default for PatchSettings {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
-    /// The lit channels.
+    /// The lit channel, or all three for gray.
     pub channel: Channel,
     pub code: u8,
-    /// Their encoded value, 0…1: the code divided by the largest code.
+    /// The encoded value, 0…1: the code divided by the largest code.
     pub level: f64,
 }
 
-/// The patches in the order of measurement; equal settings give the same order.
+/// Returns the patches in the order of measurement; equal settings give the same order.
 ///
-/// Every patch comes once in random order, then all again for each repeat, so that drift of the screen or the
-/// photometer affects all levels and channels alike. Black is the same patch in every channel and comes once per
-/// repeat. White comes first, last and after every 16 patches: its change is the drift.
+/// Every repeat shows each patch once, in a new random order, so that drift of the screen or the photometer affects all
+/// levels and channels alike. Black is the same patch in every channel and comes once per repeat. White comes first,
+/// last and after every 16 patches; its change is the drift.
 ///
 /// # Errors
-/// Settings that give no profile.
+/// When the settings do not lead to a profile.
 pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, SettingsError> {
     let PatchSettings { channels, levels, repeats, seed } = settings;
     Channel::make_a_profile(channels)?;

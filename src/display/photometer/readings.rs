@@ -5,11 +5,11 @@ use crate::display::channel::Channel;
 /// One reading of one patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// The lit channels.
+    /// The lit channel, or all three for gray.
     pub channel: Channel,
-    /// Their encoded value, 0…1: the code divided by the largest code.
+    /// The encoded value, 0…1: the code divided by the largest code.
     pub level: f64,
-    /// The reading of the photometer, cd/m².
+    /// The photometer's reading, cd/m².
     pub luminance_cd_m2: f64,
 }
 
@@ -22,17 +22,17 @@ pub struct LevelMean {
     pub luminance_cd_m2: f64,
 }
 
-/// Levels closer than this are the same patch, typed twice.
+/// Levels closer than this are the same patch, entered twice.
 const SAME_LEVEL: f64 = 1e-6;
 
-/// Whether two levels are the same patch.
+/// True if two levels are the same patch.
 #[must_use]
 pub fn is_same_level(a: f64, b: f64) -> bool {
     (a - b).abs() < SAME_LEVEL
 }
 
-/// Readings that passed the checks of [`Readings::new`]: there are enough of them, each is possible, and the light rises
-/// with the level. In the order in which they were taken.
+/// Readings that passed the checks of [`Readings::new`]: there are enough of them, each is plausible, and the light
+/// rises with the level. They are in the order in which they were taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
     all: Vec<Reading>,
@@ -75,8 +75,8 @@ impl Readings {
         self.all.iter().map(|one| one.luminance_cd_m2).fold(0.0, f64::max)
     }
 
-    /// The step of the photometer's display, cd/m²: the largest power of ten of which every reading is a multiple; 0
-    /// where there is none down to 10⁻⁵.
+    /// The step of the photometer's display, cd/m²: the largest power of ten, up to 100, of which every reading is a
+    /// multiple; 0 if there is none down to 10⁻⁵.
     #[must_use]
     pub fn resolution_cd_m2(&self) -> f64 {
         let is_multiple = |steps: f64| (steps - steps.round()).abs() <= 1e-9 * steps.abs().max(1.0);
@@ -85,7 +85,7 @@ impl Readings {
     }
 }
 
-/// The mean at each level, from dark to light, of readings in any order.
+/// Returns the mean at each level, from dark to light; the readings may be in any order.
 fn means<'a>(readings: impl Iterator<Item = &'a Reading>) -> Vec<LevelMean> {
     let mut sorted: Vec<&Reading> = readings.collect();
     sorted.sort_by(|a, b| a.level.total_cmp(&b.level));

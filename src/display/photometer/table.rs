@@ -1,6 +1,6 @@
 //! The monotone table: a curve whose encoded values are shifted, level by level, to meet the readings.
 //!
-//! Between levels, the shift changes linearly, so that the table bends like the curve and has no corners.
+//! Between levels, the shift changes linearly, so the table bends like the curve and has no corners.
 
 use super::{
     fit::{Curve, Sample},
@@ -15,7 +15,7 @@ const LEAST_RISE: f64 = 1e-9;
 /// A reading this close to black, in standard deviations, carries no information about the encoded value.
 const CLEAR: f64 = 3.0;
 
-/// An encoded value, the one that the curve would need for the light that was read, and the weight of this.
+/// An encoded value, the shifted value at which the curve gives the light that was read, and its weight.
 #[derive(Clone, Copy)]
 struct Knot {
     v: f64,
@@ -23,8 +23,8 @@ struct Knot {
     weight: f64,
 }
 
-/// The tables of the sample's channels from the curves of a fit. They go through the black and the white that was read;
-/// between them all channels have the same table where `shared`.
+/// Makes the tables of the sample's channels from the curves of a fit. The tables pass through the black and the white
+/// that were read; in between, all channels have the same table if `shared`.
 pub(super) fn tables(sample: &Sample, curves: &[Curve], shared: bool) -> Vec<Curve> {
     let levels = sample.inner_levels();
     let mut ends = Vec::new();
@@ -47,7 +47,7 @@ pub(super) fn tables(sample: &Sample, curves: &[Curve], shared: bool) -> Vec<Cur
     ends.into_iter().zip(own).map(|(curve, own)| Curve { transfer: table(&curve.transfer, own), ..curve }).collect()
 }
 
-/// The weighted mean of the knots at each level, rising.
+/// Returns the weighted mean of the knots at each level, in ascending order of level.
 fn joined(mut knots: Vec<Knot>) -> Vec<Knot> {
     knots.sort_by(|a, b| a.v.total_cmp(&b.v));
     let levels = knots.chunk_by(|a, b| is_same_level(a.v, b.v));
@@ -62,7 +62,7 @@ fn pooled(a: Knot, b: Knot) -> Knot {
 fn table(base: &Transfer, knots: &[Knot]) -> Transfer {
     let end = |at: f64| Knot { v: at, moved: at, weight: 1.0 };
     let mut knots = [&[end(0.0)], knots, &[end(1.0)]].concat();
-    never_falling(&mut knots);
+    make_monotone(&mut knots);
     let encoded: Vec<f64> = (0..POINTS).map(|i| i as f64 / (POINTS - 1) as f64).collect();
     let mut linear: Vec<f64> = encoded.iter().map(|v| base.linear_from_encoded(between(&knots, *v))).collect();
     linear[0] = 0.0;
@@ -74,15 +74,15 @@ fn table(base: &Transfer, knots: &[Knot]) -> Transfer {
     TransferTable::new(encoded, linear).map_or_else(|_| base.clone(), Transfer::Table)
 }
 
-/// The shifted value of the encoded value `v`.
+/// Interpolates the shifted value at the encoded value `v`.
 fn between(knots: &[Knot], v: f64) -> f64 {
     let above = knots.partition_point(|knot| knot.v <= v).clamp(1, knots.len() - 1);
     let (low, high) = (knots[above - 1], knots[above]);
     low.moved + (high.moved - low.moved) * (v - low.v) / (high.v - low.v)
 }
 
-/// The nearest knots whose moved values never fall: neighbors that do are pooled.
-fn never_falling(knots: &mut [Knot]) {
+/// Makes the moved values monotone by pooling adjacent knots whose moved values fall.
+fn make_monotone(knots: &mut [Knot]) {
     let mut blocks: Vec<(Knot, usize)> = Vec::with_capacity(knots.len());
     for knot in knots.iter() {
         let mut block = (*knot, 1);

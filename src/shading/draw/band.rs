@@ -9,18 +9,18 @@ use crate::shading::{
     shaders::Spread,
 };
 
-/// The weights of a triangle's corners, then its light in up to three channels.
+/// The weights of a triangle's corners, followed by its light in up to three channels.
 pub(super) type Corners = Planes<6>;
 
-/// Memory that is reused from band to band.
+/// Buffers that are reused from band to band.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     /// Light, channel by channel, row by row.
     pub light: [Vec<f32>; 3],
     depth: Vec<f64>,
-    /// One bit per pixel: whether any triangle covers it.
+    /// One bit per pixel, set if any triangle covers it.
     covered: Vec<u64>,
-    /// Columns of every row of every triangle, in the order in which they are drawn.
+    /// The columns that each triangle covers in each row, in drawing order.
     spans: Vec<(u32, u32)>,
 }
 
@@ -28,28 +28,29 @@ pub(super) struct Scratch {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Band<'a> {
     pub frame: &'a Frame,
-    /// Of every triangle.
+    /// The outline of every triangle.
     pub outlines: &'a [Option<Outline>],
     pub corners: &'a [Corners],
     /// The triangles that overlap the band, in the order of the frame.
     pub triangles: &'a [u32],
-    /// The first row, and the one after the last.
+    /// The first row; `end` is the row after the last.
     pub first: u32,
     pub end: u32,
     pub background: [f32; 3],
 }
 
 impl Band<'_> {
-    /// The rows that a triangle may cover.
+    /// Returns a triangle's outline and the rows of the band that it may cover, as the first row and the row after the
+    /// last.
     #[inline(always)]
     fn rows(&self, triangle: u32) -> Option<(&Outline, u32, u32)> {
         let outline = self.outlines[triangle as usize].as_ref()?;
         Some((outline, outline.first.max(self.first), outline.end.min(self.end)))
     }
 
-    /// Finds the spans of the triangles, and fills `C` channels with the background.
+    /// Finds the spans of the triangles and fills `C` channels with the background.
     ///
-    /// Returns whether any pixel is covered twice: if not, nothing is hidden, and depths are not compared.
+    /// Returns true if any pixel is covered twice. If none is, nothing is hidden, and depths need not be compared.
     #[inline(always)]
     fn begin<const C: usize>(&self, scratch: &mut Scratch) -> bool {
         let width = self.frame.width;
@@ -89,7 +90,7 @@ impl Band<'_> {
     }
 }
 
-/// Sets the bits from `left` to before `right`; returns those that were set before.
+/// Sets the bits from `left` up to, but not including, `right`. Returns the bits that were already set.
 #[inline(always)]
 fn cover(bits: &mut [u64], (left, right): (u32, u32)) -> u64 {
     if left >= right {
@@ -125,7 +126,8 @@ impl<const C: usize, R: Spread<f32, C>> WithSimd for Paint<'_, C, R> {
         let mut spans = spans.iter();
         for &triangle in band.triangles {
             let Some((_, first, end)) = band.rows(triangle) else { continue };
-            // Zeros rather than uninitialized memory: the compiler may compute with them, and odd values can be slow.
+            // Zeros, not uninitialized memory: the compiler may compute with the unused values, and odd values can be
+            // slow.
             let depths = if overlap { coverage::depths(band.frame, triangle as usize) } else { Planes::ZERO };
             for y in first..end {
                 let Some(&(left, right)) = spans.next() else { return };
@@ -172,8 +174,8 @@ impl<const C: usize, R: Spread<f32, C>> WithSimd for Paint<'_, C, R> {
     }
 }
 
-/// −1 for each of `count` pixels at which the triangle is nearer than what was drawn before, 0 for others. Its depths
-/// along the row are `at`, `at + step` …
+/// Returns −1 for each of the first `count` pixels at which the triangle is nearer than anything drawn before, and 0
+/// for all others; updates `depth`. The triangle's depths along the row are `at`, `at + step` …
 #[inline(always)]
 fn nearer(([at], [step]): ([f64; 1], [f64; 1]), count: u32, depth: &mut [f64]) -> [f32; MOST_LANES] {
     let mut nearer = [0.0; MOST_LANES];

@@ -1,5 +1,5 @@
-//! Light to 8-bit codes, many at once: the same code as [`ChannelQuantizer::code`] for every f32; and the output of a
-//! band's light.
+//! Encodes many lights at once as 8-bit codes, with the same result as [`ChannelQuantizer::code`] for every f32, and
+//! writes out the light of a band.
 
 use crate::{
     light::{Bits, ChannelQuantizer, Transfer},
@@ -8,34 +8,36 @@ use crate::{
 
 /// A transfer function prepared for the rasterizer's pixels.
 ///
-/// The codes are those of [`ChannelQuantizer::code`], bit for bit: an f32's upper bits find, in a table, the code of the
-/// smallest number that begins with them and the one threshold that may follow; the lower bits decide.
+/// The codes are exactly the codes of [`ChannelQuantizer::code`]. The upper bits of an f32 index a table, which gives
+/// the code of the smallest number with these upper bits and the one threshold that may follow it; the lower bits
+/// decide.
 #[derive(Clone, Debug)]
 pub struct Encoder {
     quantizer: ChannelQuantizer,
     table: Option<Table>,
 }
 
-/// Entries of a table: enough for sRGB and exponents around 2.
+/// Entries per table: enough for sRGB and exponents around 2.
 const ENTRIES: usize = 1 << 13;
 
-/// Where an f32's exponent begins.
+/// The position of the lowest bit of an f32's exponent.
 const EXPONENT: u32 = f32::MANTISSA_DIGITS - 1;
 
-/// Lower bits of an f32 that are not part of the index, which consists of the exponent and 8 bits of the mantissa.
+/// The number of lower bits of an f32 that are not part of the index, which consists of the exponent and 8 bits of the
+/// mantissa.
 const LOWER: u32 = 15;
 
 #[derive(Clone, Debug)]
 struct Table {
-    /// Code in the upper half; 2¹⁶ less the threshold's lower bits, or 0, in the lower half: adding a number's lower
-    /// bits carries into the code where they reach the threshold.
+    /// The upper half of an entry holds the code; the lower half holds 2¹⁶ minus the threshold's lower bits, or 0.
+    /// Adding a number's lower bits carries into the code if they reach the threshold.
     entries: Box<[u32; ENTRIES]>,
-    /// The table begins at this light, whose code is 0.
+    /// The light at which the table begins; its code is 0.
     least: f32,
 }
 
 impl Encoder {
-    /// An encoder for a display that `transfer` describes. Takes about 0.2 ms: keep it.
+    /// Makes an encoder for a display that `transfer` describes. This takes about 0.2 ms, so keep the encoder.
     #[must_use]
     pub fn new(transfer: &Transfer) -> Encoder {
         let quantizer = ChannelQuantizer::new(transfer, Bits::Eight);
@@ -43,13 +45,13 @@ impl Encoder {
         Encoder { quantizer, table }
     }
 
-    /// The codes themselves, one light at a time.
+    /// Returns the quantizer that encodes one light at a time.
     #[must_use]
     pub fn quantizer(&self) -> &ChannelQuantizer {
         &self.quantizer
     }
 
-    /// Writes opaque RGBA codes, row by row; where one channel stands for others, `light` has it first.
+    /// Writes opaque RGBA codes, row by row. If one channel stands for several, it is the first in `light`.
     #[inline(always)]
     pub(super) fn write(&self, light: [&[f32]; 3], channels: Channels, samples: &mut [u8]) {
         let pixels = samples.as_chunks_mut().0;
@@ -59,7 +61,7 @@ impl Encoder {
         }
     }
 
-    /// RGBA codes, opaque, of gray light in the channels that are `lit` and darkness in the others.
+    /// Writes opaque RGBA codes with gray light in the channels that are `lit` and 0 in the others.
     #[inline(always)]
     fn encode_gray(&self, light: &[f32], lit: [bool; 3], pixels: &mut [[u8; 4]]) {
         let spread = u32::from_le_bytes([u8::from(lit[0]), u8::from(lit[1]), u8::from(lit[2]), 0]);
@@ -72,7 +74,7 @@ impl Encoder {
         }
     }
 
-    /// RGBA codes, opaque, of red, green and blue light.
+    /// Writes opaque RGBA codes of red, green and blue light.
     #[inline(always)]
     fn encode_color(&self, [r, g, b]: [&[f32]; 3], pixels: &mut [[u8; 4]]) {
         let (mut red, mut green, mut blue) = ([0; BLOCK], [0; BLOCK], [0; BLOCK]);
@@ -87,7 +89,7 @@ impl Encoder {
         }
     }
 
-    /// The codes of up to a block of lights.
+    /// Encodes up to a block of lights.
     #[inline(always)]
     fn codes(&self, light: &[f32], codes: &mut [u32; BLOCK]) {
         let Some(table) = &self.table else {
@@ -96,13 +98,13 @@ impl Encoder {
             }
             return;
         };
-        // Three passes over a near cache: vectors, one by one, vectors. A gathering load would need unsafe code, and
-        // takes 0.24 instead of 0.35 ns per pixel.
+        // Three passes over data in the nearest cache: vectorized, one by one, vectorized. A gather load takes 0.24
+        // instead of 0.35 ns per pixel but would need unsafe code.
         for (code, light) in codes.iter_mut().zip(light) {
             *code = (table.bits(*light) >> LOWER) - (table.least.to_bits() >> LOWER);
         }
         for code in &mut codes[..light.len()] {
-            // Always in range; this form avoids a bounds check.
+            // The index is always in range; the remainder avoids a bounds check.
             *code = table.entries[*code as usize % ENTRIES];
         }
         for (code, light) in codes.iter_mut().zip(light) {
@@ -111,15 +113,16 @@ impl Encoder {
     }
 }
 
-/// Pixels that are encoded at once.
+/// The number of pixels that are encoded at once.
 const BLOCK: usize = 512;
 
 const OPAQUE: u32 = 0xff << 24;
 
 impl Table {
-    /// The table of `quantizer`; `None` if two thresholds share an entry, or if there are too many entries.
+    /// Makes the table of `quantizer`; `None` if two thresholds share an entry or if the table would need too many
+    /// entries.
     fn new(quantizer: &ChannelQuantizer) -> Option<Table> {
-        // The largest power of two below the first threshold, or less.
+        // A power of two below the first threshold.
         let first = quantizer.threshold(1).to_bits() >> EXPONENT;
         let least = f32::from_bits(first.checked_sub(1).filter(|e| *e > 0)? << EXPONENT);
         let (base, last) = (least.to_bits() >> LOWER, 1f32.to_bits() >> LOWER);
@@ -140,10 +143,10 @@ impl Table {
         Some(Table { entries, least })
     }
 
-    /// The bits of `light`, clamped to the range of the table.
+    /// Returns the bits of `light`, clamped to the range of the table.
     #[inline(always)]
     fn bits(&self, light: f32) -> u32 {
-        // Also for NaN.
+        // NaN also becomes `least`.
         let light = if light > self.least { light } else { self.least };
         (if light < 1.0 { light } else { 1.0 }).to_bits()
     }
@@ -151,7 +154,7 @@ impl Table {
 
 const LOWER_BITS: u32 = (1 << LOWER) - 1;
 
-/// Writes linear light, red green blue, as [`Encoder::write`] does codes.
+/// Writes linear light as red, green and blue, as [`Encoder::write`] writes codes.
 #[inline(always)]
 pub(super) fn write_linear([r, g, b]: [&[f32]; 3], channels: Channels, samples: &mut [f32]) {
     let pixels = samples.as_chunks_mut::<3>().0;

@@ -1,4 +1,4 @@
-//! Several neighboring pixels at once, in [`pulp`]'s vectors.
+//! Computes several neighboring pixels at once, in [`pulp`]'s vectors.
 //!
 //! No operation here is fused or approximate: every machine computes the same bits, regardless of its vector width.
 
@@ -8,7 +8,7 @@ use pulp::Simd;
 
 use crate::shading::number::Number;
 
-/// The most pixels that any machine takes at once.
+/// The largest number of pixels that any machine processes at once.
 pub(super) const MOST_LANES: usize = 16;
 
 /// A number for each of several pixels.
@@ -18,7 +18,7 @@ pub(super) struct Lanes<S: Simd> {
     v: S::f32s,
 }
 
-/// A yes or no for each of several pixels.
+/// A condition that is true or false for each of several pixels.
 #[derive(Clone, Copy)]
 pub(super) struct Mask<S: Simd> {
     simd: S,
@@ -31,7 +31,7 @@ impl<S: Simd> Lanes<S> {
         Lanes { simd, v: simd.splat_f32s(value) }
     }
 
-    /// 0, 1, 2 …: how far each pixel is from the first.
+    /// Returns 0, 1, 2 …: the distance of each pixel from the first.
     #[inline(always)]
     pub fn steps(simd: S) -> Self {
         let mut steps = [0.0; MOST_LANES];
@@ -41,19 +41,19 @@ impl<S: Simd> Lanes<S> {
         Lanes::load(simd, &steps)
     }
 
-    /// The first lanes of `slice`, which holds at least as many.
+    /// Reads all lanes from the start of `slice`, which must be long enough.
     #[inline(always)]
     pub fn load(simd: S, slice: &[f32]) -> Self {
         Lanes { simd, v: bytemuck::pod_read_unaligned(bytemuck::cast_slice(&slice[..S::F32_LANES])) }
     }
 
-    /// Writes all lanes to the start of `slice`, which holds at least as many.
+    /// Writes all lanes to the start of `slice`, which must be long enough.
     #[inline(always)]
     pub fn store(self, slice: &mut [f32]) {
         slice[..S::F32_LANES].copy_from_slice(bytemuck::cast_slice(&[self.v]));
     }
 
-    /// `self` times a constant and another.
+    /// Returns `self · step + at`.
     #[inline(always)]
     pub fn along(self, step: f32, at: f32) -> Self {
         self.times(step) + self.all(at)
@@ -123,7 +123,7 @@ impl<S: Simd> Number for Lanes<S> {
 
     #[inline(always)]
     fn any(mask: Mask<S>) -> bool {
-        // Masks are lanes of all ones on some machines and bits on others.
+        // On some machines, a mask is a lane of ones or zeros per pixel; on others, a bit per pixel.
         bytemuck::bytes_of(&mask.m) != &[0; size_of::<f32>() * MOST_LANES][..size_of::<S::m32s>()]
     }
 

@@ -1,14 +1,15 @@
 //! Draws frames on the CPU and on a graphics card.
 //!
-//! The CPU traverses triangles once, row by row, in bands distributed over threads:
+//! The CPU draws all triangles in one pass, row by row, in bands that are distributed over threads:
 //!
 //! ```text
-//! Frame → Prepared (constants of every triangle: once a frame) → bands of rows: spans → light (f32) → picture
+//! Frame → Prepared (constants of every triangle: once per frame) → bands of rows: spans → light (f32) → picture
 //! ```
 //!
-//! Coverage is exactly that of [`coverage`](super::coverage), hidden surfaces are found by depth in f64, and the light
-//! of the lanes is within 1e-5 of the [`Reference`]'s. The image is the same to the last bit for any number of threads
-//! and on any machine: the vector width is detected at run time, and no operation is fused or approximate.
+//! Coverage is exactly as in [`coverage`](super::coverage). Hidden surfaces are found by comparing depths in f64, and
+//! the light is within 1e-5 of the light that [`Reference`] computes. The image is the same to the last bit for any
+//! number of threads and on any machine: the vector width is detected at run time, but no operation is fused or
+//! approximate.
 
 mod band;
 mod encoder;

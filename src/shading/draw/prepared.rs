@@ -17,7 +17,7 @@ use crate::{
     },
 };
 
-/// Rows of a band.
+/// The number of rows in a band.
 const BAND_ROWS: u32 = 16;
 
 /// Everything computed once per frame: the outline of every triangle, the shader's constants, and the triangles of each
@@ -33,7 +33,7 @@ pub struct Prepared<'f> {
     shading: Painter,
 }
 
-/// The shader, for as many channels as are shaded.
+/// The shader, for the number of channels that are shaded.
 #[derive(Clone, Debug)]
 enum Painter {
     Gray(Box<Shading<f32, 1>>),
@@ -62,13 +62,13 @@ impl<'f> Prepared<'f> {
         Prepared { frame, outlines, corners, bands, channels, shading }
     }
 
-    /// The picture in linear light.
+    /// Draws the picture in linear light.
     #[must_use]
     pub fn image(&self) -> LinearImage {
         self.image_on(Arch::new())
     }
 
-    /// The same with the vectors of `arch`, which do not affect the result.
+    /// Draws the picture in linear light with the vectors of `arch`, which do not affect the result.
     #[must_use]
     pub fn image_on(&self, arch: Arch) -> LinearImage {
         let mut image = LinearImage::new(self.frame.width, self.frame.height);
@@ -87,7 +87,7 @@ impl<'f> Prepared<'f> {
         );
     }
 
-    /// Draws into `samples`, of which a pixel has `N`.
+    /// Draws into `samples`, with `N` samples per pixel.
     fn draw<const N: usize, T: Send>(
         &self,
         arch: Arch,
@@ -123,7 +123,7 @@ impl<'f> Prepared<'f> {
     }
 }
 
-/// `frame` with `shade` in linear light, drawn by the fast method: within 1e-5 of
+/// Draws `frame` with `shade` in linear light with the fast method; the result is within 1e-5 of
 /// [`Reference::image`](super::Reference::image).
 #[must_use]
 pub fn picture(frame: &Frame, shade: &Shade) -> LinearImage {
@@ -138,7 +138,7 @@ fn paint<const C: usize>(band: Band<'_>, shading: &Shading<f32, C>, scratch: &mu
     with_shader!(&shading.plain, shader => band.paint::<C, _>(shader, scratch, arch));
 }
 
-/// The planes of a triangle.
+/// Makes the planes of a triangle: its weights and its light.
 fn corners(frame: &Frame, triangle: usize, channels: Channels) -> Corners {
     let corners = frame.corners(triangle);
     let values = [0, 1, 2].map(|k: usize| {
@@ -150,7 +150,8 @@ fn corners(frame: &Frame, triangle: usize, channels: Channels) -> Corners {
     Corners::new(corners.map(|v| v.screen), values)
 }
 
-/// Which channels are shaded: one where the lights of the vertices, and all that any shader may add to them, are gray.
+/// Determines which channels must be shaded: only one if the lights of the vertices and everything that a shader may
+/// add to them are gray.
 fn channels(frame: &Frame) -> Channels {
     if frame.encoding.as_ref().is_some_and(|transfers| transfers.uniform().is_none()) {
         return Channels::Color;

@@ -1,4 +1,5 @@
-//! Every shader in f64, one pixel at a time: the reference for the fast renderers, and the source of every stimulus.
+//! Evaluates every shader in f64, one pixel at a time. This is the reference for the fast renderers and the source of
+//! every stimulus.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -20,13 +21,13 @@ pub struct Reference<'f> {
 }
 
 impl<'f> Reference<'f> {
-    /// Computes the constants of `shade` for `frame` once.
+    /// Prepares `frame` by computing the constants of `shade` once.
     #[must_use]
     pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
         Reference { frame, shading: Shading::new(frame, shade, Channels::Color) }
     }
 
-    /// The light at the weights `w` of `triangle`, linear.
+    /// Returns the linear light at the weights `w` of `triangle`.
     ///
     /// # Panics
     /// If the frame has no such triangle.
@@ -36,7 +37,7 @@ impl<'f> Reference<'f> {
         DVec3::from_array(self.shading.light(triangle, w, weighted(w, &lights)))
     }
 
-    /// The entire image, every pixel sampled at its center.
+    /// Draws the entire image, with every pixel sampled at its center.
     #[must_use]
     pub fn image(&self) -> LinearImage {
         let frame = self.frame;

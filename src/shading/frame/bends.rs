@@ -1,24 +1,25 @@
-//! How the light bends at the edges of triangles, Bangay §4: the data of each edge about its two triangles.
+//! How the light bends at the edges of triangles, Bangay §4: for each edge, data about its two triangles.
 //!
-//! Corners are A, B, C; the edge opposite A runs from B to C and D is the neighbor's apex across it. All places are
-//! those on the **screen**.
+//! The corners are A, B, C; the edge opposite A runs from B to C, and D is the neighbor's apex across it. All positions
+//! are positions on the **screen**.
 
 use glam::{DVec2, DVec3};
 
 use super::projected::{Across, Frame};
 
-/// Minimum m of [`Bend`]: the minimum distance of an apex's foot from a corner, in edge lengths.
+/// The minimum m of [`Bend`]: the minimum distance of an apex's foot from a corner, in edge lengths.
 const LEAST_REACH: f64 = 1.0 / 16.0;
 
-/// The data of a triangle about one of its edges. Computed once per frame by [`bends`].
+/// A triangle's data about one of its edges. [`bends`] computes it once per frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bend {
-    /// c = I_BC(X) − I_AD(X), X where the lines AD and BC cross on the screen: how far the light at the edge lies above
-    /// a straight way from A to D. Raising the slope of the light along w_A by c on both sides makes it one slope. For a
-    /// parallelogram (I_B + I_C − I_A − I_D)/2. Equal bit for bit on both sides of an edge; zero where there is no neighbor
-    /// to join smoothly; see `level` for [`Across::Several`].
+    /// c = I_BC(X) − I_AD(X), where the lines AD and BC cross at X on the screen: the height of the light at the edge
+    /// above a straight line from A to D. Increasing the slope of the light along w_A by c on both sides makes the two
+    /// slopes equal. For a parallelogram, c = (I_B + I_C − I_A − I_D)/2. The value is the same, bit for bit, on both
+    /// sides of an edge, and zero if there is no neighbor to join smoothly; see `level` for [`Across::Several`].
     pub c: DVec3,
-    /// s_A: where the perpendicular from the triangle's own apex meets the edge; 0 at corner k+1, 1 at corner k+2.
+    /// s_A, the point where the perpendicular from the triangle's own apex meets the edge: 0 at corner k+1, 1 at corner
+    /// k+2.
     pub foot: f64,
     /// m at corner k+1: max(s_A, s_D, 1/16).
     pub start: f64,
@@ -26,27 +27,27 @@ pub struct Bend {
     pub end: f64,
 }
 
-/// A corner: its position on the screen, and its light.
+/// A corner: its position on the screen and its light.
 type Corner = (DVec2, DVec3);
 
-/// Where the perpendicular from `p` meets the line from `b` (0) to `c` (1); 0 if they are one place.
+/// Returns the point where the perpendicular from `p` meets the line from `b` (0) to `c` (1); 0 if `b` and `c`
+/// coincide.
 fn foot(p: DVec2, b: DVec2, c: DVec2) -> f64 {
     let along = c - b;
     let length2 = along.length_squared();
     if length2 > 0.0 { (p - b).dot(along) / length2 } else { 0.0 }
 }
 
-/// How much lighter the apex is than the edge's line at its foot: a = I_A − I_BC(s_A).
+/// Returns how much lighter the apex is than the edge at the apex's foot: a = I_A − I_BC(s_A).
 fn excess(apex: DVec3, s: f64, b: DVec3, c: DVec3) -> DVec3 {
     apex - (b * (1.0 - s) + c * s)
 }
 
-/// The constants of the edge from `b` to `c` of the triangle with apex `a`, and of its mirror image, the same edge of
-/// the triangle with apex `d`:
-/// `c = −(h_D·a_A + h_A·a_D)/(h_A + h_D)`, h the heights over the edge. `None` if either has no height, or they lie on
-/// one side.
+/// Returns the constants of the edge from `b` to `c` for the triangle with apex `a`, and the mirrored constants for the
+/// triangle with apex `d`: `c = −(h_D·a_A + h_A·a_D)/(h_A + h_D)`, where h are the heights above the edge. `None` if
+/// either height is zero or if both apexes lie on the same side.
 fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend)> {
-    // Twice the areas: heights in units of the edge.
+    // Twice the areas, which are proportional to the heights.
     let (ha, hd) = (Frame::area2(a.0, b.0, c.0), Frame::area2(d.0, c.0, b.0));
     if !(ha > 0.0 && hd > 0.0) {
         return None;
@@ -59,16 +60,16 @@ fn between(a: Corner, b: Corner, c: Corner, d: Corner) -> Option<(Bend, Bend)> {
     Some((Bend { c: bend, foot: sa, start, end }, Bend { c: bend, foot: 1.0 - sd, start: end, end: start }))
 }
 
-/// The constants of an edge at which every triangle is to arrive with no slope across: `c = I_BC(s_A) − I_A`. Used for
-/// edges of three triangles and more.
+/// Returns the constants of an edge at which the light of every triangle must have zero slope across the edge: `c =
+/// I_BC(s_A) − I_A`. Used for edges that three or more triangles share.
 fn level(a: Corner, b: Corner, c: Corner) -> Bend {
     let s = foot(a.0, b.0, c.0);
     let (start, end) = (s.max(LEAST_REACH), (1.0 - s).max(LEAST_REACH));
     Bend { c: excess(a.1, s, b.1, c.1) * -1.0, foot: s, start, end }
 }
 
-/// The constants of every edge of every triangle of `frame`; edge k is opposite corner k. Computed from the side of the
-/// triangle that comes first, so that both sides have the same.
+/// Returns the constants of every edge of every triangle of `frame`; edge k is opposite corner k. The constants are
+/// computed from the side of the triangle that comes first, so both sides get the same values.
 #[must_use]
 pub fn bends(frame: &Frame) -> Vec<[Bend; 3]> {
     let corner = |v: u32| (frame.vertices[v as usize].screen, frame.vertices[v as usize].light);
@@ -80,7 +81,7 @@ pub fn bends(frame: &Frame) -> Vec<[Bend; 3]> {
             let level = level(corners[k], corners[i], corners[j]);
             match triangle.across[k] {
                 Across::Several => level,
-                // The value across a triangle follows.
+                // If there is one neighbor, the loop below replaces this value.
                 Across::Nothing | Across::Triangle { .. } => Bend { c: DVec3::ZERO, ..level },
             }
         }));

@@ -6,13 +6,13 @@ use glam::DVec2;
 
 use super::projected::Frame;
 
-/// No triangle.
+/// The index that stands for no triangle.
 pub const NONE: u32 = u32::MAX;
 
-/// The triangle that each pixel shows, row by row from the top left; [`NONE`] where there is only background.
+/// Returns the triangle that each pixel shows, row by row from the top left; [`NONE`] where there is only background.
 ///
-/// A pixel belongs to the triangles whose [`Outline`]s hold it. The nearest triangle is visible; of equally near ones,
-/// the first. Depth is affine on the screen.
+/// A pixel belongs to the triangles whose [`Outline`]s contain it. The nearest triangle is visible; of equally near
+/// triangles, the first. Depth is affine on the screen.
 #[must_use]
 pub fn visible(frame: &Frame) -> Vec<u32> {
     let (width, height) = (frame.width as usize, frame.height as usize);
@@ -34,15 +34,15 @@ pub fn visible(frame: &Frame) -> Vec<u32> {
     seen
 }
 
-/// The depths of a triangle.
+/// Returns the depths of a triangle as a plane.
 #[must_use]
 pub fn depths(frame: &Frame, triangle: usize) -> Planes<1> {
     let corners = frame.corners(triangle);
     Planes::new(corners.map(|v| v.screen), corners.map(|v| [v.depth]))
 }
 
-/// Whether each pixel shows the surface and lies on none of its outlines: next to the background, or where a nearer part
-/// of the surface hides a farther one.
+/// For each pixel, returns true if it shows the surface and does not lie on an outline. Outlines run along the
+/// background and where a nearer part of the surface hides a farther part.
 #[must_use]
 pub fn inside_outlines(frame: &Frame) -> Vec<bool> {
     let (width, height) = (frame.width as usize, frame.height as usize);
@@ -69,8 +69,8 @@ pub fn inside_outlines(frame: &Frame) -> Vec<bool> {
     inside
 }
 
-/// Whether the surface continues from one triangle at one pixel to another at its neighbor: they share a corner, or their
-/// depths agree with their own slopes.
+/// True if the surface continues from triangle `one` at pixel `here` to triangle `other` at the neighboring pixel
+/// `there`: the triangles share a corner, or their depths differ by no more than their slopes explain.
 fn is_joined(frame: &Frame, one: usize, other: usize, here: usize, there: usize) -> bool {
     let corners = [one, other].map(|t| frame.triangles[t].vertices);
     if corners[0].iter().any(|vertex| corners[1].contains(vertex)) {
@@ -89,28 +89,31 @@ fn is_joined(frame: &Frame, one: usize, other: usize, here: usize, there: usize)
     (first - second).abs() <= 2.0 * (first - ahead).abs().max((second - behind).abs())
 }
 
-/// Rows that are computed at once.
+/// The number of rows that are computed at once.
 const ROWS: usize = 8;
 
-/// Half a pixel, less far more than f64's rounding and far less than the 2⁻³¹ px by which an edge passes by a pixel's
-/// center at least: places are multiples of 1/256 px and below 2¹⁵ px.
+/// Slightly less than half a pixel. The difference is far larger than the rounding errors of f64 and far smaller than
+/// 2⁻³¹ px, the smallest nonzero distance of an edge from a pixel center: positions are multiples of 1/256 px and below
+/// 2¹⁵ px.
 const NEARLY_HALF: f64 = 0.5 - 1.0 / (1u64 << 33) as f64;
 
-/// Added to a number below 2⁵¹, brings its whole part, rounded to nearest, into the lowest bits.
+/// Adding this to a number below 2⁵¹ rounds the number to the nearest whole number and moves it into the lowest bits.
 const TO_WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// A triangle as rows of pixels: those whose center lies inside, or on a left or top edge, as on graphics cards. Exact.
+/// A triangle as rows of pixels. It contains exactly the pixels whose centers lie inside or on a left or top edge, as
+/// on graphics cards.
 #[derive(Clone, Copy, Debug)]
 pub struct Outline {
-    /// The first row, and the one after the last, within the window.
+    /// The first row within the window; `end` is the row after the last.
     pub first: u32,
     pub end: u32,
-    /// The sides that bound it from the left, at most two, and those from the right.
+    /// The sides that bound the triangle on the left, at most two; `right` has the sides that bound it on the right.
     left: [Side; 2],
     right: [Side; 2],
 }
 
-/// A side as its column at the height of a row's centers: `x + (row − y)·slope`, in pixels from the center of the first.
+/// A side of a triangle. At the height of a row's pixel centers, it is in column `x + (row − y)·slope`, in pixels from
+/// the center of the first pixel.
 #[derive(Clone, Copy, Debug)]
 struct Side {
     x: f64,
@@ -118,15 +121,15 @@ struct Side {
     slope: f64,
 }
 
-/// The first pixel whose center is at `place` or beyond, of at most `count`.
+/// Returns the first pixel whose center is at or beyond `place`, at most `count`.
 fn first_center(place: f64, count: u32) -> u32 {
-    // Casts from f64 saturate, and take NaN for 0.
+    // Casts from f64 saturate and turn NaN into 0.
     ((place - 0.5).ceil() as u32).min(count)
 }
 
 impl Outline {
-    /// The triangle with these corners in a window of `width` × `height` pixels; `None` if it faces away, or holds no
-    /// pixel's center for a simple reason.
+    /// Makes the outline of the triangle with these corners in a window of `width` × `height` pixels; `None` if the
+    /// triangle faces away or if its bounding box contains no pixel center of the window.
     pub fn new(corners: [DVec2; 3], width: u32, height: u32) -> Option<Outline> {
         let [a, b, c] = corners;
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
@@ -138,7 +141,8 @@ impl Outline {
         let open = |x| Side { x, y: 0.0, slope: 0.0 };
         let mut outline = Outline { first, end, left: [open(f64::NEG_INFINITY); 2], right: [open(f64::INFINITY); 2] };
         let (mut lefts, mut rights) = (0, 0);
-        // Counterclockwise for the viewer and y down: left edges go down. Level ones bound nothing from left or right.
+        // The corners are counterclockwise for the viewer, and y points down, so left edges go down. Horizontal edges
+        // bound neither the left nor the right.
         for (from, to) in [(b, c), (c, a), (a, b)] {
             if from.y < to.y {
                 outline.left[lefts] = Side::new(from, to);
@@ -151,7 +155,8 @@ impl Outline {
         Some(outline)
     }
 
-    /// Calls `of` with each of `rows`, which must be the triangle's, its first pixel and the one after the last.
+    /// Calls `of` with each row of `rows`, its first pixel, and the pixel after its last. The rows must be within the
+    /// outline.
     #[inline(always)]
     pub fn each_span(&self, rows: Range<u32>, width: u32, mut of: impl FnMut(u32, (u32, u32))) {
         let width = f64::from(width);
@@ -171,7 +176,7 @@ impl Outline {
     }
 }
 
-/// The first whole number that `x` does not exceed, within 0…`width`.
+/// Returns `x` rounded up to a whole number and clamped to 0…`width`.
 #[inline(always)]
 fn center(x: f64, width: f64) -> u32 {
     let x = if x > 0.0 { x } else { 0.0 };
@@ -190,23 +195,23 @@ impl Side {
     }
 }
 
-/// `Q` such numbers of one triangle. Recomputed for every row in f64, so that long thin triangles lose no precision;
-/// along the row, f32 is sufficient.
+/// `Q` quantities of one triangle that are affine on the screen. They are recomputed for every row in f64, so that long
+/// thin triangles lose no precision; along a row, f32 is sufficient.
 #[derive(Clone, Copy, Debug)]
 pub struct Planes<const Q: usize> {
-    /// A corner, from the center of the first pixel.
+    /// A corner, measured from the center of the first pixel.
     origin: DVec2,
-    /// The numbers there.
+    /// The quantities at that corner.
     at: [f64; Q],
     right: [f64; Q],
     down: [f64; Q],
 }
 
 impl<const Q: usize> Planes<Q> {
-    /// 0 everywhere.
+    /// Planes that are 0 everywhere.
     pub const ZERO: Self = Planes { origin: DVec2::ZERO, at: [0.0; Q], right: [0.0; Q], down: [0.0; Q] };
 
-    /// The planes through the `values` of a triangle's corners.
+    /// Makes the planes through the `values` of a triangle's corners.
     pub fn new([a, b, c]: [DVec2; 3], values: [[f64; Q]; 3]) -> Self {
         let per_area = 1.0 / Frame::area2(a, b, c);
         let slope = |from: DVec2, to: DVec2| DVec2::new(to.y - from.y, from.x - to.x) * per_area;
@@ -219,7 +224,7 @@ impl<const Q: usize> Planes<Q> {
         planes
     }
 
-    /// The numbers at the center of pixel `x` of `row`, and the steps to the next pixel.
+    /// Returns the quantities at the center of pixel `x` of `row`, and their steps to the next pixel.
     #[inline(always)]
     pub fn at(&self, x: u32, row: u32) -> ([f64; Q], [f64; Q]) {
         let (x, y) = (f64::from(x) - self.origin.x, f64::from(row) - self.origin.y);

@@ -1,5 +1,5 @@
 //! Slopes of the light at the vertices: from the lights of the surrounding vertices, or from the curvature of the mesh,
-//! dI/dp = (∂I/∂N)·(dN/dp) + the light's own change, brought to the screen.
+//! dI/dp = (∂I/∂N)·(dN/dp) + the light's own change with position, projected onto the screen.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -8,7 +8,7 @@ use super::projected::{Frame, FrameVertex};
 use crate::light::names::named;
 
 named! {
-    /// How the slopes at the vertices, which *patch* needs, are computed.
+    /// How to compute the slopes at the vertices, which *patch* needs.
     Gradients, GradientsError {
         /// The chain rule through the curvature of the mesh.
         Curvature = "curvature",
@@ -19,10 +19,10 @@ named! {
     }
 }
 
-/// The slope of the light at a vertex: of red, green and blue, per pixel right and per pixel down.
+/// The slopes of red, green and blue light at a vertex, per pixel to the right and per pixel down.
 pub type Gradient = [DVec2; 3];
 
-/// The gradient at each of [`Frame::vertices`].
+/// Returns the gradient at each of [`Frame::vertices`].
 pub(super) fn of(frame: &Frame, gradients: Gradients) -> Vec<Gradient> {
     let ring = Ring::of(frame);
     let gradient = |v: usize| match gradients {
@@ -33,19 +33,20 @@ pub(super) fn of(frame: &Frame, gradients: Gradients) -> Vec<Gradient> {
     (0..frame.vertices.len()).into_par_iter().map(gradient).collect()
 }
 
-/// Weight of the ring relative to the chain rule's. Where the surface turns away by the angle θ, a step on it shortens
-/// on the screen by cos θ, and the chain rule's weight along it by cos² θ: it carries less and less information, and
-/// its slope grows without bound, unlike that of the image. Of 0 … 0.5, this gave the least error of light and slope
-/// against spheres, tori and bumpy surfaces traced pixel by pixel; 0.05 and 0.1 are within a few percent of it.
+/// The weight of the ring relative to the chain rule. Where the surface turns away by the angle θ, a step on it is
+/// foreshortened on the screen by cos θ, which reduces the chain rule's weight along it by cos² θ. The chain rule
+/// carries less and less information there, and its slope grows without bound, unlike the slope of the image. Of the
+/// values from 0 to 0.5, this one gave the smallest errors in light and slope, compared with spheres, tori and bumpy
+/// surfaces traced pixel by pixel; 0.05 and 0.1 are within a few percent of it.
 const RING_WEIGHT: f64 = 0.07;
 
-/// Step of the central differences, in radii of the mesh's bounding sphere.
+/// The step of the central differences, in radii of the mesh's bounding sphere.
 const STEP: f64 = 1e-5;
 
-/// Largest difference between a vertex's light and its lighting's at which the light is that of the lighting.
+/// The largest difference at which a vertex's light still counts as computed by the frame's lighting.
 const SAME: f64 = 1e-9;
 
-/// The gradient of vertex `v`.
+/// Returns the gradient of vertex `v` from the curvature of the mesh.
 fn of_curvature(frame: &Frame, v: usize, ring: &Ring) -> Gradient {
     let mut equations = ring.plane(frame, v);
     if equations.trace() > 0.0 && is_lit(frame, &frame.vertices[v]) {
@@ -57,24 +58,24 @@ fn of_curvature(frame: &Frame, v: usize, ring: &Ring) -> Gradient {
     equations.solve()
 }
 
-/// Whether the light of `vertex` is that of the frame's lighting.
+/// True if the light of `vertex` is the light that the frame's lighting gives it.
 fn is_lit(frame: &Frame, vertex: &FrameVertex) -> bool {
     let lit = frame.lit(vertex.eye, vertex.normal);
-    // False for NaN.
+    // The comparison is false for NaN.
     (lit - vertex.light).abs().max_element() <= SAME
 }
 
-/// Two steps on the surface: how far each goes on the screen, in units of a step seen face on, and by how much the
-/// light changes.
+/// Returns up to two steps on the surface: the displacement of each on the screen, in units of a step seen face on, and
+/// the change of the light.
 fn steps(frame: &Frame, vertex: &FrameVertex) -> impl Iterator<Item = (DVec2, DVec3)> {
     let toward = frame.view.to_viewer(vertex.eye);
     let facing = vertex.normal.dot(toward);
     let (across, away) = tangents(vertex.normal, toward);
-    // Pixels a radius, face on.
+    // Pixels per radius, seen face on.
     let (here, _) = frame.view.project(vertex.eye);
     let sideways = toward.any_orthonormal_vector();
     let scale = (frame.view.project(vertex.eye + STEP * sideways).0 - here).length() / STEP;
-    // A vertex that faces away has only the direction along the silhouette.
+    // A vertex that faces away uses only the direction along the silhouette.
     [Some(across), (facing > 0.0).then_some(away)].into_iter().flatten().map(move |tangent| {
         let ahead = moved(frame, vertex, tangent * STEP);
         let behind = moved(frame, vertex, tangent * -STEP);
@@ -82,21 +83,21 @@ fn steps(frame: &Frame, vertex: &FrameVertex) -> impl Iterator<Item = (DVec2, DV
     })
 }
 
-/// Unit tangents: across the line of sight, and the one that leads away from the eye.
+/// Returns two unit tangents: one across the line of sight, and one that leads away from the eye.
 fn tangents(normal: DVec3, toward: DVec3) -> (DVec3, DVec3) {
     let across = normal.cross(toward);
     let across = if across.length_squared() > 1e-12 { across.normalize() } else { normal.any_orthonormal_vector() };
     (across, normal.cross(across))
 }
 
-/// The position of the surface on the screen, and its light, a small step from a vertex.
+/// Returns the position on the screen and the light of the surface at a small step from a vertex.
 fn moved(frame: &Frame, vertex: &FrameVertex, step: DVec3) -> (DVec2, DVec3) {
     let eye = vertex.eye + step;
     let normal = (vertex.normal + vertex.curvature * step).normalize_or(vertex.normal);
     (frame.view.project(eye).0, frame.lit(eye, normal))
 }
 
-/// For each vertex, the vertices that it shares a drawn triangle with, each once.
+/// For each vertex, the vertices with which it shares a drawn triangle, each once.
 struct Ring(Vec<Vec<u32>>);
 
 impl Ring {
@@ -115,7 +116,8 @@ impl Ring {
         Ring(neighbors)
     }
 
-    /// Offset on the screen and difference in light of every neighbor of `vertex` that lies elsewhere.
+    /// Returns the offset on the screen and the difference in light of every neighbor of `vertex` that lies at a
+    /// different position on the screen.
     fn differences<'a>(&'a self, frame: &'a Frame, vertex: usize) -> impl Iterator<Item = (DVec2, DVec3)> + 'a {
         let own = &frame.vertices[vertex];
         self.0[vertex]
@@ -125,7 +127,7 @@ impl Ring {
             .filter(|(offset, _)| offset.length_squared() > 0.0)
     }
 
-    /// The equations of the plane through `vertex` that fits its neighbors best, weighted 1/d².
+    /// Returns the equations of the plane through `vertex` that best fits its neighbors, weighted by 1/d².
     fn plane(&self, frame: &Frame, vertex: usize) -> Equations {
         let mut sum = Equations::default();
         for (offset, light) in self.differences(frame, vertex) {
@@ -135,7 +137,7 @@ impl Ring {
     }
 }
 
-/// Normal equations of a gradient, the same matrix for every channel.
+/// The normal equations of a gradient; all channels have the same matrix.
 #[derive(Clone, Copy, Debug, Default)]
 struct Equations {
     /// Σ w·dx², Σ w·dx·dy, Σ w·dy².
@@ -144,11 +146,11 @@ struct Equations {
     right: [DVec2; 3],
 }
 
-/// Below this ratio of its eigenvalues, a matrix counts as having only one direction.
+/// If its determinant is at most this share of its squared trace, a matrix counts as having only one direction.
 const FLAT: f64 = 1e-14;
 
 impl Equations {
-    /// One more: a step of `offset` changes the light by `light`.
+    /// Adds the observation that a step of `offset` changes the light by `light`.
     fn add(&mut self, offset: DVec2, light: DVec3, weight: f64) {
         let weighted = weight * offset;
         self.matrix[0] += weighted.x * offset.x;
@@ -159,7 +161,7 @@ impl Equations {
         }
     }
 
-    /// All weights times `factor`.
+    /// Multiplies all weights by `factor`.
     fn scale(&mut self, factor: f64) {
         self.matrix = self.matrix.map(|m| m * factor);
         self.right = self.right.map(|r| r * factor);
@@ -170,31 +172,32 @@ impl Equations {
         self.matrix[0] + self.matrix[2]
     }
 
-    /// The best-fitting gradient; without change along a direction about which nothing is known.
+    /// Returns the gradient that fits best; it is zero along a direction about which nothing is known.
     fn solve(&self) -> Gradient {
         let [xx, xy, yy] = self.matrix;
         let (determinant, trace) = (xx * yy - xy * xy, xx + yy);
         if determinant > FLAT * trace * trace {
             return self.right.map(|r| DVec2::new(yy * r.x - xy * r.y, xx * r.y - xy * r.x) / determinant);
         }
-        // One direction: the matrix is trace·d·dᵀ, and so is its pseudo-inverse with 1/trace.
+        // Only one direction is known: the matrix is trace·d·dᵀ, and its pseudo-inverse is d·dᵀ/trace.
         if trace > 0.0 { self.right.map(|r| r / trace) } else { [DVec2::ZERO; 3] }
     }
 }
 
-/// Smallest pivot of the quadric's equations, relative to the largest, for which they settle it.
+/// The smallest pivot of the quadric's equations, relative to the largest diagonal element, at which they count as
+/// determined.
 const UNSETTLED: f64 = 0.03;
 
-/// The slope of the quadric through `vertex` that fits its neighbors best, weighted 1/d²; `None` where they do not settle
-/// one.
+/// Returns the slope of the quadric through `vertex` that best fits its neighbors, weighted by 1/d²; `None` if the
+/// neighbors do not determine a quadric.
 fn quadric(frame: &Frame, vertex: usize, ring: &Ring) -> Option<Gradient> {
     let steps: Vec<(DVec2, DVec3)> = ring.differences(frame, vertex).collect();
     if steps.len() < 5 {
         return None;
     }
-    // In units of the ring's size the unknowns are of one size.
+    // In units of the ring's size, all unknowns have similar magnitudes.
     let size = (steps.iter().map(|(offset, _)| offset.length_squared()).sum::<f64>() / steps.len() as f64).sqrt();
-    // Five unknowns, then the three channels' right sides.
+    // Five unknowns, followed by the right-hand sides of the three channels.
     let mut rows = [[0.0; 8]; 5];
     for (offset, light) in &steps {
         let (d, l) = (*offset / size, light.to_array());
@@ -210,7 +213,7 @@ fn quadric(frame: &Frame, vertex: usize, ring: &Ring) -> Option<Gradient> {
     Some([0, 1, 2].map(|c| DVec2::new(solved[0][c], solved[1][c]) / size))
 }
 
-/// Gauss's elimination with pivots from the diagonal, as fits a symmetric positive matrix.
+/// Gaussian elimination with pivots from the diagonal, which suits a symmetric positive-definite matrix.
 fn eliminate(rows: &mut [[f64; 8]; 5]) -> Option<[[f64; 3]; 5]> {
     let largest = (0..5).map(|i| rows[i][i]).fold(0.0, f64::max);
     for i in 0..5 {

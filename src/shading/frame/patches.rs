@@ -1,16 +1,16 @@
-//! Ours: a surface with a continuous slope over the triangles of the screen.
+//! New in machband: light with a continuous slope over the triangles on the screen.
 //!
-//! Every vertex has its light and a slope of the light on the screen, the gradient. A reduced Clough–Tocher cubic joins
-//! them: each triangle is split at its centroid into three, each with a cubic, and along an edge the slope toward the
-//! neighbor's centroid runs linearly. Both triangles at an edge then agree in light and slope along the entire edge,
-//! and all triangles at a vertex agree there.
+//! Every vertex has a light and a gradient, the slope of the light on the screen. A reduced Clough–Tocher cubic joins
+//! them: each triangle is split at its centroid into three parts, each with a cubic, and along an edge the slope toward
+//! the neighbor's centroid changes linearly. Both triangles at an edge then have the same light and slope along the
+//! entire edge, and all triangles at a vertex have the same light and slope there.
 //!
-//! Like every smooth curve through given points, it can slightly exceed the lights of the vertices, as a highlight
-//! between them does. This is not limited: limits on the gradients flattened highlights (twice the error) and did not
-//! help elsewhere.
+//! Like every smooth curve through given points, the result can slightly exceed the lights of the vertices, as a
+//! highlight between them does. This overshoot is not limited: limits on the gradients flattened highlights (doubling
+//! the error) and did not help elsewhere.
 //!
-//! With true gradients, fields up to quadratic are reproduced exactly; with those of [`Gradients::Ring`], linear
-//! fields.
+//! With true gradients, fields up to quadratic ones are reproduced exactly; with the gradients of [`Gradients::Ring`],
+//! only linear fields are.
 //!
 //! R. W. Clough & J. L. Tocher 1965; in Bézier form as in G. Farin, *Triangular Bernstein–Bézier patches*, Comput.
 //! Aided Geom. Des. 3 (1986) 83.
@@ -23,26 +23,27 @@ use super::{
     projected::{Across, Frame},
 };
 
-/// The cubics of a frame.
+/// The gradients and cubics of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patches {
-    /// The gradient at each of [`Frame::vertices`]; zero at those of no triangle that is drawn.
+    /// The gradient at each of [`Frame::vertices`]; zero at vertices that belong to no drawn triangle.
     pub gradients: Vec<Gradient>,
     /// The Bézier ordinates of each of [`Frame::triangles`].
     pub control_points: Vec<ControlPoints>,
 }
 
 impl Patches {
-    /// The cubics of `frame`, with gradients computed as `gradients` specifies.
+    /// Computes the cubics of `frame`, with gradients computed as `gradients` specifies.
     ///
-    /// [`Gradients::Curvature`] needs the vertices' lights to be those of the frame's lighting. A vertex whose light
-    /// was replaced takes [`Gradients::Ring`] instead.
+    /// [`Gradients::Curvature`] requires that the vertices' lights come from the frame's lighting. A vertex whose light
+    /// was replaced uses [`Gradients::Ring`] instead.
     #[must_use]
     pub fn new(frame: &Frame, gradients: Gradients) -> Patches {
         Patches::with_gradients(frame, gradients::of(frame, gradients))
     }
 
-    /// The cubics of `frame` with the gradients given, one for each of [`Frame::vertices`]; those left out are zero.
+    /// Computes the cubics of `frame` with the given gradients, one for each of [`Frame::vertices`]; missing gradients
+    /// are zero.
     #[must_use]
     pub fn with_gradients(frame: &Frame, mut gradients: Vec<Gradient>) -> Patches {
         gradients.resize(frame.vertices.len(), [DVec2::ZERO; 3]);
@@ -70,7 +71,7 @@ impl Patches {
     }
 }
 
-/// The Bézier ordinates of a triangle split at its centroid S. For corner i, and edge k opposite corner k:
+/// The Bézier ordinates of a triangle that is split at its centroid S, for corner i and for edge k opposite corner k:
 ///
 /// | index | ordinate |
 /// |---|---|
@@ -92,8 +93,8 @@ fn centroid(screen: [DVec2; 3]) -> DVec2 {
     (screen[0] + screen[1] + screen[2]) / 3.0
 }
 
-/// The ordinates of the triangle at `screen` with lights and gradients at its corners, and the centroids of the
-/// triangles across its edges.
+/// Returns the ordinates of the triangle at `screen` from the lights and gradients at its corners and from the
+/// centroids of the triangles across its edges.
 fn control_points(
     screen: [DVec2; 3],
     light: [DVec3; 3],
@@ -119,19 +120,19 @@ fn control_points(
     b
 }
 
-/// The ordinate that makes the slope along the line that meets the edge from corner i to corner j = i+1 at `crossing`,
-/// on its way to S, linear along the edge. That slope is a quadratic, whose own middle ordinate must be the mean of its
-/// ends.
+/// Returns the ordinate that makes the slope across the edge from corner i to corner j = i+1 linear along the edge. The
+/// slope is taken along the line to S that meets the edge at `crossing`. In general it is a quadratic along the edge,
+/// so its own middle ordinate must be the mean of its end ordinates.
 fn middle(b: &ControlPoints, i: usize, j: usize, crossing: f64) -> DVec3 {
     let (bi, bij, bji, bj) = (b[i], b[EDGE + 2 * i], b[EDGE + 2 * j + 1], b[j]);
     let bends = (1.0 - crossing) * (bij - (bi + bji) / 2.0) + crossing * (bji - (bij + bj) / 2.0);
     (b[NEAR + i] + b[NEAR + j]) / 2.0 + bends
 }
 
-/// Where the line between the centroids `own` and `other` crosses that from `a` to `b`: 0 at `a`, 1 at `b`. Any line on
-/// which both sides agree would do. This one makes the light follow any affine change of the screen, and meets even
-/// thin triangles well within; the perpendicular does not, and its light bent by a tenth to a third more near
-/// silhouettes. Without another side, the middle.
+/// Returns the point where the line between the centroids `own` and `other` crosses the line from `a` to `b`: 0 at `a`,
+/// 1 at `b`. Any line on which both sides agree would do. With this line, the light follows any affine change of the
+/// screen, and the line crosses even thin triangles well inside the edge. The perpendicular does neither, and its light
+/// bent by a tenth to a third more near silhouettes. Without another side, this returns the middle of the edge.
 fn crossing(a: DVec2, b: DVec2, own: DVec2, other: Option<DVec2>) -> f64 {
     let at = other.map(|other| (own - a).perp_dot(other - own) / (b - a).perp_dot(other - own));
     at.filter(|at| at.is_finite()).unwrap_or(0.5)
@@ -141,7 +142,8 @@ fn along(gradient: &Gradient, step: DVec2) -> DVec3 {
     DVec3::from_array(gradient.map(|g| g.dot(step)))
 }
 
-/// The ten Bézier ordinates of the cubic that holds where weight `k` is the smallest, row by row from edge k.
+/// Returns the ten Bézier ordinates of the cubic for the part of the triangle where weight `k` is the smallest, row by
+/// row from edge k.
 ///
 /// With i = k+1, j = k+2 (mod 3) and u = w_i − w_k, v = w_j − w_k, s = 3·w_k, so that u + v + s = 1, the light is
 /// u³b₀ + 3u²v·b₁ + 3uv²·b₂ + v³b₃ + 3s(u²b₄ + 2uv·b₅ + v²b₆) + 3s²(u·b₇ + v·b₈) + s³b₉.

@@ -11,19 +11,20 @@ use crate::{
     },
 };
 
-/// A window of pixels and the rotation of the mesh in it.
+/// A window of pixels, and the rotation and projection of the mesh in it.
 ///
-/// Eye space: x right, y up, z toward the eye; the mesh's bounding sphere is the unit sphere around the origin.
-/// On the screen: physical pixels, x right, y **down**, pixel centers at halves.
+/// In eye space, x points right, y up, and z toward the eye; the mesh's bounding sphere is the unit sphere around the
+/// origin. Positions on the screen are in physical pixels, with x to the right and y **down**; pixel centers are at
+/// half-integers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Pixels across.
+    /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// The mesh's own axes to eye space.
+    /// The rotation from the mesh's own axes to eye space.
     pub rotation: DMat3,
-    /// How much of the smaller side of the window the bounding sphere fills.
+    /// The share of the window's smaller side that the bounding sphere fills.
     pub fill: f64,
     /// Distance of the eye from the mesh's center in radii of the bounding sphere, above 1; infinite for a parallel
     /// projection.
@@ -31,14 +32,14 @@ pub struct View {
 }
 
 impl View {
-    /// A square window of `size` pixels, nine tenths of it filled in parallel projection, with no rotation.
+    /// Makes a square window of `size` pixels, nine tenths of it filled, in parallel projection and without rotation.
     #[must_use]
     pub fn square(size: u32) -> View {
         View { width: size, height: size, rotation: DMat3::IDENTITY, fill: 0.9, distance: f64::INFINITY }
     }
 
-    /// The same with the mesh rotated by `degrees` about x, then y, then z, counterclockwise as seen from the tip of
-    /// the axis.
+    /// Returns this view with the mesh rotated by `degrees` about x, then y, then z, counterclockwise as seen from the
+    /// tip of the axis.
     #[must_use]
     pub fn rotated(mut self, degrees: [f64; 3]) -> View {
         let [x, y, z] = degrees.map(f64::to_radians);
@@ -46,18 +47,18 @@ impl View {
         self
     }
 
-    /// Unit vector from a point in eye space to the eye.
+    /// Returns the unit vector from a point in eye space to the eye.
     #[must_use]
     pub fn to_viewer(&self, eye: DVec3) -> DVec3 {
         if self.distance.is_finite() { (DVec3::new(0.0, 0.0, self.distance) - eye).normalize() } else { DVec3::Z }
     }
 
-    /// Where a point in eye space falls on the screen, and its depth there: 0 nearest, 1 farthest, affine on the screen
-    /// within a plane.
+    /// Projects a point in eye space: returns its position on the screen and its depth. Depth is 0 at the nearest and 1
+    /// at the farthest point, and within a plane it is affine on the screen.
     #[must_use]
     pub fn project(&self, eye: DVec3) -> (DVec2, f64) {
         let scale = f64::from(self.width.min(self.height)) * self.fill / 2.0;
-        // In perspective the rim of the sphere, not its equator, fills the window.
+        // In perspective, the visible rim of the sphere, not its equator, fills the window.
         let d = self.distance;
         let (xy, depth) = if d.is_finite() {
             let ratio = (d * d - 1.0).sqrt() / (d - eye.z);
@@ -74,44 +75,44 @@ impl View {
     }
 }
 
-/// A frame to be shaded. Vertices are on the screen; lights are linear, red green blue.
+/// A frame to be shaded. Vertices are on the screen; lights are linear red, green and blue.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Pixels across.
+    /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// Light where there is no surface.
+    /// The light where there is no surface.
     pub background: DVec3,
-    /// The vertices. Where a surface shows its back, that side's vertices follow the others.
+    /// The vertices. If the surface also shows its back, the vertices of the back follow the vertices of the front.
     pub vertices: Vec<FrameVertex>,
-    /// The triangles to draw: facing the eye, with an area on the screen, in the order of the mesh.
+    /// The triangles to draw: the ones that face the eye and have an area on the screen, in the order of the mesh.
     pub triangles: Vec<FrameTriangle>,
-    /// What lights a point, for shaders that light every pixel. In eye space.
+    /// The lighting in eye space, for shaders that light every pixel.
     pub lighting: Lighting,
-    /// Position of the eye.
+    /// The window and the position of the eye.
     pub view: View,
-    /// The display's transfer functions, where the lights are encoded already; see [`Frame::encoded`].
+    /// The display's transfer functions, if the lights are already encoded; see [`Frame::encoded`].
     pub encoding: Option<Transfers>,
 }
 
 /// A vertex on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameVertex {
-    /// Physical pixels from the top left, x right, y down, in steps of 1/256 as graphics cards take them, so that all
-    /// ways of drawing agree about which pixel belongs to which triangle.
+    /// Position in physical pixels from the top left, with x to the right and y down, in steps of 1/256 as graphics
+    /// cards use, so that all renderers agree on which pixel belongs to which triangle.
     pub screen: DVec2,
-    /// 0 nearest, 1 farthest.
+    /// Depth: 0 is nearest, 1 farthest.
     pub depth: f64,
-    /// Place in eye space.
+    /// Position in eye space.
     pub eye: DVec3,
     /// Unit normal in eye space.
     pub normal: DVec3,
     /// dN/dp in eye space, symmetric.
     pub curvature: DMat3,
-    /// The light sent to the eye, evaluated once.
+    /// The light sent to the eye, evaluated once per frame.
     pub light: DVec3,
-    /// The part of it that is ambient.
+    /// The ambient part of the light.
     pub ambient: DVec3,
 }
 
@@ -120,35 +121,35 @@ pub struct FrameVertex {
 pub struct FrameTriangle {
     /// Indices into [`Frame::vertices`].
     pub vertices: [u32; 3],
-    /// Unit normal of the face, in eye space, toward the eye.
+    /// Unit normal of the face in eye space, pointing toward the eye.
     pub normal: DVec3,
     /// What lies across each edge.
     pub across: [Across; 3],
 }
 
-/// What a triangle meets across an edge, in this view.
+/// What lies across an edge of a triangle, in this view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Across {
     /// A triangle that is also visible and shares the vertices of the edge.
     Triangle {
-        /// Its index into [`Frame::triangles`].
+        /// The neighbor's index into [`Frame::triangles`].
         triangle: u32,
-        /// Its third vertex D, an index into [`Frame::vertices`].
+        /// The neighbor's third vertex D, an index into [`Frame::vertices`].
         apex: u32,
     },
-    /// No neighbor to join smoothly: the border of the surface, a crease, or a silhouette (the neighbor faces away, or
-    /// lies on the same side of the edge on the screen).
+    /// No neighbor to join smoothly: the edge is a border of the surface, a crease, or a silhouette (the neighbor faces
+    /// away or lies on the same side of the edge on the screen).
     Nothing,
-    /// More than one triangle.
+    /// More than one other triangle.
     Several,
 }
 
-/// Steps of a pixel in which vertices are placed.
+/// The number of positions per pixel on which vertices can lie.
 const STEPS: f64 = 256.0;
 
 impl Frame {
-    /// `surface` in `view` under `lighting`, before `background`. A closed surface shows its outside only; one with
-    /// a border shows both.
+    /// Projects and lights `surface` in `view` under `lighting`, in front of `background`. A closed surface shows only
+    /// its outside; a surface with a border shows both sides.
     #[must_use]
     pub fn new(surface: &Surface, view: &View, lighting: &Lighting, background: DVec3) -> Frame {
         let mesh = &surface.mesh;
@@ -187,30 +188,31 @@ impl Frame {
         frame
     }
 
-    /// Twice the signed area of three places on the screen, positive for a triangle that faces the eye.
+    /// Returns twice the signed area of the triangle between three points on the screen, positive for a triangle that
+    /// faces the eye.
     #[must_use]
     pub fn area2(a: DVec2, b: DVec2, c: DVec2) -> f64 {
         // y points down, so a counterclockwise triangle has a negative sum.
         -(b - a).perp_dot(c - a)
     }
 
-    /// The three corners of triangle `triangle`.
+    /// Returns the three corners of triangle `triangle`.
     #[must_use]
     pub fn corners(&self, triangle: usize) -> [&FrameVertex; 3] {
         self.triangles[triangle].vertices.map(|v| &self.vertices[v as usize])
     }
 
-    /// What `of` makes of each triangle.
+    /// Calls `of` with each triangle's index and collects the results.
     pub(crate) fn each_triangle<R>(&self, of: impl Fn(usize) -> R) -> Vec<R> {
         (0..self.triangles.len()).map(of).collect()
     }
 
-    /// A vector of each corner of each triangle.
+    /// Collects a vector of each corner of each triangle.
     pub(crate) fn corner_vectors<T: Constant>(&self, of: impl Fn(&FrameVertex) -> DVec3) -> Vec<[[T; 3]; 3]> {
         self.each_triangle(|t| self.corners(t).map(|v| of(v).to_array().map(T::of)))
     }
 
-    /// Barycentric weights of a place on the screen with respect to triangle `triangle`.
+    /// Returns the barycentric weights of a point on the screen with respect to triangle `triangle`.
     #[must_use]
     pub fn weights(&self, triangle: usize, p: DVec2) -> [f64; 3] {
         let [a, b, c] = self.corners(triangle).map(|v| v.screen);
@@ -219,8 +221,8 @@ impl Frame {
         [wa, wb, 1.0 - wa - wb]
     }
 
-    /// The same frame with the vertices' lights encoded for a display: what a renderer that ignores gamma
-    /// interpolates. Its picture holds encoded values and is quantized without a transfer function.
+    /// Returns this frame with the vertices' lights encoded for a display, which is what a renderer that ignores gamma
+    /// interpolates. Its picture contains encoded values and is quantized without a transfer function.
     #[must_use]
     pub fn encoded(mut self, transfers: &Transfers) -> Frame {
         let encode = |light| encode(transfers, light);
@@ -233,8 +235,8 @@ impl Frame {
         self
     }
 
-    /// The light that a point of the surface at `eye` with the unit normal `normal` sends to the eye, encoded if the
-    /// frame's lights are.
+    /// Returns the light that a point of the surface at `eye` with the unit normal `normal` sends to the eye; encoded
+    /// if the frame's lights are encoded.
     #[must_use]
     pub fn lit(&self, eye: DVec3, normal: DVec3) -> DVec3 {
         let light = self.lighting.light(eye, normal, self.view.to_viewer(eye));
@@ -248,7 +250,8 @@ impl Frame {
         let mesh = &surface.mesh;
         let back = mesh.vertices.len() as u32;
         let mut count = 0;
-        // For each triangle of the mesh its place among the drawn ones and its corners: those of its back in reverse.
+        // For each triangle of the mesh, its index among the drawn triangles and its corners; the corners of a back are
+        // reversed.
         let drawn: Vec<Option<(u32, [u32; 3])>> = mesh
             .triangles
             .iter()
@@ -256,7 +259,7 @@ impl Frame {
                 let [a, b, c] = t.map(|v| self.vertices[v as usize].screen);
                 let area = Frame::area2(a, b, c);
                 let is_back = open && area < 0.0;
-                // NaN is no area.
+                // An area that is NaN counts as no area.
                 (area > 0.0 || is_back).then(|| {
                     count += 1;
                     (count - 1, if is_back { [t[0] + back, t[2] + back, t[1] + back] } else { *t })
@@ -267,7 +270,7 @@ impl Frame {
             let Some((_, corners)) = *drawn_as else { continue };
             let is_back = corners[0] >= back;
             let edges = surface.edges.of_triangle[t];
-            // The back is the triangle in reverse: its edges 1 and 2 change places.
+            // The back is the triangle with its corners reversed, so its edges 1 and 2 swap places.
             let edges = if is_back { [edges[0], edges[2], edges[1]] } else { edges };
             let across = edges.map(|e| {
                 let edge = &surface.edges.edges[e as usize];
@@ -290,8 +293,8 @@ impl Frame {
         }
     }
 
-    /// Every edge that two triangles share smoothly, once: the triangles, the one that comes first first, and which corner
-    /// of each is opposite the edge.
+    /// Returns every edge that two triangles share smoothly, once: the two triangles in ascending order, each with the
+    /// corner that is opposite the edge.
     pub(crate) fn shared_edges(&self) -> impl Iterator<Item = [(usize, usize); 2]> + '_ {
         let sides = (0..self.triangles.len()).flat_map(|t| [(t, 0), (t, 1), (t, 2)]);
         sides.filter_map(|(t, k)| {

@@ -1,4 +1,4 @@
-//! A scene described by a few numbers, which commands, definitions, and the window can set.
+//! A scene described by a few numbers that commands, definitions, and the window can set.
 
 use glam::DVec3;
 
@@ -11,7 +11,7 @@ use crate::{
     },
 };
 
-/// Index of refraction of the small mirrors: a quarter of the light is reflected straight on.
+/// The index of refraction of the small mirrors. At normal incidence, they reflect a quarter of the light.
 const MIRROR_INDEX: f64 = 3.0;
 
 named! {
@@ -21,9 +21,9 @@ named! {
         Phong = "phong",
         /// (N·H)^m.
         Blinn = "blinn",
-        /// Small mirrors of Gaussian tilt.
+        /// Small mirrors with Gaussian tilts.
         TorranceSparrow = "torrance-sparrow",
-        /// Small mirrors of Beckmann's distribution.
+        /// Small mirrors with tilts that follow Beckmann's distribution.
         CookTorrance = "cook-torrance",
     }
 }
@@ -31,9 +31,9 @@ named! {
 /// A surface of one color, rotated and lit by one lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
-    /// Degrees about x, then y, then z; see [`View::rotated`].
+    /// Rotation in degrees about x, then y, then z; see [`View::rotated`].
     pub rotate_deg: [f64; 3],
-    /// Toward the lamp, in eye space (x right, y up, z to the viewer); any length above 0.
+    /// A vector toward the lamp in eye space (x right, y up, z to the viewer), of any length above 0.
     pub light: DVec3,
     /// O_d of red, green and blue, 0…1.
     pub color: DVec3,
@@ -45,11 +45,12 @@ pub struct Scene {
     pub specular: f64,
     /// The shape of the highlight.
     pub highlight: Highlight,
-    /// m, the exponent of the highlight. Small mirrors have the slope √(2/(m + 2)), as sharp as Blinn's.
+    /// m, the exponent of the highlight. Small mirrors get the slope √(2/(m + 2)), which makes the highlight as sharp
+    /// as Blinn's.
     pub shininess: f64,
     /// Background light, in the surface's color.
     pub background: f64,
-    /// How much of the smaller side of the window the bounding sphere fills.
+    /// The share of the window's smaller side that the bounding sphere fills.
     pub fill: f64,
     /// Distance of the eye in radii of the bounding sphere; infinite for a parallel projection.
     pub distance: f64,
@@ -75,12 +76,12 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// What lights the surface.
+    /// Returns the material and the lamp.
     #[must_use]
     pub fn lighting(&self) -> Lighting {
         let material = Material {
             color: self.color,
-            // The highlight too has the color: a yellow stimulus has no blue anywhere.
+            // The highlight has the surface's color, too: a yellow stimulus has no blue anywhere.
             specular_color: self.color,
             ambient: self.ambient,
             diffuse: self.diffuse,
@@ -98,26 +99,26 @@ impl Scene {
         match self.highlight {
             Highlight::Phong => Specular::Phong,
             Highlight::Blinn => Specular::Blinn,
-            // As many mirrors face the normal as in Beckmann's distribution.
+            // With this c1, as many mirrors face along the normal as in Beckmann's distribution.
             Highlight::TorranceSparrow => mirrors(Facets::Gaussian { c1: 1.0 / (slope * slope) }),
             Highlight::CookTorrance => mirrors(Facets::Beckmann),
         }
     }
 
-    /// Its view in a window of `width` × `height` pixels.
+    /// Returns the view in a window of `width` × `height` pixels.
     #[must_use]
     pub fn view(&self, width: u32, height: u32) -> View {
         View { width, height, fill: self.fill, distance: self.distance, ..View::square(1) }.rotated(self.rotate_deg)
     }
 
-    /// `surface`, projected and lit, in a window of `width` × `height` pixels.
+    /// Projects and lights `surface` in a window of `width` × `height` pixels.
     #[must_use]
     pub fn frame(&self, surface: &Surface, width: u32, height: u32) -> Frame {
         Frame::new(surface, &self.view(width, height), &self.lighting(), self.color * self.background)
     }
 }
 
-/// The unit vector along `v`, however long or short; toward the eye if it has no direction.
+/// Returns the unit vector along `v`, however long or short `v` is; the vector toward the eye if `v` has no direction.
 fn direction(v: DVec3) -> DVec3 {
     (v / v.abs().max_element()).normalize_or(DVec3::Z)
 }

@@ -1,9 +1,9 @@
-//! The light that a point of a surface sends to the eye, Shoaff §3. Vertices and pixels are lit by the same function:
+//! The light that a point of a surface sends to the eye, Shoaff §3. The same function lights vertices and pixels:
 //!
-//! I = k_a·I_a·O_d + Σ f_att·I_p·[k_d·O_d·(N·L)⁺ + k_s·O_s·s], per red, green and blue,
+//! I = k_a·I_a·O_d + Σ f_att·I_p·[k_d·O_d·(N·L)⁺ + k_s·O_s·s], separately for red, green and blue,
 //!
-//! where s is the highlight of a [`Specular`] model. Everything is evaluated in eye space, before the projection, which
-//! does not preserve angles. Lights are linear. Lamps cast no shadows.
+//! where s is the highlight of a [`Specular`] model. Everything is evaluated in eye space, before the projection,
+//! because the projection does not preserve angles. Lights are linear. Lamps cast no shadows.
 
 mod microfacets;
 mod model;

@@ -1,5 +1,5 @@
-//! Materials and lamps, and the light that a lit surface sends to the eye, Shoaff §3, for any
-//! [`Number`] of pixels.
+//! Materials, lamps, and the light that a lit surface sends to the eye (Shoaff §3), for any type of [`Number`]: one
+//! pixel or several at once.
 
 use glam::DVec3;
 
@@ -9,17 +9,17 @@ use crate::shading::number::{Channels, Constant, Number, all, dot, power, unit};
 /// How a surface reflects light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// O_d, the diffuse color: of red, green and blue, 0…1.
+    /// O_d, the diffuse color: red, green and blue, 0…1.
     pub color: DVec3,
-    /// O_s, the specular color: of red, green and blue, 0…1. White for plastics; the metal's color for metals.
+    /// O_s, the specular color: red, green and blue, 0…1. White for plastics; the metal's own color for metals.
     pub specular_color: DVec3,
-    /// k_a, how much of the ambient light is reflected, 0…1.
+    /// k_a, the fraction of the ambient light that is reflected, 0…1.
     pub ambient: f64,
-    /// k_d, how much is reflected equally in all directions, 0…1.
+    /// k_d, the fraction that is reflected equally in all directions, 0…1.
     pub diffuse: f64,
-    /// k_s, how much is reflected as a highlight, 0…1.
+    /// k_s, the fraction that is reflected as a highlight, 0…1.
     pub specular: f64,
-    /// m, the exponent of Phong's and Blinn's highlight, above 0: 1 is broad, several hundred is sharp.
+    /// m, the exponent of the Phong and Blinn highlights, above 0: 1 is broad, several hundred is sharp.
     pub shininess: f64,
     /// The shape of the highlight.
     pub specular_model: Specular,
@@ -28,18 +28,18 @@ pub struct Material {
 /// The shape of a highlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Specular {
-    /// Phong: (R·V)^m, R the lamp's mirror image. Shoaff §3.3 and §3.6.
+    /// Phong: (R·V)^m, where R is the lamp's mirror image. Shoaff §3.3 and §3.6.
     Phong,
-    /// Blinn: (N·H)^m, H halfway between lamp and viewer. Shoaff §3.6. In the plane of L and N its angle is half of
-    /// Phong's, so that about four times the exponent makes as sharp a highlight.
+    /// Blinn: (N·H)^m, where H is halfway between lamp and viewer. Shoaff §3.6. In the plane of L and N, its angle is
+    /// half of Phong's, so an equally sharp highlight needs about four times the exponent.
     Blinn,
     /// Torrance–Sparrow and Cook–Torrance: a rough surface of small mirrors. Shoaff §3.8.1.
     CookTorrance(Microfacets),
 }
 
 impl Material {
-    /// White, k_a = 0.1, k_d = 0.6, k_s = 0.3, Phong's highlight with m = 20: under one white lamp and white ambient
-    /// light no point is brighter than 1.
+    /// A white material with k_a = 0.1, k_d = 0.6, k_s = 0.3, and Phong's highlight with m = 20. Under one white lamp
+    /// and white ambient light, no point is brighter than 1.
     #[must_use]
     pub const fn standard() -> Material {
         Material {
@@ -56,7 +56,7 @@ impl Material {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
-    /// Its position.
+    /// The position of the lamp.
     pub place: LampPlace,
     /// I_p of red, green and blue, 0 or more.
     pub intensity: DVec3,
@@ -65,29 +65,29 @@ pub struct Lamp {
 /// Position of a lamp in eye space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LampPlace {
-    /// Far away; a unit vector toward it.
+    /// Infinitely far away; the unit vector points toward the lamp.
     Direction(DVec3),
-    /// At a point, and weaker with distance: see [`attenuation`](super::attenuation).
+    /// At a point; the light weakens with distance, see [`attenuation`](super::attenuation).
     Point {
-        /// The point.
+        /// The position of the lamp.
         position: DVec3,
-        /// c1, c2, c3: each 0 or more, not all 0. `[1, 0, 0]` does not weaken.
+        /// c1, c2, c3: each 0 or more, not all 0. With `[1, 0, 0]`, the light does not weaken.
         attenuation: [f64; 3],
     },
 }
 
 impl Lamp {
-    /// A white lamp far away in the direction `toward`, of any length above 0.
+    /// Makes a white lamp that is infinitely far away in the direction `toward`, a vector of any length above 0.
     #[must_use]
     pub fn directional(toward: DVec3) -> Lamp {
         Lamp { place: LampPlace::Direction(toward.normalize_or_zero()), intensity: DVec3::ONE }
     }
 }
 
-/// A material under lamps.
+/// A material, and the light that falls on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lighting {
-    /// The surface.
+    /// The material of the surface.
     pub material: Material,
     /// I_a of red, green and blue, 0 or more.
     pub ambient: DVec3,
@@ -96,25 +96,25 @@ pub struct Lighting {
 }
 
 impl Lighting {
-    /// [`Material::standard`] under white ambient light and one white lamp far away, to the right, above and before
-    /// the surface, toward (0.36, 0.48, 0.8).
+    /// [`Material::standard`] under white ambient light and one distant white lamp to the right of, above and in front
+    /// of the surface, toward (0.36, 0.48, 0.8).
     #[must_use]
     pub fn standard() -> Lighting {
         let lamp = Lamp::directional(DVec3::new(0.36, 0.48, 0.8));
         Lighting { material: Material::standard(), ambient: DVec3::ONE, lamps: vec![lamp] }
     }
 
-    /// The part of the light that comes from everywhere: k_a·I_a·O_d. Shoaff §3.1.
+    /// Returns the reflected ambient light: k_a·I_a·O_d. Shoaff §3.1.
     #[must_use]
     pub fn ambient_light(&self) -> DVec3 {
         self.material.ambient * self.ambient * self.material.color
     }
 
-    /// The light that a point at `position` with the unit normal `normal` sends along the unit vector `to_viewer`, of
-    /// red, green and blue, linear, in eye space; see the [module](super) for the formula.
+    /// Returns the linear red, green and blue light that a point at `position` with the unit normal `normal` sends
+    /// along the unit vector `to_viewer`, in eye space. See the [module](super) for the formula.
     ///
-    /// Finite for every lighting whose numbers make sense: only the ambient light at a zero normal, and nothing from a
-    /// lamp at `position`. A sum of several lamps can exceed 1.
+    /// The result is finite for all valid lightings: a zero normal gives only the ambient light, and a lamp at
+    /// `position` contributes nothing. The sum of several lamps can exceed 1.
     #[must_use]
     pub fn light(&self, position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
         let [place, normal, to_viewer] = [position, normal, to_viewer].map(|v| v.to_array());
@@ -123,10 +123,11 @@ impl Lighting {
     }
 }
 
-/// Largest exponent of a highlight that is a power of an f32; the f32 of a sharper one lacks digits.
+/// The largest exponent of a highlight that is computed as a power of an f32; f32 is too imprecise for sharper
+/// highlights.
 const LARGEST_EXPONENT: f64 = 128.0;
 
-/// A lamp, and what the surface does with its light: I_p·k_d·O_d and I_p·k_s·O_s.
+/// A lamp and how the surface reflects its light: I_p·k_d·O_d and I_p·k_s·O_s.
 #[derive(Clone, Debug)]
 pub struct Reflection<T, const C: usize> {
     place: Place<T>,
@@ -141,7 +142,7 @@ enum Place<T> {
     Near { at: [T; 3], attenuation: [T; 3] },
 }
 
-/// s, the highlight before k_s and O_s.
+/// s, the highlight before multiplication by k_s and O_s.
 #[derive(Clone, Copy, Debug)]
 enum Highlight<const C: usize> {
     Absent,
@@ -150,7 +151,7 @@ enum Highlight<const C: usize> {
         blinn: bool,
         exponent: u32,
     },
-    /// Any other, pixel by pixel in f64.
+    /// Any other highlight, computed pixel by pixel in f64.
     Any {
         model: Specular,
         shininess: f64,
@@ -159,7 +160,7 @@ enum Highlight<const C: usize> {
 }
 
 impl<T: Constant, const C: usize> Reflection<T, C> {
-    /// Prepares `lamp` on a surface of `material`, in the channels that are shaded.
+    /// Prepares `lamp` for a surface of `material`, in the channels that are shaded.
     pub fn new(lamp: &Lamp, material: &Material, channels: Channels) -> Self {
         let vector = |v: DVec3| v.to_array().map(T::of);
         let m = material.shininess;
@@ -182,13 +183,13 @@ impl<T: Constant, const C: usize> Reflection<T, C> {
         }
     }
 
-    /// Whether it depends on where the surface is.
+    /// True if the light depends on the position of the surface.
     pub fn is_near(&self) -> bool {
         matches!(self.place, Place::Near { .. })
     }
 
-    /// f_att·I_p·(k_d·O_d·(N·L) + k_s·O_s·s) where N·L is above 0, for the place, the unit normal N and the unit vector V
-    /// toward the viewer.
+    /// Returns f_att·I_p·(k_d·O_d·(N·L) + k_s·O_s·s) where N·L is above 0, and 0 elsewhere, for a position, a unit
+    /// normal N and a unit vector V toward the viewer.
     #[inline(always)]
     pub fn light<N: Number<Constant = T>>(&self, place: [N; 3], normal: [N; 3], to_viewer: [N; 3]) -> [N; C] {
         let zero = normal[0].of(0.0);
@@ -213,7 +214,7 @@ impl<T: Constant, const C: usize> Reflection<T, C> {
 }
 
 /// f_att = 1/(c1 + c2·d + c3·d²), at most 1, at the distance d = `distance` ≥ 0 from a lamp. Shoaff §3.2, which prints
-/// max(…, 1) where at most 1 is meant: with which a lamp would never weaken.
+/// max(…, 1) although min is meant: with max, a lamp would never weaken.
 #[must_use]
 #[inline(always)]
 pub fn attenuation<N: Number>([c1, c2, c3]: [N::Constant; 3], distance: N) -> N {
@@ -221,7 +222,8 @@ pub fn attenuation<N: Number>([c1, c2, c3]: [N::Constant; 3], distance: N) -> N 
     (distance.of(1.0) / weaker).min(distance.of(1.0))
 }
 
-/// Phong's R·V, R the mirror image of L, or Blinn's N·H, H halfway between L and V; at least 0. Shoaff §3.3, §3.6.
+/// Returns Phong's R·V, where R is the mirror image of L, or Blinn's N·H, where H is halfway between L and V;
+/// never below 0. Shoaff §3.3, §3.6.
 #[inline(always)]
 fn shine<N: Number>(blinn: bool, normal: [N; 3], to_lamp: [N; 3], to_viewer: [N; 3]) -> N {
     let cosine = if blinn {
@@ -243,7 +245,7 @@ impl<const C: usize> Highlight<C> {
             Highlight::Any { model, shininess, channels } => {
                 let [n, l, v] = [normal, to_lamp, to_viewer];
                 N::each([n[0], n[1], n[2], l[0], l[1], l[2], v[0], v[1], v[2]], |numbers| {
-                    // Rounded vectors are not of unit length, which sharp highlights show.
+                    // Rounded vectors do not have unit length, which would show in sharp highlights.
                     let [n, l, v] = [0, 3, 6].map(|i| DVec3::from_slice(&numbers[i..i + 3]).normalize_or_zero());
                     channels.pick(exact_highlight(*model, *shininess, n, l, v))
                 })

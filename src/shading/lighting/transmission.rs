@@ -1,30 +1,31 @@
-//! Refraction of light that enters another medium, and transparent surfaces. Shoaff §4.4.
+//! Refraction of light that enters another medium, and transparency of surfaces. Shoaff §4.4.
 
 use glam::DVec3;
 
 /// What happens to a ray of light at the boundary between two media.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refraction {
-    /// It passes, along the unit vector T, away from the surface.
+    /// The ray passes the boundary along the unit vector T, away from the surface.
     Transmitted(DVec3),
-    /// Total internal reflection: none passes, all goes along the unit vector R, the mirror image of L.
+    /// Total internal reflection: no light passes; all of it leaves along the unit vector R, the mirror image of L.
     TotalReflection(DVec3),
-    /// No direction follows: a vector is not of unit length, or the ratio of the indices is not a finite number above 0.
+    /// There is no result because a vector does not have unit length or the ratio of the indices is not a finite number
+    /// above 0.
     Undefined,
 }
 
-/// How far a vector's length may be from 1.
+/// The tolerance for the length of a unit vector.
 const UNIT: f64 = 1e-6;
 
 impl Refraction {
-    /// T = (η·cos θ_i − cos θ_t)·N − η·L, cos θ_t = √(1 − η²(1 − cos²θ_i)), for a ray from the direction `to_source`, L,
-    /// at a surface with the normal `normal`, N, both of unit length. `ratio` is η = η_i/η_t, the index of the medium
-    /// that the light comes from over that of the medium it enters.
+    /// Returns T = (η·cos θ_i − cos θ_t)·N − η·L with cos θ_t = √(1 − η²(1 − cos²θ_i)), for a ray from the direction
+    /// `to_source` (L) at a surface with the normal `normal` (N), both of unit length. `ratio` is η = η_i/η_t, the
+    /// index of the medium that the light comes from, divided by the index of the medium that it enters.
     ///
-    /// An N on the far side of the surface is turned: the medium with the light is always the one on L's side.
+    /// If N points to the far side of the surface, it is reversed: the light always comes from the medium on L's side.
     #[must_use]
     pub fn of(to_source: DVec3, normal: DVec3, ratio: f64) -> Refraction {
-        // Written so that NaN is refused.
+        // The negated condition rejects NaN.
         let unit = |v: DVec3| (v.length() - 1.0).abs() <= UNIT;
         if !(unit(to_source) && unit(normal) && ratio > 0.0 && ratio.is_finite()) {
             return Refraction::Undefined;
@@ -40,30 +41,31 @@ impl Refraction {
     }
 }
 
-/// How a surface transmits the light from behind it, without refraction.
+/// How a surface transmits light from behind it, without refraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Transparency {
-    /// Not at all.
+    /// The surface transmits no light.
     #[default]
     Opaque,
-    /// Interpolated: (1 − k_t)·I_1 + k_t·I_2, as through a fine mesh; the surface's own light decreases as k_t
+    /// Interpolated: (1 − k_t)·I_1 + k_t·I_2, as seen through a fine mesh; the surface's own light decreases as k_t
     /// increases.
     Interpolated {
         /// k_t, the transmission coefficient, 0 (opaque) … 1 (invisible).
         k_t: f64,
     },
-    /// Filtered: I_1 + k_t·O_t·I_2, as through colored glass; the surface's own light stays. Can exceed 1.
+    /// Filtered: I_1 + k_t·O_t·I_2, as seen through colored glass; the surface's own light stays the same. The sum can
+    /// exceed 1.
     Filtered {
         /// k_t, the transmission coefficient, 0 (opaque) … 1.
         k_t: f64,
-        /// O_t, the transparency color: of red, green and blue, 0…1.
+        /// O_t, the transparency color: red, green and blue, 0…1.
         color: DVec3,
     },
 }
 
 impl Transparency {
-    /// The light of a surface that sends `front`, I_1, itself, before one that sends `behind`, I_2: linear, of red,
-    /// green and blue. For several surfaces, from the farthest to the nearest.
+    /// Returns the linear red, green and blue light of a surface that itself sends `front` (I_1), in front of a surface
+    /// that sends `behind` (I_2). For several surfaces, apply this from the farthest to the nearest.
     #[must_use]
     pub fn through(&self, front: DVec3, behind: DVec3) -> DVec3 {
         match *self {

@@ -1,4 +1,4 @@
-//! The creases at edges shared by two triangles, and whether the light has a unique slope at each vertex.
+//! Measures the creases at edges that two triangles share, and whether the light has a unique slope at each vertex.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -12,75 +12,76 @@ use crate::shading::{
 /// The crease at one edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeCrease {
-    /// The two triangles, indices into [`Frame::triangles`].
+    /// The two triangles, as indices into [`Frame::triangles`].
     pub triangles: [u32; 2],
-    /// The edge's ends, indices into [`Frame::vertices`].
+    /// The edge's ends, as indices into [`Frame::vertices`].
     pub ends: [u32; 2],
-    /// Length on the screen in pixels.
+    /// The edge's length on the screen in pixels.
     pub length: f64,
-    /// Jump of the slope normal to the edge, in linear light per pixel: the root of its mean square along the edge and
+    /// The jump of the slope normal to the edge, in linear light per pixel: the root mean square along the edge and
     /// over red, green and blue.
     pub jump: f64,
-    /// Jump of the light itself, likewise: 0 for a shader that is continuous.
+    /// The jump of the light itself, averaged in the same way: 0 for a continuous shader.
     pub step: f64,
 }
 
-/// The creases at all edges that two triangles facing the eye share smoothly. Edges count by their length: splitting an
-/// edge into pieces makes no difference.
+/// The creases at all edges that two triangles facing the eye share smoothly. Edges are weighted by their length, so
+/// splitting an edge into pieces makes no difference.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Creases {
-    /// One for each edge.
+    /// The crease at each edge.
     pub edges: Vec<EdgeCrease>,
-    /// Root of the mean square jump of the slope, linear light per pixel.
+    /// Root mean square jump of the slope, in linear light per pixel.
     pub rms: f64,
-    /// The jump that half the edges' length stays below or at, linear light per pixel. The rms is dominated by narrow
-    /// triangles near silhouettes; this is typical of most edges.
+    /// The jump that half of the total edge length does not exceed, in linear light per pixel. Narrow triangles near
+    /// silhouettes dominate the rms; the median is typical of most edges.
     pub median: f64,
-    /// The jump that 95 % of the edges' length stays below or at, linear light per pixel.
+    /// The jump that 95 % of the total edge length does not exceed, in linear light per pixel.
     pub p95: f64,
-    /// The largest jump, linear light per pixel.
+    /// The largest jump, in linear light per pixel.
     pub max: f64,
-    /// Root of the mean square jump of the light itself, linear light.
+    /// Root mean square jump of the light itself, in linear light.
     pub step_rms: f64,
 }
 
 impl Creases {
-    /// The creases of `frame` under a shader: `light(triangle, weights)` is the light of triangle `triangle` of the
-    /// frame at barycentric weights of it, all of them at least 0.
+    /// Measures the creases of `frame` under a shader. `light(triangle, weights)` must return the light of triangle
+    /// `triangle` of the frame at these barycentric weights, which are all at least 0.
     #[must_use]
     pub fn of_field(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
         Creases::of_field_at(frame, STEP, light)
     }
 
-    /// The same with steps that change no weight by more than `step`, 0…1, of the smaller weight at the edge, for
-    /// narrow strips.
+    /// Measures the creases with steps that change no weight by more than the share `step`, 0…1, of the smaller weight
+    /// at the edge, for narrow strips.
     fn of_field_at(frame: &Frame, step: f64, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
         let shared: Vec<_> = frame.shared_edges().collect();
         Creases::summed(shared.into_par_iter().map(|sides| measured(frame, sides, step, &light)).collect())
     }
 
-    /// The creases that `shade` leaves in `frame`.
+    /// Measures the creases that `shade` leaves in `frame`.
     #[must_use]
     pub fn of(frame: &Frame, shade: &Shade) -> Creases {
         Creases::of_encoded(frame, shade, |light| light)
     }
 
-    /// The creases that Gouraud's shader leaves in `frame`, for comparison.
+    /// Measures the creases that the Gouraud shader leaves in `frame`, for comparison.
     #[must_use]
     pub fn of_gouraud(frame: &Frame) -> Creases {
         Creases::of(frame, &Shade::new(Shader::Gouraud))
     }
 
-    /// The creases of the light that a display sends for a `frame` of encoded lights; `decode` turns values into light.
+    /// Measures the creases in the light that a display emits for a `frame` of encoded lights; `decode` turns encoded
+    /// values into light.
     #[must_use]
     pub fn of_encoded(frame: &Frame, shade: &Shade, decode: impl Fn(DVec3) -> DVec3 + Sync) -> Creases {
         let reference = Reference::new(frame, shade);
-        // A step much smaller than the strips. Below b = 1e-6, rounding would dominate.
+        // The step must be much smaller than the strips. Below b = 1e-6, rounding would dominate.
         let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
         Creases::of_field_at(frame, step, |triangle, weights| decode(reference.light(triangle, weights)))
     }
 
-    /// This rms relative to that of `other`; `None` if that is only rounding, [`NOISE`].
+    /// Returns this rms divided by the rms of `other`; `None` if the latter is only rounding error, at most [`NOISE`].
     #[must_use]
     pub fn over(&self, other: &Creases) -> Option<f64> {
         (other.rms > NOISE).then(|| self.rms / other.rms)
@@ -109,17 +110,17 @@ impl Creases {
     }
 }
 
-/// Number of points along an edge at which the slopes are compared.
+/// The number of points along an edge at which the slopes are compared.
 const POINTS: usize = 6;
 
-/// Largest change of a barycentric weight in a step, relative to the smaller weight at the edge. Strips are many such
-/// steps wide; rounding is still ten digits below the slope.
+/// The largest change of a barycentric weight in a step, relative to the smaller weight at the edge. Strips are many
+/// such steps wide, and rounding errors are still ten digits below the slope.
 const STEP: f64 = 1e-5;
 
-/// The largest jump that rounding produces in a field without creases, linear light per pixel.
+/// The largest jump that rounding produces in a field without creases, in linear light per pixel.
 pub const NOISE: f64 = 1e-9;
 
-/// The crease at the edge between two triangles, each with the corner of it that is opposite the edge.
+/// Measures the crease at the edge between two triangles, each given with its corner opposite the edge.
 fn measured(
     frame: &Frame,
     sides: [(usize, usize); 2],
@@ -129,11 +130,11 @@ fn measured(
     let (mut jump2, mut step2) = (0.0, 0.0);
     for point in 0..POINTS {
         let s = (point as f64 + 0.5) / POINTS as f64;
-        // The two triangles go along the edge in opposite senses.
+        // The two triangles traverse the edge in opposite directions.
         let [own, theirs] =
             [(sides[0], s), (sides[1], 1.0 - s)].map(|(side, s)| one_sided(frame, side, s, step, light));
         step2 += (own.0 - theirs.0).length_squared();
-        // Each is the slope into its own triangle, in opposite directions, so their sum is the jump.
+        // Each slope points into its own triangle. The directions are opposite, so the sum of the slopes is the jump.
         jump2 += (own.1 + theirs.1).length_squared();
     }
     let samples = (3 * POINTS) as f64;
@@ -149,7 +150,8 @@ fn measured(
     }
 }
 
-/// Light and slope, normal to the edge opposite corner `k` into triangle `t`, where the edge is parted s : 1 − s.
+/// Returns the light, and its slope normal to the edge opposite corner `k` into triangle `t`, at the point that divides
+/// the edge s : 1 − s.
 fn one_sided(
     frame: &Frame,
     (t, k): (usize, usize),
@@ -162,7 +164,8 @@ fn one_sided(
     let (along, up) = (corners[j] - corners[i], corners[k] - corners[i]);
     let foot = up.dot(along) / along.length_squared();
     let height = along.perp_dot(up).abs() / along.length();
-    // Per pixel along the normal: w_k grows by 1/height, at the cost of the others according to where its foot is.
+    // Per pixel along the normal, w_k grows by 1/height; the position of its foot determines how much each of the other
+    // weights falls.
     let rates = (-(1.0 - foot) / height, -foot / height);
     let fastest = rates.0.abs().max(rates.1.abs()).max(1.0 / height);
     let h = step * s.min(1.0 - s) / fastest;
@@ -176,15 +179,17 @@ fn one_sided(
     slope(h, at)
 }
 
-/// Light and slope at the beginning of a line, from three points on it `h` apart; the error goes as h².
+/// Returns the light and slope at the beginning of a line, from three points on it that are `h` apart; the error is
+/// proportional to h².
 fn slope(h: f64, at: impl Fn(f64) -> DVec3) -> (DVec3, DVec3) {
     let here = at(0.0);
     (here, (4.0 * at(1.0) - at(2.0) - 3.0 * here) / (2.0 * h))
 }
 
-/// How far the light around each vertex is from having one slope there, for every vertex of a drawn triangle: the slopes
-/// along the edges and the medians that begin at it, against those of the gradient that fits them best, root mean square
-/// over them and over red, green and blue, in linear light per pixel. `light` as for [`Creases::of_field`].
+/// For every vertex of a drawn triangle, returns how far the light around it is from having a single slope there. The
+/// slopes along the edges and medians that begin at the vertex are compared with the gradient that fits them best; the
+/// result is the root mean square difference over these lines and over red, green and blue, in linear light per pixel.
+/// `light` is the same as for [`Creases::of_field`].
 #[must_use]
 pub fn at_vertices(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3) -> Vec<f64> {
     let mut slopes: Vec<Vec<(DVec2, DVec3)>> = vec![Vec::new(); frame.vertices.len()];
@@ -194,7 +199,7 @@ pub fn at_vertices(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3) -> V
             let (own, next, last) = (corner(k), corner((k + 1) % 3), corner((k + 2) % 3));
             for target in [next, last, (next + last) / 2.0] {
                 let step = STEP * (target - own);
-                // On the screen, against the first corner: the weights' changes sum to 0.
+                // The offset on the screen, relative to the first corner, because the changes of the weights sum to 0.
                 let offset = step.y * (b - a) + step.z * (c - a);
                 let length = offset.length();
                 if length > 0.0 {
@@ -223,7 +228,7 @@ fn spread(slopes: &[(DVec2, DVec3)]) -> f64 {
     (squares / (3 * slopes.len()) as f64).sqrt()
 }
 
-/// Weights with corner `k` at 1.
+/// Returns the weights of corner `k`: 1 there and 0 at the others.
 fn corner(k: usize) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|i| f64::from(u8::from(i == k))))
 }

@@ -1,4 +1,4 @@
-//! Draws the creases: every edge in the color of its jump.
+//! Draws the creases: the color of each edge shows its jump.
 
 use glam::{DVec2, DVec3};
 
@@ -6,28 +6,28 @@ use super::creases::{Creases, EdgeCrease};
 use crate::light::{LinearImage, Transfer};
 use crate::shading::frame::{Frame, coverage};
 
-/// Half the width of a line, in pixels.
+/// Half the width of a line in pixels.
 const HALF_WIDTH: f64 = 1.0;
 
-/// Dark, with the surface a little lighter.
+/// The background is dark, and the surface a little lighter.
 const GROUND: [f64; 3] = [0.05, 0.05, 0.07];
 const SURFACE: [f64; 3] = [0.11, 0.11, 0.14];
 
-/// No jump to the largest, as encoded sRGB: from blue through gray to yellow, with increasing lightness, so that all
-/// trichromats and dichromats see the same order.
+/// The scale from no jump to the largest, as encoded sRGB: from blue through gray to yellow, with increasing lightness,
+/// so that all trichromats and dichromats see the same order.
 const MAP: [[f64; 3]; 5] =
     [[0.13, 0.19, 0.42], [0.27, 0.36, 0.58], [0.55, 0.53, 0.52], [0.86, 0.72, 0.33], [1.0, 0.96, 0.62]];
 
-/// `creases` of `frame` as a picture of its size, in linear light. A jump of `full`, in linear light per pixel, or
-/// more has the last color of the scale; use the same value for images to be compared. Edges behind a surface are not
-/// drawn.
+/// Draws the `creases` of `frame` as a picture of the frame's size, in linear light. A jump of `full` (in linear light
+/// per pixel) or more gets the last color of the scale; use the same value for pictures that are to be compared. Edges
+/// behind a surface are not drawn.
 #[must_use]
 pub fn picture(frame: &Frame, creases: &Creases, full: f64) -> LinearImage {
     let visible = coverage::visible(frame);
     let ground = |triangle: u32| linear(if triangle == coverage::NONE { GROUND } else { SURFACE });
     let mut image =
         LinearImage::from_fn(frame.width, frame.height, |x, y| ground(visible[(y * frame.width + x) as usize]));
-    // The strongest last: where edges meet, it is on top.
+    // Draw the strongest edge last, so that it is on top where edges meet.
     let mut order: Vec<&EdgeCrease> = creases.edges.iter().collect();
     order.sort_by(|a, b| a.jump.total_cmp(&b.jump));
     for edge in order {
@@ -48,12 +48,12 @@ fn color(share: f64) -> [f64; 3] {
     a.lerp(b, at - low as f64).to_array()
 }
 
-/// The line of one edge, antialiased by how much of a pixel's width it covers.
+/// Draws the line of one edge, antialiased by the share of a pixel's width that it covers.
 fn draw(image: &mut LinearImage, frame: &Frame, visible: &[u32], edge: &EdgeCrease, color: [f32; 3]) {
     let [a, b] = edge.ends.map(|v| frame.vertices[v as usize].screen);
     let reach = DVec2::splat(HALF_WIDTH + 1.0);
     let (low, high) = (a.min(b) - reach, a.max(b) + reach);
-    // A cast saturates; NaN is 0.
+    // The cast saturates and turns NaN into 0.
     let pixels = |low: f64, high: f64, size: u32| (low.max(0.0) as u32).min(size)..(high.max(0.0) as u32).min(size);
     for y in pixels(low.y, high.y, frame.height) {
         for x in pixels(low.x, high.x, frame.width) {
@@ -69,7 +69,7 @@ fn draw(image: &mut LinearImage, frame: &Frame, visible: &[u32], edge: &EdgeCrea
     }
 }
 
-/// Whether one of `triangles` is in front within a pixel of `place`.
+/// True if one of `triangles` is visible within a pixel of `place`.
 fn is_near(frame: &Frame, visible: &[u32], place: DVec2, triangles: [u32; 2]) -> bool {
     let around = |at: f64, size: u32| (at.floor() as i64 - 1).max(0)..(at.floor() as i64 + 2).min(size.into());
     around(place.y, frame.height)

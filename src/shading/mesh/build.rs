@@ -1,4 +1,4 @@
-//! Builds meshes from positions and faces; polygons are triangulated.
+//! Builds meshes from positions and faces, and triangulates polygons.
 
 use std::collections::VecDeque;
 
@@ -6,52 +6,52 @@ use glam::{DVec2, DVec3};
 
 use super::{normals, triangles::Mesh};
 
-/// Maximum absolute coordinate of a mesh, which leaves room for products of several coordinates.
+/// The largest absolute coordinate of a mesh; it leaves room for products of several coordinates.
 pub const LARGEST_COORDINATE: f64 = 1e30;
 
-/// Why triangles do not form a mesh.
+/// Why faces do not form a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
     /// No triangles.
     #[error("the mesh has no triangles; expected at least one")]
     NoTriangles,
     /// No triangle has an area.
-    #[error("none of the {0} triangles has an area; expected at least one that does")]
+    #[error("none of the {0} triangles has an area; expected at least one with an area")]
     NoArea(usize),
     /// A position that is not finite or is too large.
     #[error("position {0} is not finite or is beyond ±1e30; expected three finite numbers within it")]
     NotFinite(usize),
     /// A face has a corner that does not exist.
-    #[error("face {face} names position {index} of {positions}; expected a smaller number")]
+    #[error("face {face} refers to position {index}; expected a number below {positions}")]
     OutOfRange {
-        /// Index of the face, from 0.
+        /// Index of the face, counted from 0.
         face: usize,
-        /// The index it names, from 0.
+        /// The index of the position that the face refers to, counted from 0.
         index: u32,
-        /// How many positions there are.
+        /// The number of positions.
         positions: usize,
     },
-    /// Too many to be indexed.
+    /// There are too many positions or faces to be indexed.
     #[error("{positions} positions and {faces} faces are too many; expected at most {most} of each", most = MOST)]
     TooMany {
-        /// How many positions.
+        /// The number of positions.
         positions: usize,
-        /// How many faces or triangles.
+        /// The number of faces or triangles.
         faces: usize,
     },
 }
 
-/// Faces of three corners or more, and perhaps normals at their corners.
+/// Faces with three or more corners, and optionally normals at their corners.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polygons {
     sites: Vec<u32>,
-    /// As long as `sites`, or empty as long as no normal has been given.
+    /// Has the same length as `sites`, or is empty until the first normal is given.
     normals: Vec<Option<DVec3>>,
     ends: Vec<usize>,
 }
 
 impl Polygons {
-    /// Polygons by their sites, without normals.
+    /// Makes polygons from their sites, without normals.
     pub fn new<'a>(polygons: impl IntoIterator<Item = &'a [u32]>) -> Polygons {
         let mut all = Polygons::default();
         for sites in polygons {
@@ -60,7 +60,8 @@ impl Polygons {
         all
     }
 
-    /// Adds one, by its corners' sites and unit normals. A polygon with fewer than three corners shows nothing.
+    /// Adds a polygon, given by its corners' sites and unit normals. A polygon with fewer than three corners is never
+    /// drawn.
     pub fn push(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>)>) {
         for (site, normal) in corners {
             if normal.is_some() || !self.normals.is_empty() {
@@ -72,20 +73,20 @@ impl Polygons {
         self.ends.push(self.sites.len());
     }
 
-    /// Of each the sites, and the normals where any polygon has some.
+    /// Returns the sites of each polygon, and its normals if any polygon has normals.
     fn iter(&self) -> impl Iterator<Item = (&[u32], Option<&[Option<DVec3>]>)> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, end)| (&self.sites[start..*end], self.normals.get(start..*end)))
     }
 }
 
-/// Most positions and most triangles: the corners of the triangles are counted in 32 bits.
+/// The maximum number of positions and of triangles: the corners of the triangles are counted in 32 bits.
 const MOST: usize = (u32::MAX / 3) as usize;
 
 impl Mesh {
-    /// The mesh of `triangles` over `positions` (the sites). Each vertex's normal is the normalized sum of the unit
-    /// normals of the faces around it, Shoaff §4.1; faces that meet at an edge at more than `crease_deg` degrees do not
-    /// share normals there. 180 makes every vertex smooth, 0 none but those within a plane.
+    /// Makes the mesh of `triangles` over `positions` (the sites). Each vertex's normal is the normalized sum of the
+    /// unit normals of the faces around it, Shoaff §4.1. Faces that meet at an edge at more than `crease_deg` degrees
+    /// do not share normals there. With 180, every vertex is smooth; with 0, only vertices within a plane are.
     ///
     /// # Errors
     /// [`MeshError`].
@@ -93,9 +94,9 @@ impl Mesh {
         Mesh::from_polygons(positions, &Polygons::new(triangles.iter().map(|t| &t[..])), crease_deg)
     }
 
-    /// The mesh of `polygons` over `positions`, cut into triangles ([`triangulated`]). A polygon counts as one face in
-    /// the averages, with its Newell normal. Corners for which a normal is given have that; such normals at one site
-    /// that differ by less than 0.1° are one, and an edge is a crease where those of its two sides differ.
+    /// Makes the mesh of `polygons` over `positions`, cut into triangles ([`triangulated`]). A polygon counts as one
+    /// face in the averages, with its Newell normal. Corners with a given normal keep it. Given normals at one site
+    /// that differ by less than 0.1° are merged, and an edge is a crease if the normals of its two sides differ.
     ///
     /// # Errors
     /// [`MeshError`].
@@ -126,13 +127,13 @@ impl Mesh {
     }
 }
 
-/// Whether the faces can form a mesh.
+/// Checks whether the faces can form a mesh.
 fn check(positions: &[DVec3], polygons: &Polygons) -> Result<(), MeshError> {
     let faces = polygons.ends.len();
     if positions.len() > MOST || faces > MOST {
         return Err(MeshError::TooMany { positions: positions.len(), faces });
     }
-    // NaN is not within either.
+    // NaN does not count as within.
     let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= LARGEST_COORDINATE);
     if let Some(at) = positions.iter().position(|p| !within(p)) {
         return Err(MeshError::NotFinite(at));
@@ -145,10 +146,10 @@ fn check(positions: &[DVec3], polygons: &Polygons) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// The triangles of a polygon, as indices into its corners, in its own winding: always two fewer than it
-/// has corners, none for fewer than three corners. A convex polygon becomes a fan around its first corner; a concave
-/// one is cut ear by ear on its Newell plane, in time quadratic in its corners; one that crosses itself or has no
-/// area becomes a fan where no ear is left.
+/// Returns the triangles of a polygon as indices into its corners, in the polygon's own winding. There are always two
+/// fewer triangles than corners, and none for fewer than three corners. A convex polygon becomes a fan around its first
+/// corner. A concave polygon is cut ear by ear on its Newell plane, in time quadratic in the number of corners. A
+/// polygon that crosses itself or has no area becomes a fan once no ear is left.
 #[must_use]
 pub fn triangulated(corners: &[DVec3]) -> Vec<[u32; 3]> {
     let count = corners.len();
@@ -157,28 +158,29 @@ pub fn triangulated(corners: &[DVec3]) -> Vec<[u32; 3]> {
     }
     let flat = flattened(corners);
     let convex = (0..count).all(|i| turn(flat[i], flat[(i + 1) % count], flat[(i + 2) % count]) > FLAT)
-        // A star also turns in one direction only, but more than once.
+        // A star polygon also turns in only one direction, but goes around more than once.
         && (1..count - 1).all(|i| turn(flat[0], flat[i], flat[i + 1]) > FLAT);
     if convex { fan(&(0..count as u32).collect::<Vec<_>>()) } else { ears(&flat) }
 }
 
-/// Twice the area, as a part of the polygon's extent squared, below which three corners are in a line.
+/// Three corners count as collinear if twice the area of their triangle, relative to the square of the polygon's
+/// extent, is at most this.
 const FLAT: f64 = 1e-12;
 
-/// The corners on the Newell plane, counterclockwise and within −1…1; all zero without such a plane.
+/// Returns the corners on the Newell plane, counterclockwise and within −1…1; all zero if there is no such plane.
 fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
     let normal = normals::newell(corners);
     if normal == DVec3::ZERO {
         return vec![DVec2::ZERO; corners.len()];
     }
     let (x, y) = normal.any_orthonormal_pair();
-    // any_orthonormal_pair is right-handed: x × y = normal.
+    // `any_orthonormal_pair` is right-handed: x × y = normal.
     let flat: Vec<DVec2> = corners.iter().map(|p| *p - corners[0]).map(|p| DVec2::new(p.dot(x), p.dot(y))).collect();
     let size = flat.iter().map(|p| p.abs().max_element()).fold(f64::MIN_POSITIVE, f64::max);
     flat.iter().map(|p| *p / size).collect()
 }
 
-/// Twice the area of a triangle, positive if counterclockwise.
+/// Returns twice the area of a triangle, positive if counterclockwise.
 fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
@@ -187,7 +189,7 @@ fn fan(ring: &[u32]) -> Vec<[u32; 3]> {
     (1..ring.len() - 1).map(|i| [ring[0], ring[i], ring[i + 1]]).collect()
 }
 
-/// Cuts off corners that hold no other corner, until three are left or none can be cut.
+/// Cuts off corners whose triangles contain no other corner, until three corners are left or none can be cut.
 fn ears(flat: &[DVec2]) -> Vec<[u32; 3]> {
     let count = flat.len();
     let mut before: Vec<usize> = (0..count).map(|i| (i + count - 1) % count).collect();
@@ -212,7 +214,7 @@ fn ears(flat: &[DVec2]) -> Vec<[u32; 3]> {
         triangles.push([a as u32, at as u32, b as u32]);
         (after[a], before[b], is_cut[at]) = (b, a, true);
         left -= 1;
-        // Usually one of these has become an ear.
+        // Often, one of these two has now become an ear.
         waiting.push_back(a);
         waiting.push_back(b);
     }
@@ -222,7 +224,7 @@ fn ears(flat: &[DVec2]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Whether corner `at` turns to the left, and no other corner that is left lies in its triangle.
+/// True if the polygon turns left at corner `at` and no other remaining corner lies in the triangle there.
 fn is_ear(flat: &[DVec2], before: &[usize], after: &[usize], at: usize) -> bool {
     let [a, b, c] = [before[at], at, after[at]].map(|i| flat[i]);
     if turn(a, b, c) <= FLAT {
@@ -231,7 +233,7 @@ fn is_ear(flat: &[DVec2], before: &[usize], after: &[usize], at: usize) -> bool 
     let mut other = after[after[at]];
     while other != before[at] {
         let p = flat[other];
-        // A corner at the same place as one of these three is a pinch, not an obstacle.
+        // A corner at the same position as one of these three is a pinch, not an obstacle.
         if p != a && p != b && p != c && turn(a, b, p) >= -FLAT && turn(b, c, p) >= -FLAT && turn(c, a, p) >= -FLAT {
             return false;
         }

@@ -6,11 +6,12 @@ use glam::DVec3;
 
 use super::triangles::{Edges, Mesh, Vertex};
 
-/// Newell's normal of a polygon, unit length, counterclockwise as seen from its tip; zero for a polygon without area.
-/// Shoaff §3.5. For corners that are not in one plane it is the normal of the plane that fits them best.
+/// Returns Newell's normal of a polygon: it has unit length, and the polygon is counterclockwise as seen from its tip;
+/// zero for a polygon without area. Shoaff §3.5. For corners that are not in one plane, it is the normal of the plane
+/// that fits them best.
 ///
-/// The corners are taken relative to the first of them and to the polygon's size: the printed sums lose their digits
-/// far from the origin.
+/// The corners are taken relative to the first corner and to the polygon's size because the sums as printed lose their
+/// digits far from the origin.
 #[must_use]
 pub fn newell(corners: &[DVec3]) -> DVec3 {
     let Some(&origin) = corners.first() else { return DVec3::ZERO };
@@ -24,13 +25,14 @@ pub fn newell(corners: &[DVec3]) -> DVec3 {
         let (p, q) = (at(i), at(if i + 1 == corners.len() { 0 } else { i + 1 }));
         sum += DVec3::new((p.y - q.y) * (p.z + q.z), (p.z - q.z) * (p.x + q.x), (p.x - q.x) * (p.y + q.y));
     }
-    // Anything smaller is rounding.
+    // Anything smaller is rounding error.
     if sum.length() > 1e-14 { sum.normalize() } else { DVec3::ZERO }
 }
 
-/// The mesh of `triangles` with averaged normals, split where faces meet at more than `crease_deg` degrees. For each
-/// triangle `faces` has the face that it is a part of, and `normals` that face's unit normal, zero without an area; the
-/// triangles of a face follow each other. A face counts once at each of its corners, as in Shoaff, however it is cut.
+/// Makes the mesh of `triangles` with averaged normals, split where faces meet at more than `crease_deg` degrees. For
+/// each triangle, `faces` contains the face to which it belongs, and `normals` the unit normal of that face, or zero if
+/// the face has no area; the triangles of a face are consecutive. A face counts once at each of its corners, as in
+/// Shoaff, however it is cut into triangles.
 pub(super) fn averaged(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
@@ -74,8 +76,8 @@ pub(super) fn averaged(
                     }
                     return *at;
                 }
-                // Faces that look in opposite directions have no mean normal: each keeps its own. A face without area
-                // is never lit, but needs some normal.
+                // Faces that point in opposite directions have no mean normal, so each keeps its own. A face without
+                // area is never drawn, but needs some normal.
                 let normal = if own == DVec3::ZERO { DVec3::Z } else { own };
                 *lone.entry((group, normal.to_array().map(f64::to_bits))).or_insert_with(|| push(normal))
             })
@@ -84,16 +86,17 @@ pub(super) fn averaged(
     Mesh { vertices, triangles }
 }
 
-/// For each corner the fan of faces around its site that it belongs to, named by one of the fan's corners. A fan continues
-/// across every edge at which the faces make no more than `crease_deg` degrees, so that two triangles on either
-/// side of such an edge share the vertices at both its ends.
+/// For each corner, returns the fan of faces around its site to which it belongs, identified by one of the fan's
+/// corners. A fan continues across every edge at which the faces meet at no more than `crease_deg` degrees, so the two
+/// triangles at such an edge share the vertices at both of its ends.
 fn fans(triangles: &[[u32; 3]], normals: &[DVec3], crease_deg: f64) -> Vec<u32> {
     // The tolerance keeps the two triangles of a flat quad together at 0°.
     let least_cosine = crease_deg.max(0.0).to_radians().cos() - 1e-9;
     let mut parent: Vec<u32> = (0..triangles.len() as u32 * 3).collect();
     for edge in &Edges::among(triangles.iter().copied()).edges {
         for (i, &(t, k)) in edge.sides.iter().enumerate() {
-            // Against the next side only: at an edge of two that is all, at one of many it keeps the cost linear.
+            // Compare only with the next side. At an edge of two triangles, that is the only pair; at an edge of many,
+            // it keeps the cost linear.
             let Some(&(u, l)) = edge.sides.get(i + 1) else { break };
             let (a, b) = (normals[t as usize], normals[u as usize]);
             if a == DVec3::ZERO || b == DVec3::ZERO || a.dot(b) < least_cosine {
@@ -111,7 +114,7 @@ fn fans(triangles: &[[u32; 3]], normals: &[DVec3], crease_deg: f64) -> Vec<u32> 
 
 fn join(parent: &mut [u32], a: u32, b: u32) {
     let (a, b) = (root(parent, a), root(parent, b));
-    // The lower names the fan, whatever the order of the edges.
+    // The lower index identifies the fan, whatever the order of the edges.
     parent[a.max(b) as usize] = a.min(b);
 }
 
@@ -123,14 +126,14 @@ fn root(parent: &mut [u32], mut at: u32) -> u32 {
     at
 }
 
-/// Given normals of one place that are no farther apart than this are one normal, because files round theirs.
+/// Given normals at one site that differ by no more than this are merged, because files contain rounded normals.
 const SAME_DEG: f64 = 0.1;
 
-/// How many of a place's normals, the newest first, a further one is compared with: a fan of any size stays fast.
+/// The number of a site's normals, newest first, with which another one is compared; this keeps fans of any size fast.
 const COMPARED: usize = 64;
 
-/// `mesh` with the normals that are `given` for the corners of its triangles in place of its own. Corners without
-/// one keep theirs.
+/// Returns `mesh` with its normals replaced by the ones that are `given` for the corners of its triangles. Corners
+/// without a given normal keep their own.
 pub(super) fn replaced(mesh: &Mesh, given: &[[Option<DVec3>; 3]]) -> Mesh {
     let least_cosine = SAME_DEG.to_radians().cos();
     let mut vertices: Vec<Vertex> = Vec::with_capacity(mesh.vertices.len());

@@ -1,7 +1,7 @@
-//! Meshes by name.
+//! Meshes that can be requested by name.
 //!
-//! All are closed and counterclockwise as seen from outside. The round ones have the normals of the surface that they
-//! approximate; those of the others are averaged over the faces around each vertex, as in the papers.
+//! All meshes are closed and counterclockwise as seen from outside. The round meshes have the normals of the surface
+//! that they approximate; the normals of the others are averaged over the faces around each vertex, as in the papers.
 
 use std::{collections::HashMap, f64::consts::TAU};
 
@@ -12,7 +12,7 @@ use super::{build::Polygons, triangles::Mesh};
 use crate::light::names::named;
 
 named! {
-    /// A mesh by its name.
+    /// The name of a mesh.
     Shape, UnknownShape {
         Cube = "cube",
         Pyramid = "pyramid",
@@ -26,19 +26,19 @@ named! {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("a {shape} cannot have {vertices} vertices; expected {least}…{most}", most = MOST_VERTICES)]
 pub struct ShapeError {
-    /// Which shape.
+    /// The shape.
     shape: Shape,
-    /// The requested number.
+    /// The requested number of vertices.
     vertices: usize,
-    /// The fewest it can have.
+    /// The fewest vertices that the shape can have.
     least: usize,
 }
 
-/// Maximum number of vertices of a shape.
+/// The maximum number of vertices of a shape.
 pub const MOST_VERTICES: usize = 500_000;
 
 impl Shape {
-    /// Whether the number of vertices can be chosen; not for the cube and the pyramid.
+    /// True if the number of vertices can be chosen. It is fixed for the cube and the pyramid.
     #[must_use]
     pub const fn has_vertices(self) -> bool {
         matches!(self, Shape::Sphere | Shape::Torus | Shape::Blob)
@@ -56,11 +56,11 @@ impl Shape {
     }
 }
 
-/// The mesh of `shape` with `vertices` places: exactly for the blob, approximately for sphere and torus, whose
-/// triangles would otherwise be distorted; cube and pyramid always have 8.
+/// Makes the mesh of `shape` with `vertices` sites. The number is exact for the blob and approximate for the sphere and
+/// the torus, whose triangles would otherwise be distorted; the cube and the pyramid always have 8.
 ///
 /// # Errors
-/// [`ShapeError`] outside [`Shape::least_vertices`]…[`MOST_VERTICES`].
+/// [`ShapeError`] if `vertices` is outside [`Shape::least_vertices`]…[`MOST_VERTICES`].
 pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
     if shape.has_vertices() && !(shape.least_vertices()..=MOST_VERTICES).contains(&vertices) {
         return Err(ShapeError { shape, vertices, least: shape.least_vertices() });
@@ -74,8 +74,8 @@ pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
     }
 }
 
-/// The cube of side 2 around the origin, 12 triangles, its normals averaged at the corners as the paper's figures have
-/// them.
+/// Makes the cube of side 2 around the origin, with 12 triangles and normals averaged at the corners as in the paper's
+/// figures.
 #[must_use]
 pub fn cube() -> Mesh {
     let positions: Vec<DVec3> = (0..8)
@@ -85,11 +85,11 @@ pub fn cube() -> Mesh {
     solid(&positions, &Polygons::new(faces.iter().map(|face| &face[..])))
 }
 
-/// Shoaff's truncated pyramid (§4.1), closed by a base: V1…V8 are sites 0…7, 12 triangles.
+/// Makes Shoaff's truncated pyramid (§4.1), closed by a base: V1…V8 are sites 0…7, with 12 triangles.
 ///
-/// Its normals are Shoaff's: the normalized sum of the three *plane equations* around a vertex, (−1, −1, 3)/√11 at V1.
-/// They are not of unit length there: z − 1 = 0, −y + z − 2 = 0, −x + z − 2 = 0. The average of unit normals, as
-/// elsewhere, would be along (−1, −1, 1 + √2 + 1).
+/// The normals are Shoaff's: the normalized sum of the three *plane equations* around a vertex, (−1, −1, 3)/√11 at V1.
+/// The normals in these equations do not have unit length: z − 1 = 0, −y + z − 2 = 0, −x + z − 2 = 0. The average of
+/// unit normals, which the other shapes use, would be along (−1, −1, 1 + √2 + 1).
 #[must_use]
 pub fn pyramid() -> Mesh {
     let square = |half: f64, z: f64| {
@@ -111,29 +111,30 @@ fn solid(positions: &[DVec3], polygons: &Polygons) -> Mesh {
     Mesh::from_polygons(positions, polygons, 180.0).expect("a solid is a mesh")
 }
 
-/// The icosahedron.
+/// The fewest vertices of a sphere: an icosahedron.
 const LEAST_SPHERE: usize = 12;
 
-/// Four rows of three.
+/// The fewest vertices of a torus: four rows of three.
 const LEAST_TORUS: usize = 12;
 
-/// Radius of the torus's tube; its middle line has the radius 1.
+/// The radius of the torus's tube; its center line has the radius 1.
 const TUBE: f64 = 0.4;
 
-/// Into how many parts each edge of the icosahedron is cut for about `vertices` vertices.
+/// Returns the number of parts into which each edge of the icosahedron is cut to get about `vertices` vertices.
 fn subdivisions(vertices: usize) -> usize {
     ((vertices.saturating_sub(2) as f64 / 10.0).sqrt().round() as usize).max(1)
 }
 
-/// The unit sphere: an icosahedron whose edges are cut into `subdivisions` parts (at least 1), projected onto the sphere:
-/// 10·s² + 2 vertices and 20·s² triangles, all of nearly one size and shape.
+/// Makes the unit sphere: an icosahedron whose edges are cut into s = `subdivisions` parts (at least 1) and whose
+/// vertices are projected onto the sphere. It has 10·s² + 2 vertices and 20·s² triangles of nearly the same size and
+/// shape.
 #[must_use]
 pub fn sphere(subdivisions: usize) -> Mesh {
     let s = subdivisions.max(1);
     let (corners, faces) = icosahedron();
     let mut positions: Vec<DVec3> = Vec::with_capacity(10 * s * s + 2);
-    // A position is identified by the integer weights of the face's corners, zero weights left out, so that all faces
-    // that share it agree.
+    // A position is identified by the integer weights of the face's corners, without zero weights, so that all faces
+    // that share the position agree.
     let mut index: HashMap<[(usize, usize); 3], u32> = HashMap::with_capacity(10 * s * s + 2);
     let mut triangles = Vec::with_capacity(20 * s * s);
     for face in faces {
@@ -160,7 +161,7 @@ pub fn sphere(subdivisions: usize) -> Mesh {
     closed(&positions, &triangles).with_normals(|place| place)
 }
 
-/// Corners of length 1, and faces counterclockwise from outside.
+/// Returns the corners at distance 1 from the origin, and the faces, counterclockwise as seen from outside.
 fn icosahedron() -> (Vec<DVec3>, Vec<[usize; 3]>) {
     let golden = f64::midpoint(1.0, 5f64.sqrt());
     let corners: Vec<DVec3> = (0..12)
@@ -184,9 +185,9 @@ fn icosahedron() -> (Vec<DVec3>, Vec<[usize; 3]>) {
     (corners, faces)
 }
 
-/// The torus around the z axis, radius 1, its tube of radius 0.4: `around` places (at least 3) along each of `tube`
-/// rows (even, at least 4), every other row half a place ahead, which makes the triangles nearly equal-sided where the
-/// tube looks up and down.
+/// Makes the torus around the z axis with radius 1 and a tube of radius 0.4. It has `around` sites (at least 3) in each
+/// of `tube` rows (even, at least 4). Every other row is half a step ahead, which makes the triangles nearly
+/// equilateral where the tube faces up and down.
 #[must_use]
 pub fn torus(around: usize, tube: usize) -> Mesh {
     let (around, tube) = (around.max(3), tube.max(4).next_multiple_of(2));
@@ -214,9 +215,9 @@ pub fn torus(around: usize, tube: usize) -> Mesh {
     closed(&positions, &triangles).with_normals(|place| place - DVec3::new(place.x, place.y, 0.0).normalize_or_zero())
 }
 
-/// The torus with about `vertices` places.
+/// Makes the torus with about `vertices` sites.
 fn torus_of(vertices: usize) -> Mesh {
-    // Equal sides a along the middle line, and rows a·√3/2 apart: around/tube = (1/0.4)·(√3/2).
+    // Equal sides of length a along the center line and rows a·√3/2 apart give around/tube = (1/0.4)·(√3/2).
     let tube = (vertices as f64 * TUBE * 2.0 / 3f64.sqrt()).sqrt() / 2.0;
     let tube = (tube.round() as usize).max(2) * 2;
     torus((vertices as f64 / tube as f64).round() as usize, tube)
@@ -226,11 +227,11 @@ fn closed(positions: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
     Mesh::new(positions, triangles, 180.0).expect("a round surface is a mesh")
 }
 
-/// A tetrahedron.
+/// The fewest vertices of a blob: a tetrahedron.
 const LEAST_BLOB: usize = 4;
 
-/// `count` points spread evenly over the unit sphere: the i-th is at z = 1 − (2i + 1)/`count`, rotated from the last by the
-/// golden angle.
+/// Returns `count` points spread evenly over the unit sphere: the i-th point is at z = 1 − (2i + 1)/`count`, rotated
+/// from the previous one by the golden angle.
 #[must_use]
 pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
     let golden = f64::midpoint(1.0, 5f64.sqrt());
@@ -244,9 +245,9 @@ pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
         .collect()
 }
 
-/// A closed surface over `count` Fibonacci points, at least 4: the triangles of their convex hull, 2·`count` − 4, each
-/// place then moved in or out by a smooth function of its direction, so that the surface is round but not a sphere: it has
-/// hollows, and no symmetry.
+/// Makes a closed surface over `count` (at least 4) Fibonacci points: the 2·`count` − 4 triangles of their convex hull,
+/// with each point then moved in or out by a smooth function of its direction. The surface is round but not a sphere:
+/// it has hollows and no symmetry.
 #[must_use]
 pub fn blob(count: usize) -> Mesh {
     let points = fibonacci_points(count);
@@ -254,21 +255,22 @@ pub fn blob(count: usize) -> Mesh {
     Mesh::new(&positions, &hull(&points), 180.0).expect("a blob is a mesh").with_normals(normal)
 }
 
-/// The surface is at the distance r(u) in the direction u; its normal is along u − ∇r/r, of the slope the part across u.
+/// The surface lies at the distance r(u) in the direction u. Its normal is along u − ∇r/r, where ∇r is the part of the
+/// slope that is perpendicular to u.
 fn normal(place: DVec3) -> DVec3 {
     let out = place.normalize();
     let slope = radius_slope(out);
     out - (slope - out * slope.dot(out)) / radius(out)
 }
 
-/// Distance from the middle in the direction `p`: 0.66…1.34.
+/// Returns the distance from the center in the direction `p`: 0.66…1.34.
 fn radius(p: DVec3) -> f64 {
     1.0 + 0.16 * (2.1 * p.x + 0.4).sin() * (2.6 * p.y - 0.3).cos()
         + 0.12 * (3.1 * p.z + 1.3 * p.x).sin()
         + 0.06 * (4.3 * p.y + 2.0 * p.z + 1.0).sin()
 }
 
-/// How [`radius`] changes along x, y and z.
+/// Returns the derivatives of [`radius`] along x, y and z.
 fn radius_slope(p: DVec3) -> DVec3 {
     let (sin, cos) = (2.1 * p.x + 0.4).sin_cos();
     let (down, up) = (2.6 * p.y - 0.3).sin_cos();
@@ -277,11 +279,12 @@ fn radius_slope(p: DVec3) -> DVec3 {
     DVec3::new(0.16 * 2.1 * cos * up + 1.3 * wave, -0.16 * 2.6 * sin * down + 4.3 * ripple, 3.1 * wave + 2.0 * ripple)
 }
 
-/// The triangles of the convex hull of `points`, at least 4 different ones on the unit sphere; counterclockwise from
-/// outside, two fewer than twice as many as there are points.
+/// Returns the triangles of the convex hull of n `points`, which must be at least 4 different points on the unit
+/// sphere. There are 2n − 4 triangles, counterclockwise as seen from outside.
 ///
-/// Projected from the last point onto a plane, circles on the sphere stay circles: the faces that do not touch that point
-/// are the Delaunay triangulation of the others there, and the others' outline has the faces that do.
+/// The projection from the last point onto a plane keeps circles on the sphere circles. The faces that do not touch the
+/// last point are therefore the Delaunay triangulation of the other points on the plane, and each side of its outline
+/// belongs to a face that does touch the last point.
 #[must_use]
 pub fn hull(points: &[DVec3]) -> Vec<[u32; 3]> {
     let Some((pole, others)) = points.split_last() else { return Vec::new() };

@@ -1,5 +1,5 @@
-//! A mesh with the data computed once per mesh: its edges, and its curvature after Rusinkiewicz, *Estimating curvatures
-//! and their derivatives on triangle meshes*, 3DPVT 2004.
+//! A mesh with the data that are computed once per mesh: its edges, and its curvature after Rusinkiewicz, *Estimating
+//! curvatures and their derivatives on triangle meshes*, 3DPVT 2004.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -8,14 +8,14 @@ use super::{
     triangles::{Edges, Mesh, Vertex},
 };
 
-/// A mesh with its edges and its curvature, which depend neither on view nor on light.
+/// A mesh with its edges and its curvature, which depend on neither the view nor the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// The triangles.
     pub mesh: Mesh,
-    /// Which of them meet where.
+    /// The edges at which the triangles meet.
     pub edges: Edges,
-    /// For each vertex dN/dp, how the unit normal changes along the surface: symmetric, zero along the normal, in
+    /// For each vertex, dN/dp, the change of the unit normal along the surface: symmetric, zero along the normal, in
     /// the mesh's own axes and units.
     pub curvature: Vec<DMat3>,
 }
@@ -30,13 +30,13 @@ impl Surface {
     }
 }
 
-/// dN/dp at every vertex: how the unit normal changes along the surface, symmetric, zero along the vertex's normal, per
-/// unit of the mesh's own length. A sphere of radius r has (I − NNᵀ)/r, its normals pointing outward.
+/// Returns dN/dp at every vertex: the change of the unit normal along the surface per unit of the mesh's own length. It
+/// is symmetric, and zero along the vertex's normal. A sphere of radius r with outward normals has (I − NNᵀ)/r.
 ///
-/// Each face has the tensor that fits the differences of its vertices' normals along its three edges best; a vertex has
-/// the mean of its faces', turned into its tangent plane and weighted by the parts of the faces that are nearest to it.
-/// Vertices on either side of a crease have their own faces only. Faces without area do not count; a vertex without
-/// faces has zero.
+/// Each face gets the tensor that best fits the differences between its vertices' normals along its three edges. A
+/// vertex gets the mean of the tensors of its faces, rotated into its tangent plane and weighted by the part of each
+/// face that is nearest to it. Vertices on either side of a crease use only their own faces. Faces without area do not
+/// count; a vertex without faces gets zero.
 fn curvature(mesh: &Mesh) -> Vec<DMat3> {
     let mut sums = vec![(DMat3::ZERO, 0.0); mesh.vertices.len()];
     for corners in &mesh.triangles {
@@ -52,7 +52,7 @@ fn curvature(mesh: &Mesh) -> Vec<DMat3> {
     mesh.vertices.iter().zip(sums).map(|(vertex, (sum, total))| tangent(sum, total, vertex.normal)).collect()
 }
 
-/// The weighted mean, without what rounding left along the normal.
+/// Returns the weighted mean, without the rounding errors along the normal.
 fn tangent(sum: DMat3, total: f64, normal: DVec3) -> DMat3 {
     let flat = DMat3::IDENTITY - outer(normal, normal);
     let mean = flat * (sum * (1.0 / total)) * flat;
@@ -60,7 +60,7 @@ fn tangent(sum: DMat3, total: f64, normal: DVec3) -> DMat3 {
     if symmetric.is_finite() { symmetric } else { DMat3::ZERO }
 }
 
-/// The normal of a face and its dN/dp; none without an area.
+/// Returns the normal of a face and its dN/dp; `None` if the face has no area.
 fn of_face(vertices: [&Vertex; 3]) -> Option<(DVec3, DMat3)> {
     let positions = vertices.map(|v| v.position);
     let normal = normals::newell(&positions);
@@ -68,13 +68,13 @@ fn of_face(vertices: [&Vertex; 3]) -> Option<(DVec3, DMat3)> {
         return None;
     }
     let [a, b, c] = positions;
-    // Edges in units of the longest, so that nothing overflows.
+    // The edges are in units of the longest, so that nothing overflows.
     let edges = [c - b, a - c, b - a];
     let longest = edges.iter().map(|e| e.length()).fold(0.0, f64::max);
     let u = edges[0].normalize();
     let v = normal.cross(u);
-    // Least squares for the tensor ((e, f), (f, g)) in (u, v) that takes every edge to the difference of normals along
-    // it: the normal equations have the matrix ((uu, uv, 0), (uv, uu + vv, uv), (0, uv, vv)).
+    // Least squares for the tensor ((e, f), (f, g)) in (u, v) that maps every edge to the difference of normals along
+    // it. The normal equations have the matrix ((uu, uv, 0), (uv, uu + vv, uv), (0, uv, vv)).
     let [mut uu, mut uv, mut vv] = [0.0; 3];
     let [mut right_e, mut right_f, mut right_g] = [0.0; 3];
     for (k, edge) in edges.iter().enumerate() {
@@ -91,20 +91,20 @@ fn of_face(vertices: [&Vertex; 3]) -> Option<(DVec3, DMat3)> {
     tensor.is_finite().then_some((normal, tensor))
 }
 
-/// A face's tensor in the tangent plane of a vertex, by the shortest turn from one to the other. A normal that points
-/// to the other side of the face has the same plane.
+/// Rotates a face's tensor into the tangent plane of a vertex by the smallest possible rotation. A normal that points
+/// to the other side of the face has the same tangent plane.
 fn turned(tensor: DMat3, face: DVec3, vertex: DVec3) -> DMat3 {
     let face = if face.dot(vertex) < 0.0 { -face } else { face };
     let turn = DMat3::from_quat(DQuat::from_rotation_arc(face, vertex));
     turn * tensor * turn.transpose()
 }
 
-/// How much of a triangle's area is nearest to each corner; where an angle is obtuse half
-/// of it belongs to that corner and a quarter to each of the others (Meyer et al. 2003).
+/// Returns how much of a triangle's area is nearest to each corner. If an angle is obtuse, half of the area belongs to
+/// that corner and a quarter to each of the others (Meyer et al. 2003).
 fn nearest_areas([a, b, c]: [DVec3; 3]) -> [f64; 3] {
     let squared = [(c - b).length_squared(), (a - c).length_squared(), (b - a).length_squared()];
     let area = (b - a).cross(c - a).length() / 2.0;
-    // Twice the cosine at corner k times its two sides.
+    // Twice the cosine at corner k, multiplied by the lengths of its two sides.
     let cosine = [0, 1, 2].map(|k| squared[(k + 1) % 3] + squared[(k + 2) % 3] - squared[k]);
     if let Some(k) = cosine.iter().position(|c| *c < 0.0) {
         let mut parts = [area / 4.0; 3];

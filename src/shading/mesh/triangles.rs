@@ -4,30 +4,30 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-/// A corner of triangles: a place, and the normal with which it is lit.
+/// A corner of triangles: a position, and the normal with which it is lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
-    /// Where, in the mesh's own units.
+    /// Position in the mesh's own units.
     pub position: DVec3,
     /// Unit normal.
     pub normal: DVec3,
-    /// Which place this is: vertices on either side of a crease have one site and two normals.
+    /// The index of the position: vertices on either side of a crease share one site but have different normals.
     pub site: u32,
 }
 
 /// A surface of triangles, counterclockwise as seen from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// The vertices; a site at a crease has one for each of its normals. Sites that no triangle names have none.
+    /// The vertices. A site at a crease has one vertex for each of its normals; a site that no triangle uses has none.
     pub vertices: Vec<Vertex>,
-    /// Indices of three vertices each. Triangles without area stay: they are never drawn.
+    /// The triangles, as indices of three vertices each. Triangles without area are kept, but never drawn.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// This mesh lit by other normals: at each place the one that `normal` gives for it, of any length above 0. Those
-    /// of the surface itself, where that is known: averages over the faces of an irregular mesh are off by degrees,
-    /// which no shader that uses these lights can correct.
+    /// Returns this mesh with other normals: at each position, the normal that `normal` gives for it, of any length
+    /// above 0. Use the normals of the true surface if it is known: averages over the faces of an irregular mesh are
+    /// off by degrees, and no shader can correct the resulting lights.
     #[must_use]
     pub fn with_normals(mut self, normal: impl Fn(DVec3) -> DVec3) -> Mesh {
         for vertex in &mut self.vertices {
@@ -36,13 +36,14 @@ impl Mesh {
         self
     }
 
-    /// The three places of triangle `triangle`.
+    /// Returns the positions of the three corners of triangle `triangle`.
     #[must_use]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|v| self.vertices[v as usize].position)
     }
 
-    /// Center and radius of a sphere around the mesh: the middle of its bounding box, and the farthest vertex from it.
+    /// Returns the center and radius of a sphere around the mesh: the center of its bounding box, and the distance of
+    /// the farthest vertex from it.
     #[must_use]
     pub fn bounds(&self) -> (DVec3, f64) {
         let used = || self.triangles.iter().flatten().map(|v| self.vertices[*v as usize].position);
@@ -56,23 +57,23 @@ impl Mesh {
 /// The kind of an edge, independent of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeKind {
-    /// Two triangles that share both vertices, normals and all.
+    /// Two triangles that share both vertices, including their normals.
     Smooth,
-    /// Two triangles that share both places but not both normals.
+    /// Two triangles that share both sites but not both normals.
     Crease,
-    /// One triangle only.
+    /// Only one triangle.
     Border,
-    /// Three triangles or more, or two with opposite windings; or only triangles that name one place twice, which have
+    /// Three or more triangles, or two with opposite windings, or only triangles that use one site twice and thus have
     /// no sides.
     NonManifold,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// The two sites at its ends, the lower first.
+    /// The two sites at the ends of the edge, the lower index first.
     pub sites: [u32; 2],
-    /// The triangles at it, and which corner of each is opposite the edge. Triangles that name one site twice are left
-    /// out: they have no area in any view, and must not separate two that have one.
+    /// The triangles at the edge, each with the corner that is opposite the edge. Triangles that use one site twice are
+    /// left out: they have no area in any view and must not separate two triangles that have an area.
     pub sides: Vec<(u32, u8)>,
     pub kind: EdgeKind,
 }
@@ -80,14 +81,14 @@ pub struct Edge {
 /// All edges of a mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edges {
-    /// Every edge once, in the order in which the triangles name them.
+    /// Every edge once, in the order in which the triangles list them.
     pub edges: Vec<Edge>,
     /// The three edges of each triangle; the k-th is opposite corner k.
     pub of_triangle: Vec<[u32; 3]>,
 }
 
 impl Edges {
-    /// The edges of `mesh`.
+    /// Returns the edges of `mesh`.
     #[must_use]
     pub fn of(mesh: &Mesh) -> Edges {
         let mut all = Edges::among(mesh.triangles.iter().map(|t| t.map(|v| mesh.vertices[v as usize].site)));
@@ -109,7 +110,7 @@ impl Edges {
         all
     }
 
-    /// The edges among triangles given by their sites; their kinds are not known yet.
+    /// Returns the edges of triangles given by their sites; the kinds of the edges are not yet determined.
     pub(super) fn among(triangles: impl ExactSizeIterator<Item = [u32; 3]>) -> Edges {
         let likely = triangles.len() * 3 / 2 + 3;
         let mut index: HashMap<[u32; 2], u32> = HashMap::with_capacity(likely);

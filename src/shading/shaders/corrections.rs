@@ -1,6 +1,6 @@
-//! Bangay's corrections of interpolated light: vertex shading, §4.3, which turns contours around a vertex from polygons
-//! into arcs; and intensity reweighting, §4.4, which compensates for interpolated normals, which are shorter than unit
-//! length between vertices.
+//! Bangay's corrections of interpolated light: vertex shading (§4.3), which turns the contours around a vertex from
+//! polygons into arcs, and intensity reweighting (§4.4), which compensates for interpolated normals, because these are
+//! shorter than unit length between vertices.
 
 use super::{
     shade::{Correction, Shade},
@@ -11,12 +11,12 @@ use crate::shading::{
     number::{Channels, Constant, Number, dot, select, weighted},
 };
 
-/// Bangay's corrections.
+/// Bangay's corrections, prepared for a frame.
 #[derive(Clone, Debug)]
 pub struct Corrections<T, const C: usize> {
     vertex: Correction,
     reweight: Correction,
-    /// Width of the paper's strips, also on *cut*, whose own may be wider.
+    /// The width of the paper's strips. It also applies to *cut*, whose own strips may be wider.
     strip: f64,
     printed: Curve<T>,
     curve: Curve<T>,
@@ -26,7 +26,7 @@ pub struct Corrections<T, const C: usize> {
 }
 
 impl<T: Constant, const C: usize> Corrections<T, C> {
-    /// Those of `shade` for the triangles of `frame`.
+    /// Prepares the corrections of `shade` for the triangles of `frame`.
     pub fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
         Corrections {
             vertex: shade.vertex,
@@ -40,7 +40,7 @@ impl<T: Constant, const C: usize> Corrections<T, C> {
         }
     }
 
-    /// `value`, the light at the weights `w` of `triangle`, corrected.
+    /// Corrects `value`, the light at the weights `w` of `triangle`.
     #[inline(always)]
     pub fn corrected<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], value: [N; C]) -> [N; C] {
         let value = match self.vertex {
@@ -58,18 +58,19 @@ impl<T: Constant, const C: usize> Corrections<T, C> {
     }
 }
 
-/// The data of a triangle for vertex shading: at each corner the steps to the other two on the screen, and the lights.
+/// The data of a triangle for vertex shading: at each corner, the steps to the other two corners on the screen, and the
+/// lights.
 #[derive(Clone, Debug)]
 struct Fans<T, const C: usize> {
     steps: [[Step<T>; 2]; 3],
     lights: [[T; C]; 3],
 }
 
-/// From one corner to another: pixels right, pixels down, the distance.
+/// From one corner to another: pixels to the right, pixels down, and the distance.
 type Step<T> = [T; 3];
 
 impl<T: Constant, const C: usize> Fans<T, C> {
-    /// Of triangle `triangle`.
+    /// Computes the data of triangle `triangle`.
     fn new(frame: &Frame, triangle: usize, channels: Channels) -> Self {
         let corners = frame.corners(triangle);
         let step = |from: usize, to: usize| {
@@ -82,35 +83,35 @@ impl<T: Constant, const C: usize> Fans<T, C> {
         }
     }
 
-    /// d_A, Bangay eq. 7: 1 at corner `k`, 0 at the other two, falling with the square of the distance from the corner on
-    /// the screen; negative beyond. 1 at the corner itself. And w_B²/(w_B² + w_C²), by which one edge's value gives way to
-    /// the other's without slope at either; ½ at the corner.
+    /// Returns d_A, Bangay eq. 7, and the mix w_B²/(w_B² + w_C²). d_A is 1 at corner `k` and 0 at the other two; it
+    /// falls with the square of the distance from the corner on the screen and is negative beyond. The mix blends from
+    /// one edge's value to the other's with zero slope at both edges; at the corner, it is ½.
     ///
-    /// On the screen, because there distances and weights agree about places: a mesh's own distances would bend the
-    /// contours at edges in perspective.
+    /// Distances are measured on the screen because they are consistent with the weights there: in perspective,
+    /// distances on the mesh would bend the contours at edges.
     #[inline(always)]
     fn closeness<N: Number<Constant = T>>(&self, k: usize, w: [N; 3]) -> (N, N) {
         let (i, j) = OTHERS[k];
         let [to_i, to_j] = &self.steps[k];
         let (zero, one) = (w[k].of(0.0), w[k].of(1.0));
-        // Scaled, so that squares of tiny weights do not vanish.
+        // The weights are scaled so that the squares of tiny weights do not vanish.
         let largest = w[i].max(zero - w[i]).max(w[j].max(zero - w[j]));
         let (wi, wj) = (w[i] / largest, w[j] / largest);
         let mix = N::select(zero.below(largest), wi * wi / (wi * wi + wj * wj), w[k].of(0.5));
         let reach = mix.times(to_i[2]) + (one - mix).times(to_j[2]);
         let place = [w[i].times(to_i[0]) + w[j].times(to_j[0]), w[i].times(to_i[1]) + w[j].times(to_j[1]), zero];
-        // Two corners coincide, so no distance separates them.
+        // If `reach` is 0, corners coincide, and no distance separates them.
         let far = N::select(zero.below(reach), dot(place, place) / (reach * reach), zero);
         (one - far, mix)
     }
 
-    /// As printed: `g·value + (1−g)·d_A·I_A` where w_A > 1 − 2b, g = I_n((1−w_A)/2b); of overlapping regions (b > ¼) the
-    /// first, with a jump. It darkens a uniform surface around its vertices.
+    /// As printed: `g·value + (1−g)·d_A·I_A` where w_A > 1 − 2b, with g = I_n((1−w_A)/2b). Where regions overlap (b >
+    /// ¼), the first one applies, with a jump. The correction darkens a uniform surface around its vertices.
     #[inline(always)]
     fn printed<N: Number<Constant = T>>(&self, value: [N; C], w: [N; 3], b: f64, step: &Curve<T>) -> [N; C] {
         let one = w[0].of(1.0);
         let mut corrected = value;
-        // The first corner last: it wins.
+        // The first corner comes last, so it takes precedence.
         for k in [2, 1, 0] {
             let here = one.of(1.0 - 2.0 * b).below(w[k]);
             if N::any(here) {
@@ -126,12 +127,12 @@ impl<T: Constant, const C: usize> Fans<T, C> {
         corrected
     }
 
-    /// Repaired: the light around a vertex goes to that of its neighbors instead of to darkness, I_V = I_e + d_A(I_A −
-    /// I_e), I_e mixed from I_B and I_C by squared weights; and it gives way to `value` with ρ = √(1−d_A), which both
-    /// triangles at an edge share, over the radius 2·min(b, ¼): value + Σ q·(1 − I_n(ρ/radius))·(I_V − value).
+    /// Repaired: the light around a vertex approaches its neighbors' light instead of darkness: I_V = I_e + d_A(I_A −
+    /// I_e), where I_e is mixed from I_B and I_C by squared weights. Over the radius 2·min(b, ¼), it blends into
+    /// `value` with ρ = √(1−d_A), which both triangles at an edge share: value + Σ q·(1 − I_n(ρ/radius))·(I_V − value).
     ///
-    /// At angles above 120° the radius reaches beyond the opposite edge, where the neighbor does not continue it. There
-    /// q = I_2(4·w_A), which is 1 for w_A ≥ ¼, ends it at the edge.
+    /// At angles above 120°, the radius reaches beyond the opposite edge, where the neighbor does not continue the
+    /// correction. The factor q = I_2(4·w_A), which is 1 for w_A ≥ ¼, ends it at the edge.
     ///
     /// Uniform light stays uniform, and C1 across edges stays C1.
     #[inline(always)]
@@ -160,11 +161,11 @@ impl<T: Constant, const C: usize> Fans<T, C> {
     }
 }
 
-/// Minimum |N| by which light is divided.
+/// The minimum |N| by which light is divided.
 const LEAST_NORMAL: f64 = 1e-3;
 
-/// Bangay eq. 9 as printed: value/(|N| + (1−|N|)·I_n(t/b')), |N| the length `normal` of Σ w_i·N_i, t the smallest
-/// weight. It brightens the strips only, and the ambient light too. Also divides by no less than 1e-3.
+/// Bangay eq. 9 as printed: value/(|N| + (1−|N|)·I_n(t/b')), where |N| = `normal` is the length of Σ w_i·N_i and t is
+/// the smallest weight. It brightens only the strips, but including their ambient light. The divisor is at least 1e-3.
 #[inline(always)]
 fn reweight_printed<N: Number, const C: usize>(
     value: [N; C],
@@ -184,7 +185,7 @@ fn reweight_printed<N: Number, const C: usize>(
     light
 }
 
-/// Repaired: I_amb + (value − I_amb)/max(|N|, 1e-3), over the whole triangle.
+/// Repaired: I_amb + (value − I_amb)/max(|N|, 1e-3) over the whole triangle.
 #[inline(always)]
 fn reweight_repaired<N: Number, const C: usize>(value: [N; C], ambient: [N; C], normal: N) -> [N; C] {
     let factor = normal.of(1.0) / normal.max(normal.of(LEAST_NORMAL));

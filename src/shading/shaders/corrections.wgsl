@@ -1,9 +1,9 @@
-// Vertex shading, Bangay §4.3: on top of any shader.
+// Vertex shading, Bangay §4.3, applied on top of any shader.
 
 const PRINTED = 1u;
 const REPAIRED = 2u;
 
-// A corner with the other two: weights, steps on the screen to the others, lights.
+// A corner and the other two: their weights, the steps on the screen to the other two, and their lights.
 struct Around {
     w: vec3f,
     to_i: vec2f,
@@ -41,7 +41,7 @@ fn farness(a: Around, mixed: f32) -> f32 {
     return dot(step, step) / (reach * reach);
 }
 
-// As printed: darkens a uniform surface around its vertices.
+// As printed: this darkens a uniform surface around its vertices.
 fn vertex_printed(value: vec3f, corners: vec3u, w: vec3f, b: f32) -> vec3f {
     for (var k = 0u; k < 3u; k++) {
         if b > 0.0 && w[k] > 1.0 - 2.0 * b {
@@ -53,7 +53,7 @@ fn vertex_printed(value: vec3f, corners: vec3u, w: vec3f, b: f32) -> vec3f {
     return value;
 }
 
-// Repaired: toward the neighbors' light instead of darkness.
+// Repaired: the light approaches the neighbors' light instead of darkness.
 fn vertex_repaired(value: vec3f, corners: vec3u, w: vec3f, b: f32) -> vec3f {
     let radius = 2.0 * min(b, 0.25);
     var corrected = value;
@@ -65,16 +65,17 @@ fn vertex_repaired(value: vec3f, corners: vec3u, w: vec3f, b: f32) -> vec3f {
         if rho < radius {
             let neighbors = mix(a.j, a.i, mixed);
             let arc = neighbors + (a.own - neighbors) * (1.0 - far);
-            // Beyond the opposite edge, which wide angles reach, no neighbor continues it: it ends there.
+            // At wide angles, the arc reaches the opposite edge. No neighbor continues it there, so it must end at that
+            // edge.
             corrected += (arc - value) * (smoothstep(0.0, 0.25, w[k]) * (1.0 - blend(rho / radius)));
         }
     }
     return corrected;
 }
 
-// Intensity reweighting, Bangay §4.4: on top of any shader.
+// Intensity reweighting, Bangay §4.4, applied on top of any shader.
 
-// Bangay eq. 9 as printed, `normal` the length of the interpolated normal.
+// Bangay eq. 9 as printed; `normal` is the length of the interpolated normal.
 fn reweight_printed(value: vec3f, normal: f32, w: vec3f, b: f32) -> vec3f {
     let k = smallest(w);
     let others = vec2f(w[(k + 1u) % 3u], w[(k + 2u) % 3u]);
@@ -86,7 +87,7 @@ fn reweight_printed(value: vec3f, normal: f32, w: vec3f, b: f32) -> vec3f {
     return value / max(normal + (1.0 - normal) * inside, 1e-3);
 }
 
-// Repaired: over the whole triangle, and sparing the ambient light.
+// Repaired: applies to the whole triangle and leaves the ambient light unchanged.
 fn reweight_repaired(value: vec3f, normal: f32, ambient: vec3f) -> vec3f {
     return ambient + (value - ambient) / max(normal, 1e-3);
 }

@@ -1,5 +1,5 @@
-//! Ours: Gouraud's light, with the corner that it makes at every edge cut off: the slope runs from one side's to the
-//! other's without overshoot.
+//! New in machband: Gouraud's light with the corner cut off at every edge. The slope changes from one side's value to
+//! the other's without overshoot.
 
 use super::{
     gouraud::Spread,
@@ -13,11 +13,12 @@ use crate::{
     },
 };
 
-/// L − Σ_k c_k·b'_k·Ψ_n(w_k/b'_k), Ψ from [`Curve::rest`]. C1 across edges. The light on an edge itself moves by −c·b'/2. b
-/// may go to 1; n = 1 is best.
+/// L − Σ_k c_k·b'_k·Ψ_n(w_k/b'_k), where Ψ is [`Curve::rest`]. The light is C1 across edges. On an edge itself, it
+/// changes by −c·b'/2. b may be up to 1; n = 1 is best.
 ///
-/// The width of a strip is b' = `b·φ(σ/(b·m_B))·φ((1−σ)/(b·m_C))`. σ = w_C + w_A·s_A is the point's perpendicular projection
-/// on the edge, so the width does not change perpendicular to the edge, and falls below w_A before the other two edges.
+/// The width of a strip is b' = `b·φ(σ/(b·m_B))·φ((1−σ)/(b·m_C))`. σ = w_C + w_A·s_A is the point's perpendicular
+/// projection onto the edge. The width therefore does not change perpendicular to the edge, and it falls below w_A
+/// before the other two edges are reached.
 #[derive(Clone, Debug)]
 pub struct Cut<T, const C: usize> {
     edges: Vec<[Edge<T, C>; 3]>,
@@ -36,7 +37,7 @@ struct Edge<T, const C: usize> {
 }
 
 impl<T: Constant, const C: usize> Cut<T, C> {
-    /// For the triangles of `frame` and strips of width `b`, above 0 and at most 1.
+    /// Prepares the shader for the triangles of `frame`, with strips of width `b`, above 0 and at most 1.
     pub fn new(frame: &Frame, channels: Channels, b: f64, depth: Depth) -> Self {
         let b = b.min(1.0);
         let edge = |bend: Bend| Edge {
@@ -58,7 +59,7 @@ impl<T: Constant, const C: usize> Spread<T, C> for Cut<T, C> {
         let zero = w[0].of(0.0);
         let mut light = gouraud;
         for k in 0..3 {
-            // No strip is wider.
+            // No strip is wider than this.
             if !N::any(w[k].below(zero.all(self.strip))) {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Ours: Gouraud's light, with the slope across every edge matched to the neighbor's.
+//! New in machband: Gouraud's light, with the slope across every edge matched to the neighbor's.
 
 use super::{
     gouraud::Spread,
@@ -15,8 +15,9 @@ use crate::{
 /// L + Σ_k c_k·w_k·(1 − I_n(w_k/b'_k)), where b'_k = `b·φ((1−w_i)/2b)·φ((1−w_j)/2b)`: the strip narrows toward the
 /// corners without a kink.
 ///
-/// Cⁿ across the whole of an edge for any two triangles; a linear field stays linear (all c are 0). The strip has no
-/// net change: its slope runs from +c through −0.69c (n = 2) or −0.78c (n = 3) to 0, a bump of at most 0.27·b·c.
+/// The light is Cⁿ across the entire edge of any two triangles; a linear field stays linear (all c are 0). The strip
+/// adds no net change: the added slope runs from +c through −0.69c (n = 2) or −0.78c (n = 3) to 0, which makes a bump
+/// of at most 0.27·b·c.
 #[derive(Clone, Debug)]
 pub struct Exact<T, const C: usize> {
     /// c of each edge.
@@ -28,7 +29,7 @@ pub struct Exact<T, const C: usize> {
 }
 
 impl<T: Constant, const C: usize> Exact<T, C> {
-    /// For the triangles of `frame` and strips of width `b`, above 0.
+    /// Prepares the shader for the triangles of `frame`, with strips of width `b`, above 0.
     pub fn new(frame: &Frame, channels: Channels, b: f64, depth: Depth) -> Self {
         let bends = bends(frame).iter().map(|edges| edges.map(|edge| channels.pick(edge.c))).collect();
         Exact { bends, strip: T::of(b), per_corner: T::of(0.5 / b), curve: Curve::new(depth) }
@@ -41,7 +42,7 @@ impl<T: Constant, const C: usize> Spread<T, C> for Exact<T, C> {
         let (zero, one) = (w[0].of(0.0), w[0].of(1.0));
         let mut light = gouraud;
         for k in 0..3 {
-            // No strip is wider.
+            // No strip is wider than this.
             if !N::any(w[k].below(one.all(self.strip))) {
                 continue;
             }
@@ -49,7 +50,7 @@ impl<T: Constant, const C: usize> Spread<T, C> for Exact<T, C> {
             let narrowed = ease((one - w[i]).times(self.per_corner)) * ease((one - w[j]).times(self.per_corner));
             let width = narrowed.times(self.strip);
             let bump = w[k] * (one - self.curve.value(w[k] / width));
-            // At a corner two strips have neither width nor weight.
+            // At a corner, two strips have zero width and zero weight.
             light = plus(light, N::select(w[k].below(width), bump, zero), &self.bends[triangle][k]);
         }
         light

@@ -1,6 +1,6 @@
-//! Bangay's fixed boundary shader, eq. 4, as printed: flattens the light at every edge. It is continuous, and without
-//! slope along the line from A at the edge, but not C1 across: those lines bend there. It flattens the edges of linear
-//! fields too.
+//! Bangay's fixed boundary shader, eq. 4, as printed: it flattens the light at every edge. The light is continuous and,
+//! at the edge, has no slope along the line from A. It is not C1 across the edge because these lines bend there. The
+//! shader flattens the edges of linear fields, too.
 
 use super::{
     gouraud::Spread,
@@ -14,11 +14,12 @@ use crate::{
     },
 };
 
-/// Bangay eq. 4, J(t) = t·I_n(t/b')·(I_A − I_E) + I_E, in the strip of the smallest weight t (as in the text; the
-/// pseudo-code takes the first below b, which jumps), and Gouraud's light elsewhere.
+/// Bangay eq. 4, J(t) = t·I_n(t/b')·(I_A − I_E) + I_E, in the strip of the smallest weight t, and Gouraud's light
+/// elsewhere. This follows the text of the paper; its pseudocode uses the first weight below b, which makes the light
+/// jump.
 #[derive(Clone, Debug)]
 pub struct Fixed<T, const C: usize> {
-    /// Of the corners of each triangle.
+    /// The lights of the corners of each triangle.
     pub(super) lights: Vec<[[T; C]; 3]>,
     strip: T,
     /// I_n as printed.
@@ -27,22 +28,22 @@ pub struct Fixed<T, const C: usize> {
 
 /// A point in the strip opposite a corner.
 pub(super) struct InStrip<N: Number, const C: usize> {
-    /// How far across the strip, t/b'; 0 at the corners, where the strip has no width.
+    /// The relative position across the strip, t/b'; 0 at the corners, where the strip has no width.
     pub across: N,
-    /// I_E: the light where the line from the corner through the point meets the edge. Bangay eq. 3.
+    /// I_E, the light where the line from the corner through the point meets the edge. Bangay eq. 3.
     pub on_edge: [N; C],
-    /// J(t).
+    /// The light J(t).
     pub light: [N; C],
 }
 
 impl<T: Constant, const C: usize> Fixed<T, C> {
-    /// For the triangles of `frame` and strips of width `b`.
+    /// Prepares the shader for the triangles of `frame`, with strips of width `b`.
     pub fn new(frame: &Frame, channels: Channels, b: f64, depth: Depth) -> Self {
         let lights = frame.each_triangle(|t| frame.corners(t).map(|v| channels.pick(v.light)));
         Fixed { lights, strip: T::of(b), step: Curve::printed(depth) }
     }
 
-    /// `strip(k)` in the strip opposite corner k, Gouraud's light elsewhere.
+    /// Returns `strip(k)` in the strip opposite corner k and Gouraud's light elsewhere.
     #[inline(always)]
     pub(super) fn in_strips<N: Number<Constant = T>>(
         &self,
@@ -53,7 +54,7 @@ impl<T: Constant, const C: usize> Fixed<T, C> {
         by_smallest(w, least(w).below(w[0].all(self.strip)), gouraud, strip)
     }
 
-    /// A point in the strip opposite corner `k`.
+    /// Computes a point in the strip opposite corner `k`.
     #[inline(always)]
     pub(super) fn in_strip<N: Number<Constant = T>>(&self, triangle: usize, k: usize, w: [N; 3]) -> InStrip<N, C> {
         let (i, j) = OTHERS[k];

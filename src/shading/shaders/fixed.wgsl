@@ -1,4 +1,4 @@
-// Bangay eq. 4, printed: t·I_n(t/b')·(I_A − I_E) + I_E. `apex` is I_A, `on_edge` I_E.
+// Bangay eq. 4 as printed: t·I_n(t/b')·(I_A − I_E) + I_E, where `apex` is I_A and `on_edge` is I_E.
 fn fixed_strip(apex: vec3f, on_edge: vec3f, t: f32, across: f32) -> vec3f {
     return on_edge + (apex - on_edge) * (t * interpolation(across));
 }

@@ -8,18 +8,18 @@ use crate::shading::{
     number::{Channels, Constant, Number},
 };
 
-/// The light of each triangle: that at its middle, with the normal of the face.
+/// The light of each triangle: the light at its centroid, with the normal of the face.
 #[derive(Clone, Debug)]
 pub struct Flat<T, const C: usize>(Vec<[T; C]>);
 
 impl<T: Constant, const C: usize> Flat<T, C> {
-    /// For the triangles of `frame`.
+    /// Prepares the shader for the triangles of `frame`.
     pub fn new(frame: &Frame, channels: Channels) -> Self {
         Flat(frame.each_triangle(|t| channels.pick(light(frame, t))))
     }
 }
 
-/// The light of `triangle`.
+/// Returns the light of `triangle`.
 #[must_use]
 pub fn light(frame: &Frame, triangle: usize) -> DVec3 {
     let [a, b, c] = frame.corners(triangle).map(|v| v.eye);

@@ -1,11 +1,11 @@
-//! What every shader is, and the plainest: light interpolated between the vertices.
+//! The trait of all shaders, and the simplest shader: light interpolated between the vertices.
 
 use crate::shading::number::{Constant, Number};
 
-/// Spreads light over the triangles of a frame, in `C` channels. T is the precision of its constants.
+/// A shader: spreads light over the triangles of a frame, in `C` channels. T is the precision of its constants.
 pub trait Spread<T: Constant, const C: usize>: Send + Sync {
-    /// The light where the corners of triangle `triangle` have the weights `w` on the screen; `gouraud` is w_A·I_A + w_B·I_B
-    /// + w_C·I_C there.
+    /// Returns the light at the point where the corners of triangle `triangle` have the weights `w` on the screen;
+    /// `gouraud` is w_A·I_A + w_B·I_B + w_C·I_C at that point.
     fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C];
 }
 

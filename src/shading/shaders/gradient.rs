@@ -1,4 +1,5 @@
-//! Bangay's second boundary shader, §4.2.1: meant to give the light at an edge the slope between the two triangles'.
+//! Bangay's second boundary shader, §4.2.1: it is intended to give the light at an edge a slope between the slopes of
+//! the two triangles.
 
 use super::{fixed::Fixed, gouraud::Spread, strips::OTHERS};
 use crate::{
@@ -9,17 +10,19 @@ use crate::{
     },
 };
 
-/// Which slope at the edge.
+/// The slope at the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
-    /// (I_F − I_E)/2: leaves half of Gouraud's bend at the middle of an edge, and bends others more.
+    /// (I_F − I_E)/2, as printed: leaves half of Gouraud's bend at the middle of an edge, and increases the bend
+    /// elsewhere.
     Printed,
-    /// (I_A − I_F)/2: the mean of the two slopes, C1 at the middle of the edges of parallelograms.
+    /// (I_A − I_F)/2: the mean of the two slopes, which makes the light C1 at the middle of the edges of
+    /// parallelograms.
     Repaired,
 }
 
-/// J(t) = t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope + I_E in the strip of the smallest weight; [`Fixed`]'s at an
-/// edge without a neighbor.
+/// J(t) = t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope + I_E in the strip of the smallest weight. At an edge
+/// without a neighbor, it is the light of [`Fixed`].
 #[derive(Clone, Debug)]
 pub struct Gradient<T, const C: usize> {
     fixed: Fixed<T, C>,
@@ -29,7 +32,7 @@ pub struct Gradient<T, const C: usize> {
 }
 
 impl<T: Constant, const C: usize> Gradient<T, C> {
-    /// For the triangles of `frame` and strips of width `b`.
+    /// Prepares the shader for the triangles of `frame`, with strips of width `b`.
     pub fn new(frame: &Frame, channels: Channels, sign: Sign, b: f64, depth: Depth) -> Self {
         let apex = |across| match across {
             Across::Triangle { apex, .. } => Some(channels.pick(frame.vertices[apex as usize].light)),
@@ -45,8 +48,9 @@ impl<T: Constant, const C: usize> Gradient<T, C> {
         let Some(apex) = &self.apexes[triangle][k] else { return strip.light };
         let (i, j) = OTHERS[k];
         let (lights, zero, one) = (&self.fixed.lights[triangle], w[k].of(0.0), w[k].of(1.0));
-        // I_F, the light on the neighbor's far edge, Bangay eqs. 5 and 6: with f = 2a/(1+a) from B, or −2a/(1−a) from C if
-        // a = 2w_B/(w_B+w_C) − 1 is negative. Exact only where D mirrors A in the middle of the edge.
+        // I_F, the light on the neighbor's far edge, Bangay eqs. 5 and 6: with f = 2a/(1+a) from B, or −2a/(1−a) from C
+        // if a = 2w_B/(w_B+w_C) − 1 is negative. This is exact only if D is the reflection of A through the midpoint of
+        // the edge.
         let a = w[i] * w[i].of(2.0) / (w[i] + w[j]) - one;
         let nearer_j = a.below(zero);
         let size = a.max(zero - a);

@@ -1,10 +1,10 @@
-//! The shaders, one per file, with their equations for the light at a point of a triangle, given the weights w_A, w_B,
-//! w_C of the corners on the screen and their lights I_A, I_B, I_C.
+//! The shaders, one per file. Their equations give the light at a point of a triangle from the weights w_A, w_B, w_C of
+//! the corners on the screen and from the lights I_A, I_B, I_C of the corners.
 //!
-//! Each is written once, for any `Number`: as f64 it is the reference, and as several pixels of
-//! f32 it draws. Its WGSL, for graphics cards, is next to it, or in `gpu/main.wgsl` if it is a line or two.
+//! Each shader is written once, for any `Number`: with f64 it is the reference, and with several pixels of f32 it
+//! draws. Its WGSL for graphics cards is next to it, or in `gpu/main.wgsl` if it is only a line or two.
 //!
-//! `Plain`, below, lists them.
+//! `Plain`, below, lists the shaders.
 
 mod corrections;
 mod cut;
@@ -40,23 +40,23 @@ use crate::shading::{
     number::{Channels, Constant, Number},
 };
 
-/// A shader without corrections, its constants computed.
+/// A shader without corrections, with its constants computed.
 #[derive(Clone, Debug)]
 pub enum Plain<T, const C: usize> {
     Flat(Flat<T, C>),
-    /// *gouraud*, and any strip shader with no strips.
+    /// *gouraud*, and any strip shader whose strips have no width.
     Gouraud(Gouraud),
     Phong(Phong<T, C>),
     Quadratic(Quadratic<T, C>),
     Fixed(Fixed<T, C>),
-    /// *gradient* and *gradient-repaired*
+    /// *gradient* and *gradient-repaired*.
     Gradient(Gradient<T, C>),
     Exact(Exact<T, C>),
     Cut(Cut<T, C>),
     Patch(Patch<T, C>),
 }
 
-/// Does `$body` with the shader that `$plain` is, as `$shader`.
+/// Evaluates `$body` with `$shader` bound to the shader in `$plain`.
 macro_rules! with_shader {
     ($plain:expr, $shader:ident => $body:expr) => {
         match $plain {
@@ -76,7 +76,7 @@ macro_rules! with_shader {
 pub(crate) use with_shader;
 
 impl<T: Constant, const C: usize> Plain<T, C> {
-    /// The shader of `shade` for the triangles of `frame`.
+    /// Prepares the shader of `shade` for the triangles of `frame`.
     #[must_use]
     pub fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
         let (b, depth) = (shade.strip(), shade.depth);
@@ -87,7 +87,7 @@ impl<T: Constant, const C: usize> Plain<T, C> {
             Shader::Quadratic => Plain::Quadratic(Quadratic::new(frame, channels)),
             Shader::Patch => Plain::Patch(Patch::new(frame, channels, &Patches::new(frame, shade.gradients))),
             Shader::Gouraud => Plain::Gouraud(Gouraud),
-            // Without a strip, the others are Gouraud.
+            // Without strips, the other shaders are the same as Gouraud.
             _ if b <= 0.0 => Plain::Gouraud(Gouraud),
             Shader::Fixed => Plain::Fixed(Fixed::new(frame, channels, b, depth)),
             Shader::Gradient => gradient(Sign::Printed),
@@ -98,17 +98,17 @@ impl<T: Constant, const C: usize> Plain<T, C> {
     }
 }
 
-/// A shader with its options: its light first, then vertex shading, then reweighting.
+/// A shader with its corrections. The shader's light comes first, then vertex shading, then reweighting.
 #[derive(Clone, Debug)]
 pub struct Shading<T, const C: usize> {
     /// The shader.
     pub plain: Plain<T, C>,
-    /// Bangay's corrections, if any is made.
+    /// Bangay's corrections, if any are enabled.
     pub corrections: Option<Corrections<T, C>>,
 }
 
 impl<T: Constant, const C: usize> Shading<T, C> {
-    /// The shader of `shade` for the triangles of `frame`, in the channels that are shaded.
+    /// Prepares the shader of `shade` for the triangles of `frame`, in the channels that are shaded.
     #[must_use]
     pub fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
         let is_plain = (shade.vertex, shade.reweight) == (Correction::Off, Correction::Off);

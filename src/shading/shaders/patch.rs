@@ -1,5 +1,5 @@
-//! Ours: a surface with a continuous slope through the vertices' lights and slopes, the reduced Clough–Tocher cubics of
-//! [`Patches`].
+//! New in machband: light with a continuous slope, determined by the lights and slopes at the vertices. It uses the
+//! reduced Clough–Tocher cubics of [`Patches`].
 
 use glam::DVec3;
 
@@ -9,8 +9,9 @@ use crate::shading::{
     number::{Channels, Constant, Number},
 };
 
-/// For each triangle three cubics, each where one weight w_k is the smallest: powers of u = w_i − w_k and v = w_j − w_k,
-/// the weights of the ends of the edge opposite corner k once the centroid's, 3·w_k, has been taken out.
+/// Three cubics per triangle, one for each part in which a weight w_k is the smallest. They are polynomials in u = w_i
+/// − w_k and v = w_j − w_k, the weights of the ends of the edge opposite corner k after the centroid's weight, 3·w_k,
+/// has been subtracted.
 #[derive(Clone, Debug)]
 pub struct Patch<T, const C: usize>(Vec<[[Cubic<T>; C]; 3]>);
 
@@ -18,7 +19,7 @@ pub struct Patch<T, const C: usize>(Vec<[[Cubic<T>; C]; 3]>);
 type Cubic<T> = [T; 10];
 
 impl<T: Constant, const C: usize> Patch<T, C> {
-    /// For the triangles of `frame`.
+    /// Prepares the shader for the triangles of `frame`.
     pub fn new(frame: &Frame, channels: Channels, patches: &Patches) -> Self {
         Patch(frame.each_triangle(|t| thirds(channels, &patches.control_points[t])))
     }
@@ -31,9 +32,9 @@ fn thirds<T: Constant, const C: usize>(channels: Channels, points: &ControlPoint
     })
 }
 
-/// The powers of u and v of the cubic with the Bézier ordinates `b`, row by row from the edge: u³b₀ + 3u²v·b₁ + 3uv²·b₂ +
-/// v³b₃ + 3s(u²b₄ + 2uv·b₅ + v²b₆) + 3s²(u·b₇ + v·b₈) + s³b₉ with s = 1 − u − v. They are the differences of the
-/// ordinates, from the centroid on.
+/// Returns the coefficients of the powers of u and v for the cubic with the Bézier ordinates `b`, row by row from the
+/// edge: u³b₀ + 3u²v·b₁ + 3uv²·b₂ + v³b₃ + 3s(u²b₄ + 2uv·b₅ + v²b₆) + 3s²(u·b₇ + v·b₈) + s³b₉ with s = 1 − u − v. The
+/// coefficients are differences of the ordinates, starting at the centroid.
 fn powers(b: [DVec3; 10]) -> [DVec3; 10] {
     let [b0, b1, b2, b3, b4, b5, b6, b7, b8, b9] = b;
     [

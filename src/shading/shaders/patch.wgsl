@@ -1,7 +1,9 @@
-// Ours, *patch*: a reduced Clough–Tocher cubic, its slope continuous over the whole surface. Needs nothing else.
+// *patch*, new in machband: a reduced Clough–Tocher cubic whose slope is continuous over the whole surface. Needs no
+// other file.
 
-// A triangle's Bézier ordinates. For each corner: its light, a third of the way to the next corner and to the one
-// after; for each edge, opposite corner A, B or C: the middle of the third of the triangle at that edge.
+// A triangle's Bézier ordinates. For each corner: its light, and the ordinates a third of the way to the next corner
+// and to the one after it. For each edge (opposite corner A, B, or C): the middle ordinate of the third of the triangle
+// at that edge.
 struct Patch {
     light: array<vec3f, 3>,
     next: array<vec3f, 3>,
@@ -10,7 +12,8 @@ struct Patch {
 }
 
 fn patch_light(p: Patch, w: vec3f) -> vec3f {
-    // The rest follows: a third of the way from each corner to the centroid, two thirds, the centroid.
+    // The other ordinates follow: a third of the way from each corner to the centroid, two thirds of the way, and at
+    // the centroid.
     let near_a = (p.light[0] + p.next[0] + p.previous[0]) / 3.0;
     let near_b = (p.light[1] + p.next[1] + p.previous[1]) / 3.0;
     let near_c = (p.light[2] + p.next[2] + p.previous[2]) / 3.0;
@@ -18,7 +21,7 @@ fn patch_light(p: Patch, w: vec3f) -> vec3f {
     let far_b = (near_b + p.middle[2] + p.middle[0]) / 3.0;
     let far_c = (near_c + p.middle[0] + p.middle[1]) / 3.0;
     let center = (far_a + far_b + far_c) / 3.0;
-    // The third of the triangle that holds the pixel is at the edge opposite the smallest weight.
+    // The third of the triangle that contains the pixel is at the edge opposite the corner with the smallest weight.
     if w.x <= w.y && w.x <= w.z {
         let edge = edge_cubic(p.light[1], p.next[1], p.previous[2], p.light[2], w.yz - w.x);
         return third_light(edge, near_b, p.middle[0], near_c, far_b, far_c, center, w.yz - w.x, 3.0 * w.x);
@@ -36,7 +39,7 @@ fn edge_cubic(b0: vec3f, b1: vec3f, b2: vec3f, b3: vec3f, uv: vec2f) -> vec3f {
     return uv.x * uv.x * (uv.x * b0 + 3.0 * uv.y * b1) + uv.y * uv.y * (3.0 * uv.x * b2 + uv.y * b3);
 }
 
-// The cubic of one third: u, v are the weights of the edge's ends, s that of the centroid.
+// The cubic of one third: u and v are the weights of the edge's ends, and s is the weight of the centroid.
 fn third_light(
     edge: vec3f,
     near_i: vec3f,

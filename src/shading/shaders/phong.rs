@@ -10,21 +10,21 @@ use crate::{
     },
 };
 
-/// The light of the normalized Σ w_i·N_i at the place Σ w_i·P_i.
+/// The light of a surface with the normalized normal Σ w_i·N_i at the position Σ w_i·P_i.
 #[derive(Clone, Debug)]
 pub struct Phong<T, const C: usize> {
     normals: Vec<[[T; 3]; 3]>,
-    /// In eye space; empty if only directions matter.
+    /// Positions in eye space; empty if only directions matter.
     places: Vec<[[T; 3]; 3]>,
     ambient: [T; C],
     lamps: Vec<Reflection<T, C>>,
-    /// Where the eye is on the z axis, if not far away.
+    /// The position of the eye on the z axis; `None` if it is infinitely far away.
     eye: Option<T>,
     encoding: Option<Transfers>,
 }
 
 impl<T: Constant, const C: usize> Phong<T, C> {
-    /// For the triangles of `frame`, lit by its lamps.
+    /// Prepares the shader for the triangles of `frame`, lit by the frame's lamps.
     pub fn new(frame: &Frame, channels: Channels) -> Self {
         let lighting = &frame.lighting;
         let lamp = |lamp| Reflection::new(lamp, &lighting.material, channels);
@@ -68,7 +68,7 @@ impl<T: Constant, const C: usize> Spread<T, C> for Phong<T, C> {
     }
 }
 
-/// One channel stands for others of the same transfer function only.
+/// One channel stands for several only if they have the same transfer function.
 fn encoded<const C: usize>(transfers: &Transfers, light: [f64; C]) -> [f64; C] {
     let mut channels = [light[0]; 3];
     channels[..C].copy_from_slice(&light);

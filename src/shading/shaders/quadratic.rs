@@ -1,5 +1,5 @@
-//! Light through the vertices and the middles of the edges; after Mohamed et al., whose shader takes three more samples
-//! of the light per triangle.
+//! Quadratic light through the lights at the vertices and at the midpoints of the edges, after Mohamed et al., whose
+//! shader uses three additional samples of the light per triangle.
 
 use glam::DVec3;
 
@@ -9,20 +9,20 @@ use crate::shading::{
     number::{Channels, Constant, Number, plus},
 };
 
-/// The quadratic through the lights of the corners and those of the middles, M_k opposite corner k: Gouraud's light and
-/// Σ_k w_i·w_j·4(M_k − (I_i + I_j)/2).
+/// The quadratic through the lights of the corners and the lights M_k of the midpoints, where M_k is opposite corner k:
+/// Gouraud's light plus Σ_k w_i·w_j·4(M_k − (I_i + I_j)/2).
 #[derive(Clone, Debug)]
 pub struct Quadratic<T, const C: usize>(Vec<[[T; C]; 3]>);
 
 impl<T: Constant, const C: usize> Quadratic<T, C> {
-    /// For the triangles of `frame`.
+    /// Prepares the shader for the triangles of `frame`.
     pub fn new(frame: &Frame, channels: Channels) -> Self {
         Quadratic(frame.each_triangle(|t| bulges(frame, t).map(|bulge| channels.pick(bulge))))
     }
 }
 
-/// 4(M_k − (I_i + I_j)/2) of each edge of `triangle`, M_k lit as `phong` would light it. Both triangles
-/// at an edge get the same.
+/// Returns 4(M_k − (I_i + I_j)/2) of each edge of `triangle`, where M_k is lit as `phong` would light it. Both
+/// triangles at an edge get the same values.
 #[must_use]
 pub fn bulges(frame: &Frame, triangle: usize) -> [DVec3; 3] {
     let corners = frame.corners(triangle);

@@ -12,33 +12,33 @@ named! {
         Flat = "flat",
         /// Light interpolated between the vertices, Bangay eq. 2.
         Gouraud = "gouraud",
-        /// The normal interpolated between the vertices, with lighting at every pixel.
+        /// Normals interpolated between the vertices, with lighting at every pixel.
         Phong = "phong",
-        /// Light through the vertices and the middles of the edges, quadratic; after Mohamed et al.
+        /// Quadratic light through the lights at the vertices and at the midpoints of the edges, after Mohamed et al.
         Quadratic = "quadratic",
         /// Bangay eq. 4, as printed.
         Fixed = "fixed",
         /// Bangay §4.2.1's second expression, as printed.
         Gradient = "gradient",
-        /// The same with the sign of its slope repaired, (I_A − I_F)/2.
+        /// Like `gradient`, but with the sign of the slope repaired, (I_A − I_F)/2.
         GradientRepaired = "gradient-repaired",
-        /// Ours: the slope across every edge matched to its neighbor's.
+        /// New in machband: the slope across every edge matches the neighbor's.
         Exact = "exact",
-        /// Ours: the corner at every edge cut.
+        /// New in machband: the corner at every edge is cut off.
         Cut = "cut",
-        /// Ours: a surface with a continuous slope through the vertices' lights and slopes.
+        /// New in machband: light with a continuous slope, determined by the lights and slopes at the vertices.
         Patch = "patch",
     }
 }
 
 named! {
-    /// Whether and how one of Bangay's corrections is made.
+    /// Whether and how one of Bangay's corrections is applied.
     Correction, CorrectionError {
-        /// Not made.
+        /// The correction is not applied.
         Off = "off",
-        /// Made as the paper prints it.
+        /// The correction is applied as printed in the paper.
         Printed = "printed",
-        /// Made so that a uniform surface stays uniform.
+        /// The correction is repaired so that a uniform surface stays uniform.
         Repaired = "repaired",
     }
 }
@@ -46,27 +46,27 @@ named! {
 /// A shader with its options.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shade {
-    /// Which shader.
+    /// The shader.
     pub shader: Shader,
-    /// Continuity depth n of the boundary's interpolation.
+    /// Continuity depth n of the interpolation across the strips.
     pub depth: Depth,
-    /// Width b of the strip at an edge, as a barycentric weight: 0…1; up to ⅓ for all but [`Shader::Cut`], for which
-    /// larger ones act as ⅓.
+    /// Width b of the strip at an edge, as a barycentric weight, 0…1. For all shaders but [`Shader::Cut`], widths above
+    /// ⅓ act as ⅓.
     pub boundary: f64,
     /// Vertex shading, Bangay eq. 7.
     pub vertex: Correction,
     /// Intensity reweighting, Bangay eq. 9.
     pub reweight: Correction,
-    /// For [`Shader::Patch`].
+    /// The method for the slopes at the vertices, used by [`Shader::Patch`].
     pub gradients: Gradients,
 }
 
 impl Shader {
-    /// Their names, in an error message.
+    /// The names of all shaders, for an error message.
     pub const EXPECTED: &str =
         "one of flat, gouraud, phong, quadratic, fixed, gradient, gradient-repaired, exact, cut, patch";
 
-    /// Whether it interpolates light between the vertices: what corrections correct.
+    /// True if the shader interpolates light between the vertices, which is what the corrections apply to.
     #[must_use]
     pub const fn interpolates_light(self) -> bool {
         !matches!(self, Shader::Flat | Shader::Phong)
@@ -74,7 +74,8 @@ impl Shader {
 }
 
 impl Shade {
-    /// `shader` with n = 1 for *cut*, where it is best, and 3 otherwise; b = ⅓ for *cut*, 0.2 otherwise; no correction.
+    /// Returns `shader` with default options: n = 1 (the best value) and b = ⅓ for *cut*, n = 3 and b = 0.2 for all
+    /// others, and no corrections.
     #[must_use]
     pub const fn new(shader: Shader) -> Shade {
         let cut = matches!(shader, Shader::Cut);
@@ -88,13 +89,13 @@ impl Shade {
         }
     }
 
-    /// The width of the strip that is used: `boundary`, at most ⅓ unless the shader is *cut*.
+    /// Returns the width of the strip that is actually used: `boundary`, but at most ⅓ unless the shader is *cut*.
     #[must_use]
     pub fn strip(&self) -> f64 {
         if self.shader == Shader::Cut { self.boundary } else { self.boundary.min(1.0 / 3.0) }
     }
 
-    /// Whether n and b change anything.
+    /// True if n and b affect the result.
     #[must_use]
     pub fn has_strip(&self) -> bool {
         use Shader::{Cut, Exact, Fixed, Gradient, GradientRepaired};

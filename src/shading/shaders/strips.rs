@@ -1,41 +1,42 @@
-//! The strips at the edges of triangles, Bangay §4: how wide they are, and I_n, the curve across them.
+//! The strips at the edges of triangles, Bangay §4: their widths, and I_n, the curve across them.
 //!
-//! Corners are A, B, C; the edge opposite A runs from B to C. All places are those on the **screen**: the weights are
-//! affine there, and slopes matched elsewhere do not match in the picture.
+//! The corners are A, B, C; the edge opposite A runs from B to C. All positions are positions on the **screen**: the
+//! weights are affine there, and slopes matched elsewhere would not match in the picture.
 
 use crate::{
     light::{Depth, Interpolation, interpolation::TANH_K},
     shading::number::{Constant, Number, power, select},
 };
 
-/// The other two corners, in order.
+/// For each corner, the other two, in order.
 pub const OTHERS: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
-/// Stands for the width of a strip that has none, so that nothing is divided by zero.
+/// The width used for strips of zero width, to avoid dividing by zero.
 pub const NARROWEST: f64 = 1e-30;
 
-/// φ(x) = x − x²/4 below 2, where it reaches 1 with slope 0; 1 beyond; 0 for negative x. φ(x) ≤ x.
+/// φ(x) = x − x²/4 below x = 2, where it reaches 1 with slope 0; 1 beyond, and 0 for negative x. For x ≥ 0, φ(x) ≤ x.
 #[inline(always)]
 pub fn ease<N: Number>(x: N) -> N {
     let x = x.within(0.0, 2.0);
     x - x * x * x.of(0.25)
 }
 
-/// The smallest of the weights.
+/// Returns the smallest of the weights.
 #[inline(always)]
 pub fn least<N: Number>(w: [N; 3]) -> N {
     w[0].min(w[1]).min(w[2])
 }
 
-/// The width of the strip with the smallest weight as Bangay's pseudo-code narrows it toward the corners: `min(b,
-/// (1−w_i)/2, (1−w_j)/2)`. It has a kink at w = 1 − 2b.
+/// Returns the width of the strip of the smallest weight, narrowed toward the corners as in Bangay's pseudocode:
+/// `min(b, (1−w_i)/2, (1−w_j)/2)`. It has a kink at w = 1 − 2b.
 #[inline(always)]
 pub fn narrowed<N: Number>(w: [N; 3], b: N::Constant) -> N {
     let most = w[0].max(w[1]).max(w[2]);
     most.all(b).min((most.of(1.0) - most) * most.of(0.5))
 }
 
-/// `inside(k)` where corner k has the smallest weight, the first of equal ones, and `wanted` says so; `outside` elsewhere.
+/// Returns `inside(k)` where `wanted` is true and corner k has the smallest weight (the first of equal weights), and
+/// `outside` elsewhere.
 #[inline(always)]
 pub fn by_smallest<N: Number, const C: usize>(
     w: [N; 3],
@@ -43,7 +44,7 @@ pub fn by_smallest<N: Number, const C: usize>(
     outside: [N; C],
     inside: impl Fn(usize) -> [N; C],
 ) -> [N; C] {
-    // Where two weights are equal the last chosen wins, which is the first corner.
+    // Where weights are equal, the corner that is processed last takes precedence, which is the first corner.
     let least = least(w);
     let mut light = outside;
     for k in [2, 1, 0] {
@@ -57,30 +58,30 @@ pub fn by_smallest<N: Number, const C: usize>(
 
 /// I_n across a strip, and its integral.
 ///
-/// The printed tanh of n = ∞ misses 0 and 1 by 0.0067: unmodified, a strip would match neither its edge's slope nor the
-/// interior. For shaders that promise a continuous slope it is stretched to reach both, `(T(u) − T(0))/(1 − 2T(0))`, T(u)
-/// = (1 + tanh(5(u − ½)))/2. Then *exact* and *cut* are C1 across an edge for n = ∞ as well. The tanh's own slope at the
-/// ends, 0.067, stays: *exact* keeps a kink of 0.067·c where its strip ends, *cut* none. (The steeper tanh(10(u − ½))
-/// would leave 0.0009, but double the ripple of the strip.)
+/// The printed tanh for n = ∞ misses 0 and 1 by 0.0067: unmodified, a strip would match neither the slope at its edge
+/// nor the interior. For shaders that promise a continuous slope, the tanh is stretched to reach both: `(T(u) −
+/// T(0))/(1 − 2T(0))`, with T(u) = (1 + tanh(5(u − ½)))/2. Then *exact* and *cut* are C1 across an edge for n = ∞ as
+/// well. The tanh's own slope at the ends, 0.067, remains: *exact* keeps a kink of 0.067·c where its strip ends; *cut*
+/// has none. (The steeper tanh(10(u − ½)) would leave 0.0009, but would double the ripple of the strip.)
 #[derive(Clone, Debug)]
 pub enum Curve<T> {
-    /// Of a finite depth.
+    /// The curve of a finite depth.
     Finite {
-        /// n.
+        /// The depth n.
         n: u32,
         /// C(n−1+k, k), k < n.
         sums: Vec<T>,
         /// ½·C(2n−1, n).
         hump: T,
     },
-    /// Of n = ∞, as printed.
+    /// The curve of n = ∞, as printed.
     Printed(Interpolation),
-    /// Of n = ∞, stretched.
+    /// The curve of n = ∞, stretched to reach 0 and 1.
     Stretched(Interpolation),
 }
 
 impl<T: Constant> Curve<T> {
-    /// That of depth `depth`, for shaders that promise a continuous slope.
+    /// Makes the curve of depth `depth` for shaders that promise a continuous slope.
     #[must_use]
     pub fn new(depth: Depth) -> Self {
         let Depth::Finite(n) = depth else { return Curve::Stretched(Interpolation::new(depth)) };
@@ -93,7 +94,7 @@ impl<T: Constant> Curve<T> {
         Curve::Finite { n, sums: sums.into_iter().map(T::of).collect(), hump: T::of(hump) }
     }
 
-    /// The same as Bangay prints it.
+    /// Makes the curve of depth `depth` as Bangay prints it.
     #[must_use]
     pub fn printed(depth: Depth) -> Self {
         match Curve::new(depth) {
@@ -102,13 +103,13 @@ impl<T: Constant> Curve<T> {
         }
     }
 
-    /// I_n(u): 0 for u ≤ 0, 1 for u ≥ 1.
+    /// Returns I_n(u): 0 for u ≤ 0, 1 for u ≥ 1, except that the printed curve of n = ∞ is not 0 at u = 0.
     #[must_use]
     #[inline(always)]
     pub fn value<N: Number<Constant = T>>(&self, u: N) -> N {
         match self {
             Curve::Finite { n, sums, .. } => {
-                // uⁿ·Σ C(n−1+k, k)·(1−u)^k below ½, 1 − I_n(1−u) above: no powers that cancel.
+                // uⁿ·Σ C(n−1+k, k)·(1−u)^k below ½ and 1 − I_n(1−u) above, so no powers cancel.
                 let (half, one) = (u.of(0.5), u.of(1.0));
                 let u = u.within(0.0, 1.0);
                 let low = u.min(one - u);
@@ -125,10 +126,11 @@ impl<T: Constant> Curve<T> {
         }
     }
 
-    /// Ψ_n(u) = ∫ from u to 1 of 1 − I_n: ½ at 0, 0 for u ≥ 1.
+    /// Returns Ψ_n(u), the integral of 1 − I_n from u to 1: ½ at 0, and 0 for u ≥ 1.
     ///
-    /// With v = 1 − u it is ∫₀ᵛ I_n = (v − ½)·I_n(v) + ½·C(2n−1, n)·(v(1−v))ⁿ, from the recurrence of the incomplete beta
-    /// function; n = 1: v²/2. For ∞ the integral of tanh, a logarithm of cosh.
+    /// With v = 1 − u, this is ∫₀ᵛ I_n = (v − ½)·I_n(v) + ½·C(2n−1, n)·(v(1−v))ⁿ, from the recurrence of the incomplete
+    /// beta function; v²/2 for n = 1. For n = ∞, it is the integral of the stretched tanh, which is a logarithm of
+    /// cosh.
     #[must_use]
     #[inline(always)]
     pub fn rest<N: Number<Constant = T>>(&self, u: N) -> N {

@@ -1,26 +1,27 @@
-// The strips at the edges of triangles. Needs nothing else.
+// The strips at the edges of triangles. Needs no other file.
 //
-// In a strip, t is the weight that is 0 on the edge, `others` the two weights of the edge's ends in order, b the width.
+// In a strip, t is the weight that is 0 on the edge, `others` are the two weights of the edge's ends in order, and b is
+// the width.
 
-// φ(x) = x − x²/4, 1 from 2 on, 0 for negative x.
+// φ(x) = x − x²/4 for 0 ≤ x ≤ 2; 1 above 2, and 0 for negative x.
 fn ease(x: f32) -> f32 {
     let y = clamp(x, 0.0, 2.0);
     return y - 0.25 * y * y;
 }
 
-// t/b', b' = min(b, (1−w_i)/2, (1−w_j)/2) as Bangay's pseudo-code narrows it; 0 at the corners.
+// t/b', where b' = min(b, (1−w_i)/2, (1−w_j)/2) is narrowed as in Bangay's pseudocode; 0 at the corners.
 fn printed_across(t: f32, others: vec2f, b: f32) -> f32 {
     let width = min(b, min((1.0 - others.x) / 2.0, (1.0 - others.y) / 2.0));
     return select(0.0, t / width, width > 0.0);
 }
 
-// The corner with the smallest weight; the first of equals.
+// Returns the corner with the smallest weight; the first of equal weights.
 fn smallest(w: vec3f) -> u32 {
     let k = select(0u, 1u, w.y < w.x);
     return select(k, 2u, w.z < w[k]);
 }
 
-// I_n(u): how the light goes from 0 to 1 across a strip, Bangay eq. 1.
+// I_n(u), the profile from 0 to 1 across a strip, Bangay eq. 1.
 
 // The continuity depth n, 1…32; 0 stands for ∞.
 override DEPTH: u32 = 3u;
@@ -39,7 +40,7 @@ fn interpolation(u: f32) -> f32 {
     return 0.0;
 }
 
-// I_n on 0…½: uⁿ·Σ C(n−1+k, k)·(1−u)^k, k < n. Powers of u alone would cancel.
+// I_n on 0…½: uⁿ·Σ C(n−1+k, k)·(1−u)^k with k < n. A sum of powers of u alone would suffer from cancellation.
 fn lower_half(u: f32) -> f32 {
     if DEPTH == 0u {
         return 1.0 / (1.0 + exp(5.0 - 10.0 * u));
@@ -55,7 +56,7 @@ fn lower_half(u: f32) -> f32 {
     return power * sum;
 }
 
-// I_n that reaches 0 and 1 also for ∞, whose printed tanh misses them: what *exact* and *cut* need.
+// I_n as *exact* and *cut* need it: it reaches 0 and 1 even for n = ∞, where the printed tanh misses them.
 fn blend(u: f32) -> f32 {
     let value = interpolation(clamp(u, 0.0, 1.0));
     if DEPTH == 0u && u < 1.0 {
@@ -65,7 +66,7 @@ fn blend(u: f32) -> f32 {
     return value;
 }
 
-// Ψ_n(u) = ∫_u^1 (1 − I_n), u ≥ 0; 0 for u ≥ 1.
+// Ψ_n(u) = ∫_u^1 (1 − I_n) for u ≥ 0; 0 for u ≥ 1.
 fn rest(u: f32) -> f32 {
     let v = clamp(1.0 - u, 0.0, 1.0);
     if DEPTH == 0u {

@@ -13,26 +13,26 @@ use crate::{
     shading::{Frame, Shade},
 };
 
-/// Storage format of images: codes.
+/// Images are stored as codes.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// Storage buffers that a stage reads.
+/// The number of storage buffers that a stage reads.
 const STORAGE_BUFFERS: u32 = 4;
 
-/// Why a card does not draw.
+/// Why the graphics device cannot draw.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
     /// The device has too few storage buffers for the shaders.
     #[error("the graphics device gives a shader {0} storage buffers; expected at least {STORAGE_BUFFERS}")]
     NoStorage(u32),
-    /// More than the device accepts.
+    /// Something is larger than the device accepts.
     #[error("{what} of {size} is too large for the graphics device; expected at most {most}")]
     TooLarge {
-        /// What is too large: `a side`, in pixels, `a buffer`, in bytes, or `a number of lamps`.
+        /// What is too large: `a side` (in pixels), `a buffer` (in bytes), or `a number of lamps`.
         what: &'static str,
-        /// How large it is.
+        /// Its size.
         size: u64,
-        /// How large it may be.
+        /// The largest size that the device accepts.
         most: u64,
     },
     /// The driver refused or failed.
@@ -40,17 +40,17 @@ pub enum GpuError {
     Driver(String),
 }
 
-/// Draws frames with a device that it may share.
+/// Draws frames with a device that other code may share.
 ///
-/// The device should have all [limits](wgpu::Adapter::limits) of its adapter: defaults may leave out storage buffers, as
-/// eframe's do on OpenGL.
+/// Request the device with all [limits](wgpu::Adapter::limits) of its adapter: default limits may leave out storage
+/// buffers, as eframe's defaults do on OpenGL.
 #[derive(Debug)]
 pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     module: wgpu::ShaderModule,
     layout: wgpu::BindGroupLayout,
-    /// Made when they are first needed.
+    /// The pipelines, each made when it is first needed.
     pipelines: HashMap<Overrides, wgpu::RenderPipeline>,
 }
 
@@ -58,7 +58,7 @@ impl Gpu {
     /// Prepares drawing with `device`.
     ///
     /// # Errors
-    /// When the device gives shaders no storage buffers, or the driver refuses them.
+    /// When the device gives shaders too few storage buffers, or the driver rejects the shaders.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Gpu, GpuError> {
         let storage = device.limits().max_storage_buffers_per_shader_stage;
         if storage < STORAGE_BUFFERS {
@@ -77,10 +77,11 @@ impl Gpu {
         })
     }
 
-    /// Draws `frame`, shaded by `shade` and encoded by `transfer`, into a texture of 8-bit RGBA codes, and waits until it is drawn.
+    /// Draws `frame`, shaded by `shade` and encoded by `transfer`, into a texture of 8-bit RGBA codes, and waits until
+    /// drawing is complete.
     ///
     /// # Errors
-    /// If the frame or the mesh is too large for the device, or the driver fails.
+    /// If the frame, the mesh or the number of lamps is too large for the device, or if the driver fails.
     pub fn draw(&mut self, frame: &Frame, shade: &Shade, transfer: &Transfer) -> Result<wgpu::Texture, GpuError> {
         let limits = self.device.limits();
         let contents = pack::buffers(frame, shade, transfer);
@@ -154,7 +155,7 @@ impl Gpu {
     }
 }
 
-/// The codes of a texture that [`Gpu::draw`] made, read back.
+/// Reads back the codes of a texture that [`Gpu::draw`] made.
 ///
 /// # Errors
 /// When the driver fails.
@@ -180,13 +181,13 @@ pub fn codes(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
     Ok(CodeImage { width, height, samples: Samples::Eight(codes) })
 }
 
-/// Waits until everything is done.
+/// Waits until the device has completed all submitted work.
 fn wait(device: &wgpu::Device) -> Result<(), GpuError> {
     let done = device.poll(wgpu::PollType::wait_indefinitely());
     done.map(|_| ()).map_err(|fault| GpuError::Driver(fault.to_string()))
 }
 
-/// The buffers that the WGSL reads, with these contents: the globals first.
+/// Makes the buffers that the WGSL reads, with these contents; the globals come first.
 fn bindings(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, contents: &[Vec<u8>]) -> wgpu::BindGroup {
     let usages = [wgpu::BufferUsages::UNIFORM].into_iter().chain(std::iter::repeat(wgpu::BufferUsages::STORAGE));
     let buffers = contents.iter().zip(usages).map(|(contents, usage)| {
@@ -198,7 +199,7 @@ fn bindings(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, contents: &[V
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("shading"), layout, entries: &entries })
 }
 
-/// The result of `make`; an error, not a panic, if the device refuses it.
+/// Runs `make`; returns an error instead of panicking if the device rejects something.
 fn guarded<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, GpuError> {
     let filters = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation];
     let scopes = filters.map(|filter| device.push_error_scope(filter));

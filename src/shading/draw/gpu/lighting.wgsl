@@ -1,5 +1,5 @@
-// The light that a point of a surface sends to the eye, Shoaff §3, in eye space:
-// k_a·I_a·O_d + Σ f_att·I_p·(k_d·O_d·(N·L)⁺ + k_s·O_s·s).
+// The light that a point of a surface sends to the eye, in eye space, Shoaff §3: k_a·I_a·O_d + Σ
+// f_att·I_p·(k_d·O_d·(N·L)⁺ + k_s·O_s·s).
 
 const PHONG_HIGHLIGHT = 0u;
 const BLINN_HIGHLIGHT = 1u;
@@ -11,7 +11,7 @@ fn normalized(v: vec3f) -> vec3f {
     return select(vec3f(0.0), v * inverseSqrt(length2), length2 > 1e-30);
 }
 
-// Unit vector toward the eye.
+// Returns the unit vector toward the eye.
 fn to_viewer(position: vec3f) -> vec3f {
     if globals.distance == 0.0 {
         return vec3f(0.0, 0.0, 1.0);
@@ -19,7 +19,7 @@ fn to_viewer(position: vec3f) -> vec3f {
     return normalize(vec3f(0.0, 0.0, globals.distance) - position);
 }
 
-// The light that a point with the unit normal `normal` sends to the eye.
+// Returns the light that a point with the unit normal `normal` sends to the eye.
 fn light_at(position: vec3f, normal: vec3f) -> vec3f {
     let viewer = to_viewer(position);
     var sum = globals.ambient.rgb;
@@ -38,7 +38,7 @@ fn light_at(position: vec3f, normal: vec3f) -> vec3f {
     return sum;
 }
 
-// The share of a lamp's light that reaches the eye, for unit vectors N, L, and V.
+// Returns the share of a lamp's light that reaches the eye, for unit vectors N, L, and V.
 fn reflected(normal: vec3f, lamp: vec3f, viewer: vec3f) -> vec3f {
     let cosine = dot(normal, lamp);
     if cosine > 0.0 {
@@ -60,7 +60,7 @@ fn highlight(normal: vec3f, lamp: vec3f, viewer: vec3f) -> vec3f {
     return microfacets(normal, lamp, viewer, halfway);
 }
 
-// x^m, 0 for x ≤ 0, where pow() is not defined.
+// Returns x^m, and 0 for x ≤ 0, where pow() is undefined.
 fn power(x: f32, m: f32) -> f32 {
     if x > 0.0 {
         return pow(x, m);
@@ -68,7 +68,7 @@ fn power(x: f32, m: f32) -> f32 {
     return 0.0;
 }
 
-// Torrance and Sparrow's or Cook and Torrance's F·D·G/(π·(N·V)), Shoaff §3.8.1.
+// F·D·G/(π·(N·V)) of Torrance and Sparrow or of Cook and Torrance, Shoaff §3.8.1.
 fn microfacets(normal: vec3f, lamp: vec3f, viewer: vec3f, halfway: vec3f) -> vec3f {
     let nl = dot(normal, lamp);
     let nv = dot(normal, viewer);
@@ -83,8 +83,8 @@ fn microfacets(normal: vec3f, lamp: vec3f, viewer: vec3f, halfway: vec3f) -> vec
     return shape * vec3f(fresnel(vh, index.x), fresnel(vh, index.y), fresnel(vh, index.z));
 }
 
-// D, the part of the small mirrors that face `halfway`. The sine is computed from the cross product, because 1 − cos²
-// loses all digits in the highlight.
+// D, the fraction of the small mirrors that face `halfway`. The sine is computed from the cross product because 1 −
+// cos² loses all digits in the highlight.
 fn distribution(normal: vec3f, halfway: vec3f, nh: f32) -> f32 {
     let slope = globals.specular.w;
     let sine = length(cross(normal, halfway));
@@ -93,7 +93,7 @@ fn distribution(normal: vec3f, halfway: vec3f, nh: f32) -> f32 {
         return globals.index.w * exp(-tilt * tilt);
     }
     let tangent = sine / (nh * slope);
-    // Where exp() underflows, the fourth power may underflow, too.
+    // When exp() underflows, the fourth power may underflow, too.
     if tangent > 10.0 {
         return 0.0;
     }
@@ -101,7 +101,7 @@ fn distribution(normal: vec3f, halfway: vec3f, nh: f32) -> f32 {
     return exp(-tangent * tangent) / (slope * slope * cosine2 * cosine2);
 }
 
-// F, the part of unpolarized light that is reflected at the cosine L·H.
+// F, the fraction of unpolarized light that is reflected at the cosine L·H.
 fn fresnel(cosine: f32, index: f32) -> f32 {
     let c = min(cosine, 1.0);
     let g2 = index * index - 1.0 + c * c;

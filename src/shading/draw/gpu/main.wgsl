@@ -1,13 +1,14 @@
-// One triangle after another, three vertices each, pulled from the buffers; hidden surfaces by depth buffer.
+// Draws one triangle after another. Its three vertices are read from the buffers. A depth buffer hides surfaces.
 
-// Per-triangle data for a pixel. All values are the same at the three corners and are not interpolated.
+// The triangle's data for a pixel. All values are the same at the three corners and are not interpolated.
 struct Corner {
     @builtin(position) position: vec4f,
     @location(0) @interpolate(flat, either) triangle: u32,
-    // Corner A, pixels, and the slopes of the weights of B and C: the weights of any pixel.
+    // Corner A in pixels, and the slopes of the weights of B and C. They give the weights of any pixel.
     @location(1) @interpolate(flat, either) origin: vec2f,
     @location(2) @interpolate(flat, either) slopes: vec4f,
-    // Four rows, one entry each for corner A or the edge opposite it, for B, for C: see row() below.
+    // Four rows, each with one entry for A, one for B, and one for C (the corner or the edge opposite it); see row()
+    // below.
     @location(3) @interpolate(flat, either) a0: vec4f,
     @location(4) @interpolate(flat, either) b0: vec4f,
     @location(5) @interpolate(flat, either) c0: vec4f,
@@ -34,7 +35,7 @@ fn place_corner(@builtin(vertex_index) index: u32) -> Corner {
     let r2 = row(t, triangle.corners, 2u);
     let r3 = row(t, triangle.corners, 3u);
     return Corner(
-        // Depths reach 0 and 1; keep them off the clipping planes.
+        // Depths range from 0 to 1; keep them away from the clipping planes.
         vec4f(x, y, 0.25 + 0.5 * place.z, 1.0),
         t,
         vertices[triangle.corners.x].place.xy,
@@ -52,7 +53,8 @@ struct Row {
     c: vec4f,
 }
 
-// Row 0: the corners' lights; for *phong* their normals, and row 1 their places. The others: the triangle's constants.
+// Row 0 holds the corners' lights. For *phong*, row 0 holds their normals and row 1 their positions. The other rows
+// hold the triangle's constants.
 fn row(triangle: u32, corners: vec3u, which: u32) -> Row {
     let a = corners.x;
     let b = corners.y;
@@ -81,7 +83,7 @@ fn shade_pixel(corner: Corner) -> @location(0) vec4f {
     return vec4f(encoded(pixel_light(corner, vec3f(1.0 - b - c, b, c))), 1.0);
 }
 
-// The light of a pixel, by the shader chosen, then the corrections.
+// Returns the light of a pixel: the chosen shader, followed by the corrections.
 
 fn pixel_light(t: Corner, w: vec3f) -> vec3f {
     var light = shaded(t, w);
@@ -105,7 +107,7 @@ fn shaded(t: Corner, w: vec3f) -> vec3f {
     let b = globals.boundary;
     switch SHADER {
         case FLAT: {
-            // Every entry is the triangle's light.
+            // Every entry of row 1 is the triangle's light.
             return t.a1.rgb;
         }
         case PHONG: {
@@ -114,7 +116,7 @@ fn shaded(t: Corner, w: vec3f) -> vec3f {
             return light_at(place, normalized(normal));
         }
         case QUADRATIC: {
-            // Row 1: four times the bulge at the midpoint of each edge.
+            // Row 1 holds four times the bulge at the midpoint of each edge.
             let bulge = w.yzx * w.zxy;
             return gouraud(t, w) + t.a1.rgb * bulge.x + t.b1.rgb * bulge.y + t.c1.rgb * bulge.z;
         }
@@ -122,7 +124,7 @@ fn shaded(t: Corner, w: vec3f) -> vec3f {
             return printed(t, w, b);
         }
         case EXACT: {
-            // Row 1: c of each edge.
+            // Row 1 holds c of each edge.
             if b <= 0.0 {
                 return gouraud(t, w);
             }
@@ -130,7 +132,7 @@ fn shaded(t: Corner, w: vec3f) -> vec3f {
                 + exact_strip(t.c1.rgb, w.z, w.xy, b);
         }
         case CUT: {
-            // Row 1: c and foot of each edge; row 2: its reaches.
+            // Row 1 holds c and foot of each edge; row 2 holds its reaches.
             if b <= 0.0 {
                 return gouraud(t, w);
             }
@@ -155,8 +157,8 @@ fn gouraud(t: Corner, w: vec3f) -> vec3f {
     return t.a0.rgb * w.x + t.b0.rgb * w.y + t.c0.rgb * w.z;
 }
 
-// *fixed* and *gradient*, in the strip of the smallest weight. The latter's row 1: the light of the neighbor's apex
-// across each edge, w = 1 if there is one.
+// *fixed* and *gradient*, in the strip of the smallest weight. For *gradient*, row 1 holds the light of the neighbor's
+// apex across each edge, with w = 1 if there is a neighbor.
 fn printed(t: Corner, w: vec3f, b: f32) -> vec3f {
     if min(w.x, min(w.y, w.z)) >= b {
         return gouraud(t, w);
@@ -171,7 +173,7 @@ fn printed(t: Corner, w: vec3f, b: f32) -> vec3f {
     return printed_strip(t.c0.rgb, t.a0.rgb, t.b0.rgb, t.c1, w.zxy, b);
 }
 
-// The strip opposite the first of three corners.
+// The strip opposite the first of the three corners.
 fn printed_strip(own: vec3f, i: vec3f, j: vec3f, apex: vec4f, w: vec3f, b: f32) -> vec3f {
     let on_edge = (i * w.y + j * w.z) / (1.0 - w.x);
     let across = printed_across(w.x, w.yz, b);
@@ -184,7 +186,7 @@ fn printed_strip(own: vec3f, i: vec3f, j: vec3f, apex: vec4f, w: vec3f, b: f32) 
     return flattened + slope * (w.x * interpolation(1.0 - across) / 2.0);
 }
 
-// Length of the interpolated normal, below 1 if the vertex normals differ.
+// Returns the length of the interpolated normal, which is below 1 if the vertex normals differ.
 fn normal_length(triangle: u32, w: vec3f) -> f32 {
     let corners = triangles[triangle].corners;
     let a = vertices[corners.x].normal.xyz;
@@ -201,7 +203,7 @@ fn ambient_at(triangle: u32, w: vec3f) -> vec3f {
     return a * w.x + b * w.y + c * w.z;
 }
 
-// The encoded values, 0…1, that produce a light on the display.
+// Encoding: the encoded values, 0…1, that produce a light on the display.
 
 const LINEAR = 0u;
 const SRGB = 1u;
@@ -225,7 +227,7 @@ fn encoded(linear: vec3f) -> vec3f {
 
 // Linear interpolation between two points of the table.
 fn from_table(linear: f32) -> f32 {
-    // Zero light is code 0, even if the first segment of a table begins above 0.
+    // Zero light has code 0, even if the first segment of a table begins above 0.
     if linear <= 0.0 {
         return 0.0;
     }

@@ -1,4 +1,4 @@
-//! A frame as the bytes that the WGSL reads; the layouts are those of `gpu/bindings.wgsl`.
+//! Packs a frame into the bytes that the WGSL reads; `gpu/bindings.wgsl` defines the layouts.
 
 use glam::{DVec2, DVec3};
 
@@ -28,7 +28,7 @@ struct Globals {
     lamps: [[[f32; 4]; 3]; MOST_LAMPS],
 }
 
-/// Maximum number of lamps.
+/// The maximum number of lamps, which is the size of `lamps` in the WGSL.
 pub const MOST_LAMPS: usize = 64;
 
 #[repr(C)]
@@ -49,7 +49,7 @@ struct Triangle {
     slopes: [f32; 4],
 }
 
-/// A vector and a number.
+/// Packs a vector and a number.
 fn four(v: DVec3, w: f64) -> [f32; 4] {
     let [x, y, z] = v.as_vec3().to_array();
     [x, y, z, w as f32]
@@ -82,13 +82,13 @@ fn globals(frame: &Frame, shade: &Shade, transfer: &Transfer) -> Globals {
     }
 }
 
-/// The background, encoded and rounded as an 8-bit image has it.
+/// Returns the background, encoded and rounded as in an 8-bit image.
 pub fn background(frame: &Frame, transfer: &Transfer) -> [f64; 3] {
     let code = |light: f64| reference_code(transfer, Bits::Eight, light as f32);
     frame.background.to_array().map(|light| f64::from(code(light)) / f64::from(Bits::Eight.max_code()))
 }
 
-/// The contents of the buffers, in the order of their bindings.
+/// Returns the contents of the buffers, in the order of their bindings.
 pub fn buffers(frame: &Frame, shade: &Shade, transfer: &Transfer) -> [Vec<u8>; 5] {
     let vertex = |v: &FrameVertex| Vertex {
         place: four(v.screen.extend(v.depth), 0.0),
@@ -111,12 +111,12 @@ pub fn buffers(frame: &Frame, shade: &Shade, transfer: &Transfer) -> [Vec<u8>; 5
     ]
 }
 
-/// Room for one item if there is none, because empty bindings are not allowed.
+/// Returns the items as bytes. If there are none, returns room for one item, because empty bindings are not allowed.
 fn bytes<T: bytemuck::Pod>(items: &[T]) -> Vec<u8> {
     if items.is_empty() { vec![0; size_of::<T>()] } else { bytemuck::cast_slice(items).to_vec() }
 }
 
-/// How the weights of corners B and C change per pixel right and down.
+/// Returns the change of the weights of corners B and C per pixel, to the right and down.
 fn slopes([a, b, c]: [DVec2; 3]) -> [f32; 4] {
     let area = Frame::area2(a, b, c);
     let (ab, ca) = (b - a, a - c);
@@ -133,8 +133,8 @@ fn pack_lamp(lamp: &Lamp) -> [[f32; 4]; 3] {
     }
 }
 
-/// The points of the transfer table, if it is one. Gain, offset and gamma get enough points that the straight lines
-/// between them are less than a tenth of a code off.
+/// Returns the points of the transfer table, if the transfer function needs one. The curve of gain, offset and gamma
+/// gets enough points that the straight lines between them are off by less than a tenth of a code.
 fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
     let points: Vec<[f64; 2]> = match transfer {
         Transfer::Table(table) => table.linear().iter().zip(table.encoded()).map(|(l, e)| [*l, *e]).collect(),
@@ -143,7 +143,7 @@ fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
                 .map(|i| f64::from(i) / f64::from(GOG_POINTS))
                 .map(|encoded| [transfer.linear_from_encoded(encoded), encoded])
                 .collect();
-            // If several encoded values are dark, light begins at the last of them.
+            // If several encoded values are dark, the light starts to rise at the last of them.
             points.dedup_by(|next, last| {
                 let dark = next[0] <= last[0];
                 if dark {
@@ -164,10 +164,11 @@ fn table(transfer: &Transfer) -> Vec<[f32; 4]> {
         .collect()
 }
 
-/// Line segments that approximate the curve of gain, offset and gamma.
+/// The number of line segments that approximate the curve of gain, offset and gamma.
 const GOG_POINTS: u32 = 4096;
 
-/// Rows of [`constants`] per triangle, three entries each: one per corner, or per edge opposite it.
+/// Returns the number of rows of [`constants`] per triangle. A row has three entries: one per corner or per edge
+/// opposite it.
 pub const fn rows(shader: Shader) -> u32 {
     match shader {
         Shader::Flat | Shader::Quadratic | Shader::Gradient | Shader::GradientRepaired | Shader::Exact => 1,
@@ -177,7 +178,7 @@ pub const fn rows(shader: Shader) -> u32 {
     }
 }
 
-/// The data that the shader needs per triangle in addition to its vertices: [`rows`] each.
+/// Returns the data that the shader needs per triangle in addition to its vertices: [`rows`] rows for each triangle.
 fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
     let triangles = 0..frame.triangles.len();
     match shade.shader {
@@ -196,20 +197,20 @@ fn constants(frame: &Frame, shade: &Shade) -> Vec<[f32; 4]> {
     }
 }
 
-/// c and foot of the three edges, then their reaches.
+/// Returns c and foot of the three edges, followed by their reaches.
 fn cut(edges: &[Bend; 3]) -> [[f32; 4]; 6] {
     let [a, b, c] = edges.map(|edge| four(edge.c, edge.foot));
     let [d, e, f] = edges.map(|edge| [edge.start as f32, edge.end as f32, 0.0, 0.0]);
     [a, b, c, d, e, f]
 }
 
-/// The ordinates from which, with the corners' lights, all others follow: toward the next corners, toward those after,
-/// and the middles.
+/// Returns the ordinates that, together with the corners' lights, determine all others: the ones toward the next
+/// corner, the ones toward the corner after that, and the middle ones.
 fn ordinates(points: &ControlPoints) -> [[f32; 4]; 9] {
     [3, 5, 7, 4, 6, 8, 12, 13, 14].map(|at| four(points[at], 0.0))
 }
 
-/// The light of the neighbor's apex across each edge, and 1 if there is one.
+/// Returns the light of the neighbor's apex across each edge, with 1 in the last place if there is a neighbor.
 fn apexes(frame: &Frame, triangle: usize) -> [[f32; 4]; 3] {
     frame.triangles[triangle].across.map(|across| match across {
         Across::Triangle { apex, .. } => four(frame.vertices[apex as usize].light, 1.0),

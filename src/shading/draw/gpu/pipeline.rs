@@ -9,7 +9,7 @@ use crate::{
     },
 };
 
-/// The WGSL but for the numbers of the shaders.
+/// The WGSL except the shader numbers.
 const SOURCE: &str = concat!(
     include_str!("bindings.wgsl"),
     include_str!("../../shaders/strips.wgsl"),
@@ -23,7 +23,8 @@ const SOURCE: &str = concat!(
     include_str!("main.wgsl"),
 );
 
-/// The whole of the WGSL, with the number of each shader as a constant: `GRADIENT_REPAIRED` for "gradient-repaired".
+/// Returns the complete WGSL, with the number of each shader as a constant: `GRADIENT_REPAIRED` for
+/// "gradient-repaired".
 pub fn wgsl() -> String {
     let constant = |shader: &Shader| {
         let name = shader.name().replace('-', "_").to_uppercase();
@@ -32,13 +33,13 @@ pub fn wgsl() -> String {
     Shader::ALL.iter().map(constant).collect::<String>() + SOURCE
 }
 
-/// How depth is kept.
+/// The format of the depth buffer.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// The overrides of the WGSL.
+/// The names and values of the WGSL overrides.
 pub type Overrides = [(&'static str, u32); 7];
 
-/// The overrides, for `rows` of constants per triangle.
+/// Returns the overrides, for `rows` rows of constants per triangle.
 pub fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer, rows: u32) -> Overrides {
     let depth = match shade.depth {
         Depth::Finite(n) => u32::from(n.clamp(1, Depth::MAX_FINITE)),
@@ -68,12 +69,12 @@ pub fn overrides(frame: &Frame, shade: &Shade, transfer: &Transfer, rows: u32) -
     ]
 }
 
-/// The place of `value` in its enum, as the WGSL numbers them.
+/// Returns the index of `value` in `all`, by which the WGSL identifies it.
 fn position<T: PartialEq>(all: &[T], value: T) -> u32 {
     all.iter().position(|other| *other == value).unwrap_or(0) as u32
 }
 
-/// The layout of the buffers: binding 0 is the globals, the others are lists.
+/// Makes the layout of the buffers: binding 0 holds the globals, the others hold lists.
 pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entries = [0, 1, 2, 3, 4].map(|binding| {
         let ty = match binding {
@@ -90,7 +91,7 @@ pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("shading"), entries: &entries })
 }
 
-/// The pipeline of `module`, the [`WGSL`], for these overrides.
+/// Makes the pipeline of `module`, which is compiled from [`wgsl`], for these overrides.
 pub fn pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
