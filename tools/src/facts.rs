@@ -75,7 +75,7 @@ fn profile(light: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..samples).map(|i| light((i as f64 + 0.5) / PX_PER_DEG - LENGTH_DEG / 2.0)).collect()
 }
 
-/// A model's result for a fact: one or more numbers, and whether they satisfy the bound.
+/// A model's result for a fact: the numbers as text, and whether they satisfy the bound.
 type Answer = (String, bool);
 
 struct Asked<'a> {

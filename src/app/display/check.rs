@@ -1,5 +1,5 @@
-//! The check: a uniform square in a field of rows that should have the same light. A visible border means that the profile
-//! is wrong.
+//! The check: a uniform square in a field of rows that should have the same light. A visible border means that the
+//! profile is wrong.
 
 use eframe::egui::{self, TextureHandle};
 

@@ -228,7 +228,8 @@ pub fn strongest(map: &BandMap) -> f64 {
     map.bright.iter().chain(&map.dark).copied().fold(0.0, f64::max)
 }
 
-/// Codes of black and of white in the dimmed picture under the bands, so that bands are the brightest and darkest parts.
+/// Codes of black and of white in the dimmed picture under the bands, so that bands are the brightest and darkest
+/// parts.
 const GROUND: [f64; 2] = [88.0, 148.0];
 
 /// A band map over the dimmed picture. Bands of the strength `most` are white or black.
