@@ -337,7 +337,7 @@ fn two_warnings_precede_the_flicker_and_esc_stops_it() {
     click(&mut window, "A flickering patch");
     assert!(says(&window, "photosensitive epilepsy"));
     click(&mut window, "Measure");
-    assert!(says(&window, "It begins in 3 s. Esc stops.") && says(&window, "photosensitive epilepsy"));
+    assert!(says(&window, "It begins in 3 s. Press Esc to stop.") && says(&window, "photosensitive epilepsy"));
     window.run_steps(60);
     assert!(says(&window, "It begins in 2 s"));
     window.run_steps(150);

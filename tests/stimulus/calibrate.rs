@@ -351,8 +351,8 @@ fn every_bad_set_has_its_own_message() {
             "saturated",
             "green: saturated: the light stops rising at level 0.96875",
         ),
-        (exchanged(Channel::Red, Channel::Green), "swapped", "are green and red exchanged?"),
-        (exchanged(Channel::Gray, Channel::Green), "swapped", "are gray and green exchanged?"),
+        (exchanged(Channel::Red, Channel::Green), "swapped", "are green and red swapped?"),
+        (exchanged(Channel::Gray, Channel::Green), "swapped", "are gray and green swapped?"),
     ];
     for (readings, kind, detail) in cases {
         let messages: Vec<String> = faults(readings).iter().map(ToString::to_string).collect();

@@ -40,16 +40,16 @@ const VISION: (&str, &str) = ("vision", "What the model of vision predicts");
 /// An action that only the page can perform.
 pub enum Request {
     OtherData,
-    /// Other columns of the same file.
+    /// Choose other columns of the same file.
     Columns,
-    /// Read the same files with other options.
+    /// Read the same files again with other options.
     Read(ReadOptions),
 }
 
 /// The data and its analysis.
 pub struct OpenStudy {
     study: Arc<Study>,
-    /// How it was read.
+    /// How the study was read.
     pub read_options: ReadOptions,
     filters: Filters,
     settings: Settings,
@@ -58,7 +58,7 @@ pub struct OpenStudy {
     work: Option<Work<Option<(Outcome, Document)>>>,
     /// The last outcome.
     shown: Option<(Outcome, DocumentView)>,
-    /// The document with a prediction.
+    /// The running computation of the document with a prediction.
     predicting: Option<Work<Document>>,
     fault: Option<String>,
     /// Why the files could not be read with other options.
@@ -76,7 +76,7 @@ struct Query {
     options: Options,
 }
 
-/// What came out.
+/// The results of an analysis, without the document.
 struct Outcome {
     query: Query,
     results: Arc<Results>,
@@ -84,7 +84,6 @@ struct Outcome {
 }
 
 impl OpenStudy {
-    /// A study that was read.
     pub fn new(study: Study, paths: Vec<PathBuf>, read_options: ReadOptions) -> Self {
         Self {
             filters: Filters::new(&study.measured.counts),
@@ -103,7 +102,7 @@ impl OpenStudy {
         }
     }
 
-    /// Replaces the data by the same files read with other options; selections that are still possible are kept.
+    /// Replaces the data with the same files read with other options. Selections that are still possible are kept.
     pub fn reread(study: Study, read_options: ReadOptions, before: Self) -> Self {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
@@ -116,9 +115,9 @@ impl OpenStudy {
         }
     }
 
-    /// Records that the files could not be read with other options; the current data stay.
+    /// Records why the files could not be read with other options. The current data stay.
     pub fn keep(&mut self, read_options: &ReadOptions, fault: String) {
-        // Do not request it repeatedly.
+        // Otherwise, the same request would be repeated in every frame.
         self.read_options.also.clone_from(&read_options.also);
         self.not_reread = Some(fault);
     }
@@ -164,7 +163,7 @@ impl OpenStudy {
         }
     }
 
-    /// Takes finished results.
+    /// Takes the results of computations that have finished.
     fn take_outcome(&mut self) {
         match self.work.as_ref().map(Work::poll) {
             None | Some(Progress::Going) => {}
@@ -186,7 +185,7 @@ impl OpenStudy {
         }
     }
 
-    /// Runs one analysis at a time: newer requests wait, and only the latest of them is run.
+    /// Runs one analysis at a time. Newer requests wait, and only the latest of them is run.
     fn analyze(&mut self, ctx: &egui::Context) {
         let Ok(options) = self.settings.options() else { return };
         let query = Query { filters: self.filters.clone(), options };
@@ -254,7 +253,7 @@ impl OpenStudy {
         }
     }
 
-    /// Files, filters, model, export.
+    /// Draws the controls: files, filters, model, export.
     fn controls(&mut self, ui: &mut egui::Ui) {
         let source = &self.study.source;
         about(ui, source);
@@ -288,7 +287,7 @@ impl OpenStudy {
         let error = self.shown.as_ref().and_then(|(outcome, _)| outcome.results.model.as_ref().err());
         self.settings.show(ui, counts, self.filters.people(), error);
         ui.separator();
-        // Only what is on the page, not what is still being computed.
+        // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
         let exported = outcome.map(|outcome| Exported {
             study: &self.study,
@@ -311,7 +310,7 @@ impl OpenStudy {
     }
 }
 
-/// A short description of the source of the ratings; the document has the details.
+/// Draws a short description of where the ratings come from; the document has the details.
 fn about(ui: &mut egui::Ui, source: &Source) {
     let title = match (&source.protocol, source.files.first()) {
         (Some(protocol), _) => format!("{}: {}", protocol.name, protocol.title),

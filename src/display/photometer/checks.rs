@@ -203,7 +203,7 @@ fn of_order(readings: &Readings) -> Vec<Fault> {
     sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
     let moved = whites.iter().zip(&sorted).filter(|(named, is)| named.0 != is.0).map(|(named, _)| named.0);
     let question = match moved.collect::<Vec<_>>()[..] {
-        [one, other] => format!(": are {one} and {other} exchanged?"),
+        [one, other] => format!(": are {one} and {other} swapped?"),
         _ => String::new(),
     };
     let each: Vec<String> = whites.iter().map(|(channel, light)| format!("{channel} {light}")).collect();
