@@ -261,7 +261,7 @@ fn the_exported_file_is_the_view() {
         let path = folder.path().join(format!("view-{i}.png"));
         type_into(&mut window, "Export to", &path.display().to_string());
         click(&mut window, "Export PNG");
-        window.get_by_label_contains("Written to");
+        window.get_by_label_contains("Saved to");
         let (width, pixels, parameters) = read(&path);
         let wrong = shown.iter().zip(&pixels).enumerate().filter(|(i, (shown, file))| {
             let marked = show != "Difference" && (*i as u32 % width).abs_diff(width / 2) < 12;
@@ -277,7 +277,7 @@ fn the_exported_file_is_the_view() {
         window.get_by_label_contains("already exists");
         assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), before);
         click(&mut window, "Overwrite it");
-        window.get_by_label_contains("Written to");
+        window.get_by_label_contains("Saved to");
     }
 }
 

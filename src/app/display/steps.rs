@@ -16,7 +16,7 @@ use crate::{
 const ASSUMED_I0: f64 = 0.005;
 /// Height of the wedge, physical pixels.
 const HEIGHT_PX: u32 = 140;
-/// Maximum number of steps: the number of 8-bit codes.
+/// Maximum number of steps, with which each 8-bit code is one level.
 const MOST: usize = 255;
 
 pub struct StepsPage {
