@@ -205,7 +205,7 @@ class Dataset:
 
 
 def null_keys(context):
-    """Keys that the context maps to nothing in schema.org."""
+    """The keys that the context maps to null, that is, to nothing in schema.org."""
     return {key: None for key, value in context.items() if value is None} if isinstance(context, dict) else {}
 
 

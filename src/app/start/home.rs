@@ -295,7 +295,7 @@ impl Home {
 
     fn other_pages(&mut self, ui: &mut egui::Ui, checked: &Checked) -> Option<Destination> {
         let buttons = |ui: &mut egui::Ui| {
-            // All three on one line, so that the example below is visible without scrolling.
+            // Less padding puts all three on one line, so that the example below is visible without scrolling.
             ui.spacing_mut().button_padding.x = 8.0;
             let [gallery, shading, analysis] =
                 ["Gallery of stimuli…", "Shading demo…", "Analyze results…"].map(|text| ui.button(text).clicked());

@@ -15,10 +15,10 @@ use super::{
     program::{Program, Shared, WindowError},
 };
 
-/// Least size of the window, outside sessions, in points.
+/// Minimum size of the window outside sessions, points.
 pub const LEAST_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
 
-/// Opens the window and returns when it is closed. `make` creates the program that runs in it.
+/// Opens the window; returns when it is closed. `make` creates the program that runs in it.
 ///
 /// # Errors
 /// [`WindowError`] if there is no display or no graphics, or if one of them is lost.
@@ -46,7 +46,8 @@ fn options(fullscreen: bool) -> NativeOptions {
         dithering: false,
         ..Default::default()
     };
-    // All limits of the graphics card: the defaults of eframe on OpenGL lack the storage buffers that the shaders read.
+    // Requests all limits of the graphics card, because eframe's defaults for OpenGL exclude the storage buffers that
+    // the shaders read.
     if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
         setup.device_descriptor = Arc::new(|adapter| DeviceDescriptor {
             label: Some("machband"),
