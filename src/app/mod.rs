@@ -6,7 +6,7 @@
 //! | `window` | the event loop, timestamps of keys, and the loss of the window |
 //! | `analysis` | reading files and showing the results |
 //! | `explore` | the gallery of stimuli; shaders side by side |
-//! | `session` | preflight, instructions, trials, the end |
+//! | `session` | preflight, instructions, trials, the last page |
 //! | `display` | tools that measure the screen |
 //! | `start` | Home and its form |
 
@@ -143,7 +143,7 @@ impl App {
         }
     }
 
-    /// The page to which a page leads back; `None` to close the window.
+    /// The page to go back to; `None` to close the window.
     fn page_behind(&mut self) -> Option<Page> {
         if let Some(page) = self.behind.take() {
             return Some(page);

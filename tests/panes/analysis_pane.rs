@@ -178,7 +178,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     for text in ["tiny: A tiny study", "108 ratings in 6 sessions", "are simulated"] {
         assert_has(&window, text);
     }
-    window.get_by_label("108 ratings of 6 participants.");
+    window.get_by_label("108 ratings by 6 participants.");
     assert_document(&mut window, &study, &results);
     // The prediction of the vision model is computed only when its section is opened.
     click(&mut window, "What the model of vision predicts");
@@ -215,10 +215,10 @@ fn filters_narrow_the_analysis_and_its_export() {
     let mut window = opened(&data_set);
     click_and_rest(&mut window, "Participants: 4 of 4");
     click_and_rest(&mut window, "Participant S002");
-    window.get_by_label("54 ratings of 3 participants. Filtered: 3 of 4 participants.");
+    window.get_by_label("54 ratings by 3 participants. Filtered: 3 of 4 participants.");
     click_and_rest(&mut window, "width: 3 of 3 levels");
     click_and_rest(&mut window, "width 0.4");
-    window.get_by_label("36 ratings of 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
+    window.get_by_label("36 ratings by 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
     let second = whole.measured.counts.subjects.iter().position(|name| name == "S002").unwrap() as u32;
     let left = study.measured.filtered(|subject| subject != second, |levels| levels[0] != Some(1));
     assert_document(&mut window, &study, &analyze(left, &Options::default()));
@@ -250,7 +250,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     click_and_rest(&mut window, "None of participants");
     assert_has(&window, "No data are selected");
     click_and_rest(&mut window, "Select everything");
-    window.get_by_label("72 ratings of 4 participants.");
+    window.get_by_label("72 ratings by 4 participants.");
 }
 
 /// The empty page, a missing file, a file with an error, and the experiments in the results folder.
@@ -279,7 +279,7 @@ fn the_empty_page_and_errors_in_files() {
     wait_for(&mut window, "Errors: ");
     rest(&mut window);
     assert_has(&window, &format!("_data.csv:{}:", text.lines().count()));
-    window.get_by_label("35 ratings of 2 participants.");
+    window.get_by_label("35 ratings by 2 participants.");
 
     // Of two requests, the newer one counts, even if the older one is read first.
     let (_other_folder, other) = study(3);
@@ -323,12 +323,12 @@ fn the_user_identifies_the_columns_of_a_foreign_file() {
     click(&mut window, "Read these columns");
     wait_for(&mut window, "Participants: 4 of 4");
     rest(&mut window);
-    window.get_by_label("48 ratings of 4 participants.");
+    window.get_by_label("48 ratings by 4 participants.");
     window.get_by_label("contrast: 2 of 2 levels");
     click(&mut window, "Columns…");
     wait_for(&mut window, "What do the columns mean?");
     click(&mut window, "Keep the current columns");
-    window.get_by_label("48 ratings of 4 participants.");
+    window.get_by_label("48 ratings by 4 participants.");
 }
 
 /// In a small window, the data and filters have a separate view, and every section is still available.
@@ -337,7 +337,7 @@ fn a_small_window_has_everything() {
     let (_folder, data_set) = study(3);
     let mut window = pane([500.0, 380.0]);
     drop_on(&mut window, &[&data_set]);
-    wait_for(&mut window, "54 ratings of 3 participants.");
+    wait_for(&mut window, "54 ratings by 3 participants.");
     for section in ["Model", "Response times"] {
         choose(&mut window, "Section", section);
         assert!(window.query_by_label_contains("Participants: ").is_none(), "{section}");
@@ -366,7 +366,7 @@ fn a_completed_session_can_be_analyzed_immediately() {
     click_ending(&mut window, "e these results…");
     wait_for(&mut window, "Participants: 1 of 1");
     rest(&mut window);
-    window.get_by_label("6 ratings of 1 participant.");
+    window.get_by_label("6 ratings by 1 participant.");
     press(&mut window, Key::Escape);
     wait_for(&mut window, "Thank you!");
 }

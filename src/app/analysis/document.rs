@@ -139,7 +139,7 @@ impl FigureView {
         None
     }
 
-    /// Draws it with its title and caption.
+    /// Draws the figure with its title and caption.
     fn show(&mut self, ui: &mut egui::Ui) {
         ui.add_space(6.0);
         let width = ui.available_width().min(WIDEST[usize::from(self.figure.wide)]);

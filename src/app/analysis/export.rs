@@ -30,7 +30,7 @@ pub struct Export {
     copied: Option<String>,
 }
 
-/// What to write.
+/// The results to export.
 pub struct Exported<'a> {
     /// The data and how they were read.
     pub study: &'a Arc<Study>,
@@ -41,7 +41,7 @@ pub struct Exported<'a> {
 }
 
 impl Export {
-    /// For the results of these files.
+    /// The controls for results from these files.
     pub fn new(paths: Vec<PathBuf>) -> Self {
         let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
         let name = name.map_or("machband".into(), |name| name.to_string_lossy());

@@ -30,11 +30,11 @@ use crate::{
 
 /// Maximum number of listed errors.
 const MOST_FAULTS: usize = 200;
-/// In a narrower window, the data and filters have a separate view.
+/// In a window narrower than this, the data and filters have a separate view. Points.
 const NARROW: f32 = 700.0;
-/// The view of data and filters.
+/// Address and heading of the view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");
-/// The section that is computed only when it is opened, because that takes a while.
+/// Address and heading of the section that is computed only when it is opened, because it takes a while.
 const VISION: (&str, &str) = ("vision", "What the model of vision predicts");
 
 /// An action that only the page can perform.
@@ -53,10 +53,10 @@ pub struct OpenStudy {
     pub read_options: ReadOptions,
     filters: Filters,
     settings: Settings,
-    /// The last request, finished or not.
+    /// The last requested analysis, finished or not.
     asked: Option<Query>,
     work: Option<Work<Option<(Outcome, Document)>>>,
-    /// The last outcome.
+    /// The last finished analysis and the view of its document.
     shown: Option<(Outcome, DocumentView)>,
     /// The running computation of the document with a prediction.
     predicting: Option<Work<Document>>,
@@ -69,7 +69,7 @@ pub struct OpenStudy {
     request: Option<Request>,
 }
 
-/// The analysis options.
+/// The filters and options of an analysis.
 #[derive(Clone, Debug, PartialEq)]
 struct Query {
     filters: Filters,
@@ -122,7 +122,7 @@ impl OpenStudy {
         self.not_reread = Some(fault);
     }
 
-    /// Draws everything; returns the action that only the page can perform.
+    /// Draws the study. `Next` requests an action that only the page can perform.
     pub fn show(&mut self, ui: &mut egui::Ui) -> Step<Request> {
         self.take_outcome();
         self.analyze(ui.ctx());
@@ -239,7 +239,7 @@ impl OpenStudy {
         let left = outcome.query.filters.sentence(&self.study.measured.counts);
         let filtered = if left.is_empty() { String::new() } else { format!(" Filtered: {left}.") };
         let people = count(outcome.results.people() as u64, "participant");
-        hint(ui, format!("{} of {people}.{filtered}", count(counts.total(), "rating")));
+        hint(ui, format!("{} by {people}.{filtered}", count(counts.total(), "rating")));
         if !view.show(ui, self.section) {
             ui.horizontal(|ui| {
                 ui.spinner();
@@ -340,14 +340,14 @@ fn about(ui: &mut egui::Ui, source: &Source) {
     });
 }
 
-/// This page is dense: small text, thin scroll bars.
+/// Makes the page dense, with small text and thin scroll bars.
 fn dense(ui: &mut egui::Ui) {
     theme::compact(ui);
     ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
 }
 
 impl Outcome {
-    /// Analyzes what the filters leave; `None` if nothing is left.
+    /// Analyzes the selected data; `None` if nothing is selected.
     fn new(study: &Study, query: Query) -> Option<(Self, Document)> {
         let measured = query.filters.apply(&study.measured);
         if measured.counts.total() == 0 {

@@ -66,7 +66,7 @@ impl Analysis {
         page
     }
 
-    /// Reads files and folders. An unfinished reading is discarded.
+    /// Begins to read files and folders. Discards any reading that has not finished.
     fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, read_options: ReadOptions, again: bool) {
         let read_options = ReadOptions { details: true, ..read_options };
         self.paths.clone_from(&paths);

@@ -68,7 +68,7 @@ impl Filters {
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts) {
         let title = format!("Participants: {} of {}", self.people(), self.people.len());
         list(ui, "participants", &title, &mut self.people, |ui, people| {
-            // A long list scrolls in its own box; only the visible part is drawn.
+            // A long list has its own scroll area; only the visible part is drawn.
             let height = ui.spacing().interact_size.y;
             let area = ScrollArea::vertical().id_salt("people").max_height(190.0);
             area.show_rows(ui, height, people.len(), |ui, rows| {
@@ -100,7 +100,7 @@ fn names(factor: &Factor) -> impl Iterator<Item = &str> {
     factor.levels.iter().map(String::as_str).chain(["missing"])
 }
 
-/// A collapsible list below two buttons that select all or none. `id` keeps its state when its title changes.
+/// A collapsible list below two buttons that select all or none. Its state belongs to `id`, so its title may change.
 fn list(ui: &mut egui::Ui, id: &str, title: &str, list: &mut [bool], add: impl FnOnce(&mut egui::Ui, &mut [bool])) {
     CollapsingHeader::new(title).id_salt(("filter", id)).show(ui, |ui| {
         ui.horizontal(|ui| {
@@ -129,7 +129,7 @@ pub struct Settings {
     options: Options,
     /// The terms as they are being typed.
     typed: String,
-    /// The terms when the field last lost focus.
+    /// The terms as they were when the field last lost focus.
     terms: String,
 }
 
@@ -199,7 +199,7 @@ impl Settings {
     }
 }
 
-/// Whether a model failed because of its terms, so that the error is shown at the field.
+/// Whether a model failed because of its terms. The error is then shown next to the field.
 fn is_about_terms(error: &ModelError) -> bool {
     matches!(error, ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. })
 }

@@ -1,4 +1,5 @@
-//! A table of the document: it scrolls sideways, is sorted by clicking a column name, and draws only its visible rows.
+//! A table of the document. It scrolls horizontally, draws only its visible rows, and can be sorted by clicking a
+//! column name.
 
 use eframe::egui::{
     self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2, WidgetInfo,
@@ -127,7 +128,7 @@ impl TableView {
     fn sort(&mut self, column: usize) {
         let down = self.sorted == Some((column, false));
         self.sorted = Some((column, down));
-        // Numbers before text.
+        // Numbers come before text.
         let key = |row: &[String]| (value(&row[column]).is_none(), value(&row[column]).unwrap_or_default());
         self.table.rows.sort_by(|a, b| {
             let ((a_text, a_number), (b_text, b_number)) = (key(a), key(b));
@@ -137,7 +138,7 @@ impl TableView {
         });
     }
 
-    /// Cells separated by tabs, for spreadsheets.
+    /// The table as text, with tabs between cells, for spreadsheets.
     fn text(&self) -> String {
         let line = |row: &Vec<String>| row.join("\t").replace('−', "-") + "\n";
         std::iter::once(&self.table.header).chain(&self.table.rows).map(line).collect()

@@ -207,7 +207,7 @@ impl<M: Method> Calibrate<M> {
         let path = Path::new(self.path.trim());
         match &self.paused {
             Some((left, done, all)) if left == path => {
-                Some(format!("Paused after {done} of {all}; all are saved. To resume, keep the settings."))
+                Some(format!("Paused after {done} of {all}. They are saved. To resume, keep the settings."))
             }
             _ => path.is_file().then(|| {
                 format!(
@@ -246,7 +246,7 @@ impl<M: Method> Calibrate<M> {
             }
             Step::Next(()) => {
                 self.paused = None;
-                // A finished run closes its file before the file is read.
+                // Dropping a finished run closes its file before the file is read.
                 self.run = (!run.questionable().is_empty()).then_some(run);
                 self.find(self.path.trim().into());
             }
@@ -300,7 +300,7 @@ impl<M: Method> Calibrate<M> {
     }
 }
 
-/// Name, person, instrument and file of a profile to save.
+/// The form for the details of a profile to save: name, person, instrument and file.
 struct ProfileForm {
     name: String,
     by: String,

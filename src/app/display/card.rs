@@ -19,7 +19,7 @@ const NUMBER: f32 = 80.0;
 /// Minimum width of the outline, physical pixels.
 const LEAST_PX: f32 = 100.0;
 
-/// The card helper: an outline that the user adjusts to the size of a card.
+/// A dialog with an outline that the user adjusts to the size of a card.
 pub struct CardHelper {
     card_px: f32,
     /// The slider, once it has been drawn and has keyboard focus.

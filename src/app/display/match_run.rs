@@ -24,7 +24,7 @@ pub struct MatchRun {
     file: MatchFile,
     /// The window's time at which the next match appears, seconds; `None` until the first frame after a pause.
     due_s: Option<f64>,
-    /// The window's time at the first image.
+    /// The window's time at which the first match appears, seconds.
     start_s: Option<f64>,
     shown: Option<(Match, u32, TextureHandle)>,
     /// Why the last match is not in the file yet, if it is not.

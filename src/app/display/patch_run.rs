@@ -28,7 +28,7 @@ const FALL: f64 = 0.95;
 /// How patches are shown.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchView {
-    /// Seconds before a reading counts.
+    /// Settling time in seconds; earlier readings are rejected.
     pub settle_s: f64,
     /// Height of the patch in percent of the screen's height.
     pub percent: u32,
@@ -40,7 +40,7 @@ pub struct PatchView {
 pub struct PatchRun {
     patches: Vec<Patch>,
     taken: Vec<Option<f64>>,
-    /// Patches still to be shown, as indices into the plan; the first is on the screen.
+    /// Indices of the patches that remain to be shown; the first is on the screen.
     queue: Vec<usize>,
     path: PathBuf,
     view: PatchView,
@@ -255,7 +255,7 @@ impl Run for PatchRun {
     }
 }
 
-/// The identifier of the line, the same for all patches.
+/// The ID of the line, which is the same for all patches.
 fn field_id() -> egui::Id {
     egui::Id::unique("reading of the photometer")
 }

@@ -16,7 +16,7 @@ use crate::{
 const ASSUMED_I0: f64 = 0.005;
 /// Height of the wedge, physical pixels.
 const HEIGHT_PX: u32 = 140;
-/// Maximum number of steps, with which each 8-bit code is one level.
+/// Maximum number of steps. With 255 steps, there are as many levels as 8-bit codes.
 const MOST: usize = 255;
 
 pub struct StepsPage {
@@ -110,7 +110,7 @@ impl StepsPage {
     }
 }
 
-/// Bars of equal width, one per step, with the first step on the left. Each bar is uniform.
+/// Uniform bars of equal width, one per level, with the darkest on the left.
 fn wedge(steps: &[Step], width: u32, height: u32) -> CodeImage {
     let bar = (width as usize / steps.len().max(1)).max(1);
     let row: Vec<u8> = steps.iter().flat_map(|step| step.codes.repeat(bar)).collect();

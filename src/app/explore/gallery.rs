@@ -122,7 +122,7 @@ impl Gallery {
         if ui.available_width() < NARROW {
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 scrolling().show(ui, |ui| {
-                    // Room for the scroll bar.
+                    // Leaves room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 6.0);
                     back = self.controls(ui, &faults);
                     ui.separator();
@@ -241,7 +241,7 @@ impl Gallery {
     }
 }
 
-/// An arrow from the curve at a predicted band: up for a bright band and down for a dark one; stronger bands have
+/// Draws an arrow from the curve at a predicted band, up for a bright band and down for a dark one. Stronger bands have
 /// longer arrows.
 fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]]) {
     let light = || curve.iter().map(|point| point[1]);

@@ -149,7 +149,7 @@ impl Prediction {
     }
 }
 
-/// The positions of the bands, for screen readers.
+/// Describes the positions of the bands for screen readers.
 pub fn description(marks: &[Mark]) -> String {
     if marks.is_empty() {
         return "no predicted band".to_owned();

@@ -109,7 +109,7 @@ impl Finish {
         Step::back_if(leave || entered)
     }
 
-    /// The folder of all sessions of the experiment.
+    /// The folder with all sessions of the experiment.
     fn data_set(&self) -> Option<PathBuf> {
         Some(self.path.parent()?.parent()?.to_owned())
     }

@@ -119,7 +119,7 @@ impl Trials {
             return Step::Stay;
         }
         let was_main = self.phase() == Some(Phase::Main);
-        // The window may be moved to another monitor, and the refresh rate may change.
+        // The window may have moved to another monitor with another refresh rate.
         if let Some(note) = self.screen.update(monitor) {
             self.session.judge_against(self.screen.frames());
             self.recording.store.note(note);

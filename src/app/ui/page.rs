@@ -1,4 +1,4 @@
-//! Pages: a column of text and controls with a heading, a main button, and keys; and navigation.
+//! Pages, which are columns of text and controls with a heading, a main button and keys, and navigation between them.
 
 use std::convert::Infallible;
 
@@ -49,7 +49,7 @@ pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R 
     let column = |ui: &mut Ui| {
         let width = ui.available_width().min(COLUMN);
         let margin = (ui.available_width() - width) / 2.0;
-        // A small window has no room to spare.
+        // A small window has no room for the space at the top.
         let spare = ui.available_height() - 560.0;
         ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
         let content = |ui: &mut Ui| {

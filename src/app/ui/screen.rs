@@ -102,7 +102,7 @@ impl ScreenFields {
     }
 }
 
-/// The date according to the system clock.
+/// Today's date, according to the system clock.
 pub fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }

@@ -75,7 +75,7 @@ pub fn apply(ctx: &egui::Context) {
         style.visuals.widgets.inactive.bg_fill = Color32::from_gray(0x48);
         style.visuals.widgets.inactive.weak_bg_fill = Color32::from_gray(0x40);
         style.visuals.widgets.inactive.bg_stroke = egui::Stroke::new(1.0, Color32::from_gray(0x68));
-        // The control with keyboard focus stands out; the control under the mouse, less so.
+        // The control with keyboard focus stands out more than the control under the mouse.
         style.visuals.widgets.active.bg_stroke = egui::Stroke::new(2.5, Color32::WHITE);
         style.visuals.widgets.hovered.bg_stroke = egui::Stroke::new(1.0, Color32::from_gray(0xa0));
         style.visuals.selection.bg_fill = Color32::from_rgb(0x4a, 0x5a, 0x80);

@@ -79,12 +79,12 @@ struct Handler<'a> {
     polled: Option<Instant>,
     /// When the last iteration ended.
     idle_since: Option<Instant>,
-    /// Since when no event had been read when this iteration began.
+    /// When events were last read before this iteration, or when they woke an idle loop.
     unseen_since: Instant,
 }
 
 impl<'a> Handler<'a> {
-    /// Passes an event on, unless the window or the graphics are lost: then the session is closed, and the loop ends.
+    /// Passes an event to eframe. Once the window or the graphics are lost, closes the session and ends the loop.
     fn hand_on(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
         let failure = self.program.failure();
         if failure.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
@@ -176,7 +176,7 @@ impl ApplicationHandler<UserEvent> for Handler<'_> {
     }
 }
 
-/// Why eframe gave up.
+/// The reason why eframe stopped, from its log.
 static LOGGED: Mutex<Option<String>> = Mutex::new(None);
 /// The text that precedes the reason in eframe's log.
 const GAVE_UP: &str = "Exiting because of error: ";

@@ -11,7 +11,7 @@ use std::{
 
 use eframe::egui::Key;
 
-/// What was pressed.
+/// A key or a mouse button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pressed {
     /// A key, by its position on the keyboard.
@@ -53,12 +53,12 @@ pub struct PressTime {
     pub uncertainty: Option<Duration>,
 }
 
-/// The presses of a frame with their timestamps.
+/// The presses of a frame, with their timestamps.
 #[derive(Debug, Default)]
 pub struct Input {
-    /// `None` without an event loop of our own.
+    /// Timestamps from the event loop; `None` without our own event loop.
     stamps: Option<Stamps>,
-    /// When the window's time was 0.
+    /// The clock's time when the window's time was 0.
     zero: Option<Instant>,
     fresh: Vec<Press>,
 }
@@ -71,7 +71,7 @@ impl Input {
 
     /// Begins a frame. `now` is the window's time in seconds, taken a moment before `clock`.
     pub fn frame(&mut self, now: f64, clock: Instant) {
-        // The delay between the two is never negative, so the earliest zero is the most accurate.
+        // `clock` is never taken before `now`, so the earliest zero is the most accurate.
         if let Some(zero) = Duration::try_from_secs_f64(now).ok().and_then(|now| clock.checked_sub(now)) {
             self.zero = Some(self.zero.map_or(zero, |before| before.min(zero)));
         }

@@ -42,7 +42,7 @@ fn options(fullscreen: bool) -> NativeOptions {
             .with_inner_size([1100.0, 860.0])
             .with_min_inner_size(LEAST_SIZE)
             .with_fullscreen(fullscreen),
-        // egui's dither adds noise to every pixel, stimulus included.
+        // egui's dither would add noise to every pixel, including the stimulus.
         dithering: false,
         ..Default::default()
     };
@@ -55,7 +55,7 @@ fn options(fullscreen: bool) -> NativeOptions {
             ..Default::default()
         });
     }
-    // One frame in flight: an image reaches the screen as soon as the system allows.
+    // Only one frame in flight, so that an image reaches the screen as soon as the system allows.
     options.wgpu_options.surface.desired_maximum_frame_latency = Some(1);
     options
 }

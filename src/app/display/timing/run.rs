@@ -16,14 +16,14 @@ use crate::{
 const SETTLING: u32 = 30;
 /// How long the warning is shown before something flickers, seconds.
 const WARNING_S: f64 = 3.0;
-/// The safety warning before a flickering patch.
+/// The safety warning that precedes a flickering patch.
 pub const FLICKER_WARNING: &str = "A patch will flicker between black and white with every frame. Flicker can cause seizures in people with photosensitive epilepsy: do not look at it, and keep anyone at risk from looking at it.";
 /// Side of the trial's stimulus, physical pixels.
 const STIMULUS_PX: u32 = 512;
-/// Frames of the field, and then of the stimulus, in a trial.
+/// Number of frames that show the field and then the stimulus in a trial.
 const FIELD_FRAMES: u32 = 30;
 const STIMULUS_FRAMES: u32 = 60;
-/// From the patch to the edge of the window, physical pixels.
+/// Distance from the patch to the edge of the window, physical pixels.
 const MARGIN_PX: f32 = 16.0;
 
 /// What is drawn during a measurement.
@@ -200,7 +200,7 @@ impl TimingPage {
         let report = self.run.show(ui, monitor);
         self.done = report.is_some() || ui.input(|input| input.key_pressed(Key::Escape));
         if let Some(report) = report {
-            // The receiver may be gone.
+            // If the receiver is gone, nobody needs the report.
             let _ = self.report.send(report);
         }
         self.done

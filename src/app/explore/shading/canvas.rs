@@ -10,7 +10,7 @@ use crate::app::ui::{describe, pixels, theme};
 /// Degrees of rotation per press of an arrow key, without and with Shift.
 const STEPS_DEG: [f64; 2] = [5.0, 1.0];
 
-/// What is shown of the two pictures.
+/// How the two pictures are combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layer {
     /// One on either side of the divider.
@@ -32,7 +32,7 @@ pub enum DragTarget {
     Mesh,
     /// The direction of the light.
     Light,
-    /// The scan line, which is drawn anew.
+    /// The scan line; each drag draws a new one.
     ScanLine,
 }
 
@@ -153,7 +153,7 @@ fn arrows(ui: &egui::Ui, response: &Response) -> [f64; 2] {
     [pressed(Key::ArrowRight) - pressed(Key::ArrowLeft), pressed(Key::ArrowDown) - pressed(Key::ArrowUp)]
 }
 
-/// The divider's handle; returns whether it is being dragged.
+/// Handles dragging and keys on the divider; returns whether it is being dragged.
 fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
     let x = rect.left() + rect.width() * settings.divider as f32;
     let strip = Rect::from_x_y_ranges(x - 9.0..=x + 9.0, rect.y_range());

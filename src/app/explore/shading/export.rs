@@ -88,7 +88,7 @@ pub fn parameters(
     all
 }
 
-/// A name that says what is compared.
+/// A file name that says what is compared.
 fn suggested(compared: &Comparison) -> String {
     let mesh = compared.mesh.title();
     let [left, right] = compared.sides.map(|side| side.shade.shader);

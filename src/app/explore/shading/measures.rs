@@ -115,7 +115,8 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
     })
 }
 
-/// The size of the image used for predictions of images of `size` pixels. It has the same aspect ratio and is limited.
+/// The size of the image used for predictions of images of `size` pixels. The aspect ratio is the same, but the shorter
+/// side is limited.
 #[must_use]
 pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     let shorter = size[0].min(size[1]).max(1);

@@ -67,7 +67,7 @@ impl ShadingPage {
         let frame = Frame::NONE.inner_margin(12.0);
         let mut column = |ui: &mut egui::Ui| {
             theme::compact(ui);
-            // Room for the scroll bar.
+            // Leaves room for the scroll bar.
             ui.set_max_width(ui.available_width() - 6.0);
             let back = heading(ui, "Shading");
             if is_narrow {
@@ -210,7 +210,7 @@ impl ShadingPage {
         });
     }
 
-    /// The names of the renderers above their halves.
+    /// Draws the names of the renderers above their halves.
     fn titles(&mut self, ui: &mut egui::Ui, titles: &[String; 2]) {
         let text = |i: usize| RichText::new(&titles[i]).strong().color(SIDES[i]);
         let height = ui.spacing().interact_size.y;
@@ -260,7 +260,7 @@ impl ShadingPage {
         self.pictures = Some(pictures);
     }
 
-    /// The measurement whose maps are shown, if any are.
+    /// The measurement with the maps to show; `None` if no maps are shown.
     fn mapped(&self) -> Option<&Measurement> {
         match self.settings.layer {
             Layer::Split | Layer::Difference => None,

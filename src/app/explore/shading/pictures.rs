@@ -32,7 +32,7 @@ pub struct Drawer {
     /// Textures for the images that the CPU draws, left and right.
     canvases: [Canvas; 2],
     gpu: Result<WindowGpu, String>,
-    /// The one to use if both can draw.
+    /// The processor to use if both can draw.
     pub wanted: DrawnBy,
 }
 
@@ -234,7 +234,7 @@ impl WindowGpu {
         Ok(WindowGpu { state: state.clone(), gpu, info: state.adapter.get_info() })
     }
 
-    /// The card's name and its interface.
+    /// The name of the card and of its graphics interface.
     fn name(&self) -> String {
         format!("{}, {:?}", self.info.name, self.info.backend)
     }
