@@ -177,9 +177,9 @@ impl<M: Method> Calibrate<M> {
                 }
                 Err(message) => fault(ui, message),
             }
-            let begun = self.begun();
-            begun.iter().for_each(|sentence| hint(ui, sentence));
-            let text = if begun.is_some() { "Resume" } else { M::BEGIN };
+            let note = self.resume_note();
+            note.iter().for_each(|sentence| hint(ui, sentence));
+            let text = if note.is_some() { "Resume" } else { M::BEGIN };
             begin = primary(ui, text, extent.is_ok(), "Full screen. Press Esc to pause.");
             self.fault.iter().for_each(|message| fault(ui, message));
             use_file = self.file_field(ui);
@@ -203,11 +203,11 @@ impl<M: Method> Calibrate<M> {
     }
 
     /// A note that the file already contains measurements; `None` for a new file.
-    fn begun(&self) -> Option<String> {
+    fn resume_note(&self) -> Option<String> {
         let path = Path::new(self.path.trim());
         match &self.paused {
             Some((left, done, all)) if left == path => {
-                Some(format!("Paused after {done} of {all}. They are saved. To resume, keep the settings."))
+                Some(format!("Paused after {done} of {all}. Everything so far is saved. To resume, keep the settings."))
             }
             _ => path.is_file().then(|| {
                 format!(

@@ -22,7 +22,7 @@ use super::{
 };
 
 /// If the loop wakes after at least this time, it was idle, and the events that it finds have just woken it.
-const SLEPT: Duration = Duration::from_micros(500);
+const MIN_IDLE: Duration = Duration::from_micros(500);
 
 /// Runs the window until it is closed.
 ///
@@ -85,7 +85,7 @@ struct Handler<'a> {
 
 impl<'a> Handler<'a> {
     /// Passes an event to eframe. Once the window or the graphics are lost, closes the session and ends the loop.
-    fn hand_on(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
+    fn forward(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
         let failure = self.program.failure();
         if failure.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
             failure.report_panic();
@@ -99,7 +99,7 @@ impl<'a> Handler<'a> {
     /// Begins an iteration. Its events have arrived since the previous iteration read events, or have just woken an
     /// idle loop.
     fn wake(&mut self, now: Instant) {
-        let slept = self.idle_since.is_some_and(|since| now.saturating_duration_since(since) > SLEPT);
+        let slept = self.idle_since.is_some_and(|since| now.saturating_duration_since(since) > MIN_IDLE);
         self.unseen_since = if slept { now } else { self.polled.take().unwrap_or(now) };
         self.polled = None;
     }
@@ -136,50 +136,50 @@ fn key(physical: PhysicalKey) -> Option<Key> {
 impl ApplicationHandler<UserEvent> for Handler<'_> {
     fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
         self.wake(Instant::now());
-        self.hand_on(events, |inner| inner.new_events(events, cause));
+        self.forward(events, |inner| inner.new_events(events, cause));
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
         self.stamp(&event);
-        self.hand_on(events, |inner| inner.window_event(events, window, event));
+        self.forward(events, |inner| inner.window_event(events, window, event));
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.about_to_wait(events));
+        self.forward(events, |inner| inner.about_to_wait(events));
         let now = Instant::now();
         self.polled.get_or_insert(now);
         self.idle_since = Some(now);
     }
 
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.resumed(events));
+        self.forward(events, |inner| inner.resumed(events));
     }
 
     fn user_event(&mut self, events: &ActiveEventLoop, event: UserEvent) {
-        self.hand_on(events, |inner| inner.user_event(events, event));
+        self.forward(events, |inner| inner.user_event(events, event));
     }
 
     fn device_event(&mut self, events: &ActiveEventLoop, device: DeviceId, event: DeviceEvent) {
-        self.hand_on(events, |inner| inner.device_event(events, device, event));
+        self.forward(events, |inner| inner.device_event(events, device, event));
     }
 
     fn suspended(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.suspended(events));
+        self.forward(events, |inner| inner.suspended(events));
     }
 
     fn exiting(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.exiting(events));
+        self.forward(events, |inner| inner.exiting(events));
     }
 
     fn memory_warning(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.memory_warning(events));
+        self.forward(events, |inner| inner.memory_warning(events));
     }
 }
 
 /// The reason why eframe stopped, from its log.
 static LOGGED: Mutex<Option<String>> = Mutex::new(None);
 /// The text that precedes the reason in eframe's log.
-const GAVE_UP: &str = "Exiting because of error: ";
+const REASON_PREFIX: &str = "Exiting because of error: ";
 
 struct Listener;
 
@@ -190,7 +190,7 @@ impl log::Log for Listener {
 
     fn log(&self, record: &log::Record<'_>) {
         if self.enabled(record.metadata())
-            && let Some(reason) = record.args().to_string().strip_prefix(GAVE_UP)
+            && let Some(reason) = record.args().to_string().strip_prefix(REASON_PREFIX)
         {
             *LOGGED.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason.to_owned());
         }
