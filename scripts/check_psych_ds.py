@@ -3,7 +3,8 @@
 
     check_psych_ds.py FOLDER...      # prints errors and warnings; the exit status is 1 if there are errors
     check_psych_ds.py --self-test FOLDER
-                                     # breaks copies of a valid data set in every known way and checks that each is detected
+                                     # breaks copies of a valid data set in every known way and checks that each is
+                                     # detected
 
 The official validator runs on Deno and is not available from an ordinary package registry. This script implements its
 published rules (https://psychds-docs.readthedocs.io) with the standard library only. It knows only the properties of
@@ -204,7 +205,7 @@ class Dataset:
 
 
 def null_keys(context):
-    """Keys that the context maps to nothing in schema.org."""
+    """The keys that the context maps to null, that is, to nothing in schema.org."""
     return {key: None for key, value in context.items() if value is None} if isinstance(context, dict) else {}
 
 

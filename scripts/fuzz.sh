@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes every reader of files: runs each target for SECONDS (600), two at a time. A crash, an input that takes more than
-# a second, or one that needs more than 512 MiB is an error. Needs nightly Rust and cargo-fuzz.
+# Fuzzes every reader of files: runs each target for SECONDS (600), two at a time. A crash, an input that takes more
+# than a second, or one that needs more than 512 MiB is an error. Needs nightly Rust and cargo-fuzz.
 #
 #   scripts/fuzz.sh [SECONDS] [TARGET…]
 #
@@ -27,7 +27,8 @@ dictionary() {
 }
 export -f dictionary
 
-# New inputs go to a separate folder. To update the committed corpus, merge both with `-set_cover_merge=1 -use_counters=0`.
+# New inputs go to a separate folder. To update the committed corpus, merge both with `-set_cover_merge=1
+# -use_counters=0`.
 one() {
     local found=fuzz/target/found/$1
     mkdir -p "$found" "fuzz/artifacts/$1"

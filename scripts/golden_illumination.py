@@ -85,7 +85,7 @@ def highlights():
                     print(model, *map(repr, row), sep=",")
 
 
-# The scene; the tests repeat it.
+# The scene. The tests contain the same scene.
 COLOR, SPECULAR_COLOR = (0.9, 0.5, 0.1), (0.8, 1.0, 0.6)
 K_A, K_D, K_S, M = 0.2, 0.55, 0.4, 12.5
 AMBIENT = (0.3, 0.5, 0.7)

@@ -38,8 +38,8 @@ writeLines(c(versions, "# location: likelihood ratio against the model without t
              "data,link,terms,scale,nodes,test,term,lr,df,p"), tests)
 
 # Newton steps on the package's likelihood, with its numerical derivatives, starting where clmm ended. With one random
-# intercept, clmm computes the curvature for Laplace's approximation one step before the mode. Its code for arbitrary random
-# effects (useMatrix) computes it at the mode and is used here.
+# intercept, clmm computes the curvature for Laplace's approximation one step before the mode. Its code for arbitrary
+# random effects (useMatrix) computes it at the mode and is used here.
 finish <- function(m, rho) {
   laplace <- rho$nAGQ == 1
   likelihood <- function(par) {

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Updates the documentation's pictures from the program itself: docs/pictures/{home,shaders,categories,trial,dither,figure4a}.png.
+# Updates the documentation's pictures from the program itself:
+# docs/pictures/{home,shaders,categories,trial,dither,figure4a}.png.
 #
 #   scripts/pictures.sh                             # with target/release/machband
 #   MACHBAND=target/debug/machband scripts/pictures.sh

@@ -18,7 +18,8 @@ run() {
     fi
 }
 
-# Eight simulated participants with practice trials. S001 corrects a response, is interrupted while a row is written, and resumes.
+# Eight simulated participants with practice trials. S001 corrects a response, is interrupted while a row is written,
+# and resumes.
 run tools sample-study "$results"
 run machband simulate quick --participants 8 --results "$results" --resume
 # A task with shaded meshes.

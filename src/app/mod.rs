@@ -1,12 +1,12 @@
-//! Floor 6: the window with all its pages. No other floor uses it.
+//! Floor 6: the window and all its pages. No other floor uses it.
 //!
-//! | room | what |
+//! | room | contents |
 //! |---|---|
-//! | `ui` | the elements shared by all pages |
-//! | `window` | the event loop, keys and their times, loss of the window |
+//! | `ui` | elements that all pages share |
+//! | `window` | the event loop, timestamps of keys, and the loss of the window |
 //! | `analysis` | reading files and showing the results |
-//! | `explore` | every stimulus; shaders side by side |
-//! | `session` | preflight, instructions, trials, the end |
+//! | `explore` | the gallery of stimuli; shaders side by side |
+//! | `session` | preflight, instructions, trials, the last page |
 //! | `display` | tools that measure the screen |
 //! | `start` | Home and its form |
 
@@ -35,28 +35,27 @@ pub use window::{Input, InputReport, Pressed, Stamps, WindowError};
 /// How the window starts.
 #[derive(Debug, Default)]
 pub struct Launch {
-    /// Straight into this session; `None` for Home.
+    /// The session to start with; `None` to start on Home.
     pub request: Option<Request>,
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the window; returns when it is closed.
 ///
 /// # Errors
-/// [`WindowError`] where there is no display, or no graphics.
+/// [`WindowError`] if there is no display or no graphics, or if one of them is lost.
 pub fn open(launch: Launch) -> Result<(), WindowError> {
     let fullscreen = launch.request.as_ref().is_some_and(|request| !request.windowed);
     window::open(fullscreen, |cc, input| App { input, ..App::new(cc, launch) })
 }
 
-/// Opens a window that measures its frames, and returns when it is closed.
+/// Opens a window that measures its frame times; returns when it is closed.
 ///
 /// # Errors
-/// [`WindowError`] where there is no display, or no graphics.
+/// [`WindowError`] if there is no display or no graphics, or if one of them is lost.
 pub fn time(request: timing::TimingRequest) -> Result<(), WindowError> {
     window::open(request.fullscreen, |cc, input| App { input, ..App::timing(cc, request) })
 }
 
-/// What the window shows.
 enum Page {
     Home(Box<Home>),
     Session(Box<Runner>),
@@ -72,17 +71,17 @@ pub struct App {
     page: Page,
     /// The page that the analysis leads back to, if not Home.
     behind: Option<Page>,
-    /// Started with a session: leaving it closes the window.
+    /// Whether the window was started with a session, so that leaving the session closes the window.
     direct: bool,
     monitors: Vec<Monitor>,
-    /// The last values of Home's fields.
+    /// The current values of Home's fields.
     form: Form,
-    /// Keys and clicks with the time of their arrival.
+    /// Keys and clicks with their arrival times.
     input: Input,
 }
 
 impl App {
-    /// The first page of a launch.
+    /// Shows the first page of a launch.
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
         let direct = launch.request.is_some();
         let page = match launch.request {
@@ -92,7 +91,7 @@ impl App {
         Self::at(cc, page, direct)
     }
 
-    /// Measures frames, and nothing else.
+    /// Only measures frames.
     pub fn timing(cc: &eframe::CreationContext<'_>, request: timing::TimingRequest) -> Self {
         Self::at(cc, Page::Timing(Box::new(timing::TimingPage::new(request))), true)
     }
@@ -104,7 +103,7 @@ impl App {
         Self { page, behind: None, direct, monitors: Vec::new(), form, input }
     }
 
-    /// Draws the page; returns the next page.
+    /// Draws the page; returns whether to stay, go back, or show another page.
     fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) -> Step<Page> {
         let monitor = Monitor::current(ui.ctx(), frame);
         match &mut self.page {
@@ -144,7 +143,7 @@ impl App {
         }
     }
 
-    /// The page to which a page leads back; `None` to close the window.
+    /// The page to go back to; `None` to close the window.
     fn page_behind(&mut self) -> Option<Page> {
         if let Some(page) = self.behind.take() {
             return Some(page);
@@ -154,7 +153,8 @@ impl App {
         }
         let mut form = self.form.clone();
         if matches!(&self.page, Page::Session(session) if session.is_complete()) {
-            // The next participant; an interrupted session stays, so that it can be resumed.
+            // After a completed session, the next participant is entered. After an interrupted one, the fields stay, so
+            // that it can be resumed.
             form.participant.clear();
         }
         Some(Page::Home(Box::new(Home::again(form))))
@@ -185,7 +185,7 @@ impl eframe::App for App {
         };
         if let Some(page) = next {
             let left = std::mem::replace(&mut self.page, page);
-            // From the end of a session, the analysis leads back to it.
+            // An analysis opened at the end of a session leads back to that page.
             self.behind = Some(left).filter(|left| matches!((left, &self.page), (Page::Session(_), Page::Analysis(_))));
             ui.ctx().request_repaint();
         }
@@ -196,8 +196,8 @@ impl eframe::App for App {
         self.close();
     }
 
-    /// The background of the page, and the uniform field of a trial. Clearing to it costs nothing; without a GPU, a
-    /// full-screen rectangle would be most of the work of a frame.
+    /// The background of the page, or the uniform field of a trial. Clearing to this color costs nothing; without a
+    /// GPU, drawing a full-screen rectangle would be most of the work of a frame.
     fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.page {
             Page::Session(session) => session.ground(),

@@ -1,14 +1,14 @@
-//! An observer without eyes before a display that is known.
+//! A simulated observer who looks at a display with a known profile.
 
 use machband::{display::matching::Match, light::Transfers};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
-/// Standard deviation of a normal distribution over its upper quartile.
+/// Standard deviation of a normal distribution, divided by its upper quartile.
 const SD_PER_QUARTILE: f64 = 1.482_602_218_505_602;
 
-/// The code at which the square vanishes for an observer who judges a relative difference of `threshold` rightly in 75 %
-/// of all cases: that of the light nearest to the field's as it looks this time.
+/// The code at which the square vanishes for an observer who judges a relative difference of `threshold` correctly in
+/// 75 % of all cases. It is the code whose light is nearest to the light of the field as perceived in this match.
 pub fn matched_code(display: &Transfers, shown: &Match, threshold: f64, rng: &mut ChaCha8Rng) -> u8 {
     let deviate: f64 = StandardNormal.sample(rng);
     let noise = deviate * threshold * SD_PER_QUARTILE;

@@ -1,6 +1,6 @@
-//! What several test programs share: the real program, and the files it leaves.
+//! Functions that several test programs share: they run the real program and read its files.
 
-// Each program uses a part of it.
+// Each test program uses only some of these functions.
 #![allow(dead_code)]
 
 use std::{
@@ -19,7 +19,7 @@ use machband::{
 
 pub const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
 
-/// The arguments of a command line, as a shell takes them.
+/// Splits a command line into arguments, as a shell does.
 pub fn split(line: &str) -> Vec<String> {
     shlex::split(line).unwrap()
 }
@@ -37,7 +37,7 @@ pub fn machband<S: AsRef<OsStr>>(folder: &Path, arguments: &[S]) -> Output {
     command(folder, arguments).output().unwrap()
 }
 
-/// What a PNG says of itself, and its samples.
+/// The header information and the samples of a PNG.
 pub fn pixels(path: &Path) -> (png::Info<'static>, Vec<u8>) {
     let mut reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap())).read_info().unwrap();
     let mut samples = vec![0; reader.output_buffer_size().unwrap()];
@@ -77,16 +77,16 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// The data of a run that must succeed; piped, nothing else comes with it.
+/// The output of a run that must succeed. Nothing may be written to stderr when stdout is piped.
 pub fn succeeds<S: AsRef<OsStr> + Debug>(folder: &Path, arguments: &[S]) -> String {
     let output = machband(folder, arguments);
     let errors = text(&output.stderr);
     assert!(output.status.success(), "{arguments:?}: {errors}");
-    assert_eq!(errors, "", "{arguments:?}: nothing but data when piped");
+    assert_eq!(errors, "", "{arguments:?}: stderr must be empty when piped");
     text(&output.stdout)
 }
 
-/// The errors of a run that must fail with `status`; no data comes with them.
+/// The errors of a run that must fail with `status` and print nothing to stdout.
 pub fn fails<S: AsRef<OsStr> + Debug>(folder: &Path, arguments: &[S], status: i32) -> String {
     let output = machband(folder, arguments);
     let errors = text(&output.stderr);
@@ -96,7 +96,7 @@ pub fn fails<S: AsRef<OsStr> + Debug>(folder: &Path, arguments: &[S], status: i3
     errors
 }
 
-/// Every file below a folder and its content, in a fixed order; of a link, where it leads.
+/// Every file below a folder and its content, in a fixed order. The content of a link is its target.
 pub fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -113,7 +113,7 @@ pub fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// Where a participant's first session of an experiment is.
+/// The path of a participant's first session of an experiment.
 pub fn session_csv(results: &Path, experiment: &str, participant: &str) -> PathBuf {
     results.join(format!("{experiment}/data/subject-{participant}_session-1_task-{experiment}_data.csv"))
 }
@@ -124,7 +124,7 @@ pub fn rows(csv: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
     read.unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Builds the library `tests/faults/NAME.c` with the compiler that links Rust programs too; `false` where that cannot be.
+/// Builds the library `tests/faults/NAME.c` with `cc`, which also links Rust programs; returns whether it succeeded.
 pub fn c_library(name: &str, to: &Path) -> bool {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/faults").join(name).with_extension("c");
     let mut compiler = Command::new("cc");
@@ -138,9 +138,9 @@ pub fn c_library(name: &str, to: &Path) -> bool {
     false
 }
 
-/// Says that no faults are injected, which `MACHBAND_REQUIRE_FAULTS=1` does not allow.
+/// Prints that no faults are injected; panics if `MACHBAND_REQUIRE_FAULTS=1`.
 pub fn skip_faults(why: &str) {
     assert!(std::env::var_os("MACHBAND_REQUIRE_FAULTS").is_none_or(|value| value != "1"), "no faults injected: {why}");
-    // Not by eprintln, which the test harness keeps to itself.
-    let _ = writeln!(std::io::stderr(), "SKIPPED: no faults are injected, since {why}");
+    // Not with `eprintln!`, because the test harness captures it.
+    let _ = writeln!(std::io::stderr(), "SKIPPED: no faults are injected: {why}");
 }

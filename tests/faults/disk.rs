@@ -1,4 +1,4 @@
-//! What is on disk, and whether it can be read.
+//! Reads what a session left on disk and reports what is wrong with it.
 
 use std::{
     fs,
@@ -23,14 +23,14 @@ pub fn paths(results: &Path, definition: usize) -> SessionPaths {
     SessionPaths::new(results, &protocol(definition), &someone())
 }
 
-/// Every file below a folder whose name ends like this, and its content.
+/// Every file below a folder whose name ends with `end`, and its content.
 fn files(folder: &Path, end: &str) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = if folder.exists() { everything(folder) } else { Vec::new() };
     found.retain(|(path, _)| path.to_string_lossy().ends_with(end));
     found
 }
 
-/// Files below a folder that cannot be read: a result file may end in half a row, a JSON file is whole.
+/// Files below a folder that cannot be read. A result file may end in an incomplete row; a JSON file must be complete.
 pub fn unparsable(folder: &Path, definition: usize) -> Vec<String> {
     let json = files(folder, ".json").into_iter().map(|(path, content)| {
         (path, serde_json::from_slice::<serde_json::Value>(&content).err().map(|error| error.to_string()))
@@ -44,25 +44,24 @@ pub fn unparsable(folder: &Path, definition: usize) -> Vec<String> {
     json.chain(rows).filter_map(|(path, fault)| Some(format!("{}: {}", path.display(), fault?))).collect()
 }
 
-/// Whole lines of a result file; none where there is no file.
+/// The complete lines of a result file; empty if there is no file.
 pub fn lines(csv: &Path) -> Vec<String> {
     let text = String::from_utf8_lossy(&fs::read(csv).unwrap_or_default()).into_owned();
     let whole = text.rfind('\n').map_or("", |end| &text[..end]);
     whole.lines().map(str::to_owned).collect()
 }
 
-/// Files that a program left half done.
+/// The unfinished temporary files that a program left.
 pub fn leftovers(folder: &Path) -> Vec<PathBuf> {
     files(folder, ".tmp").into_iter().map(|(path, _)| path).collect()
 }
 
-/// The rows of a result file.
 pub fn rows(csv: &Path, definition: usize) -> Result<Vec<TrialRecord>, String> {
     let content = fs::read(csv).map_err(|error| error.to_string())?;
     results::parse("rows", &content, &columns(&protocol(definition))).map_err(|error| error.to_string())
 }
 
-/// What identifies a row's trial.
+/// The cells that identify a row's trial.
 pub fn planned(row: &TrialRecord) -> Vec<String> {
     let columns = columns(&protocol(0));
     let cells = columns.iter().zip(row.cells());
@@ -85,7 +84,7 @@ const PLANNED: [&str; 13] = [
     "seed",
 ];
 
-/// What is wrong with a session that has ended: not every planned trial once, in the planned order and on one clock.
+/// The faults of a finished session, which must have every planned trial once, in the planned order and on one clock.
 pub fn faults_of_ended(results: &Path, definition: usize, expected: &[Vec<String>]) -> Vec<String> {
     let csv = paths(results, definition).csv;
     let mut wrong = Vec::new();
@@ -98,7 +97,7 @@ pub fn faults_of_ended(results: &Path, definition: usize, expected: &[Vec<String
                 wrong.push(format!("the rows are {}; expected {}", ids(&found), ids(expected)));
             }
             if !rows.iter().map(|row| row.onset_s.0).is_sorted() {
-                wrong.push("onset_s runs back".to_owned());
+                wrong.push("onset_s goes back".to_owned());
             }
         }
     }

@@ -1,8 +1,9 @@
-//! Nothing brings a session down: a disk that fails, a clock that runs back, a program that is killed, at every place
-//! where that can happen, and what is on disk and what resume does afterwards.
+//! Injects faults into sessions wherever they can occur (the disk fails, the clock goes back, the program is killed)
+//! and checks what is on disk afterwards and what resuming does.
 //!
-//! Linux only, with `cc`: where one is missing the tests say `SKIPPED` and pass, unless `MACHBAND_REQUIRE_FAULTS=1`.
-//! `MACHBAND_FAULTS` sessions (1,000) with the faults of `MACHBAND_FAULT_SEED` (1) are run.
+//! The tests need Linux and `cc`. If `cc` is missing, they print `SKIPPED` and pass, unless
+//! `MACHBAND_REQUIRE_FAULTS=1`. `MACHBAND_FAULTS` is the number of sessions (1,000), and `MACHBAND_FAULT_SEED` (1)
+//! draws their faults.
 
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 
@@ -22,15 +23,15 @@ fn setting(name: &str, default: u64) -> u64 {
         .map_or(default, |value| value.parse().unwrap_or_else(|_| panic!("{name} is {value}; expected a number")))
 }
 
-/// Not by println, which the test harness keeps to itself.
+/// Prints to stderr directly, because the test harness captures `println!`.
 fn print(what: &str) {
     let _ = writeln!(std::io::stderr(), "{what}");
 }
 
-/// A thousand sessions with faults: no row lost that was reported as recorded, no file that cannot be read, no failure
-/// without an error, and every session resumed to its end.
+/// Runs a thousand sessions with faults: no row that was reported as saved is lost, every file can be read, every
+/// failure is reported, and every session can be resumed and completed.
 #[test]
-fn a_thousand_faults_take_nothing_with_them() {
+fn no_row_is_lost_in_a_thousand_sessions_with_faults() {
     if shim::library().is_none() {
         return;
     }
@@ -41,17 +42,17 @@ fn a_thousand_faults_take_nothing_with_them() {
     for what in wrong.iter().take(20) {
         print(what);
     }
-    assert!(wrong.is_empty(), "{} faults were not borne", wrong.len());
-    let total = ["rows lost", "files unparsable", "silent", "resumed"].map(|column| table.total(column));
+    assert!(wrong.is_empty(), "{} failures", wrong.len());
+    let total = ["rows lost", "unreadable files", "silent failures", "resumed"].map(|column| table.total(column));
     assert_eq!(total, [0, 0, 0, cases]);
-    let [struck, injected] = ["struck", "injected"].map(|column| table.total(column));
-    assert!(struck >= cases, "only {struck} of {injected} faults struck");
+    let [struck, injected] = ["took effect", "injected"].map(|column| table.total(column));
+    assert!(struck >= cases, "only {struck} of {injected} faults took effect");
 }
 
-/// A disk that is full or read-only for good, a folder that is removed, a second program, a clock that is turned back, a
-/// program that is killed from outside, a file that is cut at any byte.
+/// The disk is permanently full or read-only, the folder is removed, a second program opens the session, the clock is
+/// turned back, the program is killed from outside, or the file is cut at any byte.
 #[test]
-fn what_happens_around_a_session_takes_nothing_with_it() {
+fn no_row_is_lost_when_something_happens_around_a_session() {
     if shim::library().is_none() {
         return;
     }
@@ -60,10 +61,10 @@ fn what_happens_around_a_session_takes_nothing_with_it() {
     print(&table.to_string());
 }
 
-/// Not a test: the session that the tests of this file start and disturb.
+/// Not a test: the other tests start this session in a separate process and disturb it.
 #[test]
-#[ignore = "a part of the other tests"]
-fn a_session_for_the_faults() {
+#[ignore = "part of the other tests"]
+fn session_for_the_other_tests() {
     if let Some(child) = run::Child::from_environment() {
         std::process::exit(i32::from(!child.run()));
     }

@@ -1,4 +1,4 @@
-//! Programs that run a session and report what they did, and what such a session is.
+//! The test sessions, and the programs that run one and report what they did.
 
 use std::{
     io::Write as _,
@@ -20,8 +20,8 @@ use crate::common::MACHBAND;
 
 pub const SEED: u64 = 7;
 
-/// Short sessions of different shape: a column of its own and a color that needs quotes; repetitions and no practice;
-/// one trial.
+/// Short sessions that differ in structure: one with an extra column and a color that needs quotes, one with
+/// repetitions and no practice, and one with a single trial.
 pub const DEFINITIONS: [&str; 3] = [
     "schema = 1\nname = \"small-one\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"1,0.5,0\"\n[factors]\nwidth = [0.1, 0.4]\ntanh_k = [5, 7.5]\n[design]\npractice = 2\n",
     "schema = 1\nname = \"twice\"\ntitle = \"Twice\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\ndepth = [1, \"inf\"]\norientation_deg = [0, 90]\n[design]\nrepetitions = 2\n",
@@ -40,14 +40,14 @@ pub fn sitting() -> Sitting {
     Sitting { started_at: Timestamp::now().to_string(), ..Sitting::default() }
 }
 
-/// A row as it is in its file, without the line's end.
+/// A row as it is in its file, without the newline.
 pub fn line(row: &TrialRecord) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(row.cells()).unwrap();
     String::from_utf8(writer.into_inner().unwrap()).unwrap().trim_end().to_owned()
 }
 
-/// How a program ended, and what it wrote.
+/// A program's exit status and output.
 #[derive(Debug)]
 pub struct Ended {
     pub status: ExitStatus,
@@ -67,7 +67,7 @@ pub fn ended(command: &mut Command) -> Ended {
     Ended { status: output.status, stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
-/// `machband simulate`, with a seed that gives the order of [`SEED`].
+/// `machband simulate` with [`SEED`], so that the order of the trials is known.
 pub fn binary(definition: &Path, results: &Path, resume: bool) -> Command {
     let mut command = Command::new(MACHBAND);
     command.arg("simulate").arg(definition).args(["--seed", &SEED.to_string(), "--results"]).arg(results);
@@ -77,27 +77,27 @@ pub fn binary(definition: &Path, results: &Path, resume: bool) -> Command {
     command
 }
 
-/// This program once more as the [`session`] of a child.
+/// Starts this test program again as a [`Child`] that runs a session.
 pub fn child(definition: usize, results: &Path, elsewhere: &Path, resume: bool) -> Command {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command
-        .args(["--ignored", "--exact", "a_session_for_the_faults", "--nocapture", "--test-threads=1"])
+        .args(["--ignored", "--exact", "session_for_the_other_tests", "--nocapture", "--test-threads=1"])
         .env("MACHBAND_CHILD", format!("{definition} {}", u8::from(resume)))
         .env("MACHBAND_CHILD_RESULTS", results)
         .env("MACHBAND_CHILD_ELSEWHERE", elsewhere);
     command
 }
 
-/// What a child reported.
+/// The report of a child process.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// Rows that it reported as recorded, as they are in the file.
+    /// The rows that it reported as saved, as they are in the file.
     pub rows: Vec<String>,
-    /// The errors that it showed its user.
+    /// The errors that it reported to the user.
     pub errors: Vec<String>,
-    /// The results folder that it used last, where it went elsewhere.
+    /// The last results folder, if it moved to another one.
     pub moved: Option<PathBuf>,
-    /// It ended well.
+    /// Whether it completed the session.
     pub done: bool,
 }
 
@@ -118,12 +118,12 @@ impl Report {
 
 fn print_line(line: &str) {
     let mut stdout = std::io::stdout().lock();
-    // In one piece: a reader never gets half of it.
+    // In one write, so that a reader never gets half a line.
     stdout.write_all(format!("{line}\n").as_bytes()).unwrap();
     stdout.flush().unwrap();
 }
 
-/// A session whose files are there.
+/// A session whose files have been created or opened.
 struct Begun {
     store: SessionStore,
     schedule: Schedule,
@@ -143,7 +143,8 @@ fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<Begun, Sto
     Ok(Begun { store, schedule, resumed: Resumed::default(), elapsed: Duration::ZERO, sitting: 1 })
 }
 
-/// Rates every trial that is left; `record` refuses a row to stop. Gives the store, and whether it came to the end.
+/// Rates every remaining trial, until `record` returns an error. Returns the store and whether the session was
+/// completed.
 fn rate(
     protocol: &Protocol,
     begun: Begun,
@@ -160,7 +161,7 @@ fn rate(
     (store, rated.is_ok())
 }
 
-/// A session that was left after so many rows, and these rows.
+/// Writes a session that was interrupted after this many rows; returns these rows.
 pub fn interrupted(definition: usize, results: &Path, rows: usize) -> Vec<String> {
     let protocol = protocol(definition);
     let mut lines = Vec::new();
@@ -175,19 +176,19 @@ pub fn interrupted(definition: usize, results: &Path, rows: usize) -> Vec<String
     lines
 }
 
-/// A session as the window runs it: each row reported when it is on disk, each error shown, then tried again, and then
-/// moved to another folder.
+/// A session that uses the store as the window does: it reports each row once it is on disk. After an error, it reports
+/// the error, tries again, and then moves the session to another folder.
 pub struct Child {
     definition: usize,
     results: PathBuf,
     elsewhere: PathBuf,
     resume: bool,
-    /// Rows before it waits for a line on stdin.
+    /// Number of rows after which it waits for a line on stdin.
     wait_after: Option<usize>,
 }
 
 impl Child {
-    /// As the environment says; `None` where it says nothing.
+    /// The child that the environment variables describe; `None` if they are not set.
     pub fn from_environment() -> Option<Self> {
         let what = std::env::var("MACHBAND_CHILD").ok()?;
         let (definition, resume) = what.split_once(' ')?;
@@ -200,9 +201,9 @@ impl Child {
         })
     }
 
-    /// Runs the session; whether it ended well.
+    /// Runs the session; returns whether it was completed.
     pub fn run(&self) -> bool {
-        // The test harness has begun a line.
+        // The test harness has already begun a line.
         print_line("");
         let error = |error: StoreError| print_line(&format!("@error {error}"));
         let protocol = protocol(self.definition);
@@ -228,7 +229,7 @@ impl Child {
         ended
     }
 
-    /// What an experimenter does: tries twice more, and then another folder.
+    /// Does what an experimenter would do: tries twice more, and then moves to another folder.
     fn remedy(&self, store: &mut SessionStore, error: &StoreError) -> Result<(), ()> {
         print_line(&format!("@error {error}"));
         for again in 0..4 {

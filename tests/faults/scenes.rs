@@ -1,4 +1,4 @@
-//! What happens around a session: each a scene of its own with a line of the table.
+//! Faults around a session. Each is a scene with its own row in the table.
 
 use std::{
     fs,
@@ -21,10 +21,10 @@ use crate::{
     table::{Counts, Table},
 };
 
-/// The definition of the scenes: eight trials.
+/// The definition that the scenes use; it has eight trials.
 const DEFINITION: usize = 1;
 
-/// A folder with a session in it.
+/// A temporary folder for one session.
 struct Scene<'a> {
     sweep: &'a Sweep,
     folder: tempfile::TempDir,
@@ -51,7 +51,7 @@ impl<'a> Scene<'a> {
         run::ended(&mut run::binary(&self.sweep.definition(DEFINITION), results, true))
     }
 
-    /// A child that waits after so many rows.
+    /// Starts a child that waits after this many rows.
     fn waiting(&self, rows: usize) -> Waiting {
         let mut command = run::child(DEFINITION, &self.first(), &self.second(), false);
         command.env("MACHBAND_CHILD_WAIT", rows.to_string());
@@ -64,7 +64,8 @@ impl<'a> Scene<'a> {
         Waiting { child, stdout, output }
     }
 
-    /// Every row that was reported is there, and the session is complete once resumed; gives what the table counts.
+    /// Checks that every reported row is on disk and that the resumed session is complete; returns the counts for the
+    /// table.
     fn assert_kept(&self, report: &Report, results: &Path) -> Counts {
         let recorded = || disk::lines(&disk::paths(results, DEFINITION).csv);
         let lost = |rows: &[String]| report.rows.iter().filter(|row| !rows.contains(row)).count();
@@ -76,9 +77,9 @@ impl<'a> Scene<'a> {
         assert_eq!(lost(&recorded()), 0, "{report:?}");
         let faults = disk::faults_of_ended(results, DEFINITION, self.sweep.planned(DEFINITION));
         assert_eq!(faults, Vec::<String>::new());
-        let mut counts = ["injected", "struck", "sessions", "resumed"].map(|column| (column, 1)).to_vec();
-        counts.push(("showed an error", usize::from(!report.errors.is_empty())));
-        counts.push(("rows reported", report.rows.len()));
+        let mut counts = ["injected", "took effect", "sessions", "resumed"].map(|column| (column, 1)).to_vec();
+        counts.push(("reported an error", usize::from(!report.errors.is_empty())));
+        counts.push(("rows saved", report.rows.len()));
         counts
     }
 }
@@ -90,7 +91,7 @@ struct Waiting {
 }
 
 impl Waiting {
-    /// Lets it go on to its end.
+    /// Lets the child continue and waits until it ends.
     fn end(mut self) -> Report {
         self.child.stdin.take().unwrap().write_all(b"\n").unwrap();
         self.stdout.read_to_string(&mut self.output).unwrap();
@@ -99,7 +100,7 @@ impl Waiting {
     }
 }
 
-/// All scenes, each in the table.
+/// Plays all scenes and adds them to the table.
 pub fn play(sweep: &Sweep, table: &mut Table) {
     for rows in [1, 3, 7] {
         table.line("the folder is removed during the session", removed(sweep, rows));
@@ -117,7 +118,8 @@ pub fn play(sweep: &Sweep, table: &mut Table) {
     cut(sweep, table);
 }
 
-/// The folder is removed while the program waits for the next answer: it shows an error and writes all rows anew.
+/// The folder is removed while the program waits for the next answer. The program reports an error and writes all rows
+/// again.
 fn removed(sweep: &Sweep, rows: usize) -> Counts {
     let scene = Scene::new(sweep);
     let waiting = scene.waiting(rows);
@@ -127,7 +129,7 @@ fn removed(sweep: &Sweep, rows: usize) -> Counts {
     scene.assert_kept(&report, &scene.first())
 }
 
-/// The second program shows an error and changes nothing; the first continues.
+/// The second program reports an error and changes nothing; the first continues.
 fn two_at_once(sweep: &Sweep, rows: usize) -> Counts {
     let scene = Scene::new(sweep);
     let waiting = scene.waiting(rows);
@@ -142,10 +144,10 @@ fn two_at_once(sweep: &Sweep, rows: usize) -> Counts {
     assert_eq!(fs::read(scene.csv()).unwrap(), before);
     let report = waiting.end();
     assert!(report.done && report.errors.is_empty(), "{report:?}");
-    [scene.assert_kept(&report, &scene.first()), vec![("showed an error", 1)]].concat()
+    [scene.assert_kept(&report, &scene.first()), vec![("reported an error", 1)]].concat()
 }
 
-/// The wall clock of the second sitting is an hour behind: the session's own time goes on.
+/// In the second sitting, the wall clock is an hour behind. The session's own time does not go back.
 fn clock_back(sweep: &Sweep, rows: usize) -> Counts {
     let scene = Scene::new(sweep);
     let lines = run::interrupted(DEFINITION, &scene.first(), rows);
@@ -159,11 +161,11 @@ fn clock_back(sweep: &Sweep, rows: usize) -> Counts {
     scene.assert_kept(&report, &scene.first())
 }
 
-/// The disk refuses to be written from then on: the error is shown, writing is tried again, and the session moves to
-/// another folder.
+/// From one write on, every write fails. The program reports the error, tries again, and moves the session to another
+/// folder.
 fn lasting(sweep: &Sweep, rows: usize, what: &'static str) -> Counts {
     let scene = Scene::new(sweep);
-    // The rows come last but for the sidecar's end.
+    // The rows are the last writes, except for the end of the sidecar.
     let writes = sweep.calls(DEFINITION, None, false).iter().find(|(op, _)| op == "write").map_or(0, |(_, n)| *n);
     let before = writes - 1 - sweep.planned(DEFINITION).len() as u64;
     let fault = Fault { op: "write", n: before + rows as u64, what, lasting: true };
@@ -172,12 +174,12 @@ fn lasting(sweep: &Sweep, rows: usize, what: &'static str) -> Counts {
     let report = Report::read(&ended.stdout);
     assert!(report.done && !log.hits.is_empty() && report.errors.len() == 3, "{report:?} {log:?}");
     assert_eq!(report.moved, Some(scene.second()));
-    // What was recorded before stays where it was, too.
+    // The rows that were saved before also stay in the first folder.
     assert_eq!(disk::lines(&scene.csv())[1..], report.rows[..rows - 1]);
     scene.assert_kept(&report, &scene.second())
 }
 
-/// SIGKILL from outside, a moment after a row.
+/// The program is killed from outside (SIGKILL) shortly after a row.
 fn killed(sweep: &Sweep, rows: usize, wait: Duration) -> Counts {
     let scene = Scene::new(sweep);
     let mut waiting = scene.waiting(rows);
@@ -191,7 +193,8 @@ fn killed(sweep: &Sweep, rows: usize, wait: Duration) -> Counts {
     scene.assert_kept(&report, &scene.first())
 }
 
-/// The file ends at each byte of its last two rows: whole rows stay, and a torn one is reported and asked again.
+/// The file is cut at each byte of its last two rows. Complete rows stay; an incomplete row is reported, and its trial
+/// is shown again.
 fn cut(sweep: &Sweep, table: &mut Table) {
     let scene = Scene::new(sweep);
     run::interrupted(DEFINITION, &scene.first(), 5);

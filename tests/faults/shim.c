@@ -1,14 +1,14 @@
-/* A disk and a clock that fail when told to, for tests: loaded before the C library (LD_PRELOAD), it stands between a
- * program and those calls that touch paths below one folder.
+/* Makes the disk and the clock fail on request, for tests. It is loaded before the C library (LD_PRELOAD) and
+ * intercepts the program's calls that use paths below one folder.
  *
  * MACHBAND_FAULT_UNDER  the folder
- * MACHBAND_FAULT        OP:N:WHAT[+], several joined by commas: what the N-th call of OP does; +: and every one after it
- * MACHBAND_FAULT_LOG    a file for "hit OP N WHAT PATH" when a fault strikes, and "count OP N" at the end
+ * MACHBAND_FAULT        OP:N:WHAT[+], separated by commas: what the N-th call of OP does; with +, every later one too
+ * MACHBAND_FAULT_LOG    a file that receives "hit OP N WHAT PATH" when a fault takes effect, "count OP N" at the end
  *
- * OP: open read write sync rename truncate seek stat unlink mkdir lock clock (the last for any path).
- * WHAT: the name of an errno; short (half is written, and half is said to be); lie (half is written, all is said to
- * be); torn (half is written, then EIO); kill-before, kill-after, kill-torn (SIGKILL to itself); back (an hour, from
- * then on). */
+ * OP: open read write sync rename truncate seek stat unlink mkdir lock clock (clock has no path).
+ * WHAT: the name of an errno; short (transfers half and reports half); lie (writes half and reports all); torn (writes
+ * half, then fails with EIO); kill-before, kill-after, kill-torn (kills its own process with SIGKILL before, after or
+ * halfway through the call); back (sets the clock back an hour from this call on). */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -37,7 +37,7 @@ static int fault_count;
 static long counts[OPS];
 static char *under;
 static int log_fd = -1;
-/* Paths of the descriptors that were opened below the folder. */
+/* Paths of the open descriptors of files below the folder. */
 #define DESCRIPTORS 1024
 static char *paths[DESCRIPTORS];
 
@@ -77,7 +77,7 @@ static int is_below(const char *path) {
 
 static const char *path_of(int fd) { return fd >= 0 && fd < DESCRIPTORS ? paths[fd] : NULL; }
 
-/* What this call is to do; NULL: what it always does. */
+/* What this call must do; NULL for the real call. */
 static const char *strike(enum op op, const char *path) {
     long n = __atomic_add_fetch(&counts[op], 1, __ATOMIC_SEQ_CST);
     for (int i = 0; i < fault_count; i++) {
@@ -94,7 +94,8 @@ static void die(void) {
     for (;;) pause();
 }
 
-/* Does what a fault says, but for what is special to writing; 1 where the call must then return -1. */
+/* Does what a fault requires before the call; partial reads and writes are handled elsewhere. Returns 1 if the call
+ * must return -1. */
 static int refused(const char *what) {
     if (!what) return 0;
     if (!strcmp(what, "kill-before")) die();
@@ -107,7 +108,7 @@ static int refused(const char *what) {
     return 0;
 }
 
-/* A call of which nothing is special. */
+/* A call that needs no special treatment. */
 #define CALL(type, op, path, call)                                     \
     do {                                                               \
         const char *what = strike(op, path);                           \
@@ -186,7 +187,7 @@ int fdatasync(int fd) { ON_DESCRIPTOR(int, SYNC, fd, REAL(fdatasync)(fd)); }
 int ftruncate(int fd, off_t size) { ON_DESCRIPTOR(int, TRUNCATE, fd, REAL(ftruncate)(fd, size)); }
 int ftruncate64(int fd, off64_t size) { ON_DESCRIPTOR(int, TRUNCATE, fd, REAL(ftruncate64)(fd, size)); }
 
-/* To a place only: where a file stands is asked for as a hint when it is read. */
+/* Only seeks to an absolute position fail: Rust's read functions query the current position as a hint. */
 off_t lseek(int fd, off_t to, int from) {
     if (from != SEEK_SET) return REAL(lseek)(fd, to, from);
     ON_DESCRIPTOR(off_t, SEEK, fd, REAL(lseek)(fd, to, from));
@@ -211,7 +212,7 @@ int rename(const char *from, const char *to) { ON_PATH(int, RENAME, to, REAL(ren
 int unlink(const char *path) { ON_PATH(int, UNLINK, path, REAL(unlink)(path)); }
 int mkdir(const char *path, mode_t mode) { ON_PATH(int, MKDIR, path, REAL(mkdir)(path, mode)); }
 
-/* By name only: the size of an open file is asked for as a hint when it is read. */
+/* Only calls by name fail: Rust's read functions query the size of an open file as a hint. */
 int statx(int at, const char *path, int flags, unsigned int mask, struct statx *found) {
     ON_PATH(int, STAT, path, REAL(statx)(at, path, flags, mask, found));
 }

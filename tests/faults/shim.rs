@@ -1,4 +1,4 @@
-//! The library of faults, built once, and programs that run under it.
+//! Builds the library that injects faults, and runs programs with it.
 
 use std::{
     ffi::OsStr,
@@ -9,7 +9,7 @@ use std::{
 
 use crate::{common, run};
 
-/// The library, or `None` and a line about it where it cannot be made.
+/// The library; if it cannot be built, prints the reason and returns `None`.
 pub fn library() -> Option<&'static Path> {
     static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
     let built = BUILT.get_or_init(|| {
@@ -19,16 +19,16 @@ pub fn library() -> Option<&'static Path> {
     built.as_deref()
 }
 
-/// A call that goes wrong: which, and how.
+/// A call that fails, and how it fails.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// Name of the call as the library has it.
+    /// Name of the call in the library.
     pub op: &'static str,
-    /// Which such call, from 1.
+    /// Which call of this kind, counted from 1.
     pub n: u64,
-    /// What happens.
+    /// What happens: an errno name or an action (see `shim.c`).
     pub what: &'static str,
-    /// And to every such call from then on.
+    /// Whether every later call of this kind fails too.
     pub lasting: bool,
 }
 
@@ -38,7 +38,7 @@ impl std::fmt::Display for Fault {
     }
 }
 
-/// A fault that struck.
+/// A fault that took effect.
 #[derive(Clone, Debug)]
 pub struct Hit {
     pub op: String,
@@ -46,15 +46,15 @@ pub struct Hit {
     pub path: String,
 }
 
-/// What the library logged of a run.
+/// What the library logged during a run.
 #[derive(Debug, Default)]
 pub struct Log {
     pub hits: Vec<Hit>,
-    /// Calls of each kind, where the program came to its end.
+    /// Number of calls of each kind; empty if the program was killed.
     pub counts: Vec<(String, u64)>,
 }
 
-/// Runs a program under these faults, for paths below `under`.
+/// Runs a program with these faults, which affect only paths below `under`.
 pub fn run_with(command: &mut Command, faults: &[Fault], under: &Path, log: &Path) -> (run::Ended, Log) {
     let spec: Vec<String> = faults.iter().map(Fault::to_string).collect();
     command

@@ -1,4 +1,4 @@
-//! A thousand sessions, each with calls of the disk or the clock that go wrong.
+//! Runs a thousand sessions, in each of which calls to the disk or the clock fail.
 
 use std::{
     collections::HashMap,
@@ -21,7 +21,7 @@ use crate::{
     table::{Counts, Table},
 };
 
-/// What can go wrong with each call, the common ones more often.
+/// How each call can fail. Frequent calls are listed twice, so that they are drawn more often.
 const KINDS: &[(&str, &[&str])] = &[
     ("open", &["EIO", "EMFILE", "EACCES", "EROFS", "EINTR", "kill-before", "kill-after"]),
     ("read", &["EIO", "EINTR", "short"]),
@@ -39,15 +39,15 @@ const KINDS: &[(&str, &[&str])] = &[
     ("clock", &["back"]),
 ];
 
-/// How a session is when the faults come.
+/// The state of a session before the faults.
 #[derive(Clone, Debug)]
 struct Before {
-    /// Rows that an earlier sitting left; `None`: a new session.
+    /// Rows from an earlier sitting; `None` for a new session.
     rows: Option<usize>,
-    /// Bytes of the last row that are missing.
+    /// Number of bytes missing at the end of the last row.
     torn: usize,
     sidecar_lost: bool,
-    /// A killed program left a half-written file.
+    /// Whether a killed program left a half-written file.
     leftover: bool,
 }
 
@@ -56,25 +56,25 @@ struct Before {
 struct Case {
     definition: usize,
     before: Before,
-    /// `machband simulate` instead of the child that reports every row.
+    /// Whether to run `machband simulate` instead of the child, which reports every row.
     binary: bool,
     faults: Vec<Fault>,
 }
 
-/// A run that nothing disturbs: its definition, how many rows are there when it resumes, whether it is the program.
+/// A run without faults: its definition, the rows that it resumes from, and whether it is `machband simulate`.
 type Undisturbed = (usize, Option<usize>, bool);
 
-/// What is the same for every case.
+/// What all cases share.
 pub struct Sweep {
     folder: tempfile::TempDir,
     seed: u64,
     /// The rows that each definition plans.
     planned: Vec<Vec<Vec<String>>>,
-    /// Calls of a run that nothing disturbs.
+    /// The number of calls of each kind in runs without faults.
     calls: Mutex<HashMap<Undisturbed, Vec<(String, u64)>>>,
 }
 
-/// A folder in memory where there is one: what is tested is not how fast a disk is.
+/// A temporary folder, in memory if possible, because the speed of the disk is not tested.
 pub fn folder() -> tempfile::TempDir {
     tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
 }
@@ -102,7 +102,7 @@ impl Sweep {
         sweep
     }
 
-    /// The file of a definition.
+    /// The path of a definition's file.
     pub fn definition(&self, index: usize) -> PathBuf {
         self.folder.path().join(format!("definition{index}.toml"))
     }
@@ -112,7 +112,7 @@ impl Sweep {
         &self.planned[definition]
     }
 
-    /// Runs so many cases, some at a time, and gives the table and what must not have been.
+    /// Runs this many cases, several at a time; returns the table and every failure.
     pub fn run(&self, cases: usize) -> (Table, Vec<String>) {
         let found: Vec<_> = (0..cases).into_par_iter().map(|number| self.one(number)).collect();
         let (mut table, mut wrong) = (Table::default(), Vec::new());
@@ -124,7 +124,7 @@ impl Sweep {
         (table, wrong)
     }
 
-    /// The case of a number: the same for the same seed.
+    /// The case with this number. The same seed always gives the same case.
     fn case(&self, number: usize) -> Case {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number as u64);
@@ -142,7 +142,7 @@ impl Sweep {
         let calls = self.calls(definition, rows, binary);
         let mut faults = Vec::new();
         for _ in 0..pick(rng, &[1, 1, 1, 2, 3]) {
-            // One that the session makes.
+            // A call that this session makes.
             let (op, whats, count) = loop {
                 let (op, whats) = pick(rng, KINDS);
                 let count = calls.iter().find(|(name, _)| name == op).map_or(0, |(_, count)| *count);
@@ -157,7 +157,7 @@ impl Sweep {
         Case { definition, before, binary, faults }
     }
 
-    /// How often each call is made where nothing goes wrong.
+    /// How often each call is made in a run without faults.
     pub fn calls(&self, definition: usize, rows: Option<usize>, binary: bool) -> Vec<(String, u64)> {
         if let Some(known) = self.calls.lock().unwrap().get(&(definition, rows, binary)) {
             return known.clone();
@@ -172,7 +172,7 @@ impl Sweep {
         log.counts
     }
 
-    /// What stands on the disk before: the rows that count as recorded.
+    /// Prepares the files of an earlier sitting; returns the rows that count as saved.
     fn prepare(&self, case: &Case, folder: &Path) -> Vec<String> {
         let results = folder.join("first");
         let Some(rows) = case.before.rows else { return Vec::new() };
@@ -202,13 +202,14 @@ impl Sweep {
         } else {
             run::child(case.definition, &first, &second, resume)
         };
-        // A disk that stays broken is one of two; a moment's fault may come anywhere.
+        // A lasting fault affects only the first folder, so that the session can move to the second; other faults
+        // affect both.
         let lasting = case.faults.iter().any(|fault| fault.lasting);
         let under = if lasting { &first } else { folder };
         shim::run_with(&mut command, &case.faults, under, &folder.join("log"))
     }
 
-    /// One case: what the table counts, and what must not have been.
+    /// Runs one case; returns the case, the faults that took effect, the counts for the table, and every failure.
     fn one(&self, number: usize) -> (Case, Vec<Hit>, Counts, Vec<String>) {
         let case = self.case(number);
         let folder = folder();
@@ -223,7 +224,7 @@ impl Sweep {
         wrong.extend(unreported(&ended, &report, &log, folder.path()));
         if report.done {
             let faults = disk::faults_of_ended(&results, case.definition, &self.planned[case.definition]);
-            wrong.extend(faults.into_iter().map(|fault| format!("called complete, but {fault}")));
+            wrong.extend(faults.into_iter().map(|fault| format!("reported as complete, but {fault}")));
         }
         let silent = wrong.len();
         let lost = |when: &str| -> Vec<String> {
@@ -235,7 +236,7 @@ impl Sweep {
         let (files, mut rows_lost) = (unparsable.len(), gone.len());
         wrong.extend(unparsable.into_iter().chain(gone));
 
-        // A while later, undisturbed.
+        // An hour later, without faults: temporary files are then old enough to be removed.
         let hour_ago = SystemTime::now() - Duration::from_secs(3600);
         for path in disk::leftovers(folder.path()) {
             fs::File::options().write(true).open(path).unwrap().set_modified(hour_ago).unwrap();
@@ -243,7 +244,7 @@ impl Sweep {
         let resumed = run::ended(&mut run::binary(&self.definition(case.definition), &results, true));
         let mut faults = Vec::new();
         if !resumed.status.success() {
-            faults.push(format!("resume says {}", resumed.stderr));
+            faults.push(format!("resuming failed: {}", resumed.stderr));
         }
         faults.extend(disk::faults_of_ended(&results, case.definition, &self.planned[case.definition]));
         let gone = lost("by resume");
@@ -256,11 +257,11 @@ impl Sweep {
             faults.push(format!("left behind: {left:?}"));
         }
         let counts = vec![
-            ("showed an error", usize::from(!report.errors.is_empty())),
-            ("rows reported", report.rows.len()),
+            ("reported an error", usize::from(!report.errors.is_empty())),
+            ("rows saved", report.rows.len()),
             ("rows lost", rows_lost),
-            ("files unparsable", files),
-            ("silent", silent),
+            ("unreadable files", files),
+            ("silent failures", silent),
             ("resumed", usize::from(faults.is_empty())),
         ];
         wrong.extend(faults);
@@ -268,13 +269,13 @@ impl Sweep {
     }
 }
 
-/// The binary reports no rows, but errors and its end.
+/// The report of `machband simulate`, which reports errors and its end but no rows.
 fn report_of_binary(ended: &run::Ended) -> Report {
     let errors = ended.stderr.lines().filter_map(|line| line.strip_prefix("error: ")).map(str::to_owned).collect();
     Report { errors, done: ended.status.success(), ..Report::default() }
 }
 
-/// What went wrong without an error, or with one that does not name the place.
+/// The failures that were not reported, or whose error does not name the file or folder.
 fn unreported(ended: &run::Ended, report: &Report, log: &Log, folder: &Path) -> Vec<String> {
     let mut wrong = Vec::new();
     if ended.stderr.contains("panicked") {
@@ -289,7 +290,7 @@ fn unreported(ended: &run::Ended, report: &Report, log: &Log, folder: &Path) -> 
     }
     let unreported: Vec<&Hit> = log.hits.iter().filter(|hit| matters(hit)).collect();
     if report.errors.is_empty() && !unreported.is_empty() {
-        wrong.push(format!("no error about {unreported:?}"));
+        wrong.push(format!("no error for {unreported:?}"));
     }
     if !report.done && report.errors.is_empty() {
         wrong.push("ended early without an error".to_owned());
@@ -300,13 +301,13 @@ fn unreported(ended: &run::Ended, report: &Report, log: &Log, folder: &Path) -> 
     wrong
 }
 
-/// Whether an error is due: not where the system's own library tries again or continues with the rest, nor where a useless
-/// file could not be removed.
+/// Whether a fault must be reported. It need not be if the standard library tries again or continues with the rest, or
+/// if only an unneeded file could not be removed.
 fn matters(hit: &Hit) -> bool {
     let again = ["open", "read", "write", "sync", "truncate"].contains(&&*hit.op) && hit.what == "EINTR";
-    // A folder that takes files and shows none cannot be synced, and need not be.
+    // A folder that can be written to but not opened cannot be synced, and need not be.
     let hidden = hit.op == "open" && hit.what.starts_with("EACCES") && Path::new(&hit.path).extension().is_none();
-    // Frames that cannot be kept are noted in the sidecar, and keep no session from going on.
+    // If frames cannot be saved, the sidecar says so, and the session continues.
     let frames = hit.op == "open" && hit.path.ends_with("_frames.csv");
     !again && !hidden && !frames && hit.what != "short" && hit.op != "unlink" && hit.op != "clock"
 }

@@ -1,56 +1,55 @@
-//! The table: what was injected, and what came of it.
+//! The table of faults and their effects, as in `docs/faults.md`.
 
 use std::collections::BTreeMap;
 
 use crate::shim::{Fault, Hit};
 
-/// The columns.
 const COLUMNS: [&str; 9] = [
     "injected",
-    "struck",
+    "took effect",
     "sessions",
-    "showed an error",
-    "rows reported",
+    "reported an error",
+    "rows saved",
     "rows lost",
-    "files unparsable",
-    "silent",
+    "unreadable files",
+    "silent failures",
     "resumed",
 ];
 
-/// What came of a session: columns and numbers.
+/// The counts of a session: column and number.
 pub type Counts = Vec<(&'static str, usize)>;
 
-/// One line for each kind of fault.
+/// One row for each kind of fault.
 #[derive(Debug, Default)]
 pub struct Table(BTreeMap<String, BTreeMap<&'static str, usize>>);
 
-/// What a fault is called.
+/// The name of a fault's row.
 fn kind(fault: &Fault) -> String {
     let how = match fault.what {
-        "kill-before" | "kill-after" | "kill-torn" => "killed there",
-        "EINTR" => "interrupted by a signal",
-        "short" => "does half",
-        "torn" => "does half, then fails",
-        "lie" => "does half and says all",
+        "kill-before" | "kill-after" | "kill-torn" => return format!("program killed at {}", fault.op),
+        "EINTR" => "is interrupted by a signal",
+        "short" => "is short",
+        "torn" => "is short, then fails",
+        "lie" => "is short but reports success",
         "back" => "goes back an hour",
-        _ if fault.lasting => "fails from then on",
+        _ if fault.lasting => "fails repeatedly",
         _ => "fails once",
     };
     format!("{} {how}", fault.op)
 }
 
 impl Table {
-    /// A session: what came of it counts for the first of its faults.
+    /// Adds a session. Its counts go to the row of its first fault.
     pub fn add(&mut self, faults: &[Fault], hits: &[Hit], counts: Counts) {
         for fault in faults {
             let what = format!("{}{}", fault.what, if fault.lasting { "+" } else { "" });
             let struck = hits.iter().any(|hit| hit.op == fault.op && hit.what == what);
-            self.line(&kind(fault), vec![("injected", 1), ("struck", usize::from(struck))]);
+            self.line(&kind(fault), vec![("injected", 1), ("took effect", usize::from(struck))]);
         }
         self.line(&kind(&faults[0]), [counts, vec![("sessions", 1)]].concat());
     }
 
-    /// Adds to a line.
+    /// Adds counts to a row.
     pub fn line(&mut self, name: &str, counts: Counts) {
         let line = self.0.entry(name.to_owned()).or_default();
         counts.into_iter().for_each(|(column, n)| *line.entry(column).or_default() += n);

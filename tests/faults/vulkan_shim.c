@@ -1,8 +1,8 @@
-/* A graphics card that is lost when told to, for tests: found as libvulkan.so.1 before the real one (LD_LIBRARY_PATH),
- * it hands everything on to that, until the file of MACHBAND_VULKAN_LOST exists: from then on nothing can be submitted,
- * presented or waited for.
+/* Simulates the loss of a graphics card on request, for tests. The loader finds it as libvulkan.so.1 before the real
+ * one (LD_LIBRARY_PATH). It passes every call on to the real library until the file named by MACHBAND_VULKAN_LOST
+ * exists. From then on, submitting, presenting and waiting fail.
  *
- * MACHBAND_VULKAN  path of the real library. The types are those of the Vulkan 1.0 specification, in plain C. */
+ * MACHBAND_VULKAN is the path of the real library. The types follow the Vulkan 1.0 specification, in plain C. */
 #include <dlfcn.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@ static int lost(void) {
     return when && !access(when, F_OK);
 }
 
-/* A function of the device that fails once the card is lost. */
+/* A device function that fails once the card is lost. */
 #define LOSES(name, parameters, arguments)          \
     static int (*real_##name) parameters;           \
     static int my_##name parameters { return lost() ? DEVICE_LOST : real_##name arguments; }

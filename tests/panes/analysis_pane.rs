@@ -1,4 +1,4 @@
-//! The analysis pane, driven without a display: it shows the document of the analysis, whatever is filtered and asked.
+//! Tests the analysis page without a display: it shows the same document as the analysis, for any filters and settings.
 
 use std::{
     path::{Path, PathBuf},
@@ -31,7 +31,7 @@ const DEFINITION: &str = "schema = 1\nname = \"tiny\"\ntitle = \"A tiny study\"\
      [factors]\nwidth = [0.1, 0.4, 0.8]\ndepth = [1, \"inf\"]\n[design]\nrepetitions = 3\npractice = 2\n\
      [recovery]\nduration_s = 0.1\n";
 
-/// A results folder with sessions of this many simulated participants, and the experiment's folder in it.
+/// A temporary folder with the results of this many simulated participants, and the path of the data set.
 fn study(participants: usize) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("tiny.toml"), DEFINITION).unwrap();
@@ -46,14 +46,14 @@ fn read(data_set: &Path) -> (Study, Results) {
     (study, results)
 }
 
-/// A button whose label ends with this.
+/// Clicks the button whose label ends with `end`.
 fn click_ending(window: &mut Window, end: &str) {
     let label = texts(window).into_iter().find(|text| text.ends_with(end));
     let label = label.unwrap_or_else(|| panic!("no {end:?}; there is {:?}", texts(window)));
     click(window, &label);
 }
 
-/// The pane, opened from Home.
+/// The analysis page, opened from Home.
 fn pane(size: [f32; 2]) -> Window {
     let mut window = home(size, 1.0 / 60.0);
     click_ending(&mut window, "e results…");
@@ -61,7 +61,7 @@ fn pane(size: [f32; 2]) -> Window {
     window
 }
 
-/// The pane with files in it.
+/// The analysis page with these files open.
 fn opened(path: &Path) -> Window {
     let mut window = pane([1280.0, 1400.0]);
     drop_on(&mut window, &[path]);
@@ -70,7 +70,7 @@ fn opened(path: &Path) -> Window {
     window
 }
 
-/// A file that is dropped on the window.
+/// A file to drop on the window.
 #[derive(Debug)]
 struct Dropped(PathBuf);
 
@@ -102,7 +102,7 @@ fn rest(window: &mut Window) {
         window.step();
         std::thread::sleep(Duration::from_millis(3));
     }
-    panic!("it does not come to rest");
+    panic!("the computation does not end");
 }
 
 fn has(window: &Window, text: &str) -> bool {
@@ -115,7 +115,7 @@ fn assert_has(window: &Window, part: &str) {
     assert!(found, "{part:?} is not in {:#?}", texts(window));
 }
 
-/// Clicks a control and waits for what follows.
+/// Clicks a control and waits until nothing is being computed.
 fn click_and_rest(window: &mut Window, label: &str) {
     click(window, label);
     rest(window);
@@ -127,7 +127,7 @@ fn enter_terms(window: &mut Window, terms: &str) {
     rest(window);
 }
 
-/// That the window shows the document of these results, section by section.
+/// Checks, section by section, that the window shows the document of these results.
 fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     let figures = figures::all(results);
     let document = document(&study.source, results, Parts { figures: &figures, ..Parts::default() });
@@ -155,7 +155,8 @@ fn assert_document(window: &mut Window, study: &Study, results: &Results) {
             }
         }
     }
-    // The rows of the first tables of a section are in view, and sorted by the numbers of a column, up and then down.
+    // The rows of a section's first table are visible and can be sorted by the numbers in a column, first ascending and
+    // then descending.
     click(window, "Agreement");
     for ascending in [true, false] {
         click_and_rest(window, "Sort by Weighted κ");
@@ -164,7 +165,7 @@ fn assert_document(window: &mut Window, study: &Study, results: &Results) {
             .map(|subject| (top(&subject.group.names[0]).unwrap(), subject.kappa.unwrap_or(f64::INFINITY)))
             .collect();
         rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // To the two decimals that are shown.
+        // The comparison allows for rounding to the two decimals shown.
         assert!(rows.is_sorted_by(|a, b| if ascending { a.1 <= b.1 + 0.01 } else { b.1 <= a.1 + 0.01 }), "{rows:?}");
     }
 }
@@ -177,14 +178,14 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     for text in ["tiny: A tiny study", "108 ratings in 6 sessions", "are simulated"] {
         assert_has(&window, text);
     }
-    window.get_by_label("108 ratings of 6 participants.");
+    window.get_by_label("108 ratings by 6 participants.");
     assert_document(&mut window, &study, &results);
-    // What the model of vision says is computed when it is asked for.
+    // The prediction of the vision model is computed only when its section is opened.
     click(&mut window, "What the model of vision predicts");
     wait_for(&mut window, "the rank correlation between visibility and mean rating");
     assert_has(&window, "Predicted mean rating by ramp width");
 
-    // Another link is another model.
+    // Another link function gives another model.
     choose(&mut window, "Link", "probit");
     rest(&mut window);
     click(&mut window, "Model");
@@ -199,14 +200,14 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     }
     click(&mut window, "Copy as command");
     assert_has(&window, "--terms num:width --link probit");
-    // A column that is no factor of the design becomes one when the model needs it.
+    // A column that is not a factor of the design becomes one if the terms name it.
     enter_terms(&mut window, "width,repetition");
     wait_for(&mut window, "repetition: 3 of 3 levels");
     rest(&mut window);
     assert_has(&window, "probit link, terms width, repetition");
 }
 
-/// The ratings that are filtered are analyzed as if the rest had never been measured, and exported as they are shown.
+/// The selected ratings are analyzed as if the others had never been measured, and the export contains what is shown.
 #[test]
 fn filters_narrow_the_analysis_and_its_export() {
     let (folder, data_set) = study(4);
@@ -214,10 +215,10 @@ fn filters_narrow_the_analysis_and_its_export() {
     let mut window = opened(&data_set);
     click_and_rest(&mut window, "Participants: 4 of 4");
     click_and_rest(&mut window, "Participant S002");
-    window.get_by_label("54 ratings of 3 participants. Filtered: 3 of 4 participants.");
+    window.get_by_label("54 ratings by 3 participants. Filtered: 3 of 4 participants.");
     click_and_rest(&mut window, "width: 3 of 3 levels");
     click_and_rest(&mut window, "width 0.4");
-    window.get_by_label("36 ratings of 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
+    window.get_by_label("36 ratings by 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
     let second = whole.measured.counts.subjects.iter().position(|name| name == "S002").unwrap() as u32;
     let left = study.measured.filtered(|subject| subject != second, |levels| levels[0] != Some(1));
     assert_document(&mut window, &study, &analyze(left, &Options::default()));
@@ -235,12 +236,12 @@ fn filters_narrow_the_analysis_and_its_export() {
     let cells = std::fs::read_to_string(out.join("cells.csv")).unwrap();
     assert_eq!(cells.lines().count(), 1 + 4);
     assert!(cells.lines().skip(1).all(|line| line.contains(",9,")), "3 participants × 3 repetitions: {cells}");
-    // Never over other files without a word.
+    // Existing files are never overwritten without a warning.
     click(&mut window, "Export");
     assert_has(&window, "contains files that may be replaced");
     click_and_rest(&mut window, "Write into it");
     assert_has(&window, "files written to");
-    // Where nothing can be written, the pane says so.
+    // If the folder cannot be written to, the page says so.
     type_into(&mut window, "Export to the folder", data_set.join("dataset_description.json").to_str().unwrap());
     click_and_rest(&mut window, "Export");
     assert_has(&window, "dataset_description.json: ");
@@ -249,12 +250,12 @@ fn filters_narrow_the_analysis_and_its_export() {
     click_and_rest(&mut window, "None of participants");
     assert_has(&window, "No data are selected");
     click_and_rest(&mut window, "Select everything");
-    window.get_by_label("72 ratings of 4 participants.");
+    window.get_by_label("72 ratings by 4 participants.");
 }
 
-/// Nothing to show, something that is not there, a file with a fault in it, and what the results folder has.
+/// The empty page, a missing file, a file with an error, and the experiments in the results folder.
 #[test]
-fn the_empty_pane_and_what_is_wrong_with_files() {
+fn the_empty_page_and_errors_in_files() {
     let (folder, data_set) = study(2);
     let mut window = pane([1280.0, 1400.0]);
     assert!(has(&window, "Open files…") && has(&window, "Open folder…") && !has(&window, "Analyze tiny"));
@@ -278,9 +279,9 @@ fn the_empty_pane_and_what_is_wrong_with_files() {
     wait_for(&mut window, "Errors: ");
     rest(&mut window);
     assert_has(&window, &format!("_data.csv:{}:", text.lines().count()));
-    window.get_by_label("35 ratings of 2 participants.");
+    window.get_by_label("35 ratings by 2 participants.");
 
-    // Of two requests the newer one counts, whichever is read first.
+    // Of two requests, the newer one counts, even if the older one is read first.
     let (_other_folder, other) = study(3);
     drop_on(&mut window, &[&other]);
     drop_on(&mut window, &[&data_set]);
@@ -291,7 +292,7 @@ fn the_empty_pane_and_what_is_wrong_with_files() {
     }
     window.get_by_label("Participants: 2 of 2");
 
-    // Back to the page without data, and Home with its folder.
+    // Go back to the page without data, then to Home, and open the results folder from there.
     click(&mut window, "Other data…");
     assert!(has(&window, "Open files…"));
     press(&mut window, Key::Escape);
@@ -302,9 +303,9 @@ fn the_empty_pane_and_what_is_wrong_with_files() {
     wait_for(&mut window, "Participants: 2 of 2");
 }
 
-/// A file of another laboratory: its columns are named in the pane.
+/// The user says what the columns of a file from another program mean.
 #[test]
-fn columns_of_a_foreign_file_are_named() {
+fn the_user_identifies_the_columns_of_a_foreign_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("theirs.csv");
     let mut text = "participant,contrast,answer,noise,freq\n".to_owned();
@@ -316,28 +317,28 @@ fn columns_of_a_foreign_file_are_named() {
     let mut window = pane([1280.0, 900.0]);
     drop_on(&mut window, &[&path]);
     wait_for(&mut window, "What do the columns mean?");
-    // Suggested by their names.
+    // Columns are suggested by their names.
     let suggested = ["Participant", "Rating", "Number of trials"].map(|label| value(&window, label));
     assert_eq!(suggested, ["participant", "answer", "freq"]);
     click(&mut window, "Factor contrast");
     click(&mut window, "Read these columns");
     wait_for(&mut window, "Participants: 4 of 4");
     rest(&mut window);
-    window.get_by_label("72 ratings of 4 participants.");
+    window.get_by_label("72 ratings by 4 participants.");
     window.get_by_label("contrast: 2 of 2 levels");
     click(&mut window, "Columns…");
     wait_for(&mut window, "What do the columns mean?");
     click(&mut window, "Keep the current columns");
-    window.get_by_label("72 ratings of 4 participants.");
+    window.get_by_label("72 ratings by 4 participants.");
 }
 
-/// In a small window the data and filters are a view of their own, and every section is still there.
+/// In a small window, the data and filters have a separate view, and every section is still available.
 #[test]
 fn a_small_window_has_everything() {
     let (_folder, data_set) = study(3);
     let mut window = pane([500.0, 380.0]);
     drop_on(&mut window, &[&data_set]);
-    wait_for(&mut window, "54 ratings of 3 participants.");
+    wait_for(&mut window, "54 ratings by 3 participants.");
     for section in ["Model", "Response times"] {
         choose(&mut window, "Section", section);
         assert!(window.query_by_label_contains("Participants: ").is_none(), "{section}");
@@ -346,9 +347,9 @@ fn a_small_window_has_everything() {
     assert_has(&window, "Participants: 3 of 3");
 }
 
-/// From the end of a session to its analysis, and back.
+/// The end of a session leads to its analysis, which leads back to it.
 #[test]
-fn a_session_that_ends_can_be_analyzed_at_once() {
+fn a_completed_session_can_be_analyzed_immediately() {
     let folder = tempfile::tempdir().unwrap();
     let text = DEFINITION.replace("repetitions = 3", "repetitions = 1").replace("practice = 2", "practice = 0");
     let request = request(folder.path(), definition::parse("tiny", &text).unwrap());
@@ -366,7 +367,7 @@ fn a_session_that_ends_can_be_analyzed_at_once() {
     click_ending(&mut window, "e these results…");
     wait_for(&mut window, "Participants: 1 of 1");
     rest(&mut window);
-    window.get_by_label("6 ratings of 1 participant.");
+    window.get_by_label("6 ratings by 1 participant.");
     press(&mut window, Key::Escape);
     wait_for(&mut window, "Thank you!");
 }

@@ -1,4 +1,5 @@
-//! Measuring the screen's light with a photometer and by eye, driven without a display: each from the settings to a profile.
+//! Tests both ways to measure the screen's light without a display, with a photometer and by eye, from the settings to
+//! the profile.
 
 use std::path::Path;
 
@@ -21,7 +22,7 @@ use super::{
 
 const GAMMAS: [f64; 3] = [1.9, 2.2, 2.5];
 
-/// A tool of the display lab; each frame takes `step_s`.
+/// Opens a tool of the display lab; each frame takes `step_s` seconds.
 fn tool(name: &str, step_s: f32) -> Window {
     let mut window = home([1000.0, 1000.0], step_s);
     click(&mut window, "Measure…");
@@ -34,7 +35,7 @@ fn press_and_step(window: &mut Window, key: Key) {
     window.step();
 }
 
-/// Channel and code of the patch on the screen.
+/// Channel and code of the displayed patch; `None` if no patch is shown.
 fn patch(window: &Window) -> Option<(String, f64)> {
     let node = window.query_by_label_contains("Patch ")?;
     let name = node.accesskit_node().label()?;
@@ -42,13 +43,13 @@ fn patch(window: &Window) -> Option<(String, f64)> {
     Some((words.next()?.to_owned(), words.next()?.parse().ok()?))
 }
 
-/// Label of the line to type a reading into.
+/// The label of the field for the reading.
 fn line(window: &Window) -> String {
     let (channel, code) = patch(window).unwrap();
     format!("{channel} {code} · cd/m²")
 }
 
-/// The pixel in the middle of the window.
+/// Color of the pixel in the middle of the window.
 fn middle(window: &mut Window) -> [u8; 3] {
     let image = window.render().unwrap();
     let [red, green, blue, _] = image.get_pixel(image.width() / 2 + 50, image.height() / 2 + 50).0;
@@ -65,7 +66,7 @@ fn cd_m2(channel: &str, code: f64) -> f64 {
     0.3 + range * (code / 255.0f64).powf(2.2)
 }
 
-/// Types into the line, which has the keyboard, after the patch has settled.
+/// Waits until the patch has settled, types into the field, which has keyboard focus, and presses Enter.
 fn answer(window: &mut Window, text: &str) {
     window.run_steps(12);
     window.event(egui::Event::Text(text.to_owned()));
@@ -73,7 +74,7 @@ fn answer(window: &mut Window, text: &str) {
     press_and_step(window, Key::Enter);
 }
 
-/// Shows patches of gray alone.
+/// Starts the patches for the gray channel only.
 fn show_patches(csv: &Path) -> Window {
     let mut window = tool("Photometer", 0.1);
     type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
@@ -88,7 +89,7 @@ fn patches_are_read_and_become_a_profile() {
     let folder = tempfile::tempdir().unwrap();
     let (csv, toml) = (folder.path().join("left.csv"), folder.path().join("left.toml"));
     let mut window = show_patches(&csv);
-    // White comes first. Text that is no number is refused, and so is a reading before the patch has settled.
+    // White comes first. Text that is not a number is rejected, and so is a reading before the patch has settled.
     assert_eq!(patch(&window), Some(("gray".to_owned(), 255.0)));
     assert_eq!(middle(&mut window), [255, 255, 255]);
     answer(&mut window, "bright");
@@ -103,7 +104,7 @@ fn patches_are_read_and_become_a_profile() {
     window.event(egui::Event::Text("1".to_owned()));
     press_and_step(&mut window, Key::Enter);
     window.get_by_label_contains("has not settled yet");
-    // More light than white: asked once more, then taken back by going to the patch before.
+    // A reading above that of white must be confirmed. Here it is corrected, and the user goes back one patch.
     let label = line(&window);
     type_into(&mut window, &label, "900");
     window.run_steps(8);
@@ -115,7 +116,7 @@ fn patches_are_read_and_become_a_profile() {
     assert_eq!(patch(&window).unwrap(), second);
     window.run_steps(8);
     press_and_step(&mut window, Key::Enter);
-    // Left and returned to: the same settings resume it.
+    // After leaving and returning, the same settings resume the run.
     click(&mut window, "Pause");
     take_picture(&mut window, "display_photometer");
     window.get_by_label_contains("Paused after 2 of");
@@ -127,7 +128,7 @@ fn patches_are_read_and_become_a_profile() {
     while let Some((channel, code)) = patch(&window) {
         answer(&mut window, &cd_m2(&channel, code).to_string());
         n += 1;
-        assert!(n < 60, "the patches do not end");
+        assert!(n < 60, "the patches never end");
     }
     assert_eq!(readings::open(&csv).unwrap().all().len(), n);
     window.get_by_label_contains("Chosen: gamma");
@@ -154,7 +155,7 @@ fn typing_over_an_earlier_reading_replaces_it() {
     answer(&mut window, "100");
     let (_, second) = patch(&window).unwrap();
     assert_eq!((read(), typed(&window).as_str()), (100.0, ""));
-    // An empty line is written from its beginning, one letter after the other.
+    // Characters typed into an empty field appear in order.
     for letter in ["1", "2"] {
         window.event(egui::Event::Text(letter.to_owned()));
         window.step();
@@ -162,20 +163,20 @@ fn typing_over_an_earlier_reading_replaces_it() {
     assert_eq!(typed(&window), "12");
     (0..2).for_each(|_| press_and_step(&mut window, Key::Backspace));
     assert_eq!(typed(&window), "");
-    // By the key: the old value is there, and the next letters replace it.
+    // After Backspace, the field contains the old value, and typing replaces it.
     press_and_step(&mut window, Key::Backspace);
     window.step();
     assert_eq!((patch(&window).unwrap().1, typed(&window).as_str()), (255.0, "100"));
     answer(&mut window, "90");
     assert_eq!((read(), patch(&window).unwrap().1), (90.0, second));
-    assert_eq!(typed(&window), "", "the next patch was not read yet");
-    // By the button, and with the letters right behind it.
+    assert_eq!(typed(&window), "", "the next patch has no reading yet");
+    // The same after the Previous button, even if a character arrives in the same frame.
     window.get_by_label("Previous").click();
     window.run_steps(2);
     window.event(egui::Event::Text("8".to_owned()));
     window.step();
     assert_eq!(typed(&window), "8");
-    // A refused text is selected too.
+    // Rejected text is selected too.
     answer(&mut window, "x");
     window.get_by_label_contains("is not a luminance");
     answer(&mut window, "95.5");
@@ -187,8 +188,8 @@ fn typing_over_an_earlier_reading_replaces_it() {
     assert_eq!((read(), patch(&window).unwrap().1), (95.5, second));
 }
 
-/// A file with too few levels is explained; a good one is fitted, and a profile that is replaced is named until another is
-/// in use.
+/// A file with too few levels is explained; a good file is fitted. The message about the replaced profile stays until
+/// another profile is in use.
 #[test]
 fn a_file_of_readings_becomes_a_profile_and_a_bad_one_is_explained() {
     let folder = tempfile::tempdir().unwrap();
@@ -211,7 +212,7 @@ fn a_file_of_readings_becomes_a_profile_and_a_bad_one_is_explained() {
         click(&mut window, "Use this file");
         window.get_by_label_contains("Gray differs from the sum of the three channels");
         take_picture(&mut window, "display_photometer_result");
-        // The choice and the button that saves it come before the plots and the table.
+        // The choice of model and the profile's fields come before the plots and the table.
         let top = |text: &str| window.get_by_label_contains(text).rect().top();
         let order = ["Chosen: gamma", "Name of the screen", "Luminance: readings", "Residual of each", "Largest error"];
         assert!(order.map(top).is_sorted(), "{:?}", order.map(top));
@@ -226,7 +227,7 @@ fn a_file_of_readings_becomes_a_profile_and_a_bad_one_is_explained() {
     assert!(window.query_by_label_contains("Replaced").is_none());
 }
 
-/// The match on the screen, by its description; `None` at the end.
+/// The displayed match, read from its description; `None` at the end.
 fn next_match(window: &mut Window) -> Option<Match> {
     for _ in 0..40 {
         let label = window.query_by_label_contains("rows lit in ").and_then(|node| node.accesskit_node().label());
@@ -240,10 +241,10 @@ fn next_match(window: &mut Window) -> Option<Match> {
         }
         window.step();
     }
-    panic!("no picture came");
+    panic!("no match was shown");
 }
 
-/// Matches the square on the screen as an observer would.
+/// Adjusts the square as an observer would, and accepts the match.
 fn adjust(window: &mut Window, now: Match, rng: &mut ChaCha8Rng) {
     let display = Transfers::new(GAMMAS.map(Transfer::Gamma));
     let wanted = i32::from(matched_code(&display, &now, 0.004, rng));
@@ -261,7 +262,7 @@ fn adjust(window: &mut Window, now: Match, rng: &mut ChaCha8Rng) {
 }
 
 #[test]
-fn an_observer_at_the_keys_finds_the_gamma_of_the_screen() {
+fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     let folder = tempfile::tempdir().unwrap();
     let (csv, toml) = (folder.path().join("new/matches.csv"), folder.path().join("left.toml"));
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -272,14 +273,14 @@ fn an_observer_at_the_keys_finds_the_gamma_of_the_screen() {
     window.get_by_label_contains("expected red, green, and blue, or gray");
     click(&mut window, "red, green, blue");
     type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
-    // The slider's least number of matches.
+    // The minimum of the slider.
     let slider = window.query_all_by_label("Matches per channel").find(|node| node.value().is_some());
     slider.unwrap().focus();
     window.step();
     (0..10).for_each(|_| press(&mut window, Key::ArrowLeft));
     window.get_by_label_contains("6 matches, about 1 min");
     click(&mut window, "Begin");
-    // Too early: no picture yet.
+    // This press is too early, because no match is shown yet.
     press(&mut window, Key::Enter);
     for given in 0.. {
         let Some(now) = next_match(&mut window) else { break };
@@ -288,7 +289,7 @@ fn an_observer_at_the_keys_finds_the_gamma_of_the_screen() {
         }
         adjust(&mut window, now, &mut rng);
         if given == 2 {
-            // Taken back, the match comes again as it was accepted. A pause saves what was done.
+            // After Backspace, the match is shown again with its accepted code. A pause keeps the saved matches.
             press(&mut window, Key::Backspace);
             assert_eq!(next_match(&mut window).unwrap().channel, now.channel);
             press(&mut window, Key::Escape);
@@ -299,7 +300,7 @@ fn an_observer_at_the_keys_finds_the_gamma_of_the_screen() {
             click(&mut window, "Resume");
         }
     }
-    // The gamma and, of only two matches, a note on how well it is known.
+    // Gamma and, because there are only two matches, a warning about its precision.
     for label in ["Red: gamma", "Blue: gamma"] {
         assert!(window.get_all_by_label_contains(label).count() >= 1);
     }
@@ -323,17 +324,17 @@ fn an_observer_at_the_keys_finds_the_gamma_of_the_screen() {
     assert!(measured.on.is_some());
 
     let text = std::fs::read_to_string(&csv).unwrap();
-    assert_eq!(text.lines().count(), 1 + 6 + 2, "every match is in the file, the one taken back too: {text}");
+    assert_eq!(text.lines().count(), 1 + 6 + 2, "every match is in the file, even the undone one: {text}");
     assert_eq!(matches::open(&csv).unwrap().len(), 6);
     let faults = matches::parse("m.csv", &text.replace(",red,", ",rot,")).unwrap_err().to_string();
     assert!(faults.contains("expected r, g, b or gray"), "{faults}");
-    // A match from a staircase, an earlier method, does not count.
+    // Matches by an earlier method, the staircase, do not count.
     assert!(matches::parse("m.csv", &text.replace(",matched,", ",brighter,")).unwrap().is_empty());
-    // Half a row, which a power cut leaves, is dropped, and the next one follows the last whole one.
+    // An incomplete row, as after a power failure, is removed, and the next row follows the last complete one.
     std::fs::write(&csv, &text[..text.len() - 5]).unwrap();
     let (mut file, done) = matches::MatchFile::resume(&csv).unwrap();
     assert_eq!(done.len(), 5);
     file.accept(6, &done[0], 1.0).unwrap();
     assert_eq!(matches::open(&csv).unwrap().len(), 6);
-    assert!(matches::MatchFile::resume(&csv).is_err(), "it is open");
+    assert!(matches::MatchFile::resume(&csv).is_err(), "the file is already open");
 }

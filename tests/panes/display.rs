@@ -1,4 +1,4 @@
-//! A display profile from its file to the screen, and the tools that measure the screen, driven without a display.
+//! Tests display profiles, from the file to the screen, and the tools that measure the screen, without a display.
 
 use std::{fs, path::Path, sync::mpsc};
 
@@ -30,10 +30,10 @@ use super::{
 const SIZE: [f32; 2] = [1000.0, 800.0];
 const STEP_S: f32 = 1.0 / 60.0;
 
-/// A screen whose channels are a table, a gain with an offset, and a plain gamma.
+/// A screen with a different transfer function per channel: a table, a gain with an offset, and a plain gamma.
 fn differing() -> DisplayProfile {
     let encoded: Vec<f64> = (0..=32).map(|i| f64::from(i) / 32.0).collect();
-    // S-shaped, as no gamma is.
+    // An S-shaped curve, which no gamma can fit.
     let linear = encoded.iter().map(|v| v * v * (1.6 - 0.6 * v * v)).collect();
     let table = Transfer::Table(TransferTable::new(encoded, linear).unwrap());
     DisplayProfile {
@@ -56,7 +56,7 @@ fn protocol() -> Protocol {
     definition::parse("shown", text).unwrap()
 }
 
-/// A session on that screen.
+/// Launches a session on that screen.
 fn launch(results: &Path) -> Launch {
     Launch { request: Some(Request { display: differing(), ..window::request(results, protocol()) }) }
 }
@@ -65,7 +65,17 @@ fn sidecar(results: &Path) -> Sidecar {
     Sidecar::read(&results.join("shown/data/subject-P001_session-1_task-shown_data.json")).unwrap().unwrap()
 }
 
+<<<<<<< HEAD
 /// What reaches the screen is what `machband stimulus` writes with the same profile, byte for byte, at every scale.
+=======
+/// Runs a command that must succeed; warnings, such as one about an old profile, are allowed.
+fn shown_by(folder: &Path, arguments: &[&str]) {
+    let output = machband(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// At every scale, the screen shows exactly the bytes that `machband stimulus` writes with the same profile.
+>>>>>>> t4
 #[test]
 fn with_a_profile_the_screen_shows_what_the_command_writes() {
     if !has_graphics() {
@@ -98,12 +108,12 @@ fn with_a_profile_the_screen_shows_what_the_command_writes() {
         let wrong = wrong_pixels([shot.width(), shot.height()], |x, y| shot.get_pixel(x, y).0, &written.image);
         assert_eq!(wrong, 0, "of {size} × {size} pixels at scale {scale}");
         let codes: std::collections::BTreeSet<_> = (0..size).map(|x| written.image.pixel(x, size / 2)).collect();
-        assert!(codes.len() > 20, "a ramp, and not one color: {}", codes.len());
+        assert!(codes.len() > 20, "a ramp, not a single color: {}", codes.len());
     }
 }
 
 #[test]
-fn the_preflight_tells_an_old_profile_and_another_screen_and_keeps_what_was_confirmed() {
+fn the_preflight_detects_an_old_profile_and_another_screen_and_records_confirmations() {
     let folder = tempfile::tempdir().unwrap();
     let launch = launch(folder.path());
     let mut harness = builder(SIZE, STEP_S).build_eframe(|cc| App::new(cc, launch));
@@ -124,14 +134,14 @@ fn the_preflight_tells_an_old_profile_and_another_screen_and_keeps_what_was_conf
     assert!(note("right_monitor_asked") && !note("right_monitor") && !note("profile_age"));
     assert!(!note("other_programs_asked"), "nobody confirmed it");
     assert!(note("light_steps"));
-    // What was shown can be told from the data alone.
+    // The data alone say what was shown.
     let display = sitting.display.as_ref().unwrap();
     assert_eq!(display["sha256"], profile::hash(&differing()).as_str());
     assert_eq!(display["profile"], profile::value(&differing()));
 }
 
 #[test]
-fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
+fn the_measured_size_of_the_screen_is_used_on_home() {
     let mut harness = home(SIZE, STEP_S);
     click(&mut harness, "Measure…");
     harness.get_by_label_contains("sRGB (srgb), assumed");
@@ -145,10 +155,10 @@ fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
     ] {
         type_into(&mut harness, field, text);
     }
-    // 1000 pixels on 30 cm, seen from 57.3 cm: a degree is a centimeter, or 33.3 pixels.
+    // With 1000 pixels on 30 cm, viewed from 57.3 cm, a degree is a centimeter, or 33.3 pixels.
     harness.get_by_label_contains("One degree is 33.3 pixels, or 1.00 cm");
     harness.get_by_label_contains("The screen is 30.0 × 24.0 cm");
-    // 40° need 2 · 57.3 · tan 20° = 41.7 cm, and the lesser side has 24.
+    // 40° needs 2 · 57.3 · tan 20° = 41.7 cm; the shorter side has 24 cm.
     harness.get_by_label_contains("only 58 % of its width fits");
     harness.get_by_label_contains("It fits at a viewing distance of 32 cm or less");
     take_picture(&mut harness, "display_size");
@@ -161,7 +171,7 @@ fn the_size_of_the_screen_is_measured_and_goes_back_to_home() {
     assert_eq!(value(&harness, "Viewing distance, cm"), "57.3");
 }
 
-/// The smallest window that the program allows, on its list of tools.
+/// The list of tools in the smallest window that the program allows.
 fn small() -> Window {
     let mut harness = home([420.0, 360.0], STEP_S);
     click(&mut harness, "Measure…");
@@ -177,7 +187,7 @@ fn every_tool_fits_the_smallest_window() {
         click(&mut harness, tool);
         let wide: Vec<String> = (harness.root().children_recursive())
             .filter_map(|node| Some((node.accesskit_node().label()?, node.accesskit_node().bounding_box()?.x1)))
-            // The table of the steps scrolls by itself.
+            // The table of steps has its own scroll area.
             .filter(|(label, right)| *right > 420.0 - 12.0 && label != "nearest j")
             .map(|(label, right)| format!("{label:?} up to {right}"))
             .collect();
@@ -187,18 +197,18 @@ fn every_tool_fits_the_smallest_window() {
     }
 }
 
-/// The width that a card gives follows from the outline alone: not from the window, and not from opening the dialog.
+/// The measured width depends only on the outline, not on the window; opening the dialog does not change it.
 #[test]
 fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     let mut harness = small();
     click(&mut harness, "Size and distance");
     let width = |harness: &Window| value(harness, "Width of the display area, cm");
-    // 420 pixels at 96 an inch.
+    // 420 pixels at 96 pixels per inch.
     assert_eq!(width(&harness), "11.1");
     harness.get_by_label_contains("This width assumes");
     click(&mut harness, "Measure with a card…");
     harness.get_by_label("The screen is 11.1 cm wide.");
-    // All of it can be reached.
+    // Every part of the dialog can be reached by scrolling.
     harness.get_by_label("Cancel").scroll_to_me();
     harness.run_steps(30);
     let cancel = harness.get_by_label("Cancel").rect();
@@ -206,7 +216,7 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     press(&mut harness, Key::Enter);
     harness.run_steps(3);
     assert_eq!(width(&harness), "11.1");
-    // 8.56 · 420/11.1 is an outline of 324 pixels; 20 fewer are 8.56 · 420/304 = 11.8 cm.
+    // The outline has 8.56 · 420/11.1 = 324 pixels; with 20 fewer, the width is 8.56 · 420/304 = 11.8 cm.
     click(&mut harness, "Measure with a card…");
     for _ in 0..20 {
         press(&mut harness, Key::ArrowLeft);
@@ -216,7 +226,7 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     harness.run_steps(3);
     assert_eq!(width(&harness), "11.8");
     assert!(harness.query_by_label_contains("This width assumes").is_none());
-    // Escape leaves everything as it was.
+    // Escape changes nothing.
     click(&mut harness, "Measure with a card…");
     press(&mut harness, Key::ArrowRight);
     press(&mut harness, Key::Escape);
@@ -257,8 +267,8 @@ fn the_check_and_the_steps_can_be_seen() {
     window.get_by_label("Steps of equal brightness");
 }
 
-/// Shoaff's steps: the same ratio from each to the next, from black to white, with the screen's black taken off before
-/// codes are made.
+/// Shoaff's steps have the same ratio between neighbors, from black to white. The light of the screen's black is
+/// subtracted before the codes are computed.
 #[test]
 fn steps_have_one_ratio_and_the_codes_of_the_profile() {
     let range = LuminanceRange { black_cd_m2: 0.5, white_cd_m2: 250.0 };
@@ -268,12 +278,12 @@ fn steps_have_one_ratio_and_the_codes_of_the_profile() {
         ..DisplayProfile::default()
     };
     let digits = LuminanceRange { black_cd_m2: 0.250_592_758_493_736_2, white_cd_m2: 134.217_6 };
-    assert_eq!(digits.sentence(), "0.251 to 134 cd/m²", "three digits, as measured");
+    assert_eq!(digits.sentence(), "0.251 to 134 cd/m²", "three digits, like the measurement");
     let i0 = range.lowest_intensity();
     let made = steps(&profile, i0, 8).unwrap();
     assert_eq!((made.len(), made[0].codes, made[8].codes), (9, [0; 3], [255; 3]));
     for step in &made {
-        // An independent way to the code: cd/m² above black, over the range, to the power of 1/γ.
+        // An independent computation of the code: cd/m² above black, divided by the range, to the power of 1/γ.
         let cd_m2 = step.cd_m2.unwrap();
         let expected = (((cd_m2 - 0.5) / 249.5).max(0.0).powf(1.0 / 2.2) * 255.0).round();
         assert_eq!(f64::from(step.codes[1]), expected, "{step:?}");
@@ -285,7 +295,7 @@ fn steps_have_one_ratio_and_the_codes_of_the_profile() {
     assert_eq!(csv(&made).lines().nth(9), Some("8,1.00000000,250.000000,255,255,255,1.00000000,8"));
 }
 
-/// Display, then Timing, from Home.
+/// Opens the timing tool from Home.
 fn timing() -> Window {
     let mut window = home([1000.0, 900.0], 1.0 / 60.0);
     click(&mut window, "Measure…");
@@ -321,19 +331,19 @@ fn timing_measures_reports_and_exports() {
     assert!(intervals.iter().all(|us| (16_666..=16_667).contains(us)));
     assert!(csv.lines().skip(1).all(|line| line.ends_with(",0")));
     assert!(fs::read_to_string(out.with_extension("svg")).unwrap().starts_with("<svg"));
-    // Keys lead back.
+    // Escape leads back.
     window.key_press(Key::Escape);
     window.run_steps(2);
     assert!(window.query_by_label("Timing").is_some());
 }
 
 #[test]
-fn two_warnings_come_before_a_flicker_and_it_can_be_stopped() {
+fn two_warnings_precede_the_flicker_and_esc_stops_it() {
     let mut window = timing();
     click(&mut window, "A flickering patch");
     assert!(says(&window, "photosensitive epilepsy"));
     click(&mut window, "Measure");
-    assert!(says(&window, "It begins in 3 s. Esc stops.") && says(&window, "photosensitive epilepsy"));
+    assert!(says(&window, "It begins in 3 s. Press Esc to stop.") && says(&window, "photosensitive epilepsy"));
     window.run_steps(60);
     assert!(says(&window, "It begins in 2 s"));
     window.run_steps(150);
@@ -344,16 +354,16 @@ fn two_warnings_come_before_a_flicker_and_it_can_be_stopped() {
 }
 
 #[test]
-fn the_command_gets_its_report_and_the_window_closes() {
+fn the_command_receives_the_report_and_the_window_closes() {
     for scene in [Scene::Patch, Scene::Trial] {
         let (report, measured) = mpsc::channel();
         let plan = TimingPlan { scene, frames: 50, patch: Patch::default() };
         let request = TimingRequest { plan, fullscreen: false, report };
         let mut window: Window = builder([1000.0, 900.0], 1.0 / 60.0).build_eframe(|cc| App::timing(cc, request));
         window.run_steps(40);
-        assert!(measured.try_recv().is_err(), "not before its end");
+        assert!(measured.try_recv().is_err(), "no report before the end");
         window.run_steps(250);
-        let report = measured.try_recv().expect("measured");
+        let report = measured.try_recv().expect("a report");
         assert_eq!(report.intervals_us().len(), 50, "{scene:?}");
         assert_eq!(report.csv().lines().count(), 51);
         let rows = report.rows();
@@ -362,7 +372,7 @@ fn the_command_gets_its_report_and_the_window_closes() {
 }
 
 #[test]
-fn an_experiment_in_gray_is_one_of_its_own() {
+fn an_experiment_in_gray_has_its_own_name() {
     let quick = definition::open("quick").unwrap();
     let gray = quick.in_gray().unwrap();
     assert_eq!((gray.name.as_str(), gray.in_gray()), ("quick-gray", None));
@@ -371,7 +381,7 @@ fn an_experiment_in_gray_is_one_of_its_own() {
     assert_ne!(definition::hash(&gray), definition::hash(&quick));
     let text = "schema = 1\nname = \"c\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\ncolor = [\"red\", \"gray\"]\n";
     assert_eq!(definition::parse("c", text).unwrap().in_gray(), None);
-    // Its sidecar's definition reads back the same.
+    // The definition in its sidecar can be read back unchanged.
     let folder = tempfile::tempdir().unwrap();
     let identity = Identity::new("P1", "1").unwrap();
     SessionStore::create(folder.path(), &gray, &identity, 1, Default::default()).unwrap();

@@ -1,4 +1,4 @@
-//! Home and sessions, driven without a display.
+//! Tests Home, sessions and the gallery without a display.
 
 use std::path::Path;
 
@@ -39,27 +39,27 @@ fn sidecar(results: &Path) -> Sidecar {
 }
 
 #[test]
-fn a_whole_session_with_breaks_pause_and_a_rating_taken_back() {
+fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     let folder = tempfile::tempdir().unwrap();
     let protocol = protocol(0.5, 10.0);
     let mut harness = harness(request(folder.path(), protocol.clone()));
     walk_to_first_trial(&mut harness);
 
-    // Too early: nothing to rate yet.
+    // This key is too early: there is nothing to rate yet.
     press(&mut harness, Key::Num3);
     harness.run_steps(32);
-    // The scale is shown in the practice, and can be clicked.
+    // The scale is shown during practice and can be clicked.
     harness.get_by_label_contains("Broad band").click();
     wait_for(&mut harness, "Now the main part");
     press(&mut harness, Key::Space);
     harness.run_steps(35);
     press(&mut harness, Key::Num2);
-    // Taken back in the recovery that follows, and given again.
+    // The rating is undone during the following recovery and given again.
     harness.run_steps(5);
     press(&mut harness, Key::Backspace);
     harness.run_steps(35);
     press(&mut harness, Key::Num0);
-    // Paused while the stimulus stands: it comes again.
+    // After a pause during a stimulus, the stimulus is shown again.
     harness.run_steps(35);
     press(&mut harness, Key::Escape);
     wait_for(&mut harness, "Paused");
@@ -88,7 +88,7 @@ fn a_whole_session_with_breaks_pause_and_a_rating_taken_back() {
     let context = RowContext { protocol: &protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     for row in &rows {
         assert!(row.planned_trial(&context).is_ok(), "{row:?}");
-        // Held to whole frames, and never shorter than asked.
+        // The recovery lasts a whole number of frames and is never shorter than requested.
         assert!((0.5..0.5 + 1.5 / 60.0).contains(&row.recovery_s.0), "{row:?}");
         assert!(row.frames.unwrap() > 0);
     }
@@ -110,23 +110,23 @@ fn a_whole_session_with_breaks_pause_and_a_rating_taken_back() {
     );
     assert_eq!(frames["refresh_source"], "measured");
     assert!((frames["refresh_s"].as_f64().unwrap() * 60.0 - 1.0).abs() < 1e-3, "{frames}");
-    // Each of them is in the file beside the rows.
+    // The frames file contains every interval.
     let kept = frames::read(&folder.path().join("panes/data").join(frames["file"].as_str().unwrap())).unwrap();
     let intervals: usize = kept.iter().map(|row| row.intervals_us.len()).sum();
     assert_eq!(frames["intervals"], intervals);
     assert!(kept.iter().flat_map(|row| &row.intervals_us).all(|us| (16_666..=16_667).contains(us)));
     harness.get_by_label_contains("half of them within 16.7 ms and 99 % within 16.7 ms: 0 dropped at 60.00 Hz");
-    // Without an event loop nothing is stamped, and that is said.
+    // Without an event loop there are no timestamps, and the sidecar says so.
     let input = sidecar.sittings[0].input.as_ref().unwrap();
     assert_eq!((&input["stamped"], &input["unstamped"]), (&0.into(), &6.into()));
-    // A click is answered by the frame after it: its picture is shown longer than the response took.
+    // A click takes effect in the next frame, so the stimulus is shown longer than the response time.
     assert!(rows[1..].iter().all(|row| row.stimulus_s == Some(row.response_time_s)));
     assert!(rows.iter().all(|row| row.late_onset == Some(false)));
 }
 
-/// Left in the main part and resumed: the participant sees no plot, and the same bare screen as before.
+/// A session is left in the main part and resumed. The participant sees no plot, and the scale stays hidden.
 #[test]
-fn a_session_that_was_left_resumes_as_it_was() {
+fn a_session_that_was_left_can_be_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let protocol = protocol(0.2, 10.0);
     let start = |resume| harness(Request { resume, ..request(folder.path(), protocol.clone()) });
@@ -156,7 +156,7 @@ fn a_session_that_was_left_resumes_as_it_was() {
     wait_for(&mut second, "Now the main part");
     press(&mut second, Key::Space);
     second.run_steps(20);
-    assert!(second.query_by_label_contains("Broad band").is_none(), "nor after a resume");
+    assert!(second.query_by_label_contains("Broad band").is_none(), "the scale is hidden after resuming too");
     press(&mut second, Key::Num0);
     let rows = rows(folder.path(), &protocol);
     let seen: Vec<_> = rows.iter().map(|row| (row.trial, row.sitting, row.rating.0)).collect();
@@ -164,7 +164,7 @@ fn a_session_that_was_left_resumes_as_it_was() {
 }
 
 #[test]
-fn a_stimulus_that_does_not_fit_says_so_and_makes_no_file() {
+fn a_stimulus_that_does_not_fit_is_reported_and_creates_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = harness(request(folder.path(), protocol(0.2, 40.0)));
     wait_for(&mut harness, "Sit closer");
@@ -175,7 +175,7 @@ fn a_stimulus_that_does_not_fit_says_so_and_makes_no_file() {
 }
 
 #[test]
-fn a_folder_that_vanishes_takes_no_answer_with_it() {
+fn no_answer_is_lost_when_the_folder_is_removed() {
     let folder = tempfile::tempdir().unwrap();
     let (first, second) = (folder.path().join("first"), folder.path().join("second"));
     let protocol = protocol(0.2, 10.0);
@@ -185,11 +185,11 @@ fn a_folder_that_vanishes_takes_no_answer_with_it() {
     press(&mut harness, Key::Num1);
     wait_for(&mut harness, "Now the main part");
     press(&mut harness, Key::Space);
-    // The folder is replaced by a file, so that it cannot come back by itself.
+    // The folder is replaced by a file, so that the program cannot create it again.
     std::fs::remove_dir_all(&first).unwrap();
     std::fs::write(&first, "in the way").unwrap();
     harness.run_steps(20);
-    // The key goes up while the page of the trouble stands, and must not count as held afterwards.
+    // The key is released while the error page is shown, and must not count as held afterward.
     harness.key_down(Key::Num3);
     harness.step();
     wait_for(&mut harness, "The last answer could not be saved");
@@ -209,7 +209,7 @@ fn a_folder_that_vanishes_takes_no_answer_with_it() {
 }
 
 #[test]
-fn home_says_what_is_wrong_next_to_the_field() {
+fn home_shows_errors_next_to_their_fields() {
     let mut harness = window::home(SIZE, STEP_S);
     for label in [
         "Experiment",
@@ -238,7 +238,7 @@ fn home_says_what_is_wrong_next_to_the_field() {
 }
 
 #[test]
-fn the_gallery_shows_every_kind_and_explains_what_cannot_be() {
+fn the_gallery_shows_every_kind_and_explains_errors() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = window::home(SIZE, STEP_S);
     click(&mut harness, "Gallery of stimuli…");
@@ -248,20 +248,20 @@ fn the_gallery_shows_every_kind_and_explains_what_cannot_be() {
             let label = parameter.name.replace('_', " ").replace(" deg", ", °");
             assert!(harness.query_all_by_label(&label).count() > 0, "{}: {label}", entry.kind);
         }
-        // On to the next kind by its entry in the list.
+        // Selects the next kind in the list.
         let next = machband::stimulus::catalog::all().iter().skip_while(|other| other.kind != entry.kind).nth(1);
         let Some(next) = next else { break };
         harness.get_by_value(entry.title).click();
         harness.run_steps(3);
         click(&mut harness, next.title);
     }
-    // The last kind, a shaded cylinder: a word that is no shading, then one that is.
+    // The last kind is a shaded cylinder: an unknown shading is rejected, a known one is accepted.
     type_into(&mut harness, "shading", "raytraced");
     harness.get_by_label_contains("expected flat, gouraud or phong");
     type_into(&mut harness, "shading", "phong");
     assert!(harness.query_by_label_contains("expected flat").is_none());
 
-    // Exported: the file proves itself.
+    // The exported file can be verified from its own recipe.
     let path = folder.path().join("cylinder.png");
     type_into(&mut harness, "Export to", &path.display().to_string());
     click(&mut harness, "Export PNG");

@@ -1,4 +1,4 @@
-//! The pages of the window, driven without a display.
+//! Tests the pages of the window without a display.
 
 #![cfg(feature = "window")]
 

@@ -1,5 +1,5 @@
-//! Predicted bands in the gallery and in the shading demo, driven without a display: what they show is what the library
-//! says, and the window does not wait for it.
+//! Tests the predicted bands in the gallery and in the shading demo without a display: they agree with the library, and
+//! the window does not wait for them.
 
 use eframe::egui::{Vec2, accesskit::Role};
 use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
@@ -28,7 +28,7 @@ fn text(window: &Window, beginning: &str) -> String {
     node.accesskit_node().label().or_else(|| node.value()).unwrap()
 }
 
-/// The sentence that belongs to a stimulus in a window of 10°.
+/// The expected sentence for a stimulus in a window of 10°.
 fn sentence(stimulus: &Stimulus, size: u32) -> String {
     let view = ViewingConditions::new(10.0).predict(stimulus, size).unwrap();
     let Visibility { bright, dark } = view.visibility();
@@ -73,7 +73,7 @@ fn an_image_of_the_gallery_is_predicted() {
     assert_eq!(window.query_all_by_label_contains("Predicted visibility").count(), 1);
 }
 
-/// How visible the bands of a side are by the library, in a picture as large as the page says.
+/// The visibility of the bands of a side according to the library, for a picture of the size that the page uses.
 fn expected_visibility(compared: &Comparison, side: &Renderer, size: [u32; 2]) -> f64 {
     let shorter = size[0].min(size[1]);
     let scale = f64::from(shorter.min(512)) / f64::from(shorter);
@@ -84,7 +84,7 @@ fn expected_visibility(compared: &Comparison, side: &Renderer, size: [u32; 2]) -
     viewing.predict_surface(&frame, &shot.emitted()).unwrap().visibility.max()
 }
 
-/// The cells of the row `predicted visibility`, left and right.
+/// The left and right cells of the row `predicted visibility`.
 fn visibilities(window: &Window) -> Vec<String> {
     let head = window.get_by_label("predicted visibility").rect();
     let mut cells: Vec<_> = window
@@ -106,7 +106,7 @@ fn predicted(window: &mut Window) -> [f64; 2] {
 #[test]
 fn the_demo_predicts_what_the_library_predicts() {
     let mut window = open("Shading demo…", [760.0, 600.0]);
-    // Opened, and drawn several times: nothing has waited for the prediction.
+    // The page has been drawn several times without waiting for the prediction.
     assert_eq!(visibilities(&window), ["…", "…"]);
     let [gouraud, patch] = predicted(&mut window);
     assert!(patch < gouraud, "{patch} {gouraud}");
@@ -119,11 +119,11 @@ fn the_demo_predicts_what_the_library_predicts() {
         let expected = expected_visibility(&compared, side, size(&window));
         assert!((shown - expected).abs() <= 0.051, "{shown}, not {expected}");
     }
-    // Gamma ignored on the left: another light, and another number.
+    // Ignoring gamma on the left changes the light and thus the visibility.
     compared.sides[0].naive = true;
     window.get_by_label("Left ignores gamma").click();
     window.run_steps(2);
-    assert_eq!(visibilities(&window), ["…", "…"], "the numbers of another picture");
+    assert_eq!(visibilities(&window), ["…", "…"], "numbers of the previous picture");
     let [naive, _] = predicted(&mut window);
     let expected = expected_visibility(&compared, &compared.sides[0], size(&window));
     assert!((naive - expected).abs() <= 0.051, "{naive}, not {expected}");

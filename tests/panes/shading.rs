@@ -1,4 +1,4 @@
-//! The shading demo, driven without a display. What it draws is held against the shaders' own pictures.
+//! Tests the shading demo without a display, and compares what it draws with the images that the shaders compute.
 
 use std::path::Path;
 
@@ -16,12 +16,12 @@ use machband::{
 
 use crate::window::{Window, builder, choose, click, has_graphics, take_picture, type_into, value};
 
-/// The page, opened from Home, where it is drawn.
+/// The page, opened from Home, without pixels.
 fn open() -> Window {
     opened(builder([1000.0, 800.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())))
 }
 
-/// The same with pixels; `None` where there is no graphics adapter.
+/// The same with pixels; `None` if there is no graphics adapter.
 fn open_with_pixels(scale: f32) -> Option<Window> {
     if !has_graphics() {
         return None;
@@ -85,9 +85,9 @@ fn expected(compared: &Comparison, which: usize, width: u32, height: u32) -> Cod
     CodeImage { width, height, samples: Samples::Eight(codes) }
 }
 
-/// At the beginning, and with another shader on the right.
+/// Compares both halves at the start and with another shader on the right.
 #[test]
-fn each_half_is_its_shaders_picture_byte_for_byte() {
+fn each_half_shows_exactly_the_image_of_its_shader() {
     for scale in [1.0, 1.5] {
         let Some(mut window) = open_with_pixels(scale) else { return };
         let mut compared = Comparison::default();
@@ -100,7 +100,7 @@ fn each_half_is_its_shaders_picture_byte_for_byte() {
             let [left, right] = [0, 1].map(|which| expected(&compared, which, width, height));
             let column = width.div_ceil(2);
             let mut differing = 0;
-            // The divider and its handle lie over the picture.
+            // The divider and its handle cover part of the picture.
             let mark = (12.0 * scale) as u32;
             for (i, shown) in pixels(&mut window).iter().enumerate() {
                 let (x, y) = (i as u32 % width, i as u32 / width);
@@ -111,18 +111,18 @@ fn each_half_is_its_shaders_picture_byte_for_byte() {
                 );
                 differing += u32::from(left.pixel(x, y) != right.pixel(x, y));
             }
-            assert!(differing > width, "the two halves are one picture");
+            assert!(differing > width, "the two halves are the same");
         }
     }
 }
 
-/// Where the window has a graphics adapter, of whatever kind.
+/// Compares both whenever the window has a graphics adapter of any kind.
 #[test]
 fn the_card_draws_what_the_cpu_draws_within_a_code() {
     let Some(mut window) = open_with_pixels(1.0) else { return };
     let by_cpu = pixels(&mut window);
     if window.query_by_label("Drawn by").is_none() {
-        // A device that cannot read what the shaders read: the page says so.
+        // If the device cannot run the shaders, the page says so.
         window.get_by_label_contains("Drawn by the CPU: ");
         return;
     }
@@ -164,7 +164,7 @@ fn the_divider_moves() {
 }
 
 #[test]
-fn dragging_turns_the_mesh_and_the_light_and_draws_the_line() {
+fn dragging_rotates_the_mesh_moves_the_light_and_draws_the_line() {
     let Some(mut window) = open_with_pixels(1.0) else { return };
     let mut before = pixels(&mut window);
     let rect = picture(&window);
@@ -189,7 +189,7 @@ fn dragging_turns_the_mesh_and_the_light_and_draws_the_line() {
     window.get_by_label("Plot: slope, light per pixel along the scan line");
     let angle = turned(&window);
     drag(&mut window, from, from + Vec2::new(60.0, 30.0), PointerButton::Primary);
-    assert_eq!(turned(&window), angle, "a scan line turns nothing");
+    assert_eq!(turned(&window), angle, "drawing a scan line rotates nothing");
     take_picture(&mut window, "shading scan line");
 }
 
@@ -238,11 +238,11 @@ fn read(path: &Path) -> (u32, Vec<[u8; 3]>, serde_json::Value) {
     (info.width, pixels, serde_json::from_str(&chunk.text).unwrap())
 }
 
-/// Steps until no number is missing.
+/// Steps until all numbers are available.
 pub fn await_numbers(window: &mut Window) {
     let begun = std::time::Instant::now();
     while window.query_all_by_label("…").count() > 0 {
-        assert!(begun.elapsed().as_secs() < 240, "no prediction came");
+        assert!(begun.elapsed().as_secs() < 240, "no prediction arrived");
         std::thread::sleep(std::time::Duration::from_millis(20));
         window.step();
     }
@@ -261,7 +261,7 @@ fn the_exported_file_is_the_view() {
         let path = folder.path().join(format!("view-{i}.png"));
         type_into(&mut window, "Export to", &path.display().to_string());
         click(&mut window, "Export PNG");
-        window.get_by_label_contains("Written to");
+        window.get_by_label_contains("Saved to");
         let (width, pixels, parameters) = read(&path);
         let wrong = shown.iter().zip(&pixels).enumerate().filter(|(i, (shown, file))| {
             let marked = show != "Difference" && (*i as u32 % width).abs_diff(width / 2) < 12;
@@ -271,13 +271,13 @@ fn the_exported_file_is_the_view() {
         assert_eq!(parameters["left"]["shader"], "gouraud");
         assert_eq!(parameters["right"]["shader"], "patch");
         assert_eq!(parameters["transfer"], "srgb");
-        // A second time: not without asking.
+        // A second export asks before it overwrites the file.
         let before = std::fs::metadata(&path).unwrap().modified().unwrap();
         click(&mut window, "Export PNG");
         window.get_by_label_contains("already exists");
         assert_eq!(std::fs::metadata(&path).unwrap().modified().unwrap(), before);
         click(&mut window, "Overwrite it");
-        window.get_by_label_contains("Written to");
+        window.get_by_label_contains("Saved to");
     }
 }
 
@@ -295,16 +295,16 @@ fn everything_has_a_name_and_fits_a_small_window() {
     window.run_steps(3);
     assert!(picture(&window).height() >= 120.0);
     assert!(window.get_by_label("Plot: light along the scan line").rect().bottom() <= 560.0);
-    // Without an adapter the CPU draws, and the page says so.
+    // Without an adapter, the CPU draws, and the page says so.
     window.get_by_label_contains("no graphics adapter");
     window.key_press(Key::Escape);
     window.run_steps(3);
     window.get_by_label("Shading demo…");
 }
 
-/// Turning about all axes, in small steps: the matrix that the angles make follows.
+/// Small rotations about different axes add up to the expected rotation.
 #[test]
-fn turns_add_up() {
+fn rotations_add_up() {
     let mut compared =
         Comparison { scene: Scene { rotate_deg: [0.0; 3], ..Scene::default() }, ..Comparison::default() };
     let surface = Surface::new(MeshChoice::Named(Shape::Cube, 8).mesh().unwrap());
@@ -316,18 +316,18 @@ fn turns_add_up() {
     let turned = compared.scene.frame(&surface, 64, 64);
     let begin = Scene { rotate_deg: [0.0; 3], ..compared.scene }.frame(&surface, 64, 64);
     for (a, b) in turned.vertices.iter().zip(&begin.vertices) {
-        assert!(a.eye.distance(b.eye) < 1e-9, "a whole turn to the right ends where it began");
+        assert!(a.eye.distance(b.eye) < 1e-9, "a full turn to the right ends where it began");
     }
     compared.turn(90.0, 0.0);
     let right = compared.scene.frame(&surface, 64, 64);
     for (a, b) in right.vertices.iter().zip(&begin.vertices) {
-        // What looked at the eye looks to the right.
+        // The side that faced the eye now faces right.
         assert!((a.eye.x - b.eye.z).abs() < 1e-9 && (a.eye.y - b.eye.y).abs() < 1e-9);
     }
 }
 
 #[test]
-fn titles_tell_shaders_apart() {
+fn titles_distinguish_shaders() {
     let shade = Shade { vertex: Correction::Printed, depth: Depth::Infinite, ..Shade::new(Shader::Fixed) };
     assert_eq!(title(&Renderer::new(shade)), "Fixed, as printed (∞, 0.2) + vertex");
     assert_eq!(title(&Renderer { shade: Shade::new(Shader::Cut), naive: true }), "Cut (1, 0.333), gamma ignored");

@@ -1,6 +1,6 @@
-//! A window without a display: clicks, keys and time come from the test.
+//! A window without a display; the test supplies clicks, keys and time.
 
-// Each page's tests use a part of it.
+// The tests of each page use only some of these functions.
 #![allow(dead_code)]
 
 use std::{path::Path, time::Duration};
@@ -21,12 +21,12 @@ pub use eframe::egui::accesskit::Role;
 
 pub type Window = Harness<'static, App>;
 
-/// A window of this size, each of whose frames takes `step_s`.
+/// Builds a window of this size in which each frame takes `step_s` seconds.
 pub fn builder(size: [f32; 2], step_s: f32) -> HarnessBuilder<App> {
     Harness::builder().with_size(size).with_pixels_per_point(1.0).with_step_dt(step_s)
 }
 
-/// Home.
+/// A window that shows Home.
 pub fn home(size: [f32; 2], step_s: f32) -> Window {
     let mut window = builder(size, step_s).build_eframe(|cc| App::new(cc, Launch::default()));
     window.set_render_cursor(false);
@@ -34,11 +34,11 @@ pub fn home(size: [f32; 2], step_s: f32) -> Window {
     window
 }
 
-/// Whether there is a graphics adapter; where one is required, there must be.
+/// Whether there is a graphics adapter. Panics if there is none and `MACHBAND_REQUIRE_GPU` is set.
 pub fn has_graphics() -> bool {
     let instance = eframe::wgpu::Instance::new(eframe::wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let found = !pollster::block_on(instance.enumerate_adapters(eframe::wgpu::Backends::all())).is_empty();
-    assert!(found || std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, and one is required");
+    assert!(found || std::env::var_os("MACHBAND_REQUIRE_GPU").is_none(), "no graphics adapter, but one is required");
     if !found {
         eprintln!("SKIPPED: no graphics adapter");
     }
@@ -50,9 +50,9 @@ pub fn press(window: &mut Window, key: Key) {
     window.step();
 }
 
-/// Clicks a control, after scrolling to it where it is out of view.
+/// Clicks a control; scrolls to it first if it is out of view.
 pub fn click(window: &mut Window, label: &str) {
-    // A control, not a word that reads the same.
+    // Finds a control, not a label with the same text.
     let find = |window: &Window| {
         let mut found = window.query_all_by_label(label).filter(|node| node.accesskit_node().role() != Role::Label);
         let node = found.next().unwrap_or_else(|| panic!("no {label:?} to click; there is {:?}", texts(window)));
@@ -70,7 +70,7 @@ pub fn click(window: &mut Window, label: &str) {
     window.run_steps(3);
 }
 
-/// Replaces the text of a field, which keeps the keyboard.
+/// Replaces the text of a field, which keeps keyboard focus.
 pub fn type_into(window: &mut Window, label: &str, text: &str) {
     window.query_all_by_label(label).find(|node| node.value().is_some()).unwrap().focus();
     window.step();
@@ -80,12 +80,12 @@ pub fn type_into(window: &mut Window, label: &str, text: &str) {
     window.run_steps(2);
 }
 
-/// What stands in a field.
+/// The text in a field.
 pub fn value(window: &Window, label: &str) -> String {
     window.query_all_by_label(label).find_map(|node| node.value()).unwrap_or_default()
 }
 
-/// Picks an entry of a list.
+/// Chooses an entry from a drop-down list.
 pub fn choose(window: &mut Window, label: &str, entry: &str) {
     click(window, label);
     // The list is drawn last, above the page.
@@ -94,11 +94,11 @@ pub fn choose(window: &mut Window, label: &str, entry: &str) {
     window.query_all_by_label(entry).last().unwrap().click();
     window.run_steps(3);
     window.remove_cursor();
-    // Until the list has faded.
+    // Wait until the list has faded out.
     window.run_steps(20);
 }
 
-/// Steps until a text stands on the page; what is computed meanwhile has threads of its own.
+/// Steps until the page shows a text. Computations on other threads may take a while.
 pub fn wait_for(window: &mut Window, text: &str) {
     for step in 0..3000 {
         if window.query_all_by_label_contains(text).next().is_some() {
@@ -109,10 +109,10 @@ pub fn wait_for(window: &mut Window, text: &str) {
             std::thread::sleep(Duration::from_millis(3));
         }
     }
-    panic!("{text:?} did not come; there is {:?}", texts(window));
+    panic!("{text:?} did not appear; there is {:?}", texts(window));
 }
 
-/// Takes a picture of the window, to be looked at: where `MACHBAND_PICTURES` names a folder.
+/// Saves a picture of the window for inspection if `MACHBAND_PICTURES` names a folder.
 pub fn take_picture(window: &mut Window, name: &str) {
     if let Some(folder) = std::env::var_os("MACHBAND_PICTURES") {
         window.render().unwrap().save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
@@ -139,7 +139,7 @@ pub fn request(results: &Path, protocol: Protocol) -> Request {
     }
 }
 
-/// From the preflight to the first recovery field.
+/// Continues from the preflight to the first recovery field.
 pub fn walk_to_first_trial(window: &mut Window) {
     for page in ["These findings are saved", "Welcome", "The four answers", "First some practice"] {
         wait_for(window, page);
@@ -147,7 +147,7 @@ pub fn walk_to_first_trial(window: &mut Window) {
     }
 }
 
-/// How many pixels in the middle of a picture of the window, whose sides are `size`, are not those of an image.
+/// Counts the pixels that differ between an image and the middle of a picture of the window, whose sides are `size`.
 pub fn wrong_pixels(size: [u32; 2], pixel: impl Fn(u32, u32) -> [u8; 4], image: &CodeImage) -> usize {
     let [left, top] = [size[0] - image.width, size[1] - image.height].map(|rest| rest / 2);
     let is_wrong = |(x, y): &(u32, u32)| {

@@ -1,4 +1,4 @@
-//! What is plugged in goes in the middle of a trial: the monitor, the display server, the graphics card.
+//! The monitor, the display server, or the graphics card is lost in the middle of a trial.
 
 use std::{ffi::OsString, fs, path::Path, time::Duration};
 
@@ -7,8 +7,8 @@ use super::{
     harness::{Harness, Row, SCREEN, Shown, assert_complete, pattern, rows},
 };
 
-/// The monitor goes and leaves one that is smaller than the stimulus: the session waits and says why, and continues when
-/// there is room again.
+/// The monitor is replaced by one that is smaller than the stimulus. The session pauses and says why; once there is
+/// enough room again, it continues.
 #[test]
 fn a_smaller_screen_pauses_the_session() {
     let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
@@ -34,7 +34,7 @@ fn a_smaller_screen_pauses_the_session() {
     assert_complete(&csv, &planned);
 }
 
-/// What the program says where window or graphics go: one sentence of ours, and no panic.
+/// The program's message after the window or the graphics are lost: exactly one error of its own, and no panic.
 fn error_of_lost_window(harness: &mut Harness) -> String {
     let status = harness.wait_for_end();
     let stderr = harness.stderr();
@@ -45,7 +45,8 @@ fn error_of_lost_window(harness: &mut Harness) -> String {
     errors[0].to_owned()
 }
 
-/// The first sitting's rows are on disk and it is closed; `--resume` asks for what is missing.
+/// Checks that the rows of the first sitting are on disk and that the sitting is closed; then resumes and completes the
+/// session.
 fn resume_to_the_end(harness: &mut Harness, planned: &[Row], done: usize) {
     let csv = harness.csv("swift");
     assert_eq!(rows(&csv).len(), done);
@@ -59,9 +60,9 @@ fn resume_to_the_end(harness: &mut Harness, planned: &[Row], done: usize) {
     assert_complete(&csv, planned);
 }
 
-/// The display server ends, in a trial and on a page that waits.
+/// The display server ends, once during a trial and once on the pause page.
 #[test]
-fn the_end_of_the_display_server_costs_no_answer() {
+fn no_answer_is_lost_when_the_display_server_ends() {
     for in_trial in [true, false] {
         let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
         for i in 0..3 {
@@ -83,9 +84,9 @@ fn the_end_of_the_display_server_costs_no_answer() {
     }
 }
 
-/// The graphics card answers no more.
+/// The graphics card stops responding.
 #[test]
-fn the_loss_of_the_graphics_card_costs_no_answer() {
+fn no_answer_is_lost_when_the_graphics_card_is_lost() {
     let Some(mut harness) = Harness::new() else { return };
     let folders = ["/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64", "/usr/lib"];
     let library = folders.map(|folder| Path::new(folder).join("libvulkan.so.1")).into_iter().find(|path| path.exists());

@@ -1,4 +1,4 @@
-//! A screen with a window manager and the program on it, keys for it, and what is on the screen and in the files.
+//! Runs the program on a virtual screen with a window manager, sends it keys, and reads the screen and the files.
 
 use std::{
     collections::{BTreeSet, HashMap},
@@ -23,9 +23,9 @@ use x11rb::{
 use super::common::{self, MACHBAND};
 
 pub const SCREEN: (u16, u16) = (800, 600);
-/// Longest wait for anything: a software renderer on a busy machine is slow.
+/// Longest wait for any event. It is long because a software renderer on a busy machine is slow.
 const PATIENCE: Duration = Duration::from_secs(90);
-/// From one check of the screen to the next.
+/// Time between two checks of the screen.
 const POLL: Duration = Duration::from_millis(15);
 /// The uniform field of linear light 0.5 in yellow, sRGB.
 const FIELD: [u8; 3] = [188, 188, 0];
@@ -45,32 +45,32 @@ duration_s = 0.4
 "#;
 /// The recovery of [`SWIFT`].
 pub const RECOVERY_S: f64 = 0.4;
-/// The keys 0…3 of the number pad by their key codes: by name, xdotool would switch Num Lock with each of them, between
-/// press and release.
+/// The keys 0…3 of the number pad, by key code. Given their names, xdotool would toggle Num Lock between press and
+/// release.
 pub const PAD: [&str; 4] = ["90", "87", "88", "89"];
 
-/// The key for the `i`-th rating `i % 4`: four from the top row, four from the number pad, and so on.
+/// The key for the `i`-th rating, which is `i % 4`. Four keys from the top row alternate with four from the number pad.
 pub fn pattern(i: usize) -> &'static str {
     ["0", "1", "2", "3", PAD[0], PAD[1], PAD[2], PAD[3]][i % 8]
 }
 
 pub type Row = HashMap<String, String>;
 
-/// The whole rows of a result file; none where there is no file.
+/// The complete rows of a result file; empty if there is no file.
 pub fn rows(path: &Path) -> Vec<Row> {
     let text = fs::read_to_string(path).unwrap_or_default();
     let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
     csv::Reader::from_reader(whole.as_bytes()).deserialize().map(Result::unwrap).collect()
 }
 
-/// What `machband check` says of a file that must be well.
+/// The output of `machband check` for a file that must be valid.
 pub fn checked(path: &Path) -> String {
     let output = common::machband(path.parent().unwrap(), &["check", path.to_str().unwrap()]);
     assert!(output.status.success(), "{output:?}");
     common::text(&output.stdout)
 }
 
-/// Every planned trial is in the file once, in the planned order, with the rating of [`pattern`].
+/// Checks that every planned trial is in the file once, in the planned order, with the rating of [`pattern`].
 pub fn assert_complete(csv: &Path, planned: &[Row]) {
     let found = rows(csv);
     let names = ["phase", "trial", "block", "repetition", "stimulus", "width", "depth", "orientation_deg", "color"];
@@ -95,20 +95,20 @@ pub enum Shown {
     Stimulus,
 }
 
-/// Ends the servers and the program when it is dropped.
+/// A virtual screen and the program on it. Dropping it ends the servers and the program.
 pub struct Harness {
     pub dir: tempfile::TempDir,
     display: String,
     pub servers: Vec<Child>,
     window: Option<Child>,
-    /// For the program, in addition to what every command here has.
+    /// Extra environment variables for the program.
     pub environment: Vec<(&'static str, OsString)>,
-    /// One window at a time has the machine to itself: timing is what is tested.
+    /// Only one test with a window runs at a time, because these tests check timing.
     _alone: MutexGuard<'static, ()>,
 }
 
 impl Harness {
-    /// `None`, and a line about it, where the tools are missing.
+    /// Starts the screen; if a required tool is missing, prints which one and returns `None`.
     pub fn new() -> Option<Self> {
         static ALONE: Mutex<()> = Mutex::new(());
         let path = std::env::var_os("PATH").unwrap_or_default();
@@ -117,8 +117,8 @@ impl Harness {
         if !missing.is_empty() {
             let missing = missing.join(", ");
             assert!(std::env::var_os("MACHBAND_REQUIRE_DISPLAY").is_none_or(|v| v != "1"), "not installed: {missing}");
-            // Not by eprintln, which the test harness keeps to itself.
-            let _ = writeln!(std::io::stderr(), "SKIPPED: a test of the window, since {missing} cannot be found");
+            // Not with `eprintln!`, because the test harness captures it.
+            let _ = writeln!(std::io::stderr(), "SKIPPED: a test of the window: {missing} not found");
             return None;
         }
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -133,7 +133,7 @@ impl Harness {
         Some(harness)
     }
 
-    /// With a session of [`SWIFT`] that has begun: its planned rows and its file.
+    /// Starts a session of [`SWIFT`]; also returns its planned rows and its file.
     pub fn with_session() -> Option<(Self, Vec<Row>, PathBuf)> {
         let mut harness = Self::new()?;
         let definition = harness.swift();
@@ -161,11 +161,11 @@ impl Harness {
         self.display = format!(":{}", number.trim());
         let openbox = self.command("openbox").stdout(Stdio::null()).stderr(self.log("openbox")).spawn().unwrap();
         self.servers.push(openbox);
-        // A window manager is there when it answers for its desktops.
+        // The window manager is ready once it reports the number of desktops.
         self.until("openbox", |harness| {
             harness.command("xdotool").arg("get_num_desktops").output().unwrap().status.success()
         });
-        // As on most keyboards with a number pad; the program does not depend on it.
+        // Num Lock is on, as on most keyboards with a number pad. The program does not depend on it.
         self.press("Num_Lock");
     }
 
@@ -191,7 +191,7 @@ impl Harness {
         fs::read_to_string(self.dir.path().join(name).with_extension("log")).unwrap_or_default()
     }
 
-    /// What the window's process wrote.
+    /// The output of the program in the window.
     pub fn stderr(&self) -> String {
         self.read_log("machband")
     }
@@ -221,7 +221,7 @@ impl Harness {
         serde_json::from_slice(&text).unwrap_or_default()
     }
 
-    /// The rows that a session of S001 with seed 7 will have, but for the answers.
+    /// The rows that a session of S001 with seed 7 will have; the answers will differ.
     pub fn planned(&self, experiment: &str) -> Vec<Row> {
         let output = self.machband(&["simulate", experiment, "--seed", "7", "--results", "planned"]);
         assert!(output.status.success(), "{output:?}");
@@ -257,14 +257,14 @@ impl Harness {
         let mut window = self.window.take().unwrap();
         window.kill().unwrap();
         window.wait().unwrap();
-        self.until("the window to vanish", |harness| harness.shown() == Shown::Page);
+        self.until("the window to disappear", |harness| harness.shown() == Shown::Page);
     }
 
     pub fn wait_for_end(&mut self) -> ExitStatus {
         self.end_with(None)
     }
 
-    /// Waits for the end of the program, and presses a key again and again until then.
+    /// Waits for the program to end and meanwhile presses `key` repeatedly.
     fn end_with(&mut self, key: Option<&str>) -> ExitStatus {
         let (start, mut pressed) = (Instant::now(), Instant::now());
         loop {
@@ -281,7 +281,7 @@ impl Harness {
         }
     }
 
-    /// Waits for a session to be complete, and leaves its last page.
+    /// Waits until the session is complete, and leaves its last page.
     pub fn complete(&mut self, experiment: &str) {
         self.until("the sidecar to say complete", |harness| harness.sidecar(experiment)["complete"] == true);
         self.until("the last page", |harness| harness.shown() == Shown::Page);
@@ -299,7 +299,8 @@ impl Harness {
         self.xdotool(&["key", key]);
     }
 
-    /// From whatever page there is to a stimulus. Space only continues, so it can be pressed until it has had its effect.
+    /// Presses Space on the current page and later ones until a stimulus appears. Space only continues, so it can be
+    /// pressed repeatedly.
     pub fn stimulus(&mut self) {
         let mut pressed = Instant::now();
         self.until("a stimulus", |harness| {
@@ -312,24 +313,24 @@ impl Harness {
         });
     }
 
-    /// Off the pause page: one Space must do.
+    /// Leaves the pause page; a single press of Space must be enough.
     pub fn resume(&mut self) {
         self.press("space");
         self.until("the end of the pause", |harness| harness.shown() != Shown::Page);
     }
 
-    /// Waits for a stimulus, presses the key, waits for the row, and for the stimulus to go.
+    /// Waits for a stimulus, presses the key, and waits for the row and for the stimulus to disappear.
     pub fn rate(&mut self, csv: &Path, key: &str) {
         self.stimulus();
         let before = rows(csv).len();
         self.press(key);
         self.until(&format!("row {} after {key}", before + 1), |_| rows(csv).len() == before + 1);
-        self.until("the stimulus to go", |harness| harness.shown() != Shown::Stimulus);
+        self.until("the stimulus to disappear", |harness| harness.shown() != Shown::Stimulus);
     }
 
     // -- the screen
 
-    /// Waits until something is so.
+    /// Waits until a condition holds; `what` describes it for the error message.
     pub fn until(&mut self, what: &str, is_so: impl FnMut(&mut Self) -> bool) {
         self.until_for(PATIENCE, what, is_so);
     }
@@ -345,11 +346,11 @@ impl Harness {
         }
     }
 
-    /// Until nothing has moved on the screen for a while.
+    /// Waits until the screen has not changed for a while.
     pub fn at_rest(&mut self) {
         let mut last = Vec::new();
         let mut since = Instant::now();
-        self.until("the screen to come to rest", |harness| {
+        self.until("the screen to stop changing", |harness| {
             let now = harness.screen();
             if now != last {
                 last = now;
@@ -359,8 +360,8 @@ impl Harness {
         });
     }
 
-    /// The screen's memory, cursor included: an X window dump of 32 bits a pixel, blue first. Its header is as long for
-    /// every screen of this server.
+    /// The screen's memory, including the cursor, as an X window dump with 32 bits per pixel, blue first; and the
+    /// offset of the pixels. The header has the same length for every screen of this server.
     fn memory(&self) -> (File, u64) {
         let file = File::open(self.dir.path().join("screen/Xvfb_screen0")).unwrap();
         let mut header = [0; 80];
@@ -372,7 +373,7 @@ impl Harness {
         (file, u64::from(word(0) + 12 * word(19)))
     }
 
-    /// The whole screen, four bytes a pixel.
+    /// The whole screen, four bytes per pixel.
     pub fn screen(&self) -> Vec<u8> {
         let (file, start) = self.memory();
         let mut pixels = vec![0; 4 * usize::from(SCREEN.0) * usize::from(SCREEN.1)];
@@ -388,7 +389,7 @@ impl Harness {
             file.read_exact_at(&mut bgrx, start + 4 * index).unwrap();
             [bgrx[2], bgrx[1], bgrx[0]] == FIELD
         };
-        // Of a stimulus of 331 pixels in the center, points on both plateaus of every width and orientation.
+        // For a centered stimulus of 331 pixels, these points are on the plateaus at any width and orientation.
         let (x, y) = (SCREEN.0 / 2, SCREEN.1 / 2);
         let inside = [(x - 160, y - 160), (x + 160, y - 160), (x - 160, y + 160), (x + 160, y + 160)];
         if !is_field((4, 4)) || !is_field((SCREEN.0 - 5, 4)) {
@@ -400,7 +401,7 @@ impl Harness {
         }
     }
 
-    /// What is on the screen is, byte for byte, the image that the program writes, on a uniform field.
+    /// Checks that the screen shows, byte for byte, the image that `machband stimulus` writes, on a uniform field.
     pub fn compare_with_image(&self, row: &Row, size: u32) {
         let mut arguments = vec!["stimulus".to_owned(), "--out=stimulus.png".to_owned(), format!("--size={size}")];
         for name in ["width", "depth", "orientation_deg", "low", "high", "color"] {
@@ -427,8 +428,8 @@ impl Harness {
         (x, root)
     }
 
-    /// Gives the screen another size or refresh rate, as when another monitor takes over. `clock`: pixels a second; 0 for
-    /// the mode that the server begins with.
+    /// Changes the size or refresh rate of the screen, as if another monitor were connected. `clock` is in pixels per
+    /// second; 0 selects the server's initial mode.
     pub fn set_mode(&self, (width, height): (u16, u16), clock: u32) {
         let (x, root) = self.connect();
         let resources = x.randr_get_screen_resources(root).unwrap().reply().unwrap();
@@ -450,7 +451,7 @@ impl Harness {
             let (time, turned) = (x11rb::CURRENT_TIME, Rotation::ROTATE0);
             x.randr_set_crtc_config(crtc, time, time, 0, 0, mode, turned, &[output]).unwrap().reply().unwrap();
         };
-        // A picture fits on its screen at every moment.
+        // The mode must fit on the screen at every moment.
         if (width, height) == SCREEN {
             set_size();
             set_crtc();
@@ -461,7 +462,8 @@ impl Harness {
         x.sync().unwrap();
     }
 
-    /// Gives the graphics card's gamma ramps: straight, but blue dimmed to a share of its light, as a night light does.
+    /// Sets the graphics card's gamma ramps: straight, but with blue dimmed to a share of its light, as a night light
+    /// does.
     pub fn set_ramps(&self, blue: f64) {
         let (x, root) = self.connect();
         let crtc = x.randr_get_screen_resources(root).unwrap().reply().unwrap().crtcs[0];
@@ -477,7 +479,7 @@ impl Harness {
 impl Drop for Harness {
     fn drop(&mut self) {
         if std::thread::panicking() && !self.display.is_empty() {
-            // A picture of what went wrong, where ImageMagick can take one.
+            // If ImageMagick is installed, take a picture of the screen at the failure.
             let test = std::thread::current().name().unwrap_or("window").to_owned();
             let shot = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{test}.png"));
             let _ = self.command("import").args(["-window", "root"]).arg(&shot).output();

@@ -1,9 +1,9 @@
-//! The real window, on a virtual screen, driven by real keys.
+//! Tests the real window on a virtual screen with real key events.
 //!
-//! Each test starts its own Xvfb and openbox and ends them. Nothing waits for a fixed time where it can look: at the
-//! result file for rows, and at the screen itself, which Xvfb keeps in a mapped file.
+//! Each test starts and ends its own Xvfb and openbox. Instead of waiting for a fixed time, the tests watch the result
+//! file for rows and the screen itself, which Xvfb keeps in a mapped file.
 //!
-//! Needs `Xvfb`, `openbox` and `xdotool`. Where one is missing the tests say `SKIPPED` and pass, unless
+//! The tests need `Xvfb`, `openbox` and `xdotool`. If one is missing, they print `SKIPPED` and pass, unless
 //! `MACHBAND_REQUIRE_DISPLAY=1`.
 
 #![cfg(feature = "window")]
@@ -24,10 +24,9 @@ use std::{
 use common::MACHBAND;
 use harness::{Harness, PAD, RECOVERY_S, SCREEN, SWIFT, Shown, assert_complete, checked, pattern, rows};
 
-/// Half a refresh at 60 Hz, the rate of the test's screen.
+/// Half a refresh interval of the test's screen, which runs at 60 Hz.
 const HALF_REFRESH_S: f64 = 1.0 / 120.0;
 
-/// A whole session, and what is on the screen meanwhile.
 #[test]
 fn a_full_session_records_every_key_and_shows_the_exact_stimulus() {
     let Some(mut harness) = Harness::new() else { return };
@@ -58,11 +57,11 @@ fn a_full_session_records_every_key_and_shows_the_exact_stimulus() {
         assert_eq!((&*row["subject_id"], &*row["session_id"], &*row["attempt"]), ("S001", "1", "1"));
         assert!((least_s..least_s + 10.0).contains(&seconds("recovery_s")), "row {i}: {}", row["recovery_s"]);
         assert!((1e-6..60.0).contains(&seconds("response_time_s")), "row {i}: {}", row["response_time_s"]);
-        // Rounded to a tenth of a millisecond each.
+        // Each time is rounded to a tenth of a millisecond.
         assert!(seconds("onset_s") >= earliest - 0.001, "row {i}: onset {} before {earliest}", row["onset_s"]);
         earliest = seconds("onset_s") + seconds("response_time_s") + least_s;
         assert!(seconds("frames") >= 1.0, "row {i}");
-        // Digits and number pad alike: the time is that of the key and not of the frame.
+        // For digits and the number pad alike, the recorded time is the time of the key, not of the frame.
         assert!((0.0..10.0).contains(&seconds("response_uncertainty_s")), "row {i}");
     }
     let input = &harness.sidecar("full")["sittings"][0]["input"];
@@ -72,20 +71,20 @@ fn a_full_session_records_every_key_and_shows_the_exact_stimulus() {
     for (name, expected) in [("median_uncertainty_s", waits[waits.len() / 2]), ("max_uncertainty_s", waits[13])] {
         assert!((input[name].as_f64().unwrap() - expected).abs() < 1e-4, "{name}: {input}");
     }
-    // Every picture that was on the screen is rendered again, and is the same.
+    // `verify` renders every picture that was shown again and finds no difference.
     let output = Command::new(MACHBAND).arg("verify").arg(csv.parent().unwrap()).output().unwrap();
     let printed = common::text(&output.stdout) + &common::text(&output.stderr);
     let expected = "12 pictures rendered again; unchanged since it was recorded";
     assert!(output.status.success() && printed.contains(expected), "{printed}");
 }
 
-/// Backspace gives a second attempt; Esc holds the trial and Space brings it back.
+/// Backspace undoes an answer, which adds a second attempt. Esc pauses the trial, and Space shows it again.
 #[test]
-fn answers_can_be_taken_back_and_sessions_paused() {
+fn answers_can_be_undone_and_sessions_paused() {
     let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
     harness.rate(&csv, "0");
     harness.rate(&csv, "1");
-    // Paused while the stimulus is up: it comes again after a new recovery, and counts once.
+    // After a pause during a stimulus, the stimulus is shown again after a new recovery, and it counts once.
     harness.stimulus();
     harness.press("Escape");
     harness.until("the pause page", |harness| harness.shown() == Shown::Page);
@@ -93,15 +92,15 @@ fn answers_can_be_taken_back_and_sessions_paused() {
     harness.press("BackSpace");
     harness.resume();
     harness.until("the field after the pause", |harness| harness.shown() == Shown::Field);
-    assert_eq!(rows(&csv).len(), 2, "a key on the pause page must not rate or take back");
+    assert_eq!(rows(&csv).len(), 2, "a key on the pause page must not rate or undo");
     harness.rate(&csv, "2");
     harness.rate(&csv, "3");
-    // Taken back: the same trial again, as a second attempt.
+    // Undo: the same trial is shown again, as a second attempt.
     harness.press("BackSpace");
     harness.rate(&csv, PAD[0]);
     harness.rate(&csv, "1");
     harness.rate(&csv, "3");
-    // The last one can be taken back too, while the field is shown.
+    // The last answer can be undone too, while the field is shown.
     harness.press("BackSpace");
     harness.rate(&csv, "0");
     harness.complete("swift");
@@ -124,10 +123,10 @@ fn answers_can_be_taken_back_and_sessions_paused() {
     assert!(checked(&csv).contains("6 of 6 planned trials"));
 }
 
-/// A key may mean something else when it is released than when it was pressed: the number pad when Num Lock is switched
-/// meanwhile, the digits of a Czech keyboard when Shift goes up first. The next press of that digit counts all the same.
+/// The meaning of a key can change while it is held: on the number pad if Num Lock is toggled, and for the digits of a
+/// Czech keyboard if Shift is released first. The next press of that digit must still count.
 #[test]
-fn a_key_that_changes_its_meaning_while_held_is_not_lost_the_next_time() {
+fn a_key_whose_meaning_changes_while_held_counts_when_pressed_again() {
     let Some((mut harness, _, csv)) = Harness::with_session() else { return };
     harness.rate(&csv, "2");
     harness.stimulus();
@@ -135,7 +134,7 @@ fn a_key_that_changes_its_meaning_while_held_is_not_lost_the_next_time() {
         harness.xdotool(&[action, key]);
     }
     harness.until("the row of the number pad", |_| rows(&csv).len() == 2);
-    harness.until("the stimulus to go", |harness| harness.shown() != Shown::Stimulus);
+    harness.until("the stimulus to disappear", |harness| harness.shown() != Shown::Stimulus);
     harness.stimulus();
     harness.press("1");
     harness.until_for(Duration::from_secs(15), "the row of the same digit", |_| rows(&csv).len() == 3);
@@ -143,9 +142,9 @@ fn a_key_that_changes_its_meaning_while_held_is_not_lost_the_next_time() {
     assert_eq!(ratings, ["2", "1", "1"]);
 }
 
-/// The process is killed twice, once while it waits and once while it writes: `--resume` asks exactly what is missing.
-/// Each sitting finds a changed screen: first none of its facts, then a night light and a refresh rate, then neither of
-/// them in the way.
+/// The process is killed twice, once while it waits and once while it writes. `--resume` shows exactly the missing
+/// trials. Each sitting finds a changed screen: first no gamma ramp and no refresh rate, then a night light and a
+/// refresh rate, then straight ramps and a refresh rate.
 #[test]
 fn a_killed_session_resumes_without_loss() {
     let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
@@ -191,15 +190,15 @@ fn a_killed_session_resumes_without_loss() {
         };
         sittings.iter().map(of).collect()
     };
-    // A ramp that is dark throughout, as this server has at first, is none.
+    // A ramp that is dark throughout, as on this server at first, does not count as a ramp.
     assert_eq!(notes("color_ramps"), [None, Some(false), Some(true)]);
     assert_eq!(notes("refresh"), [Some(false), Some(true), Some(true)]);
     assert_eq!(notes("resolution"), [Some(true); 3]);
     assert!(sittings[1].to_string().contains("59.940 Hz"), "{}", sittings[1]);
 }
 
-/// The results vanish in the middle of a session: the window says so, keeps every answer and itself open, and continues
-/// when they can be written again.
+/// The results folder disappears during a session. The window says so, keeps every answer in memory, stays open, and
+/// continues once the answers can be saved again.
 #[test]
 fn a_lost_results_folder_loses_no_answer() {
     let Some((mut harness, planned, csv)) = Harness::with_session() else { return };
@@ -209,19 +208,19 @@ fn a_lost_results_folder_loses_no_answer() {
     harness.stimulus();
     let folder = harness.dir.path().join("results/swift");
     fs::remove_dir_all(&folder).unwrap();
-    // Nor can it be made again, for now.
+    // A file prevents the program from creating the folder again for now.
     fs::write(&folder, "in the way").unwrap();
     let trouble = Instant::now();
     harness.press(pattern(4));
-    harness.until("the page about it", |harness| harness.shown() == Shown::Page);
+    harness.until("the page for unsaved answers", |harness| harness.shown() == Shown::Page);
 
-    // Closing the window now would lose the answers: it stays.
+    // Closing the window now would lose the answers, so it stays open.
     harness.press("alt+F4");
     let before = harness.screen();
     harness.press("Tab");
     harness.until("the focus on the button", |harness| harness.screen() != before);
     harness.press("Return");
-    // Long enough to tell it from a recovery.
+    // Long enough to distinguish this time from a recovery.
     std::thread::sleep(Duration::from_secs(2).saturating_sub(trouble.elapsed()) + Duration::from_secs(1));
     assert!(harness.ended().is_none(), "the window closed with an answer unsaved: {}", harness.stderr());
     assert_eq!(harness.shown(), Shown::Page, "nothing can be written yet");
@@ -230,7 +229,7 @@ fn a_lost_results_folder_loses_no_answer() {
     let over = Instant::now();
     let held = trouble.elapsed().as_secs_f64();
     harness.press("Return");
-    harness.until("the rows to be back", |_| rows(&csv).len() == 5);
+    harness.until("the rows to be restored", |_| rows(&csv).len() == 5);
     harness.rate(&csv, pattern(5));
     let since = over.elapsed().as_secs_f64();
     harness.complete("swift");
@@ -238,13 +237,13 @@ fn a_lost_results_folder_loses_no_answer() {
     let recovery: f64 = rows(&csv)[5]["recovery_s"].parse().unwrap();
     assert!(
         (RECOVERY_S - HALF_REFRESH_S..since).contains(&recovery),
-        "the eye recovers on the field and not on the page, which was shown for {held:.1} s; the picture was rated {since:.1} s after it, and recovery_s is {recovery}"
+        "recovery must count only the field, not the page, which was shown for {held:.1} s; the stimulus was rated {since:.1} s after the page, and recovery_s is {recovery}"
     );
 }
 
-/// Without a display the program says what to do, in one sentence; no display server is needed to see that.
+/// Without a display, the program prints a single error that says what to do. This test needs no display server.
 #[test]
-fn without_a_display_there_is_one_sentence() {
+fn without_a_display_there_is_one_error() {
     let dir = tempfile::tempdir().unwrap();
     let run = ["run", "quick", "--participant", "S001", "--results", "results"];
     for (display, arguments) in [(None, &[][..]), (None, &run), (Some(":987"), &[]), (Some(":987"), &run)] {

@@ -131,7 +131,8 @@ impl Pattern {
     }
 }
 
-/// exp(−(dx² + dy²)/2σ²) times [`FULL_WEIGHT`], computed by multiplication, which gives the same result on every machine.
+/// exp(−(dx² + dy²)/2σ²) times [`FULL_WEIGHT`], computed by multiplication, which gives the same result on every
+/// machine.
 fn weight(dx: usize, dy: usize) -> u64 {
     let mut weight = FULL_WEIGHT;
     for _ in 0..dx * dx + dy * dy {

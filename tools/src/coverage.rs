@@ -1,5 +1,6 @@
-//! Whether the ordinal models find known effects again: bias, standard errors and 95 % intervals over simulated studies of
-//! the design of `bangay2003`, and how often the likelihood-ratio test finds an effect that does not exist.
+//! Tests whether the ordinal models recover known effects in simulated studies with the design of `bangay2003`: bias,
+//! standard errors, and the coverage of 95 % intervals. Also counts how often the likelihood-ratio test finds an effect
+//! that does not exist.
 
 use std::error::Error;
 
@@ -24,7 +25,7 @@ const DEPTHS: [(&str, f64); 5] = [("1", 0.0), ("2", -1.0), ("3", -1.6), ("4", -2
 const ORIENTATIONS: [&str; 4] = ["0", "45", "90", "135"];
 const FACTORS: [&str; 3] = ["width", "depth", "orientation_deg"];
 const THRESHOLDS: [f64; 3] = [-2.2, -0.7, 0.8];
-/// The true standard deviation of the random intercept, where there is one.
+/// The true standard deviation of the random intercept in studies that have one.
 const SUBJECT_SD: f64 = 0.6;
 const PARTICIPANTS: usize = 8;
 const REPETITIONS: usize = 2;
@@ -36,12 +37,12 @@ pub struct Parameter {
     pub estimates: Vec<(f64, f64)>,
 }
 
-/// What one model found in all studies.
+/// The results of one model over all studies.
 pub struct Recovery {
     pub coefficients: Vec<Parameter>,
     /// The standard deviation of the random intercept, if the model has one.
     pub sd: Option<Parameter>,
-    /// The number of studies in which the factor without effect is significant at 0.05.
+    /// The number of studies in which the factor without an effect is significant at 0.05.
     pub false_alarms: usize,
 }
 
@@ -89,7 +90,7 @@ pub fn run(studies: u32, seed: u64) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Simulates the studies and fits each, with a random intercept or, where participants do not differ, without one.
+/// Simulates the studies and fits each one. Without a random intercept, the simulated participants do not differ.
 pub fn recover(random: Random, studies: u32, seed: u64) -> Result<Recovery, Fault> {
     let spec = ModelSpec { random, ..ModelSpec::new(Terms::factors(&FACTORS)) };
     let subject_sd = if random == Random::Subject { SUBJECT_SD } else { 0.0 };

@@ -15,11 +15,11 @@ const LENGTH_DEG: f64 = 10.0;
 /// Widths of the ramps, in degrees.
 const WIDTHS: [f64; 10] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4];
 /// The widths of Bangay's ramps in a window of 10°.
-const USUAL: [f64; 6] = [0.2, 0.5, 1.0, 2.0, 4.0, 8.0];
+const BANGAY: [f64; 6] = [0.2, 0.5, 1.0, 2.0, 4.0, 8.0];
 /// The widths where bands are strongest.
 const STRONGEST: [f64; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
 /// A response below this fraction of the largest counts as none.
-const NOTHING: f64 = 0.01;
+const NO_RESPONSE: f64 = 0.01;
 
 /// The model of this library, with its channels summed.
 struct LocalEnergy {
@@ -75,10 +75,11 @@ fn profile(light: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..samples).map(|i| light((i as f64 + 0.5) / PX_PER_DEG - LENGTH_DEG / 2.0)).collect()
 }
 
-/// A model's result for a fact: one or more numbers, and whether they satisfy the bound.
+/// A model's result for a fact: the numbers as text, and whether they satisfy the bound.
 type Answer = (String, bool);
 
-struct Asked<'a> {
+/// A model, with its responses to linear ramps.
+struct TestedModel<'a> {
     model: &'a dyn Baseline,
     /// The same model, ignoring the area near the ends of a profile.
     inside: &'a dyn Baseline,
@@ -87,12 +88,12 @@ struct Asked<'a> {
     largest: f64,
 }
 
-impl Asked<'_> {
-    fn of<'a>(model: &'a dyn Baseline, inside: &'a dyn Baseline) -> Asked<'a> {
+impl TestedModel<'_> {
+    fn of<'a>(model: &'a dyn Baseline, inside: &'a dyn Baseline) -> TestedModel<'a> {
         let by_width: Vec<f64> =
             WIDTHS.iter().map(|width| strength(model, &Ramp::new(*width, 1).light(), 1.0)).collect();
         let largest = by_width.iter().copied().fold(0.0, f64::max);
-        Asked { model, inside, by_width, largest }
+        TestedModel { model, inside, by_width, largest }
     }
 
     fn strength(&self, light: &[f64]) -> f64 {
@@ -125,19 +126,19 @@ impl Asked<'_> {
         let mut met = true;
         let rows = [0.4, 1.0].map(|width| {
             let of = [1, 2, 3, 4].map(|depth| self.strength(&Ramp::new(width, depth).light()) / self.largest);
-            met &= of.windows(2).all(|pair| pair[1] < pair[0] || pair[0] <= NOTHING && pair[1] <= NOTHING);
+            met &= of.windows(2).all(|pair| pair[1] < pair[0] || pair[0] <= NO_RESPONSE && pair[1] <= NO_RESPONSE);
             of.map(|share| format!("{share:.2}")).join(" ")
         });
         (rows.join("; "), met)
     }
 
-    fn endless(&self) -> Answer {
+    fn infinite_depth(&self) -> Answer {
         let of = |depth| {
             [0.4, 1.0].map(|width| self.strength(&Ramp { depth, ..Ramp::new(width, 1) }.light()) / self.largest)
         };
         let (third, endless) = (of(Depth::Finite(3)), of(Depth::Infinite));
         let text = endless.map(|share| format!("{share:.2}")).join(", ");
-        (text, endless.iter().zip(third).all(|(endless, third)| *endless <= third + NOTHING))
+        (text, endless.iter().zip(third).all(|(endless, third)| *endless <= third + NO_RESPONSE))
     }
 
     fn doubled(&self, widths: &[f64]) -> Answer {
@@ -147,17 +148,17 @@ impl Asked<'_> {
 
     fn contrast(&self) -> Answer {
         let strength = |ramp: Ramp| [0.2, 0.8].map(|contrast| self.strength(&Ramp { contrast, ..ramp }.light()));
-        ranks_agree(conditions(&USUAL).map(strength).collect(), 0.95)
+        ranks_agree(conditions(&BANGAY).map(strength).collect(), 0.95)
     }
 
-    fn none(&self, lights: impl Iterator<Item = Vec<f64>>) -> Answer {
+    fn no_bands(&self, lights: impl Iterator<Item = Vec<f64>>) -> Answer {
         let middle = |mark: &Mark| mark.at_deg.abs() <= LENGTH_DEG / 4.0;
         let strongest = |light: Vec<f64>| {
             let marks = self.inside.marks(&light, PX_PER_DEG);
             marks.iter().filter(|mark| middle(mark)).map(|mark| mark.strength).fold(0.0, f64::max)
         };
         let most = lights.map(strongest).fold(0.0, f64::max) / self.largest;
-        (format!("{most:.3}"), most <= NOTHING)
+        (format!("{most:.3}"), most <= NO_RESPONSE)
     }
 
     fn ends(&self) -> Answer {
@@ -197,49 +198,49 @@ fn ranks_agree(pairs: Vec<[f64; 2]>, least: f64) -> Answer {
 }
 
 /// A fact with its bound, and the function that tests it on a model.
-type Fact = (&'static str, fn(&Asked) -> Answer);
+type Fact = (&'static str, fn(&TestedModel) -> Answer);
 
 const FACTS: [Fact; 12] = [
-    ("a step has no band (at most 0.01)", |asked| asked.share(&Ramp::new(0.0, 1).light(), 0.01)),
-    ("very narrow ramps (≤ 0.02°) have almost none (at most 0.10)", |asked| asked.narrow()),
-    ("one width in between gives the strongest band", |asked| asked.optimum()),
-    ("strength falls with n = 1, 2, 3, 4 (at 0.4°; at 1°)", |asked| asked.depths()),
-    ("n = ∞ is no stronger than n = 3 (at 0.4°, at 1°)", |asked| asked.endless()),
-    ("doubling all sizes preserves the rank order of ramps of 0.2…8° (ρ ≥ 0.95)", |asked| asked.doubled(&USUAL)),
+    ("a step has no band (at most 0.01)", |model| model.share(&Ramp::new(0.0, 1).light(), 0.01)),
+    ("very narrow ramps (≤ 0.02°) have almost none (at most 0.10)", |model| model.narrow()),
+    ("one width in between gives the strongest band", |model| model.optimum()),
+    ("strength falls with n = 1, 2, 3, 4 (at 0.4°; at 1°)", |model| model.depths()),
+    ("n = ∞ is no stronger than n = 3 (at 0.4°, at 1°)", |model| model.infinite_depth()),
+    ("doubling all sizes preserves the rank order of ramps of 0.2…8° (ρ ≥ 0.95)", |model| model.doubled(&BANGAY)),
     (
         "doubling all sizes preserves the rank order of ramps of 0.1…1.6°, where bands are strongest (ρ ≥ 0.95)",
-        |asked| asked.doubled(&STRONGEST),
+        |model| model.doubled(&STRONGEST),
     ),
-    ("the rank order is the same at contrasts of 20 % and 80 % (ρ ≥ 0.95)", |asked| asked.contrast()),
-    ("a uniform field has no bands", |asked| asked.none(std::iter::once(profile(|_| 0.5)))),
-    ("gratings of 0.25…4 c/° have no bands", |asked| {
-        asked.none(
+    ("the rank order is the same at contrasts of 20 % and 80 % (ρ ≥ 0.95)", |model| model.contrast()),
+    ("a uniform field has no bands", |model| model.no_bands(std::iter::once(profile(|_| 0.5)))),
+    ("gratings of 0.25…4 c/° have no bands", |model| {
+        model.no_bands(
             [0.25, 0.5, 1.0, 2.0, 4.0]
                 .into_iter()
                 .map(|f: f64| profile(|x| 0.5 + 0.25 * (std::f64::consts::TAU * f * x).sin())),
         )
     }),
-    ("blurred edges (σ 0.05…1°) have no bands", |asked| {
-        asked.none(
+    ("blurred edges (σ 0.05…1°) have no bands", |model| {
+        model.no_bands(
             [0.05, 0.1, 0.2, 0.5, 1.0].into_iter().map(|s: f64| profile(|x| 0.5 + 0.25 * erf(x / s / 2f64.sqrt()))),
         )
     }),
-    ("bright band at the top of the ramp, dark band at the bottom (distance from the end, in widths)", |asked| {
-        asked.ends()
+    ("bright band at the top of the ramp, dark band at the bottom (distance from the end, in widths)", |model| {
+        model.ends()
     }),
 ];
 
 pub fn run() {
     let baselines = baselines::all();
     let (ours, inside) = (LocalEnergy { border: Border::Continues }, LocalEnergy { border: Border::Cut });
-    let asked: Vec<Asked> = std::iter::once(Asked::of(&ours, &inside))
-        .chain(baselines.iter().map(|model| Asked::of(model.as_ref(), model.as_ref())))
+    let models: Vec<TestedModel> = std::iter::once(TestedModel::of(&ours, &inside))
+        .chain(baselines.iter().map(|model| TestedModel::of(model.as_ref(), model.as_ref())))
         .collect();
-    println!("| fact | {} |", asked.iter().map(|asked| asked.model.name()).collect::<Vec<_>>().join(" | "));
-    println!("|---|{}", "---|".repeat(asked.len()));
+    println!("| fact | {} |", models.iter().map(|model| model.model.name()).collect::<Vec<_>>().join(" | "));
+    println!("|---|{}", "---|".repeat(models.len()));
     for (fact, ask) in FACTS {
-        let cells = asked.iter().map(|asked| {
-            let (text, met) = ask(asked);
+        let cells = models.iter().map(|model| {
+            let (text, met) = ask(model);
             format!("{} {text}", if met { "yes:" } else { "**no**:" })
         });
         println!("| {fact} | {} |", cells.collect::<Vec<_>>().join(" | "));

@@ -23,7 +23,7 @@ enum Tool {
     Creases,
     /// Print the table of docs/predict.md: which known facts about Mach bands each model reproduces.
     Facts,
-    /// Print how well the ordinal models find known effects again in simulated studies: bias, standard errors, coverage of
+    /// Print how well the ordinal models recover known effects in simulated studies: bias, standard errors, coverage of
     /// the 95 % intervals, type I error.
     Coverage {
         #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..))]

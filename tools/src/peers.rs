@@ -1,5 +1,5 @@
-//! What `benches/*_peers.py` compare with: models of vision on an image of a linear ramp between plateaus, and an empty
-//! window.
+//! Programs that `benches/*_peers.py` time for comparison: models of vision on an image of a linear ramp between
+//! plateaus, and an empty window.
 
 use std::{
     error::Error,
@@ -36,8 +36,8 @@ fn ramp(size: usize) -> impl Iterator<Item = f64> {
     (0..size).map(move |x| 0.25 + 0.5 * ((x as f64 / size as f64 - 0.4) / 0.2).clamp(0.0, 1.0))
 }
 
-/// Times ODOG: prints the seconds for the filters and the median of five runs. Writes the response to `file` as float32,
-/// row by row.
+/// Times ODOG: prints the seconds for the filters and the median of five runs. Writes the response to `file` as
+/// float32, row by row.
 pub fn odog(size: usize, px_per_deg: f64, file: Option<&Path>) -> Result<(), Box<dyn Error>> {
     let light = ramp(size).map(|light| light as f32).collect::<Vec<_>>().repeat(size);
     let began = Instant::now();
@@ -55,7 +55,7 @@ pub fn odog(size: usize, px_per_deg: f64, file: Option<&Path>) -> Result<(), Box
     Ok(())
 }
 
-/// Times machband's own model: prints the median of seven runs. There is nothing to construct.
+/// Times machband's own model: prints the median of seven runs. The model needs no construction.
 pub fn picture(size: usize, px_per_deg: f64) -> Result<(), Box<dyn Error>> {
     let light = ramp(size).collect::<Vec<_>>().repeat(size);
     let picture = Picture { light: &light, width: size, height: size, px_per_deg, mask: None };
@@ -102,7 +102,7 @@ impl Open {
         Ok(Open { window, surface, device, queue })
     }
 
-    /// Whether there was a surface to clear.
+    /// Clears the window; returns whether there was a surface to clear.
     fn clear(&self) -> bool {
         use wgpu::CurrentSurfaceTexture::{Suboptimal, Success};
         let (Success(texture) | Suboptimal(texture)) = self.surface.get_current_texture() else { return false };
@@ -150,8 +150,8 @@ impl ApplicationHandler for Bare {
 
 /// The cost of an empty frame: a window that only clears itself, without egui.
 ///
-/// `benches/frames_peers.py --bare` compares machband's frames with it. Prints `RESULT`, the time when the first frame was
-/// submitted (seconds since 1970), and every interval in seconds.
+/// `benches/frames_peers.py --bare` compares machband's frames with it. Prints `RESULT`, the time when the first frame
+/// was submitted (seconds since 1970), and every interval in seconds.
 pub fn bare_window(frames: usize) -> Result<(), Box<dyn Error>> {
     let mut bare = Bare { open: None, frames, first: None, last: None, intervals: Vec::new() };
     EventLoop::new()?.run_app(&mut bare)?;

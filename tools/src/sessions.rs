@@ -1,4 +1,4 @@
-//! Sessions that `machband simulate` does not make: a very long one, and one that was interrupted.
+//! Sessions that `machband simulate` does not produce: a very long one, and one that was interrupted.
 
 use std::{
     fs::OpenOptions,
@@ -35,7 +35,7 @@ orientation_deg = [0, 45, 90, 135, 180]
 repetitions = 100
 practice = 0
 "#;
-/// Trials per row of the table.
+/// Trials per row of the printed table.
 const EACH: usize = 1000;
 
 /// Runs a session of 20,000 trials through the real session and the real store to see whether memory or the time per
@@ -88,9 +88,9 @@ const SEED: u64 = 1;
 
 /// Writes the first half of an interrupted session that contains a corrected response.
 ///
-/// Participant S001 of `quick` rates a few trials and corrects one rating; then the program is killed while it writes a row.
-/// `machband simulate quick --results RESULTS --resume` continues the session. A simulated observer never corrects a rating
-/// and is never interrupted, so this session is needed to test how exports handle both.
+/// Participant S001 of `quick` rates a few trials and corrects one rating; then the program is killed while it writes a
+/// row. `machband simulate quick --results RESULTS --resume` continues the session. A simulated observer never corrects
+/// a rating and is never interrupted, so this session is needed to test how exports handle both.
 pub fn sample(results: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let protocol = definition::open("quick")?;
     let identity = Identity::new("S001", "1")?;

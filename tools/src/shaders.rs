@@ -1,4 +1,4 @@
-//! What each shader leaves of Gouraud's bands and creases: the tables of `docs/shaders.md` and `docs/shading.md`.
+//! How much of Gouraud's bands and creases each shader leaves: the tables of `docs/shaders.md` and `docs/shading.md`.
 
 use std::error::Error;
 
@@ -10,20 +10,22 @@ use machband::{
     vision::PicturePrediction,
 };
 
-/// Pixels per side of the images of bands, and of those of creases.
+/// Pixels per side of the images for bands, and of the images for creases.
 const BANDS_PX: u32 = 512;
 const CREASES_PX: u32 = 1024;
-/// Degrees per side.
+/// Width of the images, degrees of visual angle.
 const WINDOW_DEG: f64 = 10.0;
 /// Vertices of the meshes that approximate the smooth surfaces.
 const FINE: usize = 60_000;
 
-/// The visibility of the bands that each shader leaves, as the model of vision predicts it: the table of `docs/shaders.md`.
+/// The visibility of the bands that each shader leaves, as the model of vision predicts it: the table of
+/// `docs/shaders.md`.
 ///
-/// The images have 512 pixels per side and are 10° wide; outlines are excluded, and white is 100 cd/m². Each cell shows the
-/// visibility of the strongest band and the amount of banding (strength times length, divided by area), both relative to
-/// Gouraud's. The lamp is at the viewer's eye and the surface is matte, so that the smooth surface has no lines of its own.
-/// `--default-scene` uses the scene of the shading page, whose terminators and highlights are lines of their own.
+/// The images have 512 pixels per side and are 10° wide; outlines are excluded, and white is 100 cd/m². Each cell shows
+/// the visibility of the strongest band and the amount of banding (strength times length, divided by area), both
+/// relative to Gouraud's. The lamp is at the viewer's eye and the surface is matte, so that the smooth surface has no
+/// lines of its own. `--default-scene` uses the scene of the shading page, whose terminators and highlights are lines
+/// of their own.
 pub fn bands(is_default: bool) -> Result<(), Box<dyn Error>> {
     let lamp = |scene: Scene| if is_default { scene } else { Scene { light: DVec3::Z, specular: 0.0, ..scene } };
     let turned = |rotate_deg| lamp(Scene { rotate_deg, ..Scene::default() });
@@ -79,7 +81,7 @@ fn waves(cells: usize, jitter: f64) -> Result<Mesh, Box<dyn Error>> {
     }))
 }
 
-/// −1…1, the same for the same number, without pattern (SplitMix64).
+/// A pseudo-random number from −1 to 1 that depends only on `at` (SplitMix64).
 fn noise(at: u64) -> f64 {
     let mut z = at.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -156,8 +158,8 @@ fn crossed(shader: Shader, depths: &[u8], widths: &[f64]) -> Vec<Shade> {
 /// How much of Gouraud's creases each shader leaves.
 ///
 /// A crease is the jump, on the screen, of the slope normal to an edge that two front-facing triangles share. It is
-/// measured by one-sided differences of the luminance. Each cell shows the root mean square over the length of the edges
-/// and the median, both relative to Gouraud's. A slope jump is not yet a perceived band.
+/// measured by one-sided differences of the luminance. Each cell shows the root mean square over the length of the
+/// edges and the median, both relative to Gouraud's. A slope jump is not yet a perceived band.
 pub fn creases() -> Result<(), Box<dyn Error>> {
     let scene = Scene::default();
     let meshes: [(&str, Mesh); 4] = [
@@ -214,7 +216,7 @@ struct Row {
     cells: Vec<String>,
 }
 
-/// The distinct items, in their order.
+/// The distinct names in order of first appearance, separated by commas.
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let mut once: Vec<&str> = Vec::new();
     for name in names {

@@ -1,8 +1,9 @@
-//! Published models of Mach bands: ODOG compared with another implementation, and known properties of each model.
+//! Tests the published models of Mach bands: ODOG against another implementation, and known properties of each model.
 //!
-//! The blue-noise mask matches the generator, follows the void-and-cluster method, and has a blue-noise spectrum.
+//! Checks that the blue-noise mask matches its generator, follows the void-and-cluster method, and has a blue-noise
+//! spectrum.
 //!
-//! The ordinal models find known effects again.
+//! Checks that the ordinal models recover known effects.
 
 use std::f64::consts::TAU;
 
@@ -82,11 +83,11 @@ fn odog_agrees_with_multyscale() {
     }
 }
 
-/// In its middle row, a tall image of a profile has the same response as the profile itself: bands at the same positions
-/// and with the same strengths. The two computations share no filter: one is sampled in two dimensions, the other is exact
-/// in one.
+/// In its middle row, a tall image of a profile has the same response as the profile itself: bands at the same
+/// positions and with the same strengths. The two computations share no filter: one is sampled in two dimensions, the
+/// other is exact in one.
 #[test]
-fn odog_of_a_profile_is_that_of_its_picture() {
+fn odog_responds_alike_to_a_profile_and_its_image() {
     let (width, px_per_deg) = (161, 16.0);
     let model = Odog { finest_deg: 0.1875, sizes: 3, beyond: Beyond::Nearest, ..Odog::default() };
     let light: Vec<f64> = (0..width).map(|i| 0.25 + 0.5 * (f64::from(i - 80) / 24.0 + 0.5).clamp(0.0, 1.0)).collect();
@@ -104,7 +105,7 @@ fn odog_of_a_profile_is_that_of_its_picture() {
 
 /// Each orientation is divided by its own root mean square, so contrast cancels out.
 #[test]
-fn odog_knows_no_contrast() {
+fn odog_does_not_depend_on_contrast() {
     let size = 48;
     let model = Odog { beyond: Beyond::Nearest, ..Odog::default() };
     let light: Vec<f32> = (0..size * size).map(|i| if (i % size) * 3 + (i / size) > 80 { 0.8 } else { 0.3 }).collect();
@@ -117,7 +118,7 @@ fn odog_knows_no_contrast() {
 }
 
 #[test]
-fn what_is_no_picture_has_no_response() {
+fn invalid_images_have_no_response() {
     let model = Odog::default();
     assert!(model.respond(&[0.5; 11], 4, 3, 16.0).is_empty());
     assert!(model.respond(&[], 0, 0, 16.0).is_empty());
@@ -170,7 +171,7 @@ fn gratings_and_fields_have_no_bands() {
     }
 }
 
-/// Difference-of-Gaussians models get this fact wrong: their response is largest at a step, where people see no band.
+/// Difference-of-Gaussians models respond most strongly to a step, where people see no band.
 #[test]
 fn lateral_inhibition_and_odog_are_largest_at_a_step() {
     let models: [&dyn Baseline; 2] = [&LateralInhibition::default(), &Odog::default()];
@@ -184,7 +185,7 @@ fn lateral_inhibition_and_odog_are_largest_at_a_step() {
 
 /// The step response of a balanced difference of Gaussians is Φ(x/σc) − Φ(x/σs): its maximum has a closed form.
 #[test]
-fn lateral_inhibition_at_a_step_is_the_textbook_value() {
+fn lateral_inhibition_at_a_step_has_the_textbook_value() {
     let model = LateralInhibition::default();
     let width = LateralInhibition::WIDTH_ARCMIN / 60.0;
     // The response is largest where the two Gaussians are equal, at half the width of the excitatory part.
@@ -208,7 +209,7 @@ fn normal(z: f64) -> f64 {
 
 /// The strength is the same for one shape at any size and contrast, 0 at a step, and falls with continuity depth.
 #[test]
-fn the_ratio_knows_shape_only() {
+fn the_ratio_depends_only_on_shape() {
     let model = SecondDerivativeRatio::default();
     let one = bright(&model, 1, 1.0);
     for width in [0.25, 0.5, 2.0] {
@@ -243,14 +244,14 @@ fn the_ratio_of_a_blurred_edge_is_known() {
 }
 
 #[test]
-fn the_mask_is_what_the_generator_makes() {
+fn the_committed_mask_matches_the_generator() {
     let made = void_and_cluster(MASK_SIZE, MASK_SEED);
     assert!(mask() == made, "run `cargo run -p tools -- blue-noise`");
     assert!(void_and_cluster(MASK_SIZE, MASK_SEED + 1) != made);
 }
 
 #[test]
-fn masks_hold_every_rank_once() {
+fn masks_contain_every_rank_once() {
     for size in [1, 2, 3, 5, 8, 16, 31, MASK_SIZE] {
         let mut ranks = void_and_cluster(size, 3);
         ranks.sort_unstable();
@@ -261,7 +262,7 @@ fn masks_hold_every_rank_once() {
 /// Ulichney's three phases as published, with a plain f64 filter based on `exp`. At every rank, the next pixel of the
 /// mask is the tightest cluster, the largest void, or, in phase III, the tightest cluster of dark pixels.
 #[test]
-fn the_mask_obeys_void_and_cluster() {
+fn the_mask_follows_void_and_cluster() {
     let n = MASK_SIZE as usize;
     let filter: Vec<f64> = (0..n * n)
         .map(|i| {
@@ -306,8 +307,8 @@ fn the_mask_obeys_void_and_cluster() {
     }
 }
 
-/// Mean power of `values`, a square with `n` values per side, over the frequencies `inner` < |k| ≤ `outer` in cycles per
-/// side, relative to white noise of the same variance.
+/// Mean power of `values`, a square with `n` values per side, over the frequencies `inner` < |k| ≤ `outer` in cycles
+/// per side, relative to white noise of the same variance.
 fn relative_power(values: &[f64], n: usize, inner: f64, outer: f64) -> f64 {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
@@ -334,29 +335,29 @@ fn relative_power(values: &[f64], n: usize, inner: f64, outer: f64) -> f64 {
 }
 
 #[test]
-fn the_mask_is_blue() {
+fn the_mask_has_a_blue_noise_spectrum() {
     let n = MASK_SIZE as usize;
     let ranks: Vec<f64> = mask().iter().map(|&rank| f64::from(rank)).collect();
     let low = relative_power(&ranks, n, 0.0, 8.0);
     let high = relative_power(&ranks, n, 24.0, 30.0);
-    println!("mask: power below 8 cycles a side {low:.4} of white noise's, at 24…30 {high:.2}");
+    println!("mask: power relative to white noise: {low:.4} below 8 cycles per side, {high:.2} at 24…30");
     assert!(low < 0.03 && high > 1.0, "{low} {high}");
     // The patterns that the mask produces, below 0.35 of their principal frequency √p·64.
     for (p, bound) in [(1.0 / 16.0, 0.1), (0.125, 0.1), (0.25, 0.1), (0.5, 0.1), (0.875, 0.1)] {
         let pattern: Vec<f64> = ranks.iter().map(|&rank| f64::from(u8::from(rank < p * 4096.0))).collect();
         let below = 0.35 * f64::min(p, 1.0 - p).sqrt() * 64.0;
         let low = relative_power(&pattern, n, 0.0, below);
-        println!("pattern of {p}: power below {below:.1} cycles a side {low:.4} of white noise's");
+        println!("pattern of {p}: power below {below:.1} cycles per side: {low:.4} of white noise");
         assert!(low < bound, "p {p}: {low}");
     }
-    // The measure gives 1 for white noise.
+    // For white noise, the measure is about 1.
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let white: Vec<f64> = ranks.iter().map(|_| f64::from(rng.next_u32())).collect();
     let white = relative_power(&white, n, 0.0, 8.0);
     assert!((0.7..1.3).contains(&white), "{white}");
 }
 
-/// The command `coverage` makes the full study.
+/// `tools coverage` runs the full number of studies.
 #[test]
 fn a_few_studies_recover_their_effects() {
     for random in [Random::None, Random::Subject] {

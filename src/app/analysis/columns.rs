@@ -16,7 +16,7 @@ const RESPONSES: [&str; 5] = ["rating", "response", "score", "answer", "resp"];
 /// Common names of count columns; these must match the whole name.
 const COUNTS: [&str; 4] = ["count", "n", "freq", "frequency"];
 
-/// The form.
+/// The form for one file.
 #[derive(Clone, Debug)]
 pub struct Columns {
     file: PathBuf,
@@ -28,7 +28,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// A form for the first CSV file among these paths; `None` if there is no such file, or if machband wrote it.
+    /// A form for the first CSV file among these paths; `None` if there is no such file, or if its columns are known.
     pub fn needed(paths: &[PathBuf], read_options: &ReadOptions) -> Option<Self> {
         let form = Self::of(paths, read_options)?;
         let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
@@ -60,7 +60,7 @@ impl Columns {
     pub fn show(&mut self, ui: &mut egui::Ui) -> Option<ReadOptions> {
         section(ui, "What do the columns mean?");
         let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
-        hint(ui, format!("{name} was not written by machband. Name its columns."));
+        hint(ui, format!("{name} was not written by machband. Identify its columns."));
         let columns: Vec<Option<String>> = std::iter::once(None).chain(self.header.iter().cloned().map(Some)).collect();
         let mut choice = |label, chosen: &mut Option<String>, all: &[Option<String>], none: &str| {
             let text = |name: &Option<String>| name.clone().unwrap_or_else(|| none.to_owned());

@@ -18,7 +18,7 @@ use crate::{
     },
 };
 
-/// Maximum width of a figure in points, and of a figure made for the width of a page.
+/// Maximum width in points of an ordinary figure, and of a figure made for the full width of a page.
 const WIDEST: [f32; 2] = [720.0, 1080.0];
 
 /// A document and the state of its tables and figures.
@@ -39,7 +39,7 @@ enum BlockView {
 }
 
 impl DocumentView {
-    /// A document that is not drawn yet. The images of the previous document stay until the new ones are ready.
+    /// A view of a document that has not been drawn yet. The images of `earlier` stay until the new ones are ready.
     pub fn new(document: Document, earlier: Option<Self>) -> Self {
         let mut pictures: Vec<FigureView> = (earlier.into_iter())
             .flat_map(|view| view.sections)
@@ -63,7 +63,7 @@ impl DocumentView {
         Self { sections: document.sections.into_iter().map(section).collect() }
     }
 
-    /// Address and heading of every section.
+    /// The address (`id`) and the heading of every section.
     pub fn headings(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         self.sections.iter().map(|section| (section.id, section.heading))
     }
@@ -124,7 +124,7 @@ struct FigureView {
 }
 
 impl FigureView {
-    /// A figure that is not drawn yet.
+    /// A figure that has not been drawn yet.
     fn new(figure: Figure) -> Self {
         Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None }
     }
@@ -139,7 +139,7 @@ impl FigureView {
         None
     }
 
-    /// Draws it with its title and caption.
+    /// Draws the figure with its title and caption.
     fn show(&mut self, ui: &mut egui::Ui) {
         ui.add_space(6.0);
         let width = ui.available_width().min(WIDEST[usize::from(self.figure.wide)]);

@@ -1,4 +1,4 @@
-//! Exports the analysis: the files that `machband analyze` writes, and the command that writes the same.
+//! Exports the analysis: writes the files that `machband analyze` writes, or copies the equivalent command.
 
 use std::{
     path::{Path, PathBuf},
@@ -18,30 +18,30 @@ use crate::{
     store::ratings::ReadOptions,
 };
 
-/// The field and the outcome of the last export.
+/// The folder field and the outcome of the last export.
 pub struct Export {
     paths: Vec<PathBuf>,
     folder: String,
     dialog: Dialog,
     work: Option<(PathBuf, Work<Result<usize, String>>)>,
     outcome: Option<Result<String, String>>,
-    /// A folder that contains files; a second click allows writing to it.
+    /// A folder that already contains files; a second click writes to it anyway.
     occupied: Option<PathBuf>,
     copied: Option<String>,
 }
 
-/// What to write.
+/// The results to export.
 pub struct Exported<'a> {
-    /// What was read, and how.
+    /// The data and how they were read.
     pub study: &'a Arc<Study>,
     pub read_options: &'a ReadOptions,
     pub results: &'a Arc<Results>,
-    /// What the filters left, as a phrase; empty if nothing was excluded.
+    /// A phrase that describes the selected data; empty if nothing is excluded.
     pub filter: String,
 }
 
 impl Export {
-    /// For the results of these files.
+    /// The controls for results from these files.
     pub fn new(paths: Vec<PathBuf>) -> Self {
         let name = paths.first().and_then(|path| path.file_stem()).filter(|name| !name.is_empty());
         let name = name.map_or("machband".into(), |name| name.to_string_lossy());
@@ -56,7 +56,7 @@ impl Export {
         }
     }
 
-    /// Draws the controls; nothing can be written while nothing is shown.
+    /// Draws the controls. Nothing can be exported while no results are shown.
     pub fn show(&mut self, ui: &mut egui::Ui, exported: Option<&Exported<'_>>) {
         self.take_outcome(ui.ctx());
         let label = ui.label("Export to the folder");
@@ -128,8 +128,7 @@ impl Export {
         self.work = Some((folder, Work::start(ctx, move || write(&study, &results, &command, &to))));
     }
 
-    /// The `machband analyze` command for these files and options, without filters; options with default values are
-    /// omitted.
+    /// The `machband analyze` command for these files and options. Filters and options with default values are omitted.
     fn command(&self, Exported { read_options, results, .. }: &Exported<'_>) -> String {
         let Options { terms, link, random, quadrature, scale, .. } = &results.options;
         let mut arguments = vec!["analyze".to_owned()];

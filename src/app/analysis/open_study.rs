@@ -30,35 +30,35 @@ use crate::{
 
 /// Maximum number of listed errors.
 const MOST_FAULTS: usize = 200;
-/// In a narrower window, the data and filters have a separate view.
+/// In a window narrower than this, the data and filters have a separate view. Points.
 const NARROW: f32 = 700.0;
-/// The view of data and filters.
+/// Address and heading of the view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");
-/// The section that is computed only when it is opened, because that takes a while.
+/// Address and heading of the section that is computed only when it is opened, because it takes a while.
 const VISION: (&str, &str) = ("vision", "What the model of vision predicts");
 
 /// An action that only the page can perform.
 pub enum Request {
     OtherData,
-    /// Other columns of the same file.
+    /// Choose other columns of the same file.
     Columns,
-    /// Read the same files with other options.
+    /// Read the same files again with other options.
     Read(ReadOptions),
 }
 
 /// The data and its analysis.
 pub struct OpenStudy {
     study: Arc<Study>,
-    /// How it was read.
+    /// How the study was read.
     pub read_options: ReadOptions,
     filters: Filters,
     settings: Settings,
-    /// The last request, finished or not.
+    /// The last requested analysis, finished or not.
     asked: Option<Query>,
     work: Option<Work<Option<(Outcome, Document)>>>,
-    /// The last outcome.
+    /// The last finished analysis and the view of its document.
     shown: Option<(Outcome, DocumentView)>,
-    /// The document with a prediction.
+    /// The running computation of the document with a prediction.
     predicting: Option<Work<Document>>,
     fault: Option<String>,
     /// Why the files could not be read with other options.
@@ -69,14 +69,14 @@ pub struct OpenStudy {
     request: Option<Request>,
 }
 
-/// The analysis options.
+/// The filters and options of an analysis.
 #[derive(Clone, Debug, PartialEq)]
 struct Query {
     filters: Filters,
     options: Options,
 }
 
-/// What came out.
+/// The results of an analysis, without the document.
 struct Outcome {
     query: Query,
     results: Arc<Results>,
@@ -84,7 +84,6 @@ struct Outcome {
 }
 
 impl OpenStudy {
-    /// A study that was read.
     pub fn new(study: Study, paths: Vec<PathBuf>, read_options: ReadOptions) -> Self {
         Self {
             filters: Filters::new(&study.measured.counts),
@@ -103,7 +102,7 @@ impl OpenStudy {
         }
     }
 
-    /// Replaces the data by the same files read with other options; selections that are still possible are kept.
+    /// Replaces the data with the same files read with other options. Selections that are still possible are kept.
     pub fn reread(study: Study, read_options: ReadOptions, before: Self) -> Self {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
@@ -116,14 +115,14 @@ impl OpenStudy {
         }
     }
 
-    /// Records that the files could not be read with other options; the current data stay.
+    /// Records why the files could not be read with other options. The current data stay.
     pub fn keep(&mut self, read_options: &ReadOptions, fault: String) {
-        // Do not request it repeatedly.
+        // Otherwise, the same request would be repeated in every frame.
         self.read_options.also.clone_from(&read_options.also);
         self.not_reread = Some(fault);
     }
 
-    /// Draws everything; returns the action that only the page can perform.
+    /// Draws the study. `Next` requests an action that only the page can perform.
     pub fn show(&mut self, ui: &mut egui::Ui) -> Step<Request> {
         self.take_outcome();
         self.analyze(ui.ctx());
@@ -164,7 +163,7 @@ impl OpenStudy {
         }
     }
 
-    /// Takes finished results.
+    /// Takes the results of computations that have finished.
     fn take_outcome(&mut self) {
         match self.work.as_ref().map(Work::poll) {
             None | Some(Progress::Going) => {}
@@ -186,7 +185,7 @@ impl OpenStudy {
         }
     }
 
-    /// Runs one analysis at a time: newer requests wait, and only the latest of them is run.
+    /// Runs one analysis at a time. Newer requests wait, and only the latest of them is run.
     fn analyze(&mut self, ctx: &egui::Context) {
         let Ok(options) = self.settings.options() else { return };
         let query = Query { filters: self.filters.clone(), options };
@@ -240,7 +239,7 @@ impl OpenStudy {
         let left = outcome.query.filters.sentence(&self.study.measured.counts);
         let filtered = if left.is_empty() { String::new() } else { format!(" Filtered: {left}.") };
         let people = count(outcome.results.people() as u64, "participant");
-        hint(ui, format!("{} of {people}.{filtered}", count(counts.total(), "rating")));
+        hint(ui, format!("{} by {people}.{filtered}", count(counts.total(), "rating")));
         if !view.show(ui, self.section) {
             ui.horizontal(|ui| {
                 ui.spinner();
@@ -254,7 +253,7 @@ impl OpenStudy {
         }
     }
 
-    /// Files, filters, model, export.
+    /// Draws the controls: files, filters, model, export.
     fn controls(&mut self, ui: &mut egui::Ui) {
         let source = &self.study.source;
         about(ui, source);
@@ -288,7 +287,7 @@ impl OpenStudy {
         let error = self.shown.as_ref().and_then(|(outcome, _)| outcome.results.model.as_ref().err());
         self.settings.show(ui, counts, self.filters.people(), error);
         ui.separator();
-        // Only what is on the page, not what is still being computed.
+        // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
         let exported = outcome.map(|outcome| Exported {
             study: &self.study,
@@ -311,7 +310,7 @@ impl OpenStudy {
     }
 }
 
-/// A short description of the source of the ratings; the document has the details.
+/// Draws a short description of where the ratings come from; the document has the details.
 fn about(ui: &mut egui::Ui, source: &Source) {
     let title = match (&source.protocol, source.files.first()) {
         (Some(protocol), _) => format!("{}: {}", protocol.name, protocol.title),
@@ -341,14 +340,14 @@ fn about(ui: &mut egui::Ui, source: &Source) {
     });
 }
 
-/// This page is dense: small text, thin scroll bars.
+/// Makes the page dense, with small text and thin scroll bars.
 fn dense(ui: &mut egui::Ui) {
     theme::compact(ui);
     ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
 }
 
 impl Outcome {
-    /// Analyzes what the filters leave; `None` if nothing is left.
+    /// Analyzes the selected data; `None` if nothing is selected.
     fn new(study: &Study, query: Query) -> Option<(Self, Document)> {
         let measured = query.filters.apply(&study.measured);
         if measured.counts.total() == 0 {

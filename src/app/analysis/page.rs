@@ -17,19 +17,18 @@ use crate::{
     store::{FileFaults, ratings::ReadOptions},
 };
 
-/// The page.
 pub struct Analysis {
     /// The path as typed.
     typed: String,
-    /// Experiments that have data in the results folder.
+    /// The experiments in the results folder that have data.
     found: Vec<PathBuf>,
     dialog: Dialog,
-    /// What is being read.
+    /// The files being read, if any.
     reading: Option<Pending>,
     /// Why the last files could not be read.
     fault: Option<String>,
     columns: Option<Columns>,
-    /// What was opened last.
+    /// The files and folders opened last.
     paths: Vec<PathBuf>,
     open: Option<Box<OpenStudy>>,
 }
@@ -37,13 +36,13 @@ pub struct Analysis {
 /// Files that are being read.
 struct Pending {
     read_options: ReadOptions,
-    /// The currently open files, with other options.
+    /// Whether the files that are already open are read again with other options.
     again: bool,
     work: Work<Result<Study, FileFaults>>,
 }
 
 impl Analysis {
-    /// The page without data; offers the experiments of a results folder, and other files.
+    /// The page without data. It offers the experiments in a results folder and lets the user open other files.
     pub fn new(results: &Path) -> Self {
         let entries = results.read_dir().into_iter().flatten().flatten();
         let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| has_data(path)).collect();
@@ -60,14 +59,14 @@ impl Analysis {
         }
     }
 
-    /// The page with a data set.
+    /// The page that opens a data set.
     pub fn of(ctx: &egui::Context, data_set: PathBuf) -> Self {
         let mut page = Self::new(data_set.parent().unwrap_or(Path::new("")));
         page.read(ctx, vec![data_set], ReadOptions::default(), false);
         page
     }
 
-    /// Reads files and folders. An unfinished reading is discarded.
+    /// Begins to read files and folders. Discards any reading that has not finished.
     fn read(&mut self, ctx: &egui::Context, paths: Vec<PathBuf>, read_options: ReadOptions, again: bool) {
         let read_options = ReadOptions { details: true, ..read_options };
         self.paths.clone_from(&paths);
@@ -82,7 +81,6 @@ impl Analysis {
         self.read(ctx, paths, ReadOptions::default(), false);
     }
 
-    /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui) -> Step {
         let escaped = escaped(ui) && ui.memory(|memory| memory.focused().is_none());
         self.take_files(ui.ctx());
@@ -132,7 +130,7 @@ impl Analysis {
                 None => {
                     self.open = None;
                     self.columns = Columns::needed(&self.paths, &read_options);
-                    // Before any column is selected, the selection is not an error.
+                    // A missing selection is not an error before the user has seen the form.
                     let asked = self.columns.is_some() && read_options.subject.is_none();
                     self.fault = (!asked).then_some(fault);
                 }

@@ -11,16 +11,16 @@ use crate::{
     app::ui::{Field, fault, quiet, text::name},
 };
 
-/// Check lists of the participants and of every factor's levels.
+/// Checklists of the participants and of the levels of every factor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filters {
     people: Vec<bool>,
-    /// The levels of each factor; if some conditions have no value, a last level represents them.
+    /// The levels of each factor. If some conditions have no value, an extra last level represents them.
     factors: Vec<Vec<bool>>,
 }
 
 impl Filters {
-    /// Everything checked.
+    /// Selects everything.
     pub fn new(counts: &Counts) -> Self {
         let factors = counts.factors.iter().enumerate().map(|(index, factor)| {
             let missing = counts.conditions.iter().any(|levels| levels[index].is_none());
@@ -34,7 +34,7 @@ impl Filters {
         self.people.contains(&false) || self.factors.iter().any(|levels| levels.contains(&false))
     }
 
-    /// Selected participants.
+    /// Number of selected participants.
     pub fn people(&self) -> usize {
         checked(&self.people)
     }
@@ -68,7 +68,7 @@ impl Filters {
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts) {
         let title = format!("Participants: {} of {}", self.people(), self.people.len());
         list(ui, "participants", &title, &mut self.people, |ui, people| {
-            // A long list scrolls in its own box; only the visible part is drawn.
+            // A long list has its own scroll area; only the visible part is drawn.
             let height = ui.spacing().interact_size.y;
             let area = ScrollArea::vertical().id_salt("people").max_height(190.0);
             area.show_rows(ui, height, people.len(), |ui, rows| {
@@ -100,7 +100,7 @@ fn names(factor: &Factor) -> impl Iterator<Item = &str> {
     factor.levels.iter().map(String::as_str).chain(["missing"])
 }
 
-/// A collapsible list below two buttons that select all or none. Its title may change; its position does not.
+/// A collapsible list below two buttons that select all or none. Its state belongs to `id`, so its title may change.
 fn list(ui: &mut egui::Ui, id: &str, title: &str, list: &mut [bool], add: impl FnOnce(&mut egui::Ui, &mut [bool])) {
     CollapsingHeader::new(title).id_salt(("filter", id)).show(ui, |ui| {
         ui.horizontal(|ui| {
@@ -125,11 +125,11 @@ fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
 /// The values of the controls.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// Without terms.
+    /// All options except the terms.
     options: Options,
     /// The terms as they are being typed.
     typed: String,
-    /// The terms when the field last lost focus.
+    /// The terms as they were when the field last lost focus.
     terms: String,
 }
 
@@ -137,13 +137,13 @@ impl Settings {
     /// The requested analysis.
     ///
     /// # Errors
-    /// The text is not a list of terms.
+    /// If the text is not a valid list of terms.
     pub fn options(&self) -> Result<Options, TermError> {
         let terms = if self.terms.trim().is_empty() { None } else { Some(Terms::parse(&self.terms)?) };
         Ok(Options { terms, ..self.options.clone() })
     }
 
-    /// Draws the controls. `error` is why the last model could not be fitted.
+    /// Draws the controls. `error` says why the last model could not be fitted.
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, people: usize, error: Option<&ModelError>) {
         self.terms_field(ui, counts, error);
         let options = &mut self.options;
@@ -172,10 +172,10 @@ impl Settings {
         let width = ui.available_width();
         let field = ui.add(TextEdit::singleline(&mut self.typed).hint_text(hint).desired_width(width));
         let field = field.labelled_by(label.id).on_hover_text(
-            "Factors by name, num:NAME for a number, a:b for an interaction, a*b for both and their interaction. \
-             num:inv_n is 1/depth. Empty: every factor.",
+            "List factors by name. Use num:NAME for a numeric factor, a:b for an interaction, and a*b for both factors \
+             and their interaction. num:inv_n is 1/depth. If this is empty, the model uses every factor.",
         );
-        // An incomplete name is not a name: the text counts once the field loses focus.
+        // While the user is typing, names may be incomplete, so the text is used only once the field loses focus.
         if field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
             self.terms.clone_from(&self.typed);
         }
@@ -199,7 +199,7 @@ impl Settings {
     }
 }
 
-/// Whether a model failed because of its terms, so that the error is shown at the field.
+/// Whether a model failed because of its terms. The error is then shown next to the field.
 fn is_about_terms(error: &ModelError) -> bool {
     matches!(error, ModelError::UnknownFactor { .. } | ModelError::NotANumber { .. } | ModelError::InfiniteDepth { .. })
 }

@@ -1,4 +1,5 @@
-//! A table of the document: it scrolls sideways, is sorted by clicking a column name, and draws only its visible rows.
+//! A table of the document. It scrolls horizontally, draws only its visible rows, and can be sorted by clicking a
+//! column name.
 
 use eframe::egui::{
     self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2, WidgetInfo,
@@ -9,27 +10,27 @@ use crate::{
     report::document::Table,
 };
 
-/// Padding within a column, points.
+/// Padding of a column, points.
 const PADDING: f32 = 16.0;
-/// Rows measured for the column widths; in longer tables, only the longest texts are measured.
+/// Maximum number of rows for which every text is measured to find the column widths; in longer tables, only the
+/// longest text of each column is measured.
 const MEASURED: usize = 2000;
 
 /// A table and the order of its rows.
 pub struct TableView {
     table: Table,
-    /// Measured when it is first drawn.
+    /// Width of each column, points; measured when the table is first drawn.
     widths: Vec<f32>,
-    /// The column by which it is sorted, and whether in descending order.
+    /// The column by which the table is sorted, and whether the order is descending.
     sorted: Option<(usize, bool)>,
 }
 
 impl TableView {
-    /// A table in its original order.
     pub fn new(table: Table) -> Self {
         Self { table, widths: Vec::new(), sorted: None }
     }
 
-    /// Draws it at its full height.
+    /// Draws the table at its full height.
     pub fn show(&mut self, ui: &mut egui::Ui, id: usize) {
         ui.add_space(6.0);
         ui.horizontal_wrapped(|ui| {
@@ -74,7 +75,7 @@ impl TableView {
             let response = self.cell(ui, rect, height, (0, column), |ui| ui.add(button));
             name(ui, &response, &format!("Sort by {text}"));
             if let Some((_, down)) = self.sorted.filter(|(sorted, _)| *sorted == column) {
-                // An arrow on the side that has room. Painted, because the font has no arrows.
+                // The arrow is on the side that has room. It is painted, because the font has no arrows.
                 let is_text = column < self.table.texts;
                 let x = if is_text { response.rect.right() + 6.0 } else { response.rect.left() - 6.0 };
                 let (y, tip) = (response.rect.center().y, if down { 3.0 } else { -3.0 });
@@ -117,7 +118,7 @@ impl TableView {
                 } else {
                     texts.map(width).fold(0.0, f32::max)
                 };
-                // With room for the sort arrow.
+                // Leaves room for the sort arrow.
                 widest.max(width(name) + PADDING) + PADDING
             })
             .collect()
@@ -127,7 +128,7 @@ impl TableView {
     fn sort(&mut self, column: usize) {
         let down = self.sorted == Some((column, false));
         self.sorted = Some((column, down));
-        // Numbers before text.
+        // Numbers come before text.
         let key = |row: &[String]| (value(&row[column]).is_none(), value(&row[column]).unwrap_or_default());
         self.table.rows.sort_by(|a, b| {
             let ((a_text, a_number), (b_text, b_number)) = (key(a), key(b));
@@ -137,7 +138,7 @@ impl TableView {
         });
     }
 
-    /// Cells separated by tabs, for spreadsheets.
+    /// The table as text, with tabs between cells, for spreadsheets.
     fn text(&self) -> String {
         let line = |row: &Vec<String>| row.join("\t").replace('−', "-") + "\n";
         std::iter::once(&self.table.header).chain(&self.table.rows).map(line).collect()

@@ -1,4 +1,4 @@
-//! Gamma by eye: the matches, and γ with its interval.
+//! Gamma by eye: estimates γ, with its interval, from matches.
 
 use std::{
     path::Path,
@@ -22,10 +22,10 @@ use crate::{
     store::matches::{self, MatchFile},
 };
 
-/// Periods per degree above which rows of full contrast blend: near the limit of visual acuity, 50 to 60.
+/// Periods per degree above which rows of full contrast blend. The limit of visual acuity is about 50 to 60.
 const BLEND_PER_DEG: f64 = 40.0;
 
-/// The settings.
+/// The settings of the method.
 #[derive(Default)]
 pub struct ByEye(MatchSettings);
 
@@ -65,9 +65,9 @@ impl Method for ByEye {
         paragraph(ui, distance_sentence(viewing, settings.rows().period_px()));
         paragraph(
             ui,
-            "The left and right arrow keys make the square darker and lighter, Page Up and Page Down in large steps. \
-                Go past the match on both sides and return to the middle. Enter accepts the match; Backspace undoes \
-                the last one.",
+            "The left and right arrow keys make the square darker and lighter; Page Up and Page Down take large \
+                steps. Go past the match on both sides and return to the middle. Press Enter to accept the match, or \
+                Backspace to undo the last one.",
         );
         paragraph(
             ui,
@@ -95,7 +95,7 @@ impl Method for ByEye {
     }
 }
 
-/// The distance from which rows of this period blend.
+/// Says from which distance rows with this period blend.
 fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
     let otherwise = "If you sit closer, squint or take off your glasses until you cannot see the rows.";
     let Some(viewing) = viewing else {
@@ -113,7 +113,7 @@ fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
     format!("{counted}. You may be able to see them; they blend at {needed_cm:.0} cm or more. {otherwise}")
 }
 
-/// γ of each channel.
+/// The estimate of γ for each channel.
 pub struct MatchFindings {
     channels: Vec<(Channel, Result<ChannelGamma, GammaError>)>,
     matches: usize,

@@ -1,5 +1,5 @@
-//! The parts shared by the photometer and matching by eye: the settings, a full-screen run that can be paused and
-//! resumed, the findings, a check of them, and the profile to save.
+//! The stages that the photometer and matching by eye share: settings, a full-screen run that can be paused and
+//! resumed, findings, a check on the screen, and the profile to save.
 
 use std::path::{Path, PathBuf};
 
@@ -17,44 +17,43 @@ use crate::{
 
 /// A way to measure the light of a screen.
 pub trait Method {
-    /// Takes the measurements.
+    /// The run that takes the measurements.
     type Run: Run;
-    /// What they say.
+    /// The findings from the measurements.
     type Findings: Findings;
 
-    /// Name of the page.
     const TITLE: &'static str;
-    /// What the method does, in one or two sentences.
+    /// A description of the method, in a few sentences.
     const INTRODUCTION: &'static str;
-    /// What is measured, in the plural: readings, matches.
+    /// The plural noun for what is measured: readings or matches.
     const ITEMS: &'static str;
     /// The format of a measurement file.
     const FORMAT: &'static str;
     /// Label of the start button.
     const BEGIN: &'static str;
 
-    /// The settings of this method.
+    /// Draws the settings of this method.
     fn fields(&mut self, ui: &mut Ui, viewing: Option<&Viewing>);
 
-    /// Number of items and their duration in seconds.
+    /// Number of items to measure, and how long that takes in seconds.
     ///
     /// # Errors
-    /// Settings that cannot be run.
+    /// If a run with these settings is not possible.
     fn extent(&self, channels: &[Channel]) -> Result<(usize, f64), String>;
 
     /// Begins a run, or resumes the one in the file.
     ///
     /// # Errors
-    /// Settings that cannot be run; a file with other settings, or one that cannot be written.
+    /// If a run with these settings is not possible, or if the file has other settings or cannot be written.
     fn begin(&self, channels: &[Channel], file: &Path) -> Result<Self::Run, String>;
 }
 
-/// A run that takes measurements. Each is in the file before the next is requested.
+/// A run that takes measurements. Each one is saved to the file before the next is requested.
 pub trait Run {
-    /// Draws a frame; returns back to pause, and next when everything is measured.
+    /// Draws a frame. Returns `Back` to pause, and `Next` when everything is measured.
     fn show(&mut self, ui: &mut Ui) -> Step<()>;
 
-    /// Number of measured items, and of all items.
+    /// Number of measured items, and number of all items.
     fn progress(&self) -> (usize, usize);
 
     /// Items that must be measured again before a profile can be made.
@@ -62,40 +61,39 @@ pub trait Run {
         Vec::new()
     }
 
-    /// Measures some items again.
+    /// Queues some items to be measured again.
     fn repeat(&mut self, _: &[usize]) {}
 }
 
-/// The findings from measurements.
+/// What a method finds from its measurements.
 pub trait Findings: Sized {
     /// Reads a file of measurements.
     ///
     /// # Errors
-    /// Why no profile can be made from it, one error per line.
+    /// The reasons why no profile can be made from the file, one per line.
     fn read(path: &Path) -> Result<Self, String>;
 
-    /// A summary in a few lines, with any remaining choice.
+    /// Draws a summary in a few lines, with any choice that the user must make.
     fn summary(&mut self, ui: &mut Ui);
 
-    /// Plots and tables.
+    /// Draws plots and tables.
     fn details(&self, ui: &mut Ui);
 
-    /// The known profile updated with the findings; `None` if they are insufficient.
+    /// The known profile, updated with the findings; `None` if they are insufficient.
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile>;
 
-    /// The instrument used.
+    /// A description of the instrument, for the profile.
     fn instrument(&self) -> String;
 }
 
 /// A profile that was written.
 pub struct SavedProfile {
-    /// Where it is.
     pub path: PathBuf,
-    /// Whether it replaced another.
+    /// Whether it replaced an existing file.
     pub replaced: bool,
 }
 
-/// A file of measurements, and what follows from it or what is wrong with it.
+/// A file of measurements, and either the findings with the profile's form, or the errors.
 type Found<M> = (PathBuf, Result<(<M as Method>::Findings, ProfileForm), String>);
 
 /// The page of a method: settings, then a run, then the findings, then a check of them.
@@ -103,13 +101,13 @@ pub struct Calibrate<M: Method> {
     /// What is known about the screen apart from these measurements.
     known: DisplayProfile,
     method: M,
-    /// Of the screen.
+    /// Name of the screen.
     name: String,
-    /// The file for the measurements; follows the name until the user types another path.
+    /// Path for the new measurements; it follows the name of the screen until the user types another path.
     path: String,
-    /// Red, green and blue; gray.
+    /// Whether to measure red, green and blue, and whether to measure gray.
     channels: [bool; 2],
-    /// A file of measurements to use.
+    /// Path of existing measurements to use instead.
     file: String,
     dialog: Dialog,
     fault: Option<String>,
@@ -117,13 +115,13 @@ pub struct Calibrate<M: Method> {
     paused: Option<(PathBuf, usize, usize)>,
     /// The current run, or the run that led to the findings and may be repeated in part.
     run: Option<M::Run>,
-    /// A file of measurements and the findings from it.
+    /// The findings, once there are measurements.
     found: Option<Found<M>>,
     check: Option<CheckPage>,
 }
 
 impl<M: Method> Calibrate<M> {
-    /// For the screen that `known` describes.
+    /// The settings page for the screen that `known` describes.
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
         let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let path = suggested(&name, M::ITEMS);
@@ -137,7 +135,7 @@ impl<M: Method> Calibrate<M> {
         self.known = known;
     }
 
-    /// Draws the stage. `viewing` has the viewing distance.
+    /// Draws the current stage. `viewing` is `None` if the viewing distance or the screen's width is unknown.
     pub fn show(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> Step<SavedProfile> {
         if let Some(check) = &mut self.check {
             if check.show(ui) == Step::Back {
@@ -170,7 +168,7 @@ impl<M: Method> Calibrate<M> {
             });
             self.method.fields(ui, viewing);
             let extent = match self.path.trim() {
-                "" => Err(format!("No file is named for the {}; expected a path.", M::ITEMS)),
+                "" => Err(format!("No file is given for the {}; expected a path.", M::ITEMS)),
                 _ => self.method.extent(&self.channels()),
             };
             match &extent {
@@ -179,10 +177,10 @@ impl<M: Method> Calibrate<M> {
                 }
                 Err(message) => fault(ui, message),
             }
-            let begun = self.begun();
-            begun.iter().for_each(|sentence| hint(ui, sentence));
-            let text = if begun.is_some() { "Resume" } else { M::BEGIN };
-            begin = primary(ui, text, extent.is_ok(), "Full screen; Esc pauses");
+            let note = self.resume_note();
+            note.iter().for_each(|sentence| hint(ui, sentence));
+            let text = if note.is_some() { "Resume" } else { M::BEGIN };
+            begin = primary(ui, text, extent.is_ok(), "Full screen. Press Esc to pause.");
             self.fault.iter().for_each(|message| fault(ui, message));
             use_file = self.file_field(ui);
         });
@@ -205,11 +203,11 @@ impl<M: Method> Calibrate<M> {
     }
 
     /// A note that the file already contains measurements; `None` for a new file.
-    fn begun(&self) -> Option<String> {
+    fn resume_note(&self) -> Option<String> {
         let path = Path::new(self.path.trim());
         match &self.paused {
             Some((left, done, all)) if left == path => {
-                Some(format!("Paused after {done} of {all}; all are saved. To resume, keep the settings."))
+                Some(format!("Paused after {done} of {all}. Everything so far is saved. To resume, keep the settings."))
             }
             _ => path.is_file().then(|| {
                 format!(
@@ -248,7 +246,7 @@ impl<M: Method> Calibrate<M> {
             }
             Step::Next(()) => {
                 self.paused = None;
-                // A finished run closes its file before the file is read.
+                // Dropping a finished run closes its file before the file is read.
                 self.run = (!run.questionable().is_empty()).then_some(run);
                 self.find(self.path.trim().into());
             }
@@ -302,7 +300,7 @@ impl<M: Method> Calibrate<M> {
     }
 }
 
-/// Name, person, instrument and file of a profile to save.
+/// The form for the details of a profile to save: name, person, instrument and file.
 struct ProfileForm {
     name: String,
     by: String,
@@ -343,7 +341,7 @@ impl ProfileForm {
         saved
     }
 
-    /// The findings, with the typed details.
+    /// The profile with the details that the user typed.
     fn filled(&self, found: &DisplayProfile) -> DisplayProfile {
         let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
         let measured = Measurement { on: Some(today()), by: some(&self.by), with: some(&self.with) };
@@ -381,7 +379,7 @@ fn suggested(name: &str, items: &str) -> String {
     format!("calibration/{}_{items}.csv", file_name(name))
 }
 
-/// A name as part of a file's name.
+/// Converts the name of a screen to a part of a file name.
 fn file_name(name: &str) -> String {
     let letter = |c: char| if c.is_alphanumeric() || c == '-' { c } else { '_' };
     let name: String = name.trim().chars().map(letter).collect();

@@ -7,19 +7,19 @@ use crate::{
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
 };
 
-/// Height over width of an ISO/IEC 7810 ID-1 card, 53.98 mm by 85.60 mm.
+/// Height divided by width of an ISO/IEC 7810 ID-1 card, 53.98 mm by 85.60 mm.
 const CARD_ASPECT: f32 = 53.98 / 85.60;
 
-/// From the dialog's edge to its content, points: as on the pages.
+/// Distance from the dialog's edge to its content, points; the same as on the pages.
 const PADDING: f32 = 24.0;
-/// Least room between the dialog and the window's edge, points.
+/// Minimum distance between the dialog and the window's edge, points.
 const AROUND: f32 = 8.0;
-/// Room for the slider's number, points.
+/// Width reserved for the slider's number, points.
 const NUMBER: f32 = 80.0;
-/// Smallest outline, physical pixels.
+/// Minimum width of the outline, physical pixels.
 const LEAST_PX: f32 = 100.0;
 
-/// The card helper: an outline that the user adjusts to the size of a card.
+/// A dialog with an outline that the user adjusts to the size of a card.
 pub struct CardHelper {
     card_px: f32,
     /// The slider, once it has been drawn and has keyboard focus.
@@ -27,22 +27,24 @@ pub struct CardHelper {
 }
 
 impl CardHelper {
-    /// Starts from the outline for the current width.
+    /// Starts with the outline that matches the current width.
     pub fn new(screen_width_cm: f64, screen_width_px: u32) -> Self {
         let px_per_cm = f64::from(screen_width_px) / screen_width_cm.clamp(1.0, 1000.0);
         Self { card_px: (px_per_cm * CARD_WIDTH_CM) as f32, slider: None }
     }
 
-    /// Draws it; returns the screen's width in cm.
+    /// Draws the dialog; returns the screen's width in cm when the user accepts it.
     pub fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> Step<f64> {
-        // Enter in the number field ends typing; on a button it activates the button.
+        // Enter accepts the width only if the slider or nothing has keyboard focus. In the number field, it ends
+        // typing; on a button, it activates the button.
         let free = ctx.memory(|memory| memory.focused()).is_none_or(|focused| self.slider == Some(focused));
         let accepted = free && self.slider.is_some() && ctx.input(|input| input.key_pressed(Key::Enter));
         let room = ctx.content_rect().size() - Vec2::splat(2.0 * (PADDING + AROUND));
         let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(PADDING);
         let shown = egui::Modal::new(Id::unique("card")).frame(frame).show(ctx, |ui| {
             ui.set_width(room.x.min(COLUMN.max(self.outline(ctx).x)));
-            // As high as the window allows: the dialog's previous height does not limit it when the outline grows.
+            // As high as the window allows. Otherwise, the dialog's previous height would limit it when the outline
+            // grows.
             let scrolling = ScrollArea::vertical().max_height(room.y).min_scrolled_height(room.y);
             scrolling.show(ui, |ui| self.content(ui, screen_width_px, accepted)).inner
         });
@@ -52,7 +54,7 @@ impl CardHelper {
         }
     }
 
-    /// Size of the outline, points.
+    /// Size of the outline in points.
     fn outline(&self, ctx: &egui::Context) -> Vec2 {
         Vec2::new(self.card_px, self.card_px * CARD_ASPECT) / ctx.pixels_per_point()
     }
@@ -74,7 +76,7 @@ impl CardHelper {
         }
     }
 
-    /// The slider, up to the width of the whole screen: a small window must not limit the width.
+    /// Draws the slider. Its range extends to the width of the whole screen, so that a small window does not limit it.
     fn slider(&mut self, ui: &mut egui::Ui, screen_width_px: u32) {
         let label = ui.label("Width of the outline, pixels");
         ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).clamp(LEAST_PX, 360.0);
@@ -100,7 +102,7 @@ impl CardHelper {
     }
 }
 
-/// The screen's width in cm, and the buttons.
+/// Draws the screen's width in cm and the buttons.
 fn buttons(ui: &mut egui::Ui, width: f64, accepted: bool) -> Step<f64> {
     ui.label(format!("The screen is {width:.1} cm wide."));
     ui.horizontal_wrapped(|ui| {

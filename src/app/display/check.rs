@@ -1,5 +1,5 @@
-//! The check: a uniform square in a field of rows that should have the same light. A visible border means that the profile
-//! is wrong.
+//! Checks a profile: it shows uniform squares in fields of rows that should have the same mean luminance. A visible
+//! border means that the profile is wrong.
 
 use eframe::egui::{self, TextureHandle};
 
@@ -11,36 +11,36 @@ use crate::{
     },
 };
 
-/// Side of a field and of the patch in it, physical pixels; both whole periods of rows and of pairs.
+/// Side of a field and side of the patch in it, physical pixels. Both are whole numbers of periods, for single rows and
+/// for pairs.
 const FIELD_PX: u32 = 176;
 const PATCH_PX: u32 = 88;
-/// Gamma error of the comparison fields.
+/// Error of gamma in the comparison fields.
 const ERROR: f64 = 0.2;
 
-/// The fields of a channel: what each shows, and its picture.
+/// The fields of a channel: a description and a picture of each.
 type Fields = Vec<(String, TextureHandle)>;
 
 pub struct CheckPage {
     profile: DisplayProfile,
     pairs: bool,
-    /// Thickness of the rows, and the fields of each channel with their content.
+    /// Thickness of the rows for which the fields were made, and the fields of each channel.
     made: Option<(u32, [(Channel, Fields); 4])>,
 }
 
 impl CheckPage {
-    /// For a screen of this profile.
+    /// A check of this profile.
     pub fn new(profile: DisplayProfile) -> Self {
         Self { profile, pairs: false, made: None }
     }
 
-    /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui) -> Step {
         self.make(ui.ctx());
         let (back, ()) = tool_page(ui, "Check the gamma", |ui| {
             paragraph(
                 ui,
-                "Sit far enough away that the rows blend, or squint. If the profile is right, the squares in the first \
-                    three fields vanish.",
+                "Sit far enough away that the rows blend, or squint. If the profile is correct, the squares in the \
+                    first three fields vanish.",
             );
             paragraph(
                 ui,
@@ -54,7 +54,7 @@ impl CheckPage {
             ui.add_space(8.0);
             for (channel, fields) in self.made.iter().flat_map(|(_, made)| made) {
                 ui.strong(channel.capitalized());
-                // As many per line as fit.
+                // Puts as many fields on a line as fit.
                 let side = FIELD_PX as f32 / ui.ctx().pixels_per_point();
                 let gap = ui.spacing().item_spacing.x;
                 let in_line = ((ui.available_width() + gap) / (side + gap)).floor().max(1.0) as usize;

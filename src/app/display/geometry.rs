@@ -1,4 +1,4 @@
-//! Geometry: the size of the screen, the viewing distance, and the resulting size of a degree.
+//! Size of the screen, viewing distance, and the resulting size of a degree.
 
 use eframe::egui::{self, Color32, Stroke, TextEdit, Vec2};
 
@@ -16,18 +16,18 @@ const RULER_CM: u32 = 10;
 
 pub struct GeometryPage {
     window_deg: String,
-    /// The width that the screen reports, once queried.
+    /// The width in cm that the screen reports, if any; `None` until it is queried.
     reported_cm: Option<Option<f64>>,
     card: Option<CardHelper>,
 }
 
 impl GeometryPage {
-    /// `window_deg` is the stimulus size that the experiment plans.
+    /// `window_deg` is the planned stimulus size in degrees.
     pub fn new(window_deg: f64) -> Self {
         Self { window_deg: window_deg.to_string(), reported_cm: None, card: None }
     }
 
-    /// Draws the page; width and distance are the fields of Home.
+    /// Draws the page. Width and distance are Home's fields.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step {
         let (back, ()) = tool_page(ui, "Size and distance", |ui| {
             ui.label("Visual angles are correct only if the screen's width and the viewing distance are correct.");
@@ -119,13 +119,13 @@ impl GeometryPage {
 }
 
 fn viewing(monitor: &Monitor, fields: &ScreenFields) -> Result<Viewing, GeometryError> {
-    // Text that is not a number is outside every range.
+    // Text that is not a number becomes NaN, which is outside every valid range.
     let number = |text: &str| number(text).unwrap_or(f64::NAN);
     let screen = Screen::new(monitor.width_px, monitor.height_px, number(&fields.screen_width_cm))?;
     Viewing::new(screen, number(&fields.distance_cm))
 }
 
-/// A ruler and the length of a degree, for comparison with a real ruler.
+/// Draws a ruler in centimeters and a line that marks degrees, for comparison with a real ruler.
 fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
     let points_per_cm = (viewing.screen().px_per_cm() / f64::from(ui.ctx().pixels_per_point())) as f32;
     ui.add_space(12.0);

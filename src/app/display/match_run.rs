@@ -11,23 +11,23 @@ use crate::{
     store::{StoreError, matches::MatchFile},
 };
 
-/// Room for the line of text below the field, points.
+/// Height reserved for the line of text below the field, points.
 const TEXT_ROOM: f32 = 34.0;
-/// Smallest field, physical pixels.
+/// Minimum side of the field, physical pixels.
 const LEAST_PX: u32 = 64;
-/// Side of the field relative to the side of the patch.
+/// Ratio of the side of the field to the side of the patch.
 const FIELD_PER_PATCH: u32 = 3;
 
-/// A run and its file.
+/// A run of matches and the file that they are saved to.
 pub struct MatchRun {
     matching: Matching,
     file: MatchFile,
-    /// The window's time at which the image appears; `None` until the first frame after a pause.
+    /// The window's time at which the next match appears, seconds; `None` until the first frame after a pause.
     due_s: Option<f64>,
-    /// The window's time at the first image.
+    /// The window's time at which the first match appears, seconds.
     start_s: Option<f64>,
     shown: Option<(Match, u32, TextureHandle)>,
-    /// Why the last match is not in the file yet.
+    /// Why the last match is not in the file yet, if it is not.
     unsaved: Option<String>,
 }
 
@@ -67,7 +67,7 @@ impl MatchRun {
         }
     }
 
-    /// After a match: the blank interval. A match that could not be written is written with the next one.
+    /// Begins the blank interval after a match. A match that could not be written is written with the next one.
     fn next(&mut self, saved: Result<(), StoreError>, now: f64) {
         self.unsaved = saved.err().map(|error| error.to_string());
         self.due_s = Some(now + GAP_S);
@@ -92,11 +92,11 @@ impl MatchRun {
         );
     }
 
-    /// Keys and progress, or what went wrong.
+    /// Draws the line with the keys and the progress, or the error.
     fn line(&self, ui: &mut egui::Ui) {
         let (done, all) = self.progress();
         let text = format!(
-            "Make the square vanish with the left and right arrow keys, then press Enter · {} of {all}, about {:.0} min left · Esc pauses",
+            "Make the square vanish with the left and right arrow keys, then press Enter · {} of {all}, about {:.0} min left · Esc to pause",
             done + 1,
             (self.matching.left_s() / 60.0).ceil()
         );
@@ -112,7 +112,7 @@ impl MatchRun {
 }
 
 impl Run for MatchRun {
-    /// One frame: keys, then the image.
+    /// Handles the keys, then draws the field.
     fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
         let now = ui.input(|input| input.time);
         let mut due_s = *self.due_s.get_or_insert(now + GAP_S);
@@ -143,7 +143,7 @@ impl Run for MatchRun {
     }
 }
 
-/// Pressed keys in order, and whether each is a repeat.
+/// The keys pressed in this frame, in order, and whether each is a repeat.
 fn pressed(ui: &egui::Ui) -> Vec<(Key, bool)> {
     ui.input(|input| {
         let of = |event: &Event| match event {

@@ -1,13 +1,13 @@
 //! The display lab: the current profile, and the tools that measure the screen.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | [`tools`] | the profile in use and the list of tools |
-//! | [`geometry`], [`card`] | size and distance; a card as a ruler |
-//! | [`calibrate`] | the stages that both ways to measure light go through |
-//! | [`photometer`], [`patch_run`] | measuring with a photometer: settings and findings; the patches |
+//! | [`geometry`], [`card`] | size and distance; measuring with a bank card |
+//! | [`calibrate`] | the stages that both ways to measure light share |
+//! | [`photometer`], [`patch_run`] | calibration with a photometer: settings and findings; the patches |
 //! | [`by_eye`], [`match_run`] | matching by eye: settings and findings; the matches |
-//! | [`check`] | fields that show whether a profile is right |
+//! | [`check`] | fields that show whether a profile is correct |
 //! | [`steps`] | steps of equal brightness |
 //! | [`timing`] | whether every refresh shows a new frame |
 

@@ -16,41 +16,41 @@ use crate::{
     store::{StoreError, readings},
 };
 
-/// Height of the line at the bottom, points.
+/// Height of the line at the bottom, where readings are typed, in points.
 const LINE: f32 = 96.0;
-/// Gray around a patch: the code for about a fifth of full light.
+/// Gray around a patch; this code emits about a fifth of full light.
 const AROUND: Color32 = Color32::from_gray(128);
-/// Text on the line: dim, so that it does not affect the photometer.
+/// Color of the text on the line: dim, so that it does not affect the photometer.
 const DIM: Color32 = Color32::from_gray(0x70);
-/// A decrease from a lower level that indicates a typing error rather than noise.
+/// A reading below this fraction of the reading at a lower level indicates a typing error rather than noise.
 const FALL: f64 = 0.95;
 
 /// How patches are shown.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchView {
-    /// Seconds before a reading counts.
+    /// Settling time in seconds; earlier readings are rejected.
     pub settle_s: f64,
-    /// Height of the patch in percent of the screen's.
+    /// Height of the patch in percent of the screen's height.
     pub percent: u32,
-    /// Gray around the patch instead of black.
+    /// Whether the patch is surrounded by gray instead of black.
     pub gray_around: bool,
 }
 
-/// Patches in order, and their readings.
+/// A run of patches and their readings.
 pub struct PatchRun {
     patches: Vec<Patch>,
     taken: Vec<Option<f64>>,
-    /// Patches still to be shown, as indices into the plan; the first is on the screen.
+    /// Indices of the patches that remain to be shown; the first is on the screen.
     queue: Vec<usize>,
     path: PathBuf,
     view: PatchView,
     entry: String,
     /// Whether the line should take keyboard focus with its text selected, so that typing replaces it.
     select: bool,
-    /// When the patch on the screen appeared.
+    /// The window's time at which the displayed patch appeared, seconds.
     since: Option<f64>,
     message: Option<String>,
-    /// An implausible reading, which must be entered twice.
+    /// An implausible reading that the user must confirm by entering it again.
     unconfirmed: Option<f64>,
 }
 
@@ -58,7 +58,7 @@ impl PatchRun {
     /// Begins a run, or resumes one from its file.
     ///
     /// # Errors
-    /// The file belongs to other settings, or cannot be written.
+    /// If the file belongs to other settings or cannot be written.
     pub fn begin(patches: Vec<Patch>, path: &Path, view: PatchView) -> Result<Self, StoreError> {
         let mut taken = vec![None; patches.len()];
         if path.exists() {
@@ -89,7 +89,7 @@ impl PatchRun {
             message: None,
             unconfirmed: None,
         };
-        // Before the first reading, so that an unwritable file is reported now.
+        // The file is written before the first reading, so that an unwritable file is reported now.
         run.write()?;
         Ok(run)
     }
@@ -121,7 +121,7 @@ impl PatchRun {
             let field = ui.add(field).labelled_by(label.id);
             accept = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             previous = empty && field.has_focus() && ui.input(|input| input.key_pressed(Key::Backspace));
-            // There is nothing else to type into.
+            // The line takes keyboard focus, because there is nothing else to type into.
             if ui.memory(|memory| memory.focused().is_none()) {
                 field.request_focus();
             }
@@ -148,7 +148,7 @@ impl PatchRun {
         }
     }
 
-    /// Takes the typed text as the reading of a patch.
+    /// Accepts the typed text as the reading of a patch, or says why not.
     fn accept(&mut self, at: usize, left_s: f64) {
         self.select = true;
         let value = number(&self.entry).filter(|value| *value >= 0.0);
@@ -169,11 +169,11 @@ impl PatchRun {
         };
     }
 
-    /// Keeps a reading in memory and on disk; returns any error.
+    /// Stores a reading in memory and on disk; returns the error, if any.
     fn take(&mut self, at: usize, value: f64) -> Option<String> {
         let before = self.taken[at].replace(value);
         if let Err(error) = self.write() {
-            // The text stays in the line, so that the user can try again.
+            // The typed text stays in the line, so that the user can try again.
             self.taken[at] = before;
             return Some(error.to_string());
         }
@@ -183,7 +183,7 @@ impl PatchRun {
         None
     }
 
-    /// The next patch: its line is empty or has the previous reading.
+    /// Prepares the line for the next patch: it is empty, or contains the patch's previous reading.
     fn fresh(&mut self, before: Option<f64>) {
         self.entry = before.map_or_else(String::new, |value| value.to_string());
         self.select = true;
@@ -192,7 +192,7 @@ impl PatchRun {
         self.unconfirmed = None;
     }
 
-    /// Why a reading may be mistyped: it is below the reading of a lower level, or above the reading of a higher one.
+    /// Why a reading may be a typing error: it is below the reading of a lower level or above that of a higher level.
     fn implausible(&self, at: usize, value: f64) -> Option<String> {
         let patch = self.patches[at];
         let others = self.patches.iter().zip(&self.taken).enumerate();
@@ -210,7 +210,6 @@ impl PatchRun {
 }
 
 impl Run for PatchRun {
-    /// Draws the patch and the line.
     fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
         let Some(&at) = self.queue.first() else { return Step::Next(()) };
         let now = ui.input(|input| input.time);
@@ -236,7 +235,7 @@ impl Run for PatchRun {
         (self.taken.iter().flatten().count(), self.taken.len())
     }
 
-    /// The patches to which errors in the readings refer.
+    /// The patches with implausible readings, according to the errors in the readings.
     fn questionable(&self) -> Vec<usize> {
         let faults = Readings::new(self.readings()).err().unwrap_or_default();
         let is_named = |patch: &Patch| {
@@ -256,7 +255,7 @@ impl Run for PatchRun {
     }
 }
 
-/// The identifier of the line, the same for all patches.
+/// The ID of the line, which is the same for all patches.
 fn field_id() -> egui::Id {
     egui::Id::unique("reading of the photometer")
 }
@@ -271,7 +270,7 @@ fn select_all(ctx: &egui::Context, text: &str) {
     TextEdit::store_state(ctx, field_id(), state);
 }
 
-/// The patch in the middle of the screen, on whole pixels.
+/// Draws the patch in the middle of the screen, aligned to whole pixels.
 fn draw(ui: &mut egui::Ui, patch: &Patch, area: Rect, percent: u32) {
     let scale = ui.ctx().pixels_per_point();
     let height = (area.height() * percent as f32 / 100.0).min(area.height() - 2.0 * LINE).max(16.0);

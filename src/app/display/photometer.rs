@@ -18,14 +18,15 @@ use crate::{
     store::readings,
 };
 
-/// Assumed time for reading and typing, seconds.
+/// Assumed time to read the photometer and type the reading, seconds.
 const READING_S: f64 = 5.0;
-/// Steps of a curve in the plot.
+/// Number of steps in a plotted curve.
 const STEPS: usize = 100;
-/// Room for the numbers of a plot's axis, points: the same in all plots, so that their encoded values line up.
+/// Width reserved for the numbers of a plot's vertical axis, points. It is the same in all plots, so that their
+/// horizontal axes line up.
 const AXIS_ROOM: f32 = 80.0;
 
-/// The settings.
+/// The settings of the method.
 pub struct Photometer {
     levels: usize,
     repeats: usize,
@@ -59,7 +60,7 @@ impl Method for Photometer {
     type Run = PatchRun;
 
     const BEGIN: &'static str = "Show patches";
-    const FORMAT: &'static str = "CSV with the columns channel,level,luminance_cd_m2: channel r, g, b or gray; level the code divided by the largest code, 0 to 1.";
+    const FORMAT: &'static str = "CSV with the columns channel,level,luminance_cd_m2: channel is r, g, b or gray; level is the code divided by the largest code, 0 to 1.";
     const INTRODUCTION: &'static str = "Patches are shown one at a time; type each photometer reading. First let the \
         screen warm up for half an hour, and darken the room.";
     const ITEMS: &'static str = "readings";
@@ -84,10 +85,10 @@ impl Method for Photometer {
     }
 }
 
-/// Fitted readings.
+/// The models fitted to the readings.
 pub struct PhotometerFindings {
     calibration: Calibration,
-    /// `None` for the model that cross-validation prefers.
+    /// The model that the user chose; `None` for the model that cross-validation prefers.
     family: Option<Family>,
 }
 
@@ -176,7 +177,7 @@ fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
     ]
 }
 
-/// A plot over all encoded values, aligned with the other plots.
+/// A plot over encoded values, aligned with the other plots.
 fn plot<'a>(id: &'static str, height: f32, values: &'static str) -> Plot<'a> {
     let plot = still_plot(id).include_x(0.0).include_x(1.0).y_axis_min_width(AXIS_ROOM).height(height);
     plot.x_axis_label("encoded value").y_axis_label(values)

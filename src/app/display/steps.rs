@@ -12,11 +12,11 @@ use crate::{
     light::{CodeImage, Samples},
 };
 
-/// Lowest intensity if black was not measured and no value is typed.
+/// Suggested lowest intensity, relative to white, if black was not measured.
 const ASSUMED_I0: f64 = 0.005;
 /// Height of the wedge, physical pixels.
 const HEIGHT_PX: u32 = 140;
-/// Maximum number of steps: the number of 8-bit codes.
+/// Maximum number of steps. With 255 steps, there are as many levels as 8-bit codes.
 const MOST: usize = 255;
 
 pub struct StepsPage {
@@ -28,7 +28,7 @@ pub struct StepsPage {
 }
 
 impl StepsPage {
-    /// For a screen of this profile.
+    /// The page for a screen with this profile.
     pub fn new(profile: DisplayProfile) -> Self {
         let measured = profile.luminance.map(|range| range.lowest_intensity()).filter(|i0| *i0 > 0.0);
         let i0 = format!("{:.6}", measured.unwrap_or(ASSUMED_I0));
@@ -36,7 +36,6 @@ impl StepsPage {
         Self { profile, number: "12".to_owned(), i0, wedge: None, copied: false }
     }
 
-    /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui) -> PageStep {
         let (back, ()) = tool_page(ui, "Steps of equal brightness", |ui| {
             ui.label("Equal steps of light look larger at dark levels than at bright levels; equal ratios look equal.");
@@ -74,7 +73,7 @@ impl StepsPage {
 
     fn wedge(&mut self, ui: &mut egui::Ui, steps: &[Step]) {
         let room = (ui.available_width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
-        // Bars of the same whole number of pixels.
+        // All bars have the same whole number of pixels.
         let width = (room / steps.len() as u32).max(1) * steps.len() as u32;
         let fresh = self.wedge.as_ref().is_none_or(|(shown, at, _)| shown != steps || *at != width);
         if fresh {
@@ -111,7 +110,7 @@ impl StepsPage {
     }
 }
 
-/// Bars of equal width, each of one code, from the first step on the left.
+/// Uniform bars of equal width, one per level, with the darkest on the left.
 fn wedge(steps: &[Step], width: u32, height: u32) -> CodeImage {
     let bar = (width as usize / steps.len().max(1)).max(1);
     let row: Vec<u8> = steps.iter().flat_map(|step| step.codes.repeat(bar)).collect();

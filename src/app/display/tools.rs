@@ -28,25 +28,24 @@ enum Tool {
     Timing(Box<TimingTool>),
 }
 
-/// The page.
 pub struct Display {
-    /// The fields of Home: the profile's path, the screen's width, and the distance can also be set here.
+    /// Home's fields for the profile's path, the screen's width and the distance; they can also be set here.
     fields: ScreenFields,
     /// Side of the planned stimulus, degrees.
     window_deg: f64,
-    /// The path from which the profile was read, and the result.
+    /// The path of the last profile that was read, and the profile or its errors.
     read: Option<(String, Result<DisplayProfile, String>)>,
     tool: Option<Tool>,
     dialog: Dialog,
-    /// The profile that a tool wrote; shown while it is in use.
+    /// The profile that a tool wrote; a message names it while it is in use.
     saved: Option<SavedProfile>,
-    /// Both outlive their pages, so that a paused run can be resumed.
+    /// This and `by_eye` outlive their pages, so that a paused run can be resumed.
     photometer: Calibrate<Photometer>,
     by_eye: Calibrate<ByEye>,
 }
 
 impl Display {
-    /// The tools, with the values of Home's fields.
+    /// The page, with the values of Home's fields.
     pub fn new(fields: ScreenFields, window_deg: f64) -> Self {
         let known = fields.profile().unwrap_or_default();
         let photometer = Calibrate::new(Photometer::default(), known.clone(), [true, true]);
@@ -60,7 +59,7 @@ impl Display {
         &self.fields
     }
 
-    /// The color behind everything.
+    /// The background color of the page.
     pub fn ground(&self) -> Color32 {
         match &self.tool {
             Some(Tool::Timing(tool)) => tool.ground(),
@@ -68,7 +67,7 @@ impl Display {
         }
     }
 
-    /// Draws the tool that is open, or the list of them.
+    /// Draws the open tool, or the list of tools.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step {
         let viewing = self.viewing(monitor);
         let step = match &mut self.tool {
@@ -85,7 +84,7 @@ impl Display {
             Step::Back => {}
             Step::Next(saved) => {
                 self.fields.profile = saved.path.display().to_string();
-                // The file has changed.
+                // The file has changed, so it must be read again.
                 self.read = None;
                 self.saved = Some(saved);
             }
@@ -104,7 +103,7 @@ impl Display {
         self.read.as_ref().map_or_else(|| Ok(DisplayProfile::default()), |(_, found)| found.clone())
     }
 
-    /// Screen and distance, if both are known.
+    /// The viewing geometry, if the screen's width and the distance are known.
     fn viewing(&self, monitor: &Monitor) -> Option<Viewing> {
         let width_cm = number(&self.fields.screen_width_cm)?;
         let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm).ok()?;
@@ -149,7 +148,7 @@ impl Display {
         match found {
             Ok(profile) => {
                 hint(ui, format!("{}.", profile.sentence()));
-                // The sentence above already says that it is assumed.
+                // If the profile is assumed, the sentence above already says so.
                 let warning = profile.measured.as_ref().and_then(|_| profile.warning(today()));
                 warning.iter().for_each(|warning| note(ui, warning));
             }
@@ -163,7 +162,7 @@ impl Display {
     }
 }
 
-/// A tool's name, what it is for, and how it begins.
+/// A tool's name, a description of it, and a function that opens it.
 type Entry = (&'static str, &'static str, fn(&mut Display, DisplayProfile) -> Tool);
 
 /// All tools, in the order in which a new screen needs them.
@@ -203,7 +202,7 @@ const TOOLS: &[Entry] = &[
     ),
     (
         "Timing",
-        "Find out whether every refresh shows a new frame: intervals, dropped frames, a patch for a photodiode.",
+        "Find out whether every refresh shows a new frame: intervals, dropped frames, and a patch for a photodiode.",
         |_, _| Tool::Timing(Box::default()),
     ),
 ];

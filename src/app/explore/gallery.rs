@@ -17,27 +17,26 @@ use crate::{
     vision::Polarity,
 };
 
-/// Samples of the plotted profile.
+/// Number of samples of the plotted profile.
 const SAMPLES: u32 = 1024;
-/// Sides to choose from, physical pixels.
+/// The choices for the side of the image, physical pixels.
 const SIZES: [u32; 4] = [256, 384, 512, 768];
-/// Dithers to choose from.
+/// The choices for the dither.
 const DITHERS: [&str; 4] = ["none", "ordered", "blue-noise", "random"];
-/// In a narrower window, the image is below its controls.
+/// In a window narrower than this, the image is below its controls. Points.
 const NARROW: f32 = 760.0;
-/// Width of the labels' column.
+/// Width of the column of labels, points.
 const LABELS: f32 = 108.0;
 /// Color of predicted bands; the curves have other colors.
 const BAND: Color32 = Color32::from_rgb(0xe0, 0x90, 0xc0);
-/// The strength with the longest mark; a just-visible band has the shortest. Lengths are shares of the plotted range of
-/// light.
+/// The strength that gets the longest mark; a just-visible band gets the shortest. Lengths are shares of the plotted
+/// range of light.
 const STRONGEST: f64 = 100.0;
 const MARKS: [f64; 2] = [0.06, 0.22];
 
-/// The page.
 pub struct Gallery {
     entry: usize,
-    /// The value of each parameter's control.
+    /// Each parameter and the text in its control.
     values: Vec<(&'static Parameter, String)>,
     size: u32,
     dither: Dither,
@@ -49,24 +48,24 @@ pub struct Gallery {
     prediction: Prediction,
 }
 
-/// Errors of single parameters, by name, and of their combination.
+/// Errors. Each belongs to the named parameter, or to the combination of parameters if it has no name.
 type Faults = Vec<(Option<&'static str>, String)>;
 
-/// The current content of the page, and what it was made from.
+/// The displayed image and curves, and the recipe that they were made from.
 struct Shown {
     recipe: Recipe,
     texture: TextureHandle,
     curves: Curves,
 }
 
-/// Luminance along the orientation through the center, of the strongest channel.
+/// Luminance of the strongest channel along a line through the center, in the direction of the orientation.
 struct Curves {
     asked: Vec<[f64; 2]>,
     emitted: Vec<[f64; 2]>,
 }
 
 impl Gallery {
-    /// For a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
+    /// The gallery for a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
     pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
         let mut gallery = Self {
             prediction: Prediction::new(Place::new(&display, distance_cm)),
@@ -92,7 +91,7 @@ impl Gallery {
         self.values = stimulus.parameters().iter().map(|parameter| (parameter, value(parameter.name))).collect();
     }
 
-    /// The stimulus that the controls describe, or the errors: per parameter, and as a whole.
+    /// The stimulus that the controls describe, or the errors in them.
     fn stimulus(&self) -> Result<Stimulus, Faults> {
         let mut stimulus = catalog::all()[self.entry].default_stimulus();
         let mut faults = Vec::new();
@@ -110,7 +109,6 @@ impl Gallery {
         if faults.is_empty() { Ok(stimulus) } else { Err(faults) }
     }
 
-    /// Draws the page.
     pub fn show(&mut self, ui: &mut Ui) -> Step {
         let escaped = ui::escaped(ui);
         let stimulus = self.stimulus();
@@ -124,7 +122,7 @@ impl Gallery {
         if ui.available_width() < NARROW {
             CentralPanel::default().frame(frame).show(ui, |ui| {
                 scrolling().show(ui, |ui| {
-                    // Room for the scroll bar.
+                    // Leaves room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 6.0);
                     back = self.controls(ui, &faults);
                     ui.separator();
@@ -140,7 +138,7 @@ impl Gallery {
         Step::back_if(back || escaped)
     }
 
-    /// Renders when something has changed.
+    /// Renders the stimulus again if something has changed.
     fn refresh(&mut self, ctx: &egui::Context, stimulus: &Stimulus) {
         let recipe = Recipe {
             stimulus: stimulus.clone(),
@@ -243,7 +241,7 @@ impl Gallery {
     }
 }
 
-/// An arrow from the curve at a predicted band: up for a bright band and down for a dark one; stronger bands have
+/// Draws an arrow from the curve at a predicted band, up for a bright band and down for a dark one. Stronger bands have
 /// longer arrows.
 fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]]) {
     let light = || curve.iter().map(|point| point[1]);
@@ -261,8 +259,7 @@ fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]]) {
     plot.points(Points::new(name, vec![[mark.place, tip]]).color(BAND).shape(shape).radius(5.0).filled(true));
 }
 
-/// The useful range of a parameter and the slider's step; `None` for a parameter that can have values other than
-/// numbers.
+/// The lower end, upper end and step of a parameter's slider; `None` for a parameter whose values are not only numbers.
 fn slider_range(parameter: &str) -> Option<(f64, f64, f64)> {
     Some(match parameter {
         "width" | "low" | "high" | "side" => (0.0, 1.0, 0.005),
@@ -276,8 +273,8 @@ fn slider_range(parameter: &str) -> Option<(f64, f64, f64)> {
     })
 }
 
-/// A control for one parameter: a slider if it has a range, otherwise a text field with a list of common values. A
-/// value outside the range can be typed, and the error is then shown.
+/// Draws the control of a parameter: a slider if it has a range, and otherwise a text field with a list of common
+/// values. A value outside the range can be typed; the error is then shown.
 fn control(ui: &mut Ui, parameter: &'static Parameter, text: &mut String) {
     let name = parameter.name.replace('_', " ").replace(" deg", ", °");
     Field::new(&name).column(LABELS).show(ui, |ui, label| match (slider_range(parameter.name), text.parse::<f64>()) {
@@ -306,7 +303,7 @@ fn control(ui: &mut Ui, parameter: &'static Parameter, text: &mut String) {
     });
 }
 
-/// A color in the notation of every model.
+/// The color in `text`, written in every color model; empty if the parameter is not a color.
 fn color_in_models(parameter: &Parameter, text: &str) -> Vec<String> {
     let is_color = parameter.name.starts_with("color");
     text.parse::<StimulusColor>().ok().filter(|_| is_color).map_or_else(Vec::new, StimulusColor::in_models)
@@ -351,7 +348,7 @@ impl Curves {
     }
 }
 
-/// The slope between each pair of neighboring points, at their midpoint.
+/// The slope between each pair of neighboring points, placed at their midpoint.
 pub fn slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
     points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()

@@ -11,7 +11,7 @@ use crate::{
     vision::{Band, BandMap, Criterion, LinePrediction, Polarity, Visibility, luminances, pooled},
 };
 
-/// Size of the window in degrees if the size of the screen is unknown: as in `machband predict`.
+/// Assumed size of the window in degrees if the size of the screen is unknown; the same as in `machband predict`.
 const WINDOW_DEG: f64 = 10.0;
 
 /// The viewing distance and luminance of the stimulus.
@@ -22,7 +22,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// On a screen described by `display`, viewed from `distance_cm` centimeters.
+    /// The place for a screen described by `display`, viewed from `distance_cm` centimeters.
     pub fn new(display: &DisplayProfile, distance_cm: Option<f64>) -> Self {
         let viewing = || {
             let ([columns, rows], width) = (display.native_px?, display.screen_width_cm?);
@@ -40,7 +40,7 @@ impl Place {
     fn sentence(&self, size: u32) -> String {
         let window = self.window_deg(size);
         match self.viewing {
-            Some(viewing) => format!("At {} cm the window is {window:.1}° wide.", viewing.distance_cm()),
+            Some(viewing) => format!("At {} cm, the window is {window:.1}° wide.", viewing.distance_cm()),
             None => format!("The window is assumed to be {window}° wide."),
         }
     }
@@ -63,15 +63,15 @@ impl Place {
     }
 }
 
-/// A stimulus, and its side in pixels.
+/// A stimulus and its side in pixels.
 type Key = (Stimulus, u32);
 
 /// The prediction for a stimulus.
 struct Predicted {
     visibility: Visibility,
-    /// The bands of a stimulus that varies in one direction.
+    /// The bands of a stimulus that varies in one direction; empty for other stimuli.
     marks: Vec<Mark>,
-    /// The bands of any other stimulus, over its image.
+    /// The bands of a stimulus that varies in two directions, drawn over its image.
     map: Option<CodeImage>,
 }
 
@@ -86,12 +86,11 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// As viewed from `place`.
     pub fn new(place: Place) -> Self {
         Self { place, line: None, picture: Latest::default(), texture: None, shows_map: false }
     }
 
-    /// Updates the prediction for the displayed stimulus.
+    /// Requests the prediction for the displayed stimulus.
     pub fn refresh(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) {
         let (place, key) = (self.place, (stimulus.clone(), size));
         if !stimulus.is_line() {
@@ -150,7 +149,7 @@ impl Prediction {
     }
 }
 
-/// The positions of the bands, for screen readers.
+/// Describes the positions of the bands for screen readers.
 pub fn description(marks: &[Mark]) -> String {
     if marks.is_empty() {
         return "no predicted band".to_owned();
@@ -167,7 +166,7 @@ const ONE_BAND_PERIODS: f64 = 0.5;
 /// Strength of a band that is just visible; weaker bands are not shown.
 const JUST_VISIBLE: f64 = 1.0;
 
-/// Weaker peaks are noise, not bands that a coarser channel could join.
+/// Peaks weaker than this are noise, not bands that a peak of a coarser channel could join.
 const LEAST: f64 = 0.25;
 /// A band is located by the finest channel whose peak reaches this share of the strongest peak.
 const DISTINCT: f64 = 0.5;
@@ -175,11 +174,11 @@ const DISTINCT: f64 = 0.5;
 /// One band along a line, over all channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Distance from the center in window sides.
+    /// Signed distance from the center, in window sides.
     pub place: f64,
     /// Bright or dark.
     pub polarity: Polarity,
-    /// In multiples of the strength that is just visible, pooled over channels.
+    /// Strength pooled over channels, in multiples of the strength that is just visible.
     pub strength: f64,
 }
 
@@ -208,7 +207,7 @@ fn marks(view: &LinePrediction, window_deg: f64) -> Vec<Mark> {
         .collect()
 }
 
-/// The mark of the peaks that are one band.
+/// The mark for a group of peaks that form one band; `None` if there are no peaks.
 fn mark(bands: &mut [&Band], window_deg: f64) -> Option<Mark> {
     bands.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let most = bands.first()?.strength;
@@ -217,7 +216,8 @@ fn mark(bands: &mut [&Band], window_deg: f64) -> Option<Mark> {
     Some(Mark { place: finest.at_deg[0] / window_deg, polarity: finest.polarity, strength: over_channels(bands) })
 }
 
-/// The strength pooled over channels, each with its strongest peak. `bands` has the strongest first.
+/// The strength pooled over channels, each of which counts with its strongest peak. `bands` must be sorted by strength,
+/// strongest first.
 fn over_channels(bands: &[&Band]) -> f64 {
     let first = |i: &usize| !bands[..*i].iter().any(|earlier| earlier.frequency == bands[*i].frequency);
     pooled((0..bands.len()).filter(first).map(|i| bands[i].strength))
@@ -228,23 +228,24 @@ pub fn strongest(map: &BandMap) -> f64 {
     map.bright.iter().chain(&map.dark).copied().fold(0.0, f64::max)
 }
 
-/// Codes of black and of white in the dimmed picture under the bands, so that bands are the brightest and darkest parts.
+/// Codes of black and of white in the dimmed picture under the bands, so that bands are the brightest and darkest
+/// parts.
 const GROUND: [f64; 2] = [88.0, 148.0];
 
 /// A band map over the dimmed picture. Bands of the strength `most` are white or black.
 pub struct Drawing<'a> {
-    /// What is drawn.
     pub map: &'a BandMap,
-    /// The picture's luminance, 1 for white, as long as the map.
+    /// The picture's luminance, 1 for white; it has as many values as the map.
     pub light: &'a [f64],
-    /// Columns and rows of both.
+    /// Columns and rows of the map and the luminance.
     pub size: [usize; 2],
-    /// The strength that is lightest and darkest.
+    /// The strength that is drawn white or black.
     pub most: f64,
 }
 
 impl Drawing<'_> {
-    /// As a picture of `width` × `height` pixels; the map's lines, one pixel wide, become two pixels wide.
+    /// The drawing as a picture of `width` × `height` pixels. The map's lines are one pixel wide and become two pixels
+    /// wide.
     pub fn codes(&self, width: u32, height: u32) -> CodeImage {
         let scale = [self.size[0] as f64 / f64::from(width.max(1)), self.size[1] as f64 / f64::from(height.max(1))];
         let at = |x: u32, y: u32| [(f64::from(x) + 0.5) * scale[0] - 0.5, (f64::from(y) + 0.5) * scale[1] - 0.5];
@@ -253,7 +254,7 @@ impl Drawing<'_> {
         CodeImage { width, height, samples: Samples::Eight(codes.collect()) }
     }
 
-    /// The strength at `at`, in map pixels from the center of the first pixel.
+    /// The code at `at`, a position in map pixels from the center of the first pixel.
     fn code(&self, at: [f64; 2]) -> u8 {
         let [column, row] = at.map(|place| place.round() as isize);
         let mut strength = 0.0_f64;

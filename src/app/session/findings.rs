@@ -1,5 +1,5 @@
-//! The findings of the preflight about the screen, the window, and the stimulus, each in one sentence, and its
-//! questions.
+//! What the preflight finds about the screen, the window and the stimulus, as plain sentences, and the questions that
+//! it asks.
 
 use eframe::egui;
 
@@ -18,7 +18,7 @@ use crate::{
     },
 };
 
-/// Positions across an image at which its light is compared with that of the field.
+/// Number of positions across an image at which its light is compared with the light of the field.
 const SAMPLES: u32 = 64;
 
 pub struct Findings {
@@ -29,15 +29,15 @@ pub struct Findings {
 
 /// The screen of the previous sitting.
 pub struct Before {
-    /// In words.
+    /// Name and transfer function of the display profile.
     profile: String,
-    /// Whether its profile is the current one.
+    /// Whether this is still the current profile.
     same_profile: bool,
     size_px: u64,
 }
 
 impl Before {
-    /// From the sidecar of a session that is resumed.
+    /// Reads the last sitting from the sidecar of the session to resume; `None` if it is not known.
     pub fn read(request: &Request) -> Option<Self> {
         let paths = SessionPaths::new(&request.results, &request.protocol, &request.identity);
         let sidecar = Sidecar::read(&paths.sidecar).ok()??;
@@ -72,7 +72,7 @@ fn note(check: &str, ok: bool, sentence: impl Into<String>) -> PreflightNote {
     PreflightNote { check: check.to_owned(), ok, sentence: sentence.into() }
 }
 
-/// Everything except the steps of light, which never change. `scale`: physical pixels per point.
+/// All findings except the steps of light, which do not change. `scale` is in physical pixels per point.
 pub fn all(
     request: &Request,
     before: Option<&Before>,
@@ -85,7 +85,7 @@ pub fn all(
     let name = monitor.name.as_ref().map_or_else(|| "(no name)".to_owned(), |name| format!("{name:?}"));
     let [width, height] = [monitor.width_px, monitor.height_px];
     let scale = format!("The system's scale is {scale}. Stimuli are still drawn in physical pixels.");
-    // The timing of the mode is exact; the window system rounds it.
+    // The timing of the mode is exact, but the window system rounds it.
     let reported = platform.refresh_hz.or(monitor.refresh_hz);
     let refresh = match reported {
         Some(hz) => format!("The system reports {hz:.3} Hz."),
@@ -117,7 +117,7 @@ pub fn all(
 fn full_screen(windowed: bool, (width, height): (u32, u32), whole: bool) -> PreflightNote {
     let sentence = match (windowed, whole) {
         (true, _) => format!(
-            "The session runs in a window of {width} × {height} pixels, as requested. Other things on the screen may distract."
+            "The session runs in a window of {width} × {height} pixels, as requested. Other things on the screen may be distracting."
         ),
         (false, true) => "The window fills the whole screen.".to_owned(),
         (false, false) => {
@@ -142,7 +142,7 @@ fn frame_interval(frames: &FrameTimes) -> PreflightNote {
     note("frame_interval", steady, sentence)
 }
 
-/// Whether codes reach the screen unchanged.
+/// Checks whether codes reach the screen unchanged.
 fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
     let system = platform.window_system;
     let (ok, composited) = match platform.composited {
@@ -156,7 +156,7 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
             true => "The graphics card does not change the codes.",
             false => {
                 "The graphics card's gamma ramps change the codes, because of a night light or a loaded calibration. \
-                    Switch it off, or measure the screen with it."
+                    Switch it off, or measure the screen while it is on."
             }
         };
         note("color_ramps", straight, sentence)
@@ -190,7 +190,7 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
     notes
 }
 
-/// Whether the profile is for this screen and still valid.
+/// Checks whether the profile is for this screen and still valid.
 fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platform) -> Vec<PreflightNote> {
     let is_measured = display.measured.is_some();
     let mut notes = vec![note("display_profile", is_measured, format!("Display profile: {}.", display.sentence()))];
@@ -211,7 +211,7 @@ fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platf
     notes
 }
 
-/// Screen and distance, and the side of the stimulus in physical pixels; `None` if it does not fit.
+/// The viewing geometry, and the side of the stimulus in physical pixels; `None` if the stimulus does not fit.
 fn geometry(
     request: &Request,
     monitor: &Monitor,
@@ -249,11 +249,11 @@ fn geometry(
     fits.then_some((viewing, size_px))
 }
 
-/// The largest change over time of any channel's light between the uniform field and any stimulus, which participants
-/// must tolerate.
+/// The largest change over time in the light of any channel, between the uniform field and any stimulus. Participants
+/// must tolerate it.
 pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     let field = protocol.stimulus.field_light(protocol.recovery.level);
-    // A loaded definition always has conditions.
+    // Cannot fail: a loaded definition always has conditions.
     let conditions = protocol.conditions().unwrap_or_default();
     let lights = conditions.iter().flat_map(|condition| condition.stimulus.profile(SAMPLES));
     let steps = lights.flat_map(|light| [0, 1, 2].map(|channel| (light[channel] - field[channel]).abs()));
@@ -267,17 +267,17 @@ pub fn light_steps(protocol: &Protocol) -> PreflightNote {
         }
     };
     let sentence = format!(
-        "Between field and stimulus, no pixel changes by more than {percent:.0} % of the screen's range. {warning}"
+        "Between the uniform field and the stimulus, no pixel changes by more than {percent:.0} % of the screen's range. {warning}"
     );
     note("light_steps", gentle, sentence)
 }
 
-/// A question that no system can answer, for the person at the screen: its name, the statement to confirm by looking at
-/// the screen or its menu, and whether it was confirmed. None of these blocks a session.
+/// Questions that no system can answer and the person at the screen must. Each has a name, a statement to confirm by
+/// looking at the screen or its menu, and whether it was confirmed. None of them blocks a session.
 pub struct Questions(Vec<(&'static str, &'static str, bool)>);
 
 impl Questions {
-    /// The remaining questions after the system's report.
+    /// The questions that the system's report leaves open.
     pub fn new(platform: &Platform, display: &DisplayProfile) -> Self {
         let questions = [
             (

@@ -1,4 +1,4 @@
-//! The last page: thanks, the participant's ratings, and their location.
+//! The last page: thanks the participant, plots the ratings, and says where they are saved.
 
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -10,26 +10,25 @@ use crate::{
     experiment::{Factor, Phase, Protocol, RATING_MAX, TrialRecord},
 };
 
-/// The page.
 pub struct Finish {
     protocol: Protocol,
     path: PathBuf,
     /// Whether every planned trial is rated.
     complete: bool,
-    /// The factor of the horizontal axis, and the factor with one line per level.
+    /// The factor of the horizontal axis; `by` is the factor with one line per level.
     along: Option<Factor>,
     by: Option<Factor>,
-    /// Name and points of each line.
+    /// Name and points of each plotted line.
     lines: Vec<(String, Vec<[f64; 2]>)>,
     opened: Option<String>,
-    /// The frames in one sentence, if there were any.
+    /// One sentence about the frames of the sitting, if there were any.
     frames: Option<String>,
     /// The error if the end of the sitting could not be recorded.
     fault: Option<String>,
 }
 
 impl Finish {
-    /// For a completed or abandoned session.
+    /// The last page of a completed or interrupted session.
     pub fn new(
         protocol: Protocol,
         rows: &[TrialRecord],
@@ -53,7 +52,7 @@ impl Finish {
         self.complete
     }
 
-    /// Draws the page.
+    /// Draws the page. `direct`: leaving it closes the window.
     pub fn show(&mut self, ui: &mut egui::Ui, direct: bool) -> Step<PathBuf> {
         let texts = self.protocol.instructions.clone();
         let mut leave = false;
@@ -110,7 +109,7 @@ impl Finish {
         Step::back_if(leave || entered)
     }
 
-    /// The folder of all sessions of the experiment.
+    /// The folder with all sessions of the experiment.
     fn data_set(&self) -> Option<PathBuf> {
         Some(self.path.parent()?.parent()?.to_owned())
     }
@@ -146,7 +145,8 @@ impl Finish {
     }
 }
 
-/// Means over the main trials, last attempts only; the horizontal position of a level is its index.
+/// The mean rating for each level, over the last attempts of the main trials. The horizontal position of a level is its
+/// index.
 fn mean_lines(
     protocol: &Protocol,
     rows: &[TrialRecord],

@@ -1,4 +1,4 @@
-//! The refresh of the screen, and the frames of a sitting judged against it.
+//! The refresh of the screen, and how the frames of a sitting compare with it.
 
 use serde_json::{Value, json};
 
@@ -8,23 +8,23 @@ use crate::{
     experiment::FrameCount,
 };
 
-/// A refresh and its source: `reported` by the system, `measured`, or `unknown`.
+/// The refresh, if known, and its source: `reported` by the system, `measured`, or `unknown`.
 pub type KnownRefresh = (Option<Refresh>, &'static str);
 
 /// The refresh of the screen, updated if the window moves to another screen.
 pub struct ScreenRefresh {
-    /// Name and rate of the monitor at the start, to detect another monitor, and the preflight's finding about it.
+    /// The preflight's finding, and the name and rate of the monitor at that time, which identify it.
     first: (Option<String>, Option<f64>, KnownRefresh),
     now: KnownRefresh,
 }
 
 impl ScreenRefresh {
-    /// The preflight's finding about a monitor.
+    /// Starts with the preflight's finding about the monitor.
     pub fn new(monitor: &Monitor, found: KnownRefresh) -> Self {
         Self { first: (monitor.name.clone(), monitor.refresh_hz, found), now: found }
     }
 
-    /// For the monitor that shows the window; returns a note if the refresh has changed.
+    /// Updates the refresh for the monitor that shows the window; returns a note if it has changed.
     pub fn update(&mut self, monitor: &Monitor) -> Option<String> {
         let before = self.now.0;
         let (name, hz, found) = &self.first;
@@ -36,7 +36,7 @@ impl ScreenRefresh {
         let (refresh, source) = self.now;
         (refresh != before).then(|| {
             let hz = refresh.map_or_else(|| "unknown".to_owned(), |refresh| format!("{:.3} Hz", refresh.hz()));
-            format!("the screen's refresh changed: {} {hz}, {source}", monitor.title())
+            format!("the screen's refresh rate changed: {} {hz}, {source}", monitor.title())
         })
     }
 
@@ -62,8 +62,8 @@ impl ScreenRefresh {
         Some(format!("{counted} frames, half of them within {median} and 99 % within {p99}: {verdict}."))
     }
 
-    /// The frames of a sitting for its sidecar; `None` if none were counted. `file`: the name of the file with every
-    /// interval.
+    /// The summary of a sitting's frames for the sidecar; `None` if none were counted. `file` is the name of the file
+    /// with every interval.
     pub fn summary(&self, times: &FrameTimes, file: Option<String>) -> Option<Value> {
         let round = |seconds: f64| (seconds * 1e6).round() / 1e6;
         let (refresh, source) = self.now;

@@ -1,4 +1,5 @@
-//! The pages that participants read between trials. Each page leads on; the pause page can also leave the session.
+//! The pages that participants read before and between trials. Each page continues to the next; on the pause page,
+//! participants can also leave the session.
 
 use eframe::egui::{self, Key, ProgressBar, TextureHandle};
 
@@ -9,19 +10,19 @@ use crate::{
     stimulus::{ParameterValue, Stimulus},
 };
 
-/// Pages before the first trial: the task, and the categories.
+/// Number of pages before the first trial: one about the task and one about the categories.
 pub const INSTRUCTION_PAGES: usize = 2;
 
-/// Largest side of a category's picture, points.
+/// Maximum side of a category's picture, points.
 const PICTURE: f32 = 150.0;
 
-/// An example of each category, drawn in the colors of the session: width and depth of a ramp whose brighter band most
-/// people see as that category describes. They are illustrations, not correct answers; the order follows the findings
-/// of Bangay §3.2.
+/// Width and depth of an example ramp for each category. Most people see its brighter band as the category describes.
+/// The examples are drawn in the colors of the session. They are illustrations, not correct answers; their order
+/// follows the findings of Bangay §3.2.
 const EXAMPLES: [(f64, Depth); 4] =
     [(0.9, Depth::Finite(4)), (0.9, Depth::Finite(2)), (0.6, Depth::Finite(1)), (0.12, Depth::Finite(1))];
 
-/// Images of the categories, made once per size.
+/// Pictures of the categories, which are created once per size.
 #[derive(Default)]
 pub struct CategoryPictures {
     size: u32,
@@ -29,7 +30,7 @@ pub struct CategoryPictures {
 }
 
 impl CategoryPictures {
-    /// Pictures of `size` physical pixels.
+    /// The pictures with a side of `size` physical pixels.
     fn get(&mut self, ctx: &egui::Context, protocol: &Protocol, quantizer: &Quantizer, size: u32) -> &[TextureHandle] {
         if self.size != size {
             self.size = size;
@@ -53,13 +54,12 @@ fn drawn(protocol: &Protocol, (width, depth): (f64, Depth)) -> Stimulus {
         Depth::Infinite => ParameterValue::Text("inf".to_owned()),
     };
     for (name, value) in [("width", width.into()), ("depth", depth), ("orientation_deg", 0.0.into())] {
-        // A kind without this parameter is shown unchanged.
+        // A kind of stimulus that lacks this parameter stays unchanged.
         let _ = stimulus.set(name, &value);
     }
     stimulus
 }
 
-/// A page of instructions.
 pub fn instructions(
     ui: &mut egui::Ui,
     page: usize,
@@ -107,7 +107,7 @@ pub fn instructions(
     })
 }
 
-/// Before practice, or before the main trials.
+/// The page before practice or before the main trials.
 pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Step<()> {
     ui::page(ui, |ui| {
         ui.label(match phase {
@@ -119,7 +119,7 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, texts: &Texts) -> Step<()> {
     })
 }
 
-/// A break.
+/// The page during a break.
 pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Step<()> {
     ui::page(ui, |ui| {
         ui.heading(&texts.pause_heading);
@@ -130,7 +130,7 @@ pub fn rest(ui: &mut egui::Ui, progress: &Progress, texts: &Texts) -> Step<()> {
     })
 }
 
-/// Paused by the participant, or because the window became too small (`why`).
+/// The pause page. `why` says that the window became too small; `None` if the participant paused.
 pub fn paused(ui: &mut egui::Ui, texts: &Texts, why: Option<&str>) -> Step<()> {
     ui::page(ui, |ui| {
         ui.heading(&texts.paused);

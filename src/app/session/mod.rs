@@ -1,4 +1,4 @@
-//! A session: preflight, instructions, trials, and its end. [`Runner`] leads from one to the next.
+//! A session: preflight, instructions, trials, and the last page. [`Runner`] shows them in this order.
 
 mod findings;
 mod finish;

@@ -1,4 +1,4 @@
-//! Preflight: describes the actual screen in plain sentences before the session.
+//! The preflight: describes the actual screen in plain sentences before the session.
 
 use std::time::Duration;
 
@@ -15,30 +15,29 @@ use crate::{
     store::sidecar::PreflightNote,
 };
 
-/// Duration of the frame measurement, seconds, after the window has settled.
+/// Duration of the frame measurement after the window has settled, seconds.
 const MEASURE_S: f64 = 1.0;
 /// Minimum number of measured frames.
 const MEASURE_FRAMES: usize = 30;
 /// Longest wait for the window to become full screen, seconds.
 const SETTLE_S: f64 = 0.7;
 
-/// The page.
 pub struct Preflight {
     request: Request,
-    /// The screen of the interrupted sitting.
+    /// The screen of the previous sitting, if the session is resumed.
     before: Option<Before>,
     since: Option<f64>,
     frames: FrameTimes,
     /// The system's report about the screen and the remaining questions, once the window has settled.
     platform: Option<(Platform, Questions)>,
-    /// The change of light between field and stimulus.
+    /// The finding about the change in light between field and stimulus.
     light_steps: PreflightNote,
-    /// Why the session could not begin.
+    /// Why the session could not begin, if it could not.
     refused: Option<String>,
 }
 
 impl Preflight {
-    /// For a session; the window is becoming full screen.
+    /// Starts the preflight of a session while the window becomes full screen.
     pub fn new(request: Request) -> Self {
         let before = if request.resume { Before::read(&request) } else { None };
         let light_steps = findings::light_steps(&request.protocol);
@@ -46,7 +45,6 @@ impl Preflight {
         Self { request, before, since: None, frames, platform: None, light_steps, refused: None }
     }
 
-    /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step<Box<Trials>> {
         let now = ui.input(|input| input.time);
         let elapsed = now - *self.since.get_or_insert(now);
@@ -97,7 +95,7 @@ impl Preflight {
         Step::Back
     }
 
-    /// Returns whether the session begins, and whether the user leaves the page.
+    /// Draws the findings; returns whether the session begins, and whether the user leaves the page.
     fn draw(&self, ui: &mut egui::Ui, notes: &[PreflightNote], questions: &mut Questions, ready: bool) -> (bool, bool) {
         let escaped = ui::escaped(ui);
         let proceed = ui::shortcut(ui, Key::Space) || ui::shortcut(ui, Key::Enter);
@@ -108,7 +106,7 @@ impl Preflight {
             let title = &protocol.title;
             ui::hint(
                 ui,
-                format!("{title} · participant {subject} · session {session} · Space continues, Esc goes back"),
+                format!("{title} · participant {subject} · session {session} · Space to continue, Esc to go back"),
             );
             ui.add_space(8.0);
             theme::compact(ui);

@@ -1,4 +1,4 @@
-//! The files of a session: its rows, its frames, the hashes of its images, and the sidecar that describes them.
+//! Writes the files of a session: the rows, the frame intervals, and the sidecar, which contains the images' hashes.
 
 use std::{
     collections::BTreeMap,
@@ -33,12 +33,12 @@ use crate::{
     },
 };
 
-/// The files of a sitting.
+/// The files of a sitting, open for writing.
 pub struct Recording {
     pub store: SessionStore,
     identity: Identity,
     sitting: u32,
-    /// Rows so far, earlier sittings included, for the plot at the end.
+    /// All rows so far, including earlier sittings, for the plot at the end.
     rows: Vec<TrialRecord>,
     /// Wall-clock time at which the session's time was 0.
     origin: Timestamp,
@@ -48,7 +48,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Creates or opens the files; also returns the session, and its time at the start of this sitting.
+    /// Creates or opens the files. Also returns the session, and the session's time at the start of this sitting.
     pub fn begin(
         request: &Request,
         prepared: &Prepared,
@@ -121,10 +121,10 @@ impl Recording {
         self.store.append_frames(&rows);
     }
 
-    /// Takes the image of a condition and hashes it.
+    /// Takes the image of a condition, which is hashed on another thread.
     pub fn picture(&self, condition: usize, picture: CodeImage) {
         if let Some(hasher) = &self.hasher {
-            // A terminated thread takes no images; the missing hashes show this.
+            // If the thread has ended, the image is not hashed; the missing hash shows this.
             let _ = hasher.pictures.send((condition, picture));
         }
     }
@@ -133,18 +133,18 @@ impl Recording {
         std::mem::take(&mut self.rows)
     }
 
-    /// Path of the rows.
+    /// Path of the file with the rows.
     pub fn csv(&self) -> &Path {
         self.store.csv()
     }
 
-    /// Ends the sitting in the sidecar, once; returns the write error, which is also printed to stderr. If the sidecar
-    /// cannot be written now, it lacks these details, but no other data are lost.
+    /// Records the end of the sitting in the sidecar; does so only once. Returns the write error, which is also printed
+    /// to stderr. If the sidecar cannot be written now, it lacks these details, but no other data are lost.
     pub fn close(&mut self, session: &mut Session, screen: &ScreenRefresh) -> Option<String> {
         if std::mem::replace(&mut self.closed, true) {
             return None;
         }
-        // The last attempt to save an answer that is only in memory.
+        // This is the last attempt to save an answer that is only in memory.
         let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
         self.store_frames(session);
         self.store.describe_input(self.input.summary());
@@ -156,7 +156,7 @@ impl Recording {
         let ended = self.store.finish(complete, Timestamp::now().to_string(), summary);
         let faults: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
         for fault in &faults {
-            // If stderr is closed, nothing is lost.
+            // If stderr is closed, nothing is lost: the error is returned too.
             let _ = writeln!(std::io::stderr(), "error: {fault}");
         }
         (!faults.is_empty()).then(|| faults.join("\n"))
@@ -170,7 +170,7 @@ struct Hasher {
 }
 
 impl Hasher {
-    /// `None` if the system cannot create a thread; the images then have no hashes.
+    /// Starts the thread; `None` if the system cannot create one. The images then have no hashes.
     fn start() -> Option<Self> {
         let (pictures, shown) = channel::<(usize, CodeImage)>();
         let hash = move || {
@@ -183,7 +183,7 @@ impl Hasher {
         Some(Self { pictures, hashes: thread::Builder::new().name("hasher".to_owned()).spawn(hash).ok()? })
     }
 
-    /// Waits for the hash of each condition.
+    /// Waits for the thread to end; returns the hash of each condition's image.
     fn finish(self) -> BTreeMap<usize, String> {
         drop(self.pictures);
         self.hashes.join().unwrap_or_default()
@@ -204,8 +204,8 @@ fn viewing(request: &Request, prepared: &Prepared) -> Value {
     })
 }
 
-/// Session time at which a resumed sitting starts: by the wall clock, but never before the last recorded time, because
-/// a clock can be set back.
+/// The session time at which a resumed sitting starts. It follows the wall clock, but is never before the last recorded
+/// time, because a clock can be set back.
 fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
     let recorded = Duration::from_secs_f64(elapsed_s);
     let Some(first) = first else { return recorded };

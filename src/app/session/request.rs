@@ -11,13 +11,12 @@ use crate::{
 /// A requested session. Everything that can be checked without knowing the screen has been checked.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// The definition.
     pub protocol: Protocol,
-    /// The participant.
+    /// The participant and the session.
     pub identity: Identity,
-    /// Seed of the order; `None` for a new one, or for the recorded one when resuming.
+    /// Seed of the trial order; `None` for a new seed or, when resuming, the recorded one.
     pub seed: Option<u64>,
-    /// Results folder.
+    /// The results folder.
     pub results: PathBuf,
     /// What is known about the screen.
     pub display: DisplayProfile,
@@ -25,9 +24,9 @@ pub struct Request {
     pub distance_cm: f64,
     /// Width of the screen in cm; `None` to assume 96 pixels per inch.
     pub screen_width_cm: Option<f64>,
-    /// Resume an interrupted session.
+    /// Whether to resume an interrupted session.
     pub resume: bool,
-    /// Run in a window instead of full screen.
+    /// Whether to run in a window instead of full screen.
     pub windowed: bool,
 }
 
@@ -38,12 +37,12 @@ pub fn stimulus_side_px(viewing: &Viewing, window_deg: f64) -> u32 {
 
 /// The values determined by the preflight.
 pub struct Prepared {
-    /// Screen and distance.
+    /// The viewing geometry: screen and distance.
     pub viewing: Viewing,
     /// Side of the stimulus in physical pixels.
     pub size_px: u32,
     /// The refresh against which frames are judged.
     pub refresh: KnownRefresh,
-    /// The window in physical pixels.
+    /// Width and height of the window in physical pixels.
     pub window: (u32, u32),
 }

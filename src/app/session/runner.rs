@@ -1,4 +1,4 @@
-//! One session from the preflight to its end.
+//! Runs one session from the preflight to the last page.
 
 use std::path::{Path, PathBuf};
 
@@ -16,16 +16,16 @@ enum Stage {
     Finish(Box<Finish>),
 }
 
-/// A session in the window.
+/// A session in the window, in its current stage.
 pub struct Runner(Stage);
 
 impl Runner {
-    /// Begins with the preflight; the window is becoming full screen.
+    /// Begins with the preflight, while the window becomes full screen.
     pub fn new(request: Request) -> Self {
         Self(Stage::Preflight(Box::new(Preflight::new(request))))
     }
 
-    /// Draws a frame. Can lead to the analysis of a data set. `direct`: leaving the session closes the window.
+    /// Draws a frame. `Next` leads to the analysis of a data set. `direct`: leaving the session closes the window.
     pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor, input: &mut Input, direct: bool) -> Step<PathBuf> {
         let next = match &mut self.0 {
             Stage::Preflight(preflight) => preflight.show(ui, monitor).map(Stage::Trials),
@@ -43,7 +43,6 @@ impl Runner {
         }
     }
 
-    /// The background color.
     pub fn ground(&self) -> Color32 {
         if let Stage::Trials(trials) = &self.0 { trials.ground() } else { theme::PAGE }
     }
@@ -58,7 +57,7 @@ impl Runner {
         matches!(&self.0, Stage::Trials(trials) if trials.is_unsaved())
     }
 
-    /// Ends the trials, if they are running; returns the file of their rows.
+    /// Ends the trials if they are running; returns the path of the file with their rows.
     pub fn close(&mut self) -> Option<&Path> {
         let Stage::Trials(trials) = &mut self.0 else { return None };
         trials.close();

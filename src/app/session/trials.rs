@@ -1,4 +1,4 @@
-//! The trials on the screen: translates input into events, and states into images.
+//! Runs the trials on the screen: converts input to events of the session, and its states to images.
 
 use std::{collections::BTreeSet, path::Path, time::Duration};
 
@@ -30,26 +30,27 @@ const TEXTURES_KEPT: usize = 2;
 /// How long the cursor stays visible after mouse movement if the scale can be clicked, seconds.
 const CURSOR_S: f64 = 2.0;
 
-/// Widest button of the scale, points.
+/// Maximum width of a button of the scale, points.
 const WIDEST: f32 = 250.0;
-/// Between two buttons, points.
+/// Gap between two buttons, points.
 const GAP: f32 = 6.0;
-/// Below this width, a label would be cut off, so only the key is shown.
+/// Minimum width of a button with a label, points. A narrower button shows only its key, because the label would be cut
+/// off.
 const NARROWEST: f32 = 100.0;
 
-/// A session that runs.
+/// A running session.
 pub struct Trials {
     session: Session,
     recording: Recording,
-    /// The window's time at which the session's time was `offset`.
+    /// The window's time at which the session's time was `offset`, seconds.
     window_start_s: f64,
     /// Session time at the start of this sitting.
     offset: Duration,
     quantizer: Quantizer,
-    /// The recovery field's color.
+    /// Color of the uniform field.
     field: Color32,
     size_px: u32,
-    /// Condition and image, the latest last.
+    /// Index and image of recent conditions, the latest last.
     textures: Vec<(usize, TextureHandle)>,
     categories: CategoryPictures,
     screen: ScreenRefresh,
@@ -59,8 +60,8 @@ pub struct Trials {
     trouble: Option<Trouble>,
     resumed: bool,
     mouse_moved_s: f64,
-    /// Pressed keys, by physical position: a held key repeats but counts once. Its meaning can change while it is down
-    /// (Shift, Num Lock), so the repeat flag of the window system is not sufficient.
+    /// The keys held down, by physical position. A held key repeats but must count once. The repeat flag of the window
+    /// system is not sufficient, because a key's meaning can change while it is down (Shift, Num Lock).
     held: BTreeSet<Key>,
 }
 
@@ -106,19 +107,19 @@ impl Trials {
         self.session.is_storing()
     }
 
-    /// One frame: input, time, image.
+    /// Draws a frame: handles the input, advances the session, and shows its state.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, input: &mut Input) -> Step<Box<Finish>> {
         let window_s = ui.input(|input| input.time);
         let now = self.session_time(window_s);
         if self.trouble.is_some() {
             self.session.interrupt_frames();
-            // The session ignores keys now, but released keys must not count as held later.
+            // The session ignores keys now, but keys that are released must not count as held later.
             self.fresh_keys(ui);
             self.remedy(ui, now);
             return Step::Stay;
         }
         let was_main = self.phase() == Some(Phase::Main);
-        // The window may be moved to another monitor, and the refresh rate may change.
+        // The window may have moved to another monitor with another refresh rate.
         if let Some(note) = self.screen.update(monitor) {
             self.session.judge_against(self.screen.frames());
             self.recording.store.note(note);
@@ -131,14 +132,14 @@ impl Trials {
             self.scale_shown = false;
         }
         if self.is_trial() {
-            // Draw at every refresh, because timing depends on it and dropped frames are detected.
+            // Draws at every refresh, because timing and the detection of dropped frames depend on it.
             ui.ctx().request_repaint();
         }
         self.prepare(ui.ctx());
         self.draw(ui, now, window_s, input)
     }
 
-    /// Converts a time of the window to session time, seconds.
+    /// Converts the window's time in seconds to session time.
     fn session_time(&self, window_s: f64) -> Duration {
         self.offset + Duration::try_from_secs_f64(window_s - self.window_start_s).unwrap_or_default()
     }
@@ -168,7 +169,6 @@ impl Trials {
         fresh
     }
 
-    /// Keys and mouse.
     fn handle_input(&mut self, ui: &egui::Ui, now: Duration, input: &mut Input) {
         if let Some((rating, pressed_at)) = self.clicked.take() {
             self.rate(rating, Some(pressed_at), now);
@@ -181,7 +181,7 @@ impl Trials {
                 Key::Escape => self.step(Event::Pause, now),
                 Key::Backspace => self.step(Event::TakeBack, now),
                 Key::S if self.is_trial() => self.scale_shown = !self.scale_shown,
-                // On some keyboards, the top row gives digits only with Shift; the physical key counts then. Letters
+                // On some keyboards, the top row produces digits only with Shift, so its physical keys count. Letters
                 // count by meaning, because their positions differ between keyboards.
                 _ => {
                     let digit = place.name().starts_with(|c: char| c.is_ascii_digit()).then_some(place);
@@ -194,7 +194,7 @@ impl Trials {
         }
     }
 
-    /// Rates the stimulus at the timestamp of the key or click, or otherwise now.
+    /// Rates the stimulus at the time of the key or click or, if that is unknown, now.
     fn rate(&mut self, rating: u8, pressed_at: Option<PressTime>, now: Duration) {
         let event = match pressed_at {
             Some(PressTime { at_s, uncertainty }) => Event::RateAt { rating, at: self.session_time(at_s), uncertainty },
@@ -221,7 +221,7 @@ impl Trials {
 
     fn step(&mut self, event: Event, now: Duration) {
         let Effect::Record(response) = self.session.step(event, now) else { return };
-        // Saved before anything else happens; the screen shows the field in the meantime.
+        // The row is saved before anything else happens. In the meantime, the screen shows the field.
         match self.recording.record(&mut self.session, &response) {
             Ok(()) => _ = self.session.step(Event::Stored, now),
             Err(error) => self.trouble = Some(Trouble::new(error.to_string())),
@@ -264,7 +264,7 @@ impl Trials {
         }
     }
 
-    /// The image of the current trial, prepared in advance.
+    /// Prepares the image of the current trial before it is shown.
     fn prepare(&mut self, ctx: &egui::Context) {
         let Some(trial) = self.session.current() else { return };
         let schedule = self.session.schedule();
@@ -321,7 +321,7 @@ impl Trials {
         Step::Stay
     }
 
-    /// The background: the uniform field during trials.
+    /// The background color: the color of the uniform field during trials.
     pub fn ground(&self) -> Color32 {
         if self.is_trial() && self.trouble.is_none() { self.field } else { theme::PAGE }
     }
@@ -344,7 +344,7 @@ impl Trials {
             ui.ctx().set_cursor_icon(CursorIcon::None);
         }
         if let Some(rating) = clicked {
-            // This frame still shows the stimulus; the next one responds.
+            // This frame still shows the stimulus; the next frame responds to the click.
             let frame = PressTime { at_s: window_s, uncertainty: None };
             self.clicked = Some((rating, input.click().unwrap_or(frame)));
         }
@@ -364,19 +364,19 @@ impl Trials {
         )))
     }
 
-    /// Path of the rows.
+    /// Path of the file with the rows.
     pub fn csv(&self) -> &Path {
         self.recording.csv()
     }
 
-    /// Ends the sitting, once; returns the write error, if any.
+    /// Ends the sitting if it has not ended; returns the write error, if any.
     pub fn close(&mut self) -> Option<String> {
         self.recording.close(&mut self.session, &self.screen)
     }
 }
 
-/// The rating scale at the lower edge: the only element besides field and stimulus, and it can be hidden. Returns the
-/// clicked rating. `enabled` while there is something to rate.
+/// Draws the rating scale at the lower edge; returns the clicked rating. The scale is the only element besides the
+/// field and the stimulus, and it can be hidden. `enabled` is true while there is something to rate.
 fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Option<u8> {
     let mut rated = None;
     let count = scale.categories.len().max(1) as f32;
@@ -392,7 +392,7 @@ fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Opti
                         false => format!("{}  {}", category.key, category.label),
                     };
                     let button = Button::new(RichText::new(text).small()).frame(enabled).wrap();
-                    // Two lines for all labels if any label needs them.
+                    // All labels get two lines if any label needs them.
                     let height = if (NARROWEST..WIDEST).contains(&width) { 46.0 } else { ui.spacing().interact_size.y };
                     let size = Vec2::new(width.max(height), height);
                     let response = ui.add_enabled_ui(enabled, |ui| ui.add_sized(size, button)).inner;

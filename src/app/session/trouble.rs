@@ -1,4 +1,4 @@
-//! The page that is shown while an answer could not be saved. The answer stays in memory until it is on disk.
+//! The page that is shown while an answer cannot be saved. The answer stays in memory until it is on disk.
 
 use std::path::PathBuf;
 
@@ -6,14 +6,13 @@ use eframe::egui;
 
 use crate::app::ui::{self, Ask, Dialog};
 
-/// The page.
 pub struct Trouble {
     what: String,
     folder: String,
     dialog: Dialog,
 }
 
-/// What to try.
+/// What the user chose to do about it.
 pub enum Remedy {
     /// Try the same folder again.
     Retry,
@@ -22,18 +21,17 @@ pub enum Remedy {
 }
 
 impl Trouble {
-    /// For an error of the store.
+    /// The page for an error of the store; `what` is its message.
     pub fn new(what: String) -> Self {
         let folder = std::env::temp_dir().join("machband-results").display().to_string();
         Self { what, folder, dialog: Dialog::default() }
     }
 
-    /// The last remedy did not help.
+    /// Shows the new error after a remedy that did not help.
     pub fn again(&mut self, what: String) {
         self.what = what;
     }
 
-    /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui) -> Option<Remedy> {
         ui::page(ui, |ui| {
             let mut remedy = None;

@@ -1,4 +1,4 @@
-//! The form of Home, and the errors of each field.
+//! The form on Home and the errors in its fields.
 
 use std::{
     collections::BTreeMap,
@@ -15,23 +15,23 @@ use crate::{
     store::{dataset::free_participant, definition, session::SessionStore},
 };
 
-/// Width of the labels, points.
+/// Width of the column of labels, points.
 pub const LABELS: f32 = 190.0;
 
-/// The text of the fields as typed.
+/// The values of the fields, as typed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Form {
-    /// Built-in name or path.
+    /// Name of a built-in definition, or path of a file.
     pub experiment: String,
-    /// Identifier.
+    /// Participant ID.
     pub participant: String,
-    /// Identifier.
+    /// Session ID.
     pub session: String,
-    /// The screen and the distance from it.
+    /// Fields for the screen and the viewing distance.
     pub screen: ScreenFields,
-    /// Whether to run without color, for participants with a color vision deficiency.
+    /// Whether to run the experiment in gray, for participants with a color vision deficiency.
     pub gray: bool,
-    /// Folder.
+    /// Path of the results folder.
     pub results: String,
 }
 
@@ -66,10 +66,10 @@ impl Part {
 pub struct Checked {
     /// The definition, if it is valid.
     pub protocol: Option<Protocol>,
-    /// The profile; sRGB if none is named.
+    /// The profile, if it is valid; sRGB if no profile is given.
     pub display: Option<DisplayProfile>,
     faults: BTreeMap<Part, String>,
-    /// This participant and session have an unfinished file: Start means resume.
+    /// Whether this session is unfinished, so that Start resumes it.
     pub resume: bool,
     /// Side of the stimulus on this screen in physical pixels, and pixels per degree.
     pub stimulus_px: Option<(u32, f64)>,
@@ -78,7 +78,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// A field of the form with its error.
+    /// The control for a field, with its error.
     pub fn field(&self, part: Part) -> Field<'_> {
         let fault = self.faults.get(&part).map_or("", String::as_str);
         Field::new(part.label()).column(LABELS).fault(fault)
@@ -118,7 +118,6 @@ impl Form {
         }
     }
 
-    /// Checks every field.
     pub fn check(&self, monitor: &Monitor) -> Checked {
         let mut faults = BTreeMap::new();
         let protocol = self.protocol().map_err(|error| faults.insert(Part::Experiment, error)).ok();
@@ -169,7 +168,7 @@ impl Form {
         Checked { protocol, display, faults, resume, stimulus_px, request }
     }
 
-    /// The definition, converted to gray if requested and if it has a color.
+    /// Reads the definition; converts it to gray if requested and if it has a color.
     fn protocol(&self) -> Result<Protocol, String> {
         let protocol = definition::open(&self.experiment).map_err(|error| error.to_string())?;
         Ok(match protocol.in_gray() {
@@ -207,10 +206,10 @@ impl Form {
     }
 }
 
-/// Why results cannot be saved there, as far as can be determined without writing.
+/// Why results cannot be saved in this folder; `None` if no reason can be found without writing to it.
 fn results_fault(results: &Path) -> Option<String> {
     if results.as_os_str().is_empty() {
-        return Some("no folder is named; expected a path".to_owned());
+        return Some("no folder is given; expected a path".to_owned());
     }
     let existing = results.ancestors().find(|folder| folder.exists())?;
     let metadata = existing.metadata().ok()?;

@@ -1,4 +1,4 @@
-//! Home: selects the experiment, the participant, and the screen.
+//! The Home page, on which the user chooses the experiment, the participant and the screen.
 
 use std::{path::PathBuf, rc::Rc};
 
@@ -17,32 +17,29 @@ use crate::{
     store::definition::BUILT_IN,
 };
 
-/// Side of the example below the form, physical pixels.
+/// Side of the example image below the form, physical pixels.
 const PICTURE_PX: u32 = 180;
 
-/// Where Home leads.
+/// The pages to which Home leads.
 pub enum Destination {
     Session(Box<Request>),
-    /// The display lab.
     Display {
-        /// Side of the planned stimulus, degrees.
+        /// Side of the planned stimulus in degrees.
         window_deg: f64,
     },
-    /// The gallery, for a display at a distance in cm, if that is known.
+    /// The gallery, with the display profile and, if known, the viewing distance in cm.
     Gallery(Box<DisplayProfile>, Option<f64>),
-    /// The shading demo.
     Shading,
-    /// The analysis, with the experiments of a results folder.
+    /// The analysis of the experiments in this results folder.
     Analysis(PathBuf),
 }
 
-/// The page.
 #[derive(Default)]
 pub struct Home {
     form: Form,
-    /// The result of checking the form for a monitor; updated if either has changed.
+    /// The form and the monitor that were checked last, and the result. Updated if either has changed.
     checked: Option<(Form, Monitor, Rc<Checked>)>,
-    /// A screen width that the program filled in, and its source.
+    /// The screen width that the program filled in, and its source.
     width_origin: Option<(String, &'static str)>,
     card: Option<CardHelper>,
     experiment: Dialog,
@@ -55,19 +52,17 @@ pub struct Home {
 }
 
 impl Home {
-    /// Home with its previous values.
+    /// Home with the previous values of its fields.
     pub fn again(form: Form) -> Self {
         Self { form, ..Self::default() }
     }
 
-    /// The fields.
     pub fn form(&self) -> &Form {
         &self.form
     }
 
-    /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui, here: &Monitor, monitors: &[Monitor]) -> Step<Destination> {
-        // The form refers to the monitor that the session will use, wherever this window is.
+        // The form is for the monitor that the session will use, which may not be the monitor that shows this window.
         let chosen = self.monitor_choice.filter(|_| self.full_screen).and_then(|index| monitors.get(index));
         let monitor = chosen.unwrap_or(here);
         if !self.started {
@@ -98,12 +93,12 @@ impl Home {
 
     fn choose_experiment(&mut self, name_or_path: String) {
         self.form.experiment = name_or_path;
-        // The planned distance and the color belong to the definition.
+        // The planned distance and the choice of gray belong to the definition.
         self.form.gray = false;
         self.form.screen.distance_cm.clear();
     }
 
-    /// Checks the form when something in it has changed.
+    /// Checks the form if something in it has changed.
     fn check(&mut self, monitor: &Monitor) -> Rc<Checked> {
         if let Some((form, seen, checked)) = &self.checked
             && *form == self.form
@@ -225,7 +220,7 @@ impl Home {
         });
     }
 
-    /// Returns whether the user wants to measure the screen.
+    /// Draws the field for the profile; returns whether the user wants to measure the screen.
     fn profile_field(&mut self, ui: &mut egui::Ui, checked: &Checked) -> bool {
         checked.field(Part::Profile).show(ui, |ui, label| {
             let path = &mut self.form.screen.profile;
@@ -237,7 +232,7 @@ impl Home {
             let measure = ui.horizontal_wrapped(line).inner;
             if let Some(display) = &checked.display {
                 ui::hint(ui, display.sentence());
-                // The description of an assumed profile already says so.
+                // If the profile is assumed, its description already says so.
                 if let Some(warning) = display.warning(today()).filter(|_| display.measured.is_some()) {
                     ui::note(ui, warning);
                 }
@@ -300,7 +295,7 @@ impl Home {
 
     fn other_pages(&mut self, ui: &mut egui::Ui, checked: &Checked) -> Option<Destination> {
         let buttons = |ui: &mut egui::Ui| {
-            // All three on one line, so that the example below is visible without scrolling.
+            // Less padding puts all three on one line, so that the example below is visible without scrolling.
             ui.spacing_mut().button_padding.x = 8.0;
             let [gallery, shading, analysis] =
                 ["Gallery of stimuli…", "Shading demo…", "Analyze results…"].map(|text| ui.button(text).clicked());
@@ -316,7 +311,7 @@ impl Home {
         Field::new("").column(LABELS).show(ui, |ui, _| ui.horizontal_wrapped(buttons).inner)
     }
 
-    /// A Mach band as an example.
+    /// Draws a Mach band as an example.
     fn example(&mut self, ui: &mut egui::Ui) {
         let texture = self.picture.get_or_insert_with(|| {
             let stimulus = Stimulus::MachBand(MachBand::default());

@@ -1,4 +1,4 @@
-//! Home: selects the experiment, the participant, and the screen.
+//! The Home page, on which the user chooses the experiment, the participant and the screen.
 
 mod form;
 mod home;

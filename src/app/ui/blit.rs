@@ -1,7 +1,7 @@
 //! Draws images on the screen pixel for pixel, with a shader that does nothing else.
 //!
-//! The shader of egui filters, tints, and dithers everything that it draws. With software rendering, it takes ten times
-//! as long for the same codes.
+//! egui's own shader filters, tints and dithers everything that it draws. With software rendering, it takes ten times
+//! as long to draw the same codes.
 
 use std::sync::{Arc, OnceLock};
 
@@ -12,7 +12,7 @@ use eframe::{
     wgpu,
 };
 
-/// Corners as clip coordinates x, y and texel coordinates u, v.
+/// Each corner consists of its clip coordinates x, y and its texel coordinates u, v.
 const SHADER: &str = "
 struct Corner { @builtin(position) at: vec4<f32>, @location(0) texel: vec2<f32> };
 @group(0) @binding(0) var codes: texture_2d<f32>;
@@ -23,10 +23,10 @@ struct Corner { @builtin(position) at: vec4<f32>, @location(0) texel: vec2<f32> 
     return textureLoad(codes, vec2<i32>(floor(corner.texel)), 0);
 }
 ";
-/// Four corners of four numbers.
+/// Size of the corners in bytes: four corners of four numbers of four bytes.
 const CORNERS: u64 = 4 * 4 * 4;
 
-/// egui's textures, and what is needed to upload one.
+/// egui's textures and the objects needed to upload one.
 #[derive(Clone)]
 struct Textures {
     renderer: Arc<RwLock<Renderer>>,
@@ -34,10 +34,10 @@ struct Textures {
     queue: wgpu::Queue,
 }
 
-/// The shader, stored with the shaders of egui.
+/// The pipeline with the shader, stored among egui's resources.
 struct Pipeline(wgpu::RenderPipeline);
 
-/// Creates the shader. Without graphics, or if the screen's format would change codes, egui draws instead.
+/// Creates the shader. If there are no graphics, or if the screen's format would change codes, egui draws instead.
 pub fn install(cc: &CreationContext<'_>) {
     let Some(state) = cc.wgpu_render_state.as_ref().filter(|state| !state.target_format.is_srgb()) else { return };
     let pipeline = pipeline(state);
@@ -88,7 +88,7 @@ fn pipeline(state: &RenderState) -> wgpu::RenderPipeline {
     })
 }
 
-/// As egui lays out its textures: a texture, a sampler and flags.
+/// The layout of egui's texture bind group: a texture, a sampler and flags.
 fn texture_entries() -> [wgpu::BindGroupLayoutEntry; 3] {
     let entry =
         |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
@@ -112,12 +112,12 @@ pub struct Part {
     pub at: [f32; 2],
     /// Upper left corner in the picture.
     pub from: [f32; 2],
-    /// Columns and rows.
+    /// Number of columns and rows.
     pub size: [f32; 2],
 }
 
 /// Uploads a new image immediately: egui would upload it only when the frame is drawn, and the first frame that shows
-/// an image is the one that counts. `false` without graphics.
+/// an image is the one that counts. Returns `false` if there are no graphics.
 pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::ImageDelta) -> bool {
     let found: Option<Textures> = ctx.data(|data| data.get_temp(Id::NULL));
     let Some(Textures { renderer, device, queue }) = found else { return false };
@@ -125,8 +125,8 @@ pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::Ima
     true
 }
 
-/// Draws a part of an image pixel for pixel; `false` if egui must draw it, because the image is not uploaded yet or
-/// there are no graphics.
+/// Draws a part of an image pixel for pixel. Returns `false` if egui must draw it, because the image is not uploaded
+/// yet or because there are no graphics.
 pub fn draw(ui: &egui::Ui, texture: TextureId, part: Part) -> bool {
     let Some(Textures { renderer, .. }) = ui.ctx().data(|data| data.get_temp(Id::NULL)) else { return false };
     let Some(codes) = renderer.read().texture(&texture).map(|texture| texture.bind_group.clone()) else {
@@ -141,7 +141,7 @@ pub fn draw(ui: &egui::Ui, texture: TextureId, part: Part) -> bool {
     true
 }
 
-/// One picture of one frame.
+/// The drawing of one picture in one frame.
 struct Blit {
     codes: wgpu::BindGroup,
     part: Part,
@@ -178,7 +178,7 @@ impl CallbackTrait for Blit {
         let (Some(Pipeline(pipeline)), Some(corners)) = (resources.get::<Pipeline>(), self.corners.get()) else {
             return;
         };
-        // The whole window, so that an image that extends beyond its edge is not squeezed.
+        // The viewport is the whole window, so that an image that extends beyond its edge is not squeezed.
         let [width, height] = info.screen_size_px.map(|side| side as f32);
         pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
         pass.set_pipeline(pipeline);
@@ -189,7 +189,7 @@ impl CallbackTrait for Blit {
 }
 
 impl Part {
-    /// Of a triangle strip on a window of this size.
+    /// The corners of a triangle strip in a window of this size.
     fn corners(self, window: [u32; 2]) -> [[f32; 4]; 4] {
         let [width, height] = window.map(|side| side as f32);
         [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(right, down)| {

@@ -1,4 +1,4 @@
-//! The file dialogs of the desktop, on a separate thread so that the window is still drawn.
+//! The file dialogs of the desktop. They run on a separate thread, so that the window is still drawn.
 
 use std::{
     path::PathBuf,
@@ -13,16 +13,14 @@ use super::text;
 /// The kind of file requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ask {
-    /// A TOML file.
     Toml,
-    /// An OBJ file.
     Obj,
-    /// CSV files, one or more.
+    /// One or more CSV files.
     Data,
     Folder,
 }
 
-/// A dialog that may be open.
+/// A file dialog, which may be open.
 #[derive(Default)]
 pub struct Dialog {
     open: Option<(Receiver<Option<Vec<PathBuf>>>, Instant)>,
@@ -30,8 +28,8 @@ pub struct Dialog {
 }
 
 impl Dialog {
-    /// The button that opens the dialog, named `name` for screen readers. Puts the chosen path into `path`; returns
-    /// whether one was chosen.
+    /// Draws the button that opens the dialog; screen readers call it `name`. Stores the chosen path in `path`; returns
+    /// whether a path was chosen.
     pub fn browse(&mut self, ui: &mut egui::Ui, ask: Ask, name: &str, path: &mut String) -> bool {
         let button = ui.button("Browse…");
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
@@ -45,7 +43,7 @@ impl Dialog {
         chosen.is_some()
     }
 
-    /// Opens it, unless it is open already.
+    /// Opens the dialog unless it is already open.
     pub fn open(&mut self, ctx: &egui::Context, ask: Ask) {
         if self.open.is_some() {
             return;
@@ -61,7 +59,7 @@ impl Dialog {
                 Ask::Data => dialog.add_filter("CSV", &["csv"]).add_filter("all files", &["*"]).pick_files(),
                 Ask::Folder => one(dialog.pick_folder()),
             };
-            // The window may be closed; then nobody needs the answer.
+            // If the window has been closed, nobody needs the answer.
             let _ = send.send(paths);
             ctx.request_repaint();
         });
@@ -76,12 +74,12 @@ impl Dialog {
         }
     }
 
-    /// The chosen path, once; the first of several.
+    /// Takes the chosen path, or the first if there are several.
     pub fn take(&mut self) -> Option<PathBuf> {
         self.take_all()?.into_iter().next()
     }
 
-    /// All chosen paths, once.
+    /// Takes all chosen paths.
     pub fn take_all(&mut self) -> Option<Vec<PathBuf>> {
         let (answer, opened) = self.open.as_ref()?;
         let paths = match answer.try_recv() {

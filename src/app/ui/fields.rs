@@ -9,14 +9,14 @@ use eframe::{
 
 use super::text;
 
-/// On a page narrower than this many label columns, the labels are above the controls.
+/// On a page narrower than this many times the width of the label column, the labels are above the controls.
 const NARROW: f32 = 2.7;
-/// Room for a slider's number, points.
+/// Width reserved for a slider's number, points.
 const NUMBER: f32 = 62.0;
-/// Minimum remaining room on a line for a slider and its number, points.
+/// Minimum remaining width on a line for a slider and its number, points.
 const SLIDER: f32 = 190.0;
 
-/// A control and its label, on one line that wraps or in a column of labels.
+/// A control with its label. They are on one line that wraps, or the label is in a column of labels.
 #[derive(Clone, Copy)]
 pub struct Field<'a> {
     label: &'a str,
@@ -34,37 +34,37 @@ impl<'a> Field<'a> {
         Self { label, name: None, hint: "", suffix: "", fault: "", width: None, column: None }
     }
 
-    /// The label is in a column of this width.
+    /// Puts the label in a column of this width, points.
     pub fn column(self, width: f32) -> Self {
         Self { column: Some(width), ..self }
     }
 
-    /// A name for screen readers, if it differs from the label.
+    /// Sets the name for screen readers, if it differs from the label.
     pub fn named(self, name: &'a str) -> Self {
         Self { name: Some(name), ..self }
     }
 
-    /// Hint in an empty text field.
+    /// Sets the hint in an empty text field.
     pub fn hint(self, hint: &'a str) -> Self {
         Self { hint, ..self }
     }
 
-    /// Unit behind a slider's number.
+    /// Sets the unit after a slider's number.
     pub fn suffix(self, suffix: &'a str) -> Self {
         Self { suffix, ..self }
     }
 
-    /// The error below the control; none if it is empty.
+    /// Sets the error to show below the control; empty for none.
     pub fn fault(self, fault: &'a str) -> Self {
         Self { fault, ..self }
     }
 
-    /// Width of the control, points.
+    /// Sets the width of the control, points.
     pub fn width(self, width: f32) -> Self {
         Self { width: Some(width), ..self }
     }
 
-    /// Draws the label and its control; `add` gets the identifier of the label, for [`Response::labelled_by`].
+    /// Draws the label and its control. `add` gets the label's ID for [`Response::labelled_by`].
     pub fn show<R>(self, ui: &mut Ui, add: impl FnOnce(&mut Ui, Id) -> R) -> R {
         let Some(column) = self.column else {
             let line = |ui: &mut Ui| {
@@ -99,7 +99,7 @@ impl<'a> Field<'a> {
         self.fault.lines().for_each(|line| text::fault(ui, line));
     }
 
-    /// Any control.
+    /// Draws the label and any control.
     pub fn add(self, ui: &mut Ui, control: impl Widget) -> Response {
         self.show(ui, |ui, label| {
             let response = ui.add(control);
@@ -107,13 +107,13 @@ impl<'a> Field<'a> {
         })
     }
 
-    /// A line of text.
+    /// Draws a single-line text field.
     pub fn text(self, ui: &mut Ui, value: &mut String) -> Response {
         let width = self.width.unwrap_or(ui.spacing().text_edit_width);
         self.add(ui, TextEdit::singleline(value).desired_width(width).hint_text(self.hint))
     }
 
-    /// A number from a range. The value keeps all its digits until the slider is moved.
+    /// Draws a slider. The value keeps all its digits until the slider is moved.
     pub fn slider<N: Numeric>(self, ui: &mut Ui, value: &mut N, range: RangeInclusive<N>, step: f64) -> Response {
         let decimals = (-step.log10()).ceil().max(0.0);
         let scale = 10_f64.powf(decimals);
@@ -123,7 +123,7 @@ impl<'a> Field<'a> {
                 None if ui.available_size_before_wrap().x < SLIDER => ui.end_row(),
                 None => {}
             }
-            // A slider rounds its value, and would report that as a change.
+            // A slider rounds its value and would report this as a change.
             let mut shown = (value.to_f64() * scale).round() / scale;
             let slider = Slider::new(&mut shown, range.start().to_f64()..=range.end().to_f64())
                 .step_by(step)
@@ -137,7 +137,7 @@ impl<'a> Field<'a> {
         })
     }
 
-    /// A choice from a drop-down list.
+    /// Draws a drop-down list.
     pub fn choice<T: Clone + PartialEq>(
         self,
         ui: &mut Ui,
@@ -163,7 +163,7 @@ impl<'a> Field<'a> {
         })
     }
 
-    /// A choice with all options visible.
+    /// Draws radio buttons, with all options visible.
     pub fn radio<T: Clone + PartialEq>(self, ui: &mut Ui, value: &mut T, all: &[(T, &str)]) {
         self.show(ui, |ui, _| {
             for (one, text) in all {

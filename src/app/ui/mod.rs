@@ -1,16 +1,16 @@
-//! The elements of every page: the look of fields, notes, plots, and pages is defined here once.
+//! Elements that all pages share. The look of fields, notes, plots and pages is defined only here.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | [`theme`] | colors, sizes, the palette of plots |
-//! | [`text`] | paragraphs, hints, notes, faults |
-//! | [`page`] | pages, their headings, main buttons, and keys; navigation |
-//! | [`fields`] | labeled controls; numbers as they are typed |
+//! | [`text`] | paragraphs, hints, notes, errors |
+//! | [`page`] | pages, their headings, main buttons and keys; navigation |
+//! | [`fields`] | labeled controls; reading typed numbers |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
 //! | [`plot`] | static plots; tables |
 //! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
-//! | [`screen`], [`platform`] | the monitor, and what the window system knows of it |
-//! | [`work`] | long computations, while the window is still drawn |
+//! | [`screen`], [`platform`] | the monitor, and what the window system reports about it |
+//! | [`work`] | long computations on separate threads |
 
 pub mod blit;
 pub mod dialog;

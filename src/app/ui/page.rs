@@ -1,4 +1,4 @@
-//! Pages: a column of text and controls with a heading, a main button, and keys; and navigation.
+//! Pages, which are columns of text and controls with a heading, a main button and keys, and navigation between them.
 
 use std::convert::Infallible;
 
@@ -6,24 +6,23 @@ use eframe::egui::{self, CentralPanel, Color32, Frame, Key, Popup, RichText, Scr
 
 use super::{text::quiet, theme::COLUMN};
 
-/// Where a page leads after a frame. A page that can only lead back is a `Step` without a type.
+/// Where a page leads after a frame. The step of a page that can only lead back is a plain `Step`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step<T = Infallible> {
-    /// The page stays.
+    /// Stay on this page.
     Stay,
-    /// Back to the previous page.
+    /// Go back to the previous page.
     Back,
-    /// On, with what the next page needs.
+    /// Go on to the next page, with the value that it needs.
     Next(T),
 }
 
 impl<T> Step<T> {
-    /// Back, or stay.
     pub fn back_if(back: bool) -> Self {
         if back { Self::Back } else { Self::Stay }
     }
 
-    /// The same step, with something else for the next page.
+    /// Converts the value for the next page.
     pub fn map<U>(self, next: impl FnOnce(T) -> U) -> Step<U> {
         match self {
             Self::Stay => Step::Stay,
@@ -34,23 +33,23 @@ impl<T> Step<T> {
 }
 
 impl Step {
-    /// As the step of a page that could also lead on.
+    /// Converts this to the step of a page that can also go on to a next page.
     pub fn widen<U>(self) -> Step<U> {
         self.map(|never| match never {})
     }
 }
 
-/// A page with a centered column, a little below the top, that scrolls where the window is small.
+/// Draws a page with a centered column, a little below the top. It scrolls if the window is too small.
 pub fn page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
     page_from(ui, 0.18, add)
 }
 
-/// A page that begins at this share of the window's height.
+/// Draws a page that begins at this share of the window's height.
 pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
     let column = |ui: &mut Ui| {
         let width = ui.available_width().min(COLUMN);
         let margin = (ui.available_width() - width) / 2.0;
-        // A small window has no room to spare.
+        // A small window has no room for the space at the top.
         let spare = ui.available_height() - 560.0;
         ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
         let content = |ui: &mut Ui| {
@@ -67,8 +66,8 @@ pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R 
     CentralPanel::default().frame(Frame::NONE.inner_margin(24.0)).show(ui, scrolling).inner
 }
 
-/// A page for one tool: its name, a back button, and its content. Returns whether the user left it, with the button or
-/// Escape, and the result of the content.
+/// Draws a page for one tool, with its name, a back button and its content. Returns whether the user left it, with the
+/// button or with Escape, and the result of `add`.
 pub fn tool_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> (bool, R) {
     let escaped = escaped(ui);
     page_from(ui, 0.02, |ui| {
@@ -79,7 +78,7 @@ pub fn tool_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> 
     })
 }
 
-/// The name of a page and its back button; returns whether the button was clicked.
+/// Draws the name of a page and its back button; returns whether the button was clicked.
 pub fn heading(ui: &mut Ui, name: &str) -> bool {
     ui.horizontal_wrapped(|ui| {
         ui.heading(name);
@@ -90,7 +89,7 @@ pub fn heading(ui: &mut Ui, name: &str) -> bool {
     .inner
 }
 
-/// The main button of a page, followed by a hint about its keys.
+/// Draws the main button of a page, followed by a hint, such as its key; returns whether the button was clicked.
 pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
     let button = egui::Button::new(RichText::new(text).size(19.0).strong().color(Color32::BLACK))
         .fill(Color32::from_rgb(0xe8, 0xd0, 0x70))
@@ -105,13 +104,14 @@ pub fn primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bool {
     .inner
 }
 
-/// Whether a key for the page was pressed: a control with keyboard focus handles keys itself.
+/// Whether a key was pressed that is meant for the page. A control with keyboard focus handles keys itself.
 pub fn shortcut(ui: &Ui, key: Key) -> bool {
     let focused = ui.memory(|memory| memory.focused().is_some());
     !focused && ui.input(|input| input.key_pressed(key))
 }
 
-/// Whether Escape leaves the page. An open list or dialog is closed first, so ask before they are drawn.
+/// Whether Escape leaves the page. Call this before lists and dialogs are drawn, because Escape closes an open one
+/// first.
 pub fn escaped(ui: &Ui) -> bool {
     let open = Popup::is_any_open(ui.ctx()) || !ui.memory(|memory| memory.allows_interaction(ui.layer_id()));
     !open && ui.input(|input| input.key_pressed(Key::Escape))

@@ -1,6 +1,6 @@
-//! From codes to the screen: the only place that creates textures.
+//! Brings codes to the screen. No other module creates textures.
 //!
-//! A texture drawn at physical pixels, without filtering and tint, reaches the screen byte for byte.
+//! A texture that is drawn at physical pixels without filtering or tint reaches the screen byte for byte.
 
 use std::{ops::Range, sync::Arc};
 
@@ -28,7 +28,7 @@ pub fn texture(
     texture_of(ctx, name, &stimulus.codes(size, quantizer))
 }
 
-/// Uploads an image; the screen takes 8 bits, and a 16-bit image is black.
+/// Uploads an image. The screen takes 8 bits; a 16-bit image becomes black.
 pub fn texture_of(ctx: &egui::Context, name: &str, image: &CodeImage) -> TextureHandle {
     let size = [image.width as usize, image.height as usize];
     let pixels = match image.bytes() {
@@ -44,10 +44,10 @@ fn load(ctx: &egui::Context, name: &str, pixels: Arc<ColorImage>) -> TextureHand
     texture
 }
 
-/// A texture whose image changes with every frame: it is created once, and each image is uploaded once.
+/// A texture whose image can change in every frame. It is created once, and each image is uploaded once.
 #[derive(Default)]
 pub struct Canvas {
-    /// The frame in which the texture was made, and the texture.
+    /// The frame in which the texture was created, and the texture.
     made: Option<(u64, TextureHandle)>,
 }
 
@@ -92,8 +92,8 @@ pub fn draw_centered(ui: &egui::Ui, texture: &TextureHandle, area: Rect) {
     draw_columns(ui, texture.id(), size, 0..size[0], (corner.floor() / scale).to_pos2());
 }
 
-/// Draws the columns `columns` of a texture of `size` physical pixels one to one, the texture's upper left corner at
-/// `min`, a whole pixel.
+/// Draws the columns `columns` of a texture of `size` physical pixels, pixel for pixel. The texture's upper left corner
+/// is at `min`, which must be on a whole pixel.
 pub fn draw_columns(ui: &egui::Ui, texture: TextureId, size: [u32; 2], columns: Range<u32>, min: Pos2) {
     if columns.is_empty() {
         return;

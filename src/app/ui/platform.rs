@@ -1,7 +1,6 @@
-//! What the window system reports about the screen, in particular whether codes reach it unchanged.
+//! What the window system reports about the screen, in particular whether codes reach the screen unchanged.
 //!
-//! X11 reports most of it through RandR. The preflight asks the person at the screen about everything that no system
-//! reports.
+//! X11 reports most of this through RandR. The preflight asks the person at the screen about everything else.
 
 use serde::Serialize;
 use x11rb::{
@@ -15,10 +14,10 @@ use x11rb::{
 
 use super::screen::Monitor;
 
-/// The known properties; `None` if the system does not report them.
+/// The properties of a screen; `None` for those that the system does not report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Platform {
-    /// `X11`, `Wayland`, or the system's name.
+    /// `X11`, `Wayland`, or the name of the operating system.
     pub window_system: &'static str,
     /// Whether there is a compositor between the window and the screen.
     pub composited: Option<bool>,
@@ -26,9 +25,9 @@ pub struct Platform {
     pub ramps_straight: Option<bool>,
     /// Whether the system resamples the image on its way to the screen.
     pub resampled: Option<bool>,
-    /// Pixels of the current mode.
+    /// Width and height of the current mode, pixels.
     pub mode_px: Option<[u32; 2]>,
-    /// Native pixels of the screen.
+    /// Native width and height of the screen, pixels.
     pub own_px: Option<[u32; 2]>,
     /// Width of the display area in cm, as reported by the screen.
     pub width_cm: Option<f64>,
@@ -46,11 +45,11 @@ impl Platform {
         let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
         match () {
             () if !cfg!(target_os = "linux") => Self { window_system: std::env::consts::OS, ..Self::default() },
-            // Wayland's compositor is the window system.
+            // On Wayland, the compositor is the window system.
             () if set("WAYLAND_DISPLAY") => {
                 Self { window_system: "Wayland", composited: Some(true), ..Self::default() }
             }
-            // X11 has no high dynamic range.
+            // X11 does not support high dynamic range.
             () if set("DISPLAY") => {
                 let known = Self { window_system: "X11", hdr: Some(false), ..Self::default() };
                 known.clone().ask_x11(monitor).unwrap_or(known)
@@ -59,7 +58,7 @@ impl Platform {
         }
     }
 
-    /// Adds what the X server reports; `None` if it does not answer.
+    /// Adds what the X server reports; `None` if the server does not answer.
     fn ask_x11(mut self, monitor: &Monitor) -> Option<Self> {
         let (x, number) = RustConnection::connect(None).ok()?;
         let root = x.setup().roots.get(number)?.root;
@@ -93,7 +92,7 @@ impl Platform {
     }
 }
 
-/// Whether an output has the monitor's name; a monitor without a name is any.
+/// Whether an output has the monitor's name; a monitor without a name matches every output.
 fn is_it(name: &[u8], monitor: &Monitor) -> bool {
     monitor.name.as_ref().is_none_or(|wanted| wanted.as_bytes() == name)
 }
@@ -102,7 +101,7 @@ fn px(mode: &ModeInfo) -> [u32; 2] {
     [mode.width.into(), mode.height.into()]
 }
 
-/// Refreshes per second of a mode; `None` if it has no timing, as on virtual screens.
+/// Refreshes per second of a mode; `None` if the mode has no timing, as on virtual screens.
 fn refresh_hz(mode: &ModeInfo) -> Option<f64> {
     let pixels = f64::from(mode.htotal) * f64::from(mode.vtotal);
     (mode.dot_clock > 0 && pixels > 0.0).then(|| f64::from(mode.dot_clock) / pixels)
@@ -132,6 +131,6 @@ fn vrr_capable(x: &RustConnection, output: randr::Output) -> Option<bool> {
 fn is_straight(ramp: &[u16]) -> Option<bool> {
     let last = ramp.len().checked_sub(1).filter(|last| *last > 0 && ramp[*last] > 0)?;
     let off = |(i, value): (usize, &u16)| (f64::from(*value) - i as f64 / last as f64 * f64::from(u16::MAX)).abs();
-    // An 8-bit code is 257 steps of a ramp.
+    // One 8-bit code corresponds to 257 steps of a ramp.
     Some(ramp.iter().enumerate().map(off).fold(0.0, f64::max) < 257.0)
 }

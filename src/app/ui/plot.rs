@@ -5,7 +5,7 @@ use egui_plot::Plot;
 
 use super::text::quiet;
 
-/// A static plot: dragging and scrolling move the page, not the plot.
+/// A static plot. Dragging and scrolling move the page, not the plot.
 pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {
     Plot::new(id)
         .allow_drag(false)
@@ -15,7 +15,7 @@ pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {
         .allow_double_click_reset(false)
 }
 
-/// A striped table that scrolls sideways if it is too wide.
+/// Draws a striped table that scrolls horizontally if it is too wide.
 pub fn table<const N: usize>(ui: &mut Ui, id: &str, heads: [&str; N], rows: impl IntoIterator<Item = [String; N]>) {
     ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
         Grid::new(id).striped(true).num_columns(N).spacing([18.0, 2.0]).show(ui, |ui| {

@@ -1,4 +1,4 @@
-//! The monitor as described by the system, and the typed settings.
+//! The monitor as the window system describes it, and the settings that the user types.
 
 use std::path::Path;
 
@@ -6,8 +6,8 @@ use eframe::egui;
 
 use crate::{display::DisplayProfile, store::profile};
 
-/// A monitor as described by the window system. A macro, because the type belongs to the window system and is not named
-/// anywhere else here.
+/// Converts the window system's description of a monitor. This is a macro, because the type belongs to the window
+/// system's library and is not named anywhere else here.
 macro_rules! described {
     ($monitor:expr) => {{
         let size = $monitor.size();
@@ -21,23 +21,23 @@ macro_rules! described {
     }};
 }
 
-/// What is known about the monitor that shows the window.
+/// What is known about a monitor.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Monitor {
-    /// The system's name for it.
+    /// The system's name for the monitor.
     pub name: Option<String>,
-    /// Physical pixels.
+    /// Width in physical pixels.
     pub width_px: u32,
-    /// Physical pixels.
+    /// Height in physical pixels.
     pub height_px: u32,
-    /// Hertz, where the system reports it.
+    /// Refresh rate in hertz, if the system reports it.
     pub refresh_hz: Option<f64>,
-    /// Physical pixels for each of the system's logical points.
+    /// Physical pixels per logical point of the system.
     pub scale: f64,
 }
 
 impl Monitor {
-    /// The monitor of the window now; without a window, one of the size of the page.
+    /// The monitor that shows the window now; without a window, as in tests, a monitor of the size of the page.
     pub fn current(ctx: &egui::Context, frame: &eframe::Frame) -> Self {
         if let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) {
             return described!(monitor);
@@ -46,13 +46,13 @@ impl Monitor {
         Self { name: None, width_px, height_px, refresh_hz: None, scale: f64::from(ctx.pixels_per_point()) }
     }
 
-    /// All monitors, in the order in which [`egui::ViewportCommand::SetMonitor`] counts them.
+    /// All monitors, in the order that [`egui::ViewportCommand::SetMonitor`] uses.
     pub fn all(frame: &eframe::Frame) -> Vec<Self> {
         let Some(window) = frame.winit_window() else { return Vec::new() };
         window.available_monitors().map(|monitor| described!(monitor)).collect()
     }
 
-    /// For a list to choose from.
+    /// Name and size, for a list to choose from.
     pub fn title(&self) -> String {
         let size = format!("{} × {} pixels", self.width_px, self.height_px);
         match &self.name {
@@ -61,22 +61,22 @@ impl Monitor {
         }
     }
 
-    /// Width in cm if its pixels were 1/96 inch apart, which systems assume for unknown screens.
+    /// Width in cm if its pixels are 1/96 inch apart, as systems assume for unknown screens.
     pub fn assumed_width_cm(&self) -> f64 {
         f64::from(self.width_px) / self.scale.max(0.1) / 96.0 * 2.54
     }
 }
 
-/// The window's content in physical pixels.
+/// Width and height of the window's content in physical pixels.
 pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
     let size = ctx.content_rect().size() * ctx.pixels_per_point();
     (size.x.round() as u32, size.y.round() as u32)
 }
 
-/// The typed settings of the screen, shared by Home and the display lab.
+/// The settings of the screen, as typed; Home and the display lab share them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScreenFields {
-    /// Path of a display profile; empty for sRGB.
+    /// Path of the display profile; empty for sRGB.
     pub profile: String,
     /// Width of the visible screen, cm.
     pub screen_width_cm: String,
@@ -85,7 +85,7 @@ pub struct ScreenFields {
 }
 
 impl ScreenFields {
-    /// The display profile; sRGB if none is named.
+    /// Reads the display profile; sRGB if no path is given.
     ///
     /// # Errors
     /// The errors in the file, one per line.
@@ -102,7 +102,7 @@ impl ScreenFields {
     }
 }
 
-/// The date according to the system clock.
+/// Today's date, according to the system clock.
 pub fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date()
 }

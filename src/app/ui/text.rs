@@ -9,27 +9,27 @@ pub fn quiet(text: impl Into<String>) -> RichText {
     RichText::new(text).small().color(QUIET)
 }
 
-/// Text that wraps.
+/// Draws text that wraps.
 pub fn paragraph(ui: &mut Ui, text: impl Into<WidgetText>) {
     ui.add(Label::new(text).wrap());
 }
 
-/// Secondary text that wraps.
+/// Draws secondary text that wraps.
 pub fn hint(ui: &mut Ui, text: impl Into<String>) {
     paragraph(ui, quiet(text));
 }
 
-/// A note worth reading.
+/// Draws a note that deserves attention.
 pub fn note(ui: &mut Ui, text: impl Into<String>) {
     small(ui, text, NOTE);
 }
 
-/// An error, next to the field or button concerned.
+/// Draws an error, next to the field or button that it concerns.
 pub fn fault(ui: &mut Ui, text: impl Into<String>) {
     small(ui, text, FAULT);
 }
 
-/// A success message.
+/// Draws a success message.
 pub fn good(ui: &mut Ui, text: impl Into<String>) {
     small(ui, text, GOOD);
 }
@@ -38,7 +38,7 @@ fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
     paragraph(ui, RichText::new(text).small().color(color));
 }
 
-/// The outcome of an action, if any.
+/// Draws the outcome of an action, if any: a success message or an error.
 pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
     match outcome {
         Some(Ok(done)) => hint(ui, done),
@@ -47,13 +47,13 @@ pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
     }
 }
 
-/// A heading within a page.
+/// Draws a heading within a page.
 pub fn section(ui: &mut Ui, text: impl Into<String>) {
     ui.add_space(6.0);
     paragraph(ui, RichText::new(text).strong().size(18.0));
 }
 
-/// A check mark or an exclamation mark. Painted, because not every font has them.
+/// Paints a check mark or an exclamation mark, because not every font has them.
 pub fn tick(ui: &mut Ui, good: bool) {
     let (rect, _) = ui.allocate_exact_size(Vec2::splat(18.0), Sense::hover());
     let at = |x: f32, y: f32| rect.lerp_inside(Vec2::new(x, y));
@@ -66,7 +66,7 @@ pub fn tick(ui: &mut Ui, good: bool) {
     }
 }
 
-/// A number in a text, with a typographic minus sign.
+/// Replaces the hyphen of a number with a typographic minus sign.
 pub fn signed(number: &str) -> String {
     number.replace('-', "−")
 }

@@ -5,19 +5,19 @@ use egui_plot::MarkerShape;
 
 use crate::report::figures::palette::{ON_DARK, Rgb};
 
-/// What is wrong.
+/// Color of errors.
 pub const FAULT: Color32 = Color32::from_rgb(0xff, 0xa0, 0x80);
-/// What is worth knowing.
+/// Color of notes.
 pub const NOTE: Color32 = Color32::from_rgb(0xe8, 0xc8, 0x60);
-/// What has worked, or is as it should be.
+/// Color of success messages and of checks that passed.
 pub const GOOD: Color32 = Color32::from_rgb(0x90, 0xd0, 0xa0);
-/// Secondary text; 7:1 on the page.
+/// Color of secondary text; its contrast with the page is 7:1.
 pub const QUIET: Color32 = Color32::from_gray(0xb4);
 pub const PAGE: Color32 = Color32::from_gray(0x22);
-/// Maximum line width of running text, points.
+/// Maximum width of a line of running text, points.
 pub const COLUMN: f32 = 680.0;
 
-/// Colors of the series of a plot: those of the figures, on a dark page.
+/// Colors of the series in a plot: the colors of the figures, adapted to a dark page.
 pub const SERIES: [Color32; 7] = {
     let mut colors = [Color32::BLACK; 7];
     let mut index = 0;
@@ -28,7 +28,7 @@ pub const SERIES: [Color32; 7] = {
     }
     colors
 };
-/// A different marker for each series, so that color is not needed.
+/// A different marker for each series, so that readers need not distinguish colors.
 pub const MARKERS: [MarkerShape; 7] = [
     MarkerShape::Circle,
     MarkerShape::Square,
@@ -41,12 +41,12 @@ pub const MARKERS: [MarkerShape; 7] = [
 /// Colors of the left and right images in a comparison.
 pub const SIDES: [Color32; 2] = [SERIES[1], NOTE];
 
-/// Color and marker of a series. After all colors are used, they repeat with other markers.
+/// Color and marker of a series. Once all colors have been used, they repeat with other markers.
 pub fn series(index: usize) -> (Color32, MarkerShape) {
     (SERIES[index % SERIES.len()], MARKERS[(index + index / SERIES.len()) % MARKERS.len()])
 }
 
-/// Sets the style once.
+/// Sets the style of all pages; called once.
 pub fn apply(ctx: &egui::Context) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.all_styles_mut(|style| {
@@ -75,7 +75,7 @@ pub fn apply(ctx: &egui::Context) {
         style.visuals.widgets.inactive.bg_fill = Color32::from_gray(0x48);
         style.visuals.widgets.inactive.weak_bg_fill = Color32::from_gray(0x40);
         style.visuals.widgets.inactive.bg_stroke = egui::Stroke::new(1.0, Color32::from_gray(0x68));
-        // The control with keyboard focus stands out; the control under the mouse, less so.
+        // The control with keyboard focus stands out more than the control under the mouse.
         style.visuals.widgets.active.bg_stroke = egui::Stroke::new(2.5, Color32::WHITE);
         style.visuals.widgets.hovered.bg_stroke = egui::Stroke::new(1.0, Color32::from_gray(0xa0));
         style.visuals.selection.bg_fill = Color32::from_rgb(0x4a, 0x5a, 0x80);
@@ -83,7 +83,7 @@ pub fn apply(ctx: &egui::Context) {
     });
 }
 
-/// Smaller than on other pages: these pages have many controls.
+/// Uses smaller text and spacing, for pages with many controls.
 pub fn compact(ui: &mut egui::Ui) {
     let style = ui.style_mut();
     for (name, size) in [(TextStyle::Body, 15.0), (TextStyle::Button, 15.0), (TextStyle::Small, 13.0)] {

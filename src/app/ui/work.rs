@@ -9,30 +9,29 @@ pub struct Work<T>(Receiver<T>);
 
 /// The state of a computation.
 pub enum Progress<T> {
-    /// It is not done.
+    /// It is still running.
     Going,
-    /// Its result, once.
+    /// Its result, which is returned only once.
     Done(T),
-    /// It ended without a result: an error in the program, not in the data.
+    /// It ended without a result, because of an error in the program, not in the data.
     Lost,
 }
 
 impl<T: Send + 'static> Work<T> {
-    /// Starts it; the window is drawn again at its end.
+    /// Starts a computation on a separate thread. The window is drawn again when it ends.
     pub fn start(ctx: &egui::Context, compute: impl FnOnce() -> T + Send + 'static) -> Self {
         let (send, receive) = channel();
         let ctx = ctx.clone();
         std::thread::spawn(move || {
-            // Dropped last, even if the computation panics: the window then finds the channel closed.
+            // Dropped last, even if the computation panics, so that the window then finds the channel closed.
             let _repaint = Repaint(ctx);
             let send = send;
-            // Newer work may have replaced this; then nobody needs the result.
+            // If newer work has replaced this, nobody needs the result.
             let _ = send.send(compute());
         });
         Self(receive)
     }
 
-    /// The current state.
     pub fn poll(&self) -> Progress<T> {
         match self.0.try_recv() {
             Ok(result) => Progress::Done(result),
@@ -51,7 +50,7 @@ impl Drop for Repaint {
     }
 }
 
-/// One computation at a time, for the last requested key: a new one begins when the previous one is done.
+/// Runs one computation at a time, for the last requested key. A new one begins when the previous one is done.
 pub struct Latest<K, T> {
     going: Option<(K, Work<Result<T, String>>)>,
     done: Option<(K, Result<T, String>)>,
@@ -64,7 +63,8 @@ impl<K, T> Default for Latest<K, T> {
 }
 
 impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
-    /// Ensures that the result for `key` is computed: `job` returns the computation when it is about to begin.
+    /// Ensures that the result for `key` is computed. `job` is called when the computation is about to begin, and
+    /// returns it.
     pub fn want<F>(&mut self, ctx: &egui::Context, key: K, job: impl FnOnce() -> F)
     where
         F: FnOnce() -> Result<T, String> + Send + 'static,
@@ -76,7 +76,7 @@ impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
         }
     }
 
-    /// The result for `key` once it is available, and for no other key.
+    /// The result for exactly this key, once it is available.
     pub fn get(&self, key: &K) -> Option<&Result<T, String>> {
         self.done.as_ref().filter(|(done, _)| done == key).map(|(_, result)| result)
     }

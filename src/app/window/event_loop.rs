@@ -1,4 +1,4 @@
-//! The event loop: that of eframe, with keys and clicks timestamped before they are passed to it.
+//! Runs eframe's event loop, and timestamps keys and clicks before it passes them on.
 
 use std::{
     mem::ManuallyDrop,
@@ -21,14 +21,14 @@ use super::{
     program::{Failure, Shared, WindowError},
 };
 
-/// A loop that wakes after at least this time was idle, and was woken by the events that it then finds.
-const SLEPT: Duration = Duration::from_micros(500);
+/// If the loop wakes after at least this time, it was idle, and the events that it finds have just woken it.
+const MIN_IDLE: Duration = Duration::from_micros(500);
 
 /// Runs the window until it is closed.
 ///
 /// # Errors
-/// [`WindowError::Refused`] with the reason of the window system or the graphics driver; [`WindowError::Lost`] if one
-/// of them was lost while the window was open.
+/// [`WindowError::Refused`] with the reason that the window system or the graphics driver gave; [`WindowError::Lost`]
+/// if one of them was lost while the window was open.
 pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<(), WindowError> {
     let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
     listen_to_log();
@@ -37,7 +37,8 @@ pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<()
     Failure::catch_panics();
     program.report_at_exit();
     let inner = eframe::create_native("machband", options, creator, &events);
-    // Broken parts are not dropped, because they would call a window system or a graphics card that was lost.
+    // After a failure, the handler is not dropped, because dropping it would call a window system or a graphics card
+    // that was lost.
     let mut handler = ManuallyDrop::new(Handler {
         inner,
         program,
@@ -61,30 +62,30 @@ pub fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<()
     if let Ok(Err(error)) = ran {
         return Err(refused(&error));
     }
-    // eframe gives the reason for stopping only in its log.
+    // eframe reports the reason for stopping only in its log.
     match LOGGED.lock().unwrap_or_else(PoisonError::into_inner).take() {
         Some(reason) => Err(WindowError::Refused(reason)),
         None => Ok(()),
     }
 }
 
-/// Timestamps keys and clicks, and passes everything on.
+/// Timestamps keys and clicks, and passes all events to eframe.
 struct Handler<'a> {
     inner: EframeWinitApplication<'a>,
-    /// The program in the window, to close it if the window is lost.
+    /// The program in the window, which is closed if the window is lost.
     program: Shared,
     stamps: Stamps,
-    /// When this iteration had read all events and began drawing; `None` until then.
+    /// When this iteration finished reading events and began to draw; `None` until then.
     polled: Option<Instant>,
     /// When the last iteration ended.
     idle_since: Option<Instant>,
-    /// Time since which no event has been read.
+    /// When events were last read before this iteration, or when they woke an idle loop.
     unseen_since: Instant,
 }
 
 impl<'a> Handler<'a> {
-    /// Passes an event on, unless the window or the graphics are lost: then the session is closed, and the loop ends.
-    fn hand_on(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
+    /// Passes an event to eframe. Once the window or the graphics are lost, closes the session and ends the loop.
+    fn forward(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
         let failure = self.program.failure();
         if failure.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
             failure.report_panic();
@@ -95,10 +96,10 @@ impl<'a> Handler<'a> {
         }
     }
 
-    /// Begins an iteration: its events have arrived since the previous iteration read events, or have just woken an
+    /// Begins an iteration. Its events have arrived since the previous iteration read events, or have just woken an
     /// idle loop.
     fn wake(&mut self, now: Instant) {
-        let slept = self.idle_since.is_some_and(|since| now.saturating_duration_since(since) > SLEPT);
+        let slept = self.idle_since.is_some_and(|since| now.saturating_duration_since(since) > MIN_IDLE);
         self.unseen_since = if slept { now } else { self.polled.take().unwrap_or(now) };
         self.polled = None;
     }
@@ -124,7 +125,7 @@ impl<'a> Handler<'a> {
     }
 }
 
-/// Digits and letters by position: the keys that can be an answer.
+/// The key at a position, for digits and letters only, because only these can be answers.
 fn key(physical: PhysicalKey) -> Option<Key> {
     let PhysicalKey::Code(code) = physical else { return None };
     let name = format!("{code:?}");
@@ -135,50 +136,50 @@ fn key(physical: PhysicalKey) -> Option<Key> {
 impl ApplicationHandler<UserEvent> for Handler<'_> {
     fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
         self.wake(Instant::now());
-        self.hand_on(events, |inner| inner.new_events(events, cause));
+        self.forward(events, |inner| inner.new_events(events, cause));
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
         self.stamp(&event);
-        self.hand_on(events, |inner| inner.window_event(events, window, event));
+        self.forward(events, |inner| inner.window_event(events, window, event));
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.about_to_wait(events));
+        self.forward(events, |inner| inner.about_to_wait(events));
         let now = Instant::now();
         self.polled.get_or_insert(now);
         self.idle_since = Some(now);
     }
 
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.resumed(events));
+        self.forward(events, |inner| inner.resumed(events));
     }
 
     fn user_event(&mut self, events: &ActiveEventLoop, event: UserEvent) {
-        self.hand_on(events, |inner| inner.user_event(events, event));
+        self.forward(events, |inner| inner.user_event(events, event));
     }
 
     fn device_event(&mut self, events: &ActiveEventLoop, device: DeviceId, event: DeviceEvent) {
-        self.hand_on(events, |inner| inner.device_event(events, device, event));
+        self.forward(events, |inner| inner.device_event(events, device, event));
     }
 
     fn suspended(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.suspended(events));
+        self.forward(events, |inner| inner.suspended(events));
     }
 
     fn exiting(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.exiting(events));
+        self.forward(events, |inner| inner.exiting(events));
     }
 
     fn memory_warning(&mut self, events: &ActiveEventLoop) {
-        self.hand_on(events, |inner| inner.memory_warning(events));
+        self.forward(events, |inner| inner.memory_warning(events));
     }
 }
 
-/// Why eframe gave up.
+/// The reason why eframe stopped, from its log.
 static LOGGED: Mutex<Option<String>> = Mutex::new(None);
-/// The text before the reason in the log of eframe.
-const GAVE_UP: &str = "Exiting because of error: ";
+/// The text that precedes the reason in eframe's log.
+const REASON_PREFIX: &str = "Exiting because of error: ";
 
 struct Listener;
 
@@ -189,7 +190,7 @@ impl log::Log for Listener {
 
     fn log(&self, record: &log::Record<'_>) {
         if self.enabled(record.metadata())
-            && let Some(reason) = record.args().to_string().strip_prefix(GAVE_UP)
+            && let Some(reason) = record.args().to_string().strip_prefix(REASON_PREFIX)
         {
             *LOGGED.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason.to_owned());
         }
@@ -201,7 +202,7 @@ impl log::Log for Listener {
 fn listen_to_log() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // A program with its own log keeps it, and then knows the reason.
+        // A program that has set its own logger keeps it and can find the reason there.
         if log::set_logger(&Listener).is_ok() {
             log::set_max_level(log::LevelFilter::Error);
         }

@@ -1,8 +1,8 @@
 //! Keys and clicks, timestamped when the window system delivers them rather than in the frame that responds to them.
 //!
-//! The event loop sets timestamps ([`Stamps::press`]); the session looks up the timestamp of a key that egui reports
-//! ([`Input::key`]). Without our own event loop, as in tests, there are no timestamps, and the time of the frame is
-//! used.
+//! The event loop records timestamps ([`Stamps::press`]), and the session looks up the timestamp of a key that egui
+//! reports ([`Input::key`]). Without our own event loop, as in tests, there are no timestamps, and the session uses the
+//! time of the frame.
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -11,26 +11,25 @@ use std::{
 
 use eframe::egui::Key;
 
-/// What was pressed.
+/// A key or a mouse button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pressed {
     /// A key, by its position on the keyboard.
     Key(Key),
-    /// A released mouse button: only the release makes a click.
+    /// A mouse button; the time is that of its release, which completes the click.
     Click,
 }
 
-/// Something that was pressed.
 #[derive(Clone, Copy, Debug)]
 struct Press {
     what: Pressed,
-    /// When it was delivered.
+    /// When the event was delivered.
     at: Instant,
-    /// How long no event had been read before.
+    /// How long the program had not read events before that.
     unseen: Duration,
 }
 
-/// Presses since the last frame: the event loop writes, the window reads.
+/// Presses since the last frame. The event loop adds them, and the window takes them.
 #[derive(Clone, Debug, Default)]
 pub struct Stamps(Arc<Mutex<Vec<Press>>>);
 
@@ -48,31 +47,31 @@ impl Stamps {
 /// When a key or button was pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PressTime {
-    /// The window's time, seconds.
+    /// Time of the press in the window's time, seconds.
     pub at_s: f64,
-    /// The maximum time that it may have waited, if known.
+    /// The maximum time that the event may have waited before it was delivered, if known.
     pub uncertainty: Option<Duration>,
 }
 
-/// The presses of a frame with their timestamps.
+/// The presses of a frame, with their timestamps.
 #[derive(Debug, Default)]
 pub struct Input {
-    /// `None` without an event loop of our own.
+    /// Timestamps from the event loop; `None` without our own event loop.
     stamps: Option<Stamps>,
-    /// When the window's time was 0.
+    /// The clock's time when the window's time was 0.
     zero: Option<Instant>,
     fresh: Vec<Press>,
 }
 
 impl Input {
-    /// With the timestamps of an event loop.
+    /// Input with the timestamps of an event loop.
     pub fn stamped(stamps: Stamps) -> Self {
         Self { stamps: Some(stamps), ..Self::default() }
     }
 
-    /// Begins a frame: `now` is the window's time, seconds, taken a moment before `clock`.
+    /// Begins a frame. `now` is the window's time in seconds, taken a moment before `clock`.
     pub fn frame(&mut self, now: f64, clock: Instant) {
-        // The delay between the two is never negative, so the earliest zero is the most accurate.
+        // `clock` is never taken before `now`, so the earliest zero is the most accurate.
         if let Some(zero) = Duration::try_from_secs_f64(now).ok().and_then(|now| clock.checked_sub(now)) {
             self.zero = Some(self.zero.map_or(zero, |before| before.min(zero)));
         }
@@ -84,7 +83,7 @@ impl Input {
         self.find(Pressed::Key(place))
     }
 
-    /// The stamp of the last click before this frame.
+    /// The timestamp of the last click before this frame.
     pub fn click(&mut self) -> Option<PressTime> {
         let mut last = None;
         while let Some(pressed_at) = self.find(Pressed::Click) {
@@ -101,17 +100,17 @@ impl Input {
     }
 }
 
-/// How the ratings of a sitting were timestamped, for the sidecar.
+/// Counts how the ratings of a sitting were timestamped, for the sidecar.
 #[derive(Clone, Debug, Default)]
 pub struct InputReport {
-    /// Maximum waits of the ratings with a timestamp.
+    /// Maximum wait of each rating with a timestamp.
     waits: Vec<Duration>,
-    /// Ratings without a timestamp.
+    /// Number of ratings without a timestamp.
     unstamped: u32,
 }
 
 impl InputReport {
-    /// A rating was given.
+    /// Counts a rating.
     pub fn rated(&mut self, uncertainty: Option<Duration>) {
         match uncertainty {
             Some(wait) => self.waits.push(wait),
@@ -119,7 +118,7 @@ impl InputReport {
         }
     }
 
-    /// For the sidecar.
+    /// The summary for the sidecar.
     pub fn summary(&self) -> serde_json::Value {
         let mut waits = self.waits.clone();
         waits.sort_unstable();
@@ -146,7 +145,7 @@ impl InputReport {
     }
 }
 
-/// The meaning of a timestamp.
+/// What a timestamp means, for the sidecar.
 const STAMPED: &str = "A rating is timestamped when the window system delivers the key or click, before the frame that \
     responds to it. The event may have waited since the program last read events (it reads none while it draws), for \
     at most response_uncertainty_s. Delays of the keyboard, cable, and window system are not included.";

@@ -1,5 +1,5 @@
-//! The window of the program: the event loop, keys and clicks with their arrival times, and the response to the loss of
-//! the window system or the graphics.
+//! The window of the program: the event loop, keys and clicks with their arrival times, and what happens if the window
+//! system or the graphics are lost.
 
 mod event_loop;
 mod input;

@@ -15,10 +15,10 @@ use super::{
     program::{Program, Shared, WindowError},
 };
 
-/// Least size of the window, outside sessions, in points.
+/// Minimum size of the window outside sessions, points.
 pub const LEAST_SIZE: egui::Vec2 = egui::vec2(420.0, 360.0);
 
-/// Opens the window and returns when it is closed. `make` creates the program that runs in it.
+/// Opens the window; returns when it is closed. `make` creates the program that runs in it.
 ///
 /// # Errors
 /// [`WindowError`] if there is no display or no graphics, or if one of them is lost.
@@ -42,11 +42,12 @@ fn options(fullscreen: bool) -> NativeOptions {
             .with_inner_size([1100.0, 860.0])
             .with_min_inner_size(LEAST_SIZE)
             .with_fullscreen(fullscreen),
-        // egui's dither adds noise to every pixel, stimulus included.
+        // egui's dither would add noise to every pixel, including the stimulus.
         dithering: false,
         ..Default::default()
     };
-    // All limits of the graphics card: the defaults of eframe on OpenGL lack the storage buffers that the shaders read.
+    // Requests all limits of the graphics card, because eframe's defaults for OpenGL exclude the storage buffers that
+    // the shaders read.
     if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
         setup.device_descriptor = Arc::new(|adapter| DeviceDescriptor {
             label: Some("machband"),
@@ -54,7 +55,7 @@ fn options(fullscreen: bool) -> NativeOptions {
             ..Default::default()
         });
     }
-    // One frame in flight: an image reaches the screen as soon as the system allows.
+    // Only one frame in flight, so that an image reaches the screen as soon as the system allows.
     options.wgpu_options.surface.desired_maximum_frame_latency = Some(1);
     options
 }

@@ -1,5 +1,5 @@
-//! The program in the window, and the response to the loss of the graphics card or the window system: recorded data are
-//! on disk, the sitting is closed, and a message says how to resume.
+//! The program in the window, and what happens if the graphics card or the window system is lost: saved data are on
+//! disk, the sitting is closed, and a message says how to resume.
 
 use std::{
     cell::{Cell, RefCell},
@@ -12,15 +12,15 @@ use std::{
 
 use eframe::{AppCreator, CreationContext, egui, wgpu::DeviceLostReason};
 
-/// Why there is no window.
+/// Why there is no window, or no longer one.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
-    /// No display to open a window on.
+    /// There is no display on which to open a window.
     #[error(
-        "display: no window can be opened, since neither DISPLAY nor WAYLAND_DISPLAY is set; expected a desktop session (without one, `machband simulate` runs sessions with a simulated observer)"
+        "display: no window can be opened, because neither DISPLAY nor WAYLAND_DISPLAY is set; expected a desktop session (without one, `machband simulate` runs sessions with a simulated observer)"
     )]
     NoDisplay,
-    /// The window system or the graphics driver refused.
+    /// The window system or the graphics driver refused to open a window.
     #[error(
         "display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)"
     )]
@@ -28,9 +28,9 @@ pub enum WindowError {
     /// The window system or the graphics driver was lost while the window was open.
     #[error("{}", lost(reason, rows.as_deref()))]
     Lost {
-        /// The reason they gave.
+        /// The reason that was given.
         reason: String,
-        /// Path of the rows of the running session.
+        /// Path of the file with the rows of the running session; `None` if there is no session.
         rows: Option<PathBuf>,
     },
 }
@@ -39,26 +39,26 @@ fn lost(reason: &str, rows: Option<&Path>) -> String {
     let (place, expected) = match rows {
         Some(rows) => (
             rows.display().to_string(),
-            "every saved answer is on disk; to resume, expected the same command with --resume, or Home with the same \
-                participant and session",
+            "every saved answer is on disk; to resume, use the same command with --resume, or enter the same \
+                participant and session on Home",
         ),
         None => ("display".to_owned(), "expected a window system and graphics driver that keep running"),
     };
     format!("{place}: the window was lost ({reason}); {expected}")
 }
 
-/// What runs in the window.
+/// A program that runs in the window.
 pub trait Program: eframe::App {
-    /// Ends a running session; returns the file of its rows.
+    /// Ends a running session; returns the path of the file with its rows.
     fn close(&mut self) -> Option<PathBuf>;
 }
 
-/// Why the window or its graphics failed, once they have.
+/// Why the window or its graphics failed; empty until they fail.
 #[derive(Clone, Debug, Default)]
 pub struct Failure(Arc<Mutex<Option<String>>>);
 
 thread_local! {
-    /// The message of the last panic of this thread, where panics are caught.
+    /// The message of the last panic of this thread. It is stored only if panics are caught.
     static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
     static CAUGHT: Cell<bool> = const { Cell::new(false) };
     /// Dropped at exit if a library ends the program itself, as Xlib does when its server is lost.
@@ -66,18 +66,18 @@ thread_local! {
 }
 
 impl Failure {
-    /// The first reason that was reported.
+    /// The first reported reason.
     pub fn reason(&self) -> Option<String> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Window or graphics are lost.
+    /// Reports that the window or the graphics are lost. Only the first reason counts.
     pub fn report(&self, reason: String) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
     }
 
-    /// The libraries of the window panic if the graphics or the window system are lost. From now on, panics of this
-    /// thread are kept for [`Failure::report_panic`] and not printed.
+    /// From now on, keeps panics of this thread for [`Failure::report_panic`] instead of printing them. The libraries
+    /// of the window panic if the graphics or the window system are lost.
     pub fn catch_panics() {
         CAUGHT.set(true);
         let before = panic::take_hook();
@@ -91,18 +91,18 @@ impl Failure {
         }));
     }
 
-    /// Records a caught panic. If the graphics card was lost before, that is the reason.
+    /// Reports the caught panic. If the loss of the graphics card was reported before, that remains the reason.
     pub fn report_panic(&self) {
         self.report(PANIC.take().unwrap_or_else(|| "no reason given".to_owned()));
     }
 
-    /// Watches for the loss of the graphics card and its other errors.
+    /// Watches for the loss of the graphics card and for its other errors.
     fn watch(&self, cc: &CreationContext<'_>) {
         let Some(state) = &cc.wgpu_render_state else { return };
         let (lost, wrong) = (self.clone(), self.clone());
         let (ctx, other) = (cc.egui_ctx.clone(), cc.egui_ctx.clone());
         state.device.set_device_lost_callback(move |reason, message| {
-            // The normal end of the program destroys it, too.
+            // The device is also destroyed when the program ends normally.
             if reason != DeviceLostReason::Destroyed {
                 lost.report(format!("the graphics card was lost: {}", message.trim()));
                 ctx.request_repaint();
@@ -119,7 +119,7 @@ fn file_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
-/// The program in the window, which the event loop can close if the window no longer can.
+/// The program in the window. The event loop can close it when the window no longer can.
 #[derive(Clone)]
 pub struct Shared {
     program: Rc<RefCell<Option<Box<dyn Program>>>>,
@@ -130,17 +130,17 @@ pub struct Shared {
 type Make = Box<dyn FnOnce(&CreationContext<'_>) -> Box<dyn Program>>;
 
 impl Shared {
-    /// A program that is created when there is a window.
+    /// Creates the program only once there is a window.
     pub fn new(make: impl FnOnce(&CreationContext<'_>) -> Box<dyn Program> + 'static) -> Self {
         Self { program: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), failure: Failure::default() }
     }
 
-    /// Whether window or graphics are lost.
+    /// Says whether the window or the graphics are lost.
     pub fn failure(&self) -> &Failure {
         &self.failure
     }
 
-    /// Makes the program.
+    /// A function for eframe that creates the program.
     pub fn creator(&self) -> AppCreator<'static> {
         let shared = self.clone();
         Box::new(move |cc| {
@@ -150,12 +150,12 @@ impl Shared {
         })
     }
 
-    /// From now on, the program does not end without a message.
+    /// From now on, prints a message even if a library ends the program.
     pub fn report_at_exit(&self) {
         AT_EXIT.set(Some(AtExit(self.clone())));
     }
 
-    /// The window has ended normally, or the reason is reported elsewhere.
+    /// Cancels that message, because the window ended normally or the reason is reported elsewhere.
     pub fn forget_exit(&self) {
         mem::forget(AT_EXIT.take());
     }
@@ -165,9 +165,9 @@ impl Shared {
         self.program.try_borrow().map_or(true, |program| program.is_some())
     }
 
-    /// Ends a running session; returns the file of its rows.
+    /// Ends a running session; returns the path of the file with its rows.
     pub fn close(&self) -> Option<PathBuf> {
-        // Borrowed only while drawing, which a caught panic has ended.
+        // The program is borrowed only while it draws, and a caught panic has ended that.
         self.program.try_borrow_mut().ok()?.as_mut()?.close()
     }
 }

@@ -2,8 +2,9 @@
 //! Robinson, Hammon and de Sa 2007 (Vision Research 47:1631).
 //!
 //! There are seven filter sizes, one octave apart, at six orientations. Each filter is a round Gaussian center minus a
-//! surround that is twice as long along one axis. The responses of all sizes at one orientation are added with weights that
-//! increase as f^0.1. Each orientation's sum is divided by its root mean square over the whole image, and the six are added.
+//! surround that is twice as long along one axis. The responses of all sizes at one orientation are added with weights
+//! that increase as f^0.1. Each orientation's sum is divided by its root mean square over the whole image, and the six
+//! are added.
 
 use std::{
     f64::consts::{PI, SQRT_2},
@@ -29,17 +30,18 @@ pub enum Beyond {
     Nearest,
 }
 
-/// The model. The response to an image is its predicted brightness, in units of the orientations' root mean squares; the
-/// mean far from the image is 0. It does not depend on contrast.
+/// The model. The response to an image is its predicted brightness, in units of the orientations' root mean squares;
+/// the mean far from the image is 0. It does not depend on contrast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Odog {
-    /// Space constant of the smallest center, in degrees: the distance at which it has fallen to 1/e, √2 standard deviations.
+    /// Space constant of the smallest center, in degrees: the distance at which it has fallen to 1/e, √2 standard
+    /// deviations.
     pub finest_deg: f64,
     /// Number of filter sizes, each twice the previous one.
     pub sizes: u32,
     /// Number of orientations, evenly spaced over half a turn.
     pub orientations: u32,
-    /// Length of the surround divided by that of the center, along the axis of the orientation.
+    /// Ratio of the length of the surround to that of the center, along the axis of the orientation.
     pub surround: f64,
     /// Exponent: the weight of a filter is its frequency to this power.
     pub slope: f64,
@@ -48,8 +50,8 @@ pub struct Odog {
 }
 
 impl Odog {
-    /// Space constants from 0.047 to 3 degrees in octaves: Blakeslee and McCourt 1999, table 1, as given by Robinson et al.
-    /// 2007 (1.5 to 96 pixels at 32 pixels per degree).
+    /// Space constants from 0.047 to 3 degrees in octaves: Blakeslee and McCourt 1999, table 1, as given by Robinson et
+    /// al. 2007 (1.5 to 96 pixels at 32 pixels per degree).
     pub const FINEST_DEG: f64 = 0.046_875;
     /// Blakeslee and McCourt 1999.
     pub const SIZES: u32 = 7;
@@ -62,11 +64,11 @@ impl Odog {
     /// Robinson et al. 2007: mid-gray around the image.
     pub const BEYOND: Beyond = Beyond::Light(0.5);
 
-    /// The predicted brightness of an image in linear light, with `width` × `height` pixels in rows from the top left and
-    /// `px_per_deg` pixels per degree.
+    /// The predicted brightness of an image in linear light, with `width` × `height` pixels in rows from the top left
+    /// and `px_per_deg` pixels per degree.
     ///
-    /// Filters are as large as the image. If a side has an even number of pixels, the center of the filter is between two
-    /// pixels, as in Robinson et al.'s program, so the response along that side is shifted by half a pixel.
+    /// Filters are as large as the image. If a side has an even number of pixels, the center of the filter is between
+    /// two pixels, as in Robinson et al.'s program, so the response along that side is shifted by half a pixel.
     ///
     /// The result is empty if `light` does not have that size or contains a value that is not finite. Memory: about 450
     /// bytes per pixel.
@@ -117,8 +119,8 @@ impl Odog {
     /// The predicted brightness of an unbounded image that varies only along this profile.
     ///
     /// Except near borders, this is exactly the response to the image. The integral of a filter across the profile is a
-    /// difference of two Gaussians; the surround at angle θ has the variance σ²(cos²θ + 4 sin²θ). The orientation along the
-    /// profile (θ = 0) has no response and drops out. Root mean squares are over the given samples.
+    /// difference of two Gaussians; the surround at angle θ has the variance σ²(cos²θ + 4 sin²θ). The orientation along
+    /// the profile (θ = 0) has no response and drops out. Root mean squares are over the given samples.
     fn respond_to_profile(&self, light: &[f64], px_per_deg: f64) -> Vec<f64> {
         let widest = self.finest_deg * f64::from(self.sizes).exp2() / (2.0 * SQRT_2);
         let spectrum = Spectrum::new(light, px_per_deg, 6.0 * self.surround * widest);
@@ -136,7 +138,8 @@ impl Odog {
         sum
     }
 
-    /// The transfer function at `f` cycles per degree of an orientation's summed filters, integrated across the profile.
+    /// The transfer function at `f` cycles per degree of an orientation's summed filters, integrated across the
+    /// profile.
     fn across(&self, angle: f64, f: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         let wider = (cos * cos + (self.surround * sin).powi(2)).sqrt();
@@ -162,7 +165,8 @@ impl Baseline for Odog {
         "ODOG"
     }
 
-    /// The strength of a band is the overshoot of predicted brightness above the adjacent plateau, in root mean squares.
+    /// The strength of a band is the overshoot of predicted brightness above the adjacent plateau, in root mean
+    /// squares.
     fn marks(&self, light: &[f64], px_per_deg: f64) -> Vec<Mark> {
         if !is_profile(light, px_per_deg) || range(light) <= ROUNDING * light[0].abs() {
             return Vec::new();
@@ -204,8 +208,9 @@ impl OdogFilters {
     }
 }
 
-/// Adds `weight` times a Gaussian of area 1 to `kernel`, which has `width` samples per row. `sigma_px` contains the standard
-/// deviations along its two axes; the first axis is at `angle` to the rows. The area is the sum over the existing samples.
+/// Adds `weight` times a Gaussian of area 1 to `kernel`, which has `width` samples per row. `sigma_px` contains the
+/// standard deviations along its two axes; the first axis is at `angle` to the rows. The area is the sum over the
+/// existing samples.
 fn add_gaussian(kernel: &mut [f64], width: usize, height: usize, sigma_px: [f64; 2], angle: f64, weight: f64) {
     let (sin, cos) = angle.sin_cos();
     let [p, q] = sigma_px.map(|sigma| 0.5 / (sigma * sigma));
@@ -250,7 +255,7 @@ fn off(len: usize, i: usize) -> f64 {
     i as f64 - (len as f64 - 1.0) / 2.0
 }
 
-/// Those of `len` samples that are within `reach` of the middle, and always the middle one or two.
+/// The indices, among `len` samples, within `reach` of the middle. The middle one or two are always included.
 fn within(len: usize, reach: f64) -> std::ops::Range<usize> {
     let half = (len as f64 - 1.0) / 2.0;
     let first = (half - reach.max(0.5)).ceil().max(0.0) as usize;
@@ -299,8 +304,8 @@ impl Bank {
         self.width * self.height
     }
 
-    /// The response of every filter to the image. Beyond its border, the light is `outside`, or that of the nearest pixel if
-    /// `outside` is `None`. Filters must have no response to uniform light.
+    /// The response of every filter to the image. Beyond its border, the light is `outside`; if that is `None`, the
+    /// border pixels are repeated. Filters must have no response to uniform light.
     fn filtered(&self, light: &[f32], outside: Option<f64>) -> Vec<Vec<f64>> {
         let (left, top) = (before(self.width), before(self.height));
         // Subtracting the mean or the surround reduces rounding errors and does not change the response.
@@ -396,7 +401,8 @@ fn scratch(fft: &Arc<dyn Fft<f64>>) -> Vec<Complex<f64>> {
     vec![Complex::default(); fft.get_inplace_scratch_len()]
 }
 
-/// Transposes the columns `wanted` of `lines` (of `width` values each) into lines of `len` values. Missing values are 0.
+/// Transposes the columns `wanted` of `lines` (of `width` values each) into lines of `len` values. Missing values are
+/// 0.
 fn transposed(lines: &[Complex<f64>], width: usize, wanted: std::ops::Range<usize>, len: usize) -> Vec<Complex<f64>> {
     /// Columns processed at once, so that a cache line is used while it is still in the cache.
     const BLOCK: usize = 8;

@@ -1,4 +1,5 @@
-//! What the one-dimensional models share: their interface, the bands in a response, and filters in the frequency domain.
+//! Code that the one-dimensional models share: their interface, the search for bands in a response, and filters in the
+//! frequency domain.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -99,8 +100,8 @@ pub fn degrees(at: f64, len: usize, px_per_deg: f64) -> f64 {
     (at - (len as f64 - 1.0) / 2.0) / px_per_deg
 }
 
-/// Whether the light itself has an extremum at `at` (a maximum if `bright`): `near_px` samples away on both sides, it is
-/// lower (or higher). At the knee of a ramp, one side is a plateau at the same height.
+/// Whether the light itself has an extremum at `at` (a maximum if `bright`): `near_px` samples away on both sides, it
+/// is lower (or higher). At the knee of a ramp, one side is a plateau at the same height.
 fn lit(light: &[f64], at: f64, near_px: f64, bright: bool) -> bool {
     let end = light.len() - 1;
     // At least one sample; otherwise, a coarse profile would have no neighbors.
@@ -143,7 +144,7 @@ fn summit(values: &[f64], at: usize) -> f64 {
     at as f64 + vertex(values[at - 1], values[at], values[at + 1])
 }
 
-/// The range of `values`.
+/// The difference between the largest and the smallest value.
 pub fn range(values: &[f64]) -> f64 {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     high - low
@@ -153,7 +154,7 @@ pub fn range(values: &[f64]) -> f64 {
 pub struct Spectrum {
     values: Vec<Complex<f64>>,
     inverse: Arc<dyn Fft<f64>>,
-    /// The number of samples in the profile, and of extension samples before them.
+    /// The number of samples in the profile, and the number of extension samples before them.
     len: usize,
     before: usize,
     px_per_deg: f64,
@@ -162,8 +163,8 @@ pub struct Spectrum {
 impl Spectrum {
     /// The spectrum of `light`, with `px_per_deg` samples per degree, for filters that extend `reach_deg` degrees.
     ///
-    /// The extended profile is treated as periodic: it jumps from its end to its beginning. The extension is so long that
-    /// this jump does not affect any filter inside the profile.
+    /// The extended profile is treated as periodic: it jumps from its end to its beginning. The extension is so long
+    /// that this jump does not affect any filter inside the profile.
     pub fn new(light: &[f64], px_per_deg: f64, reach_deg: f64) -> Self {
         let before = (reach_deg * px_per_deg).ceil().max(1.0) as usize;
         let size = smooth(light.len() + 2 * before);
@@ -174,8 +175,8 @@ impl Spectrum {
         Self { values, inverse: fft::inverse(size), len: light.len(), before, px_per_deg }
     }
 
-    /// Applies two filters at once. `transfer(f)` is their transfer function at f cycles per degree, for both signs of f.
-    /// Both filters are real, so the first result can be the real part and the second the imaginary part.
+    /// Applies two filters at once. `transfer(f)` is their transfer function at f cycles per degree, for both signs of
+    /// f. Both filters are real, so the first result can be the real part and the second the imaginary part.
     pub fn filtered(&self, transfer: impl Fn(f64) -> [Complex<f64>; 2]) -> [Vec<f64>; 2] {
         let size = self.values.len();
         let step = self.px_per_deg / size as f64;

@@ -13,9 +13,10 @@ use machband::vision::vertex;
 /// Gaussian derivatives of first and second order at many scales σ, each multiplied by a power of σ:
 /// `N_k = σ^α_k · ∂^k(G_σ ∗ I)`.
 ///
-/// A bright band is where −N₂ peaks over position **and** scale; a dark band is where N₂ does. The strength is |N₂|/|N₁|
-/// at the peak, a dimensionless number that does not depend on contrast nor, if α₂ = α₁ + 1, on size. A Gaussian-blurred
-/// edge, where nobody sees bands, has a strength of √(α₂/2). A peak of this strength or less is not a band.
+/// A bright band is where −N₂ peaks over position **and** scale; a dark band is where N₂ does. The strength is
+/// |N₂|/|N₁| at the peak, a dimensionless number that does not depend on contrast nor, if α₂ = α₁ + 1, on size. A
+/// Gaussian-blurred edge, where nobody sees bands, has a strength of √(α₂/2). A peak of this strength or less is not a
+/// band.
 ///
 /// A step has no peak: its response only grows as the scale decreases. A peak is not a Mach band either if the blurred
 /// light itself has an extremum (its first derivative changes sign) within σ: that is a bar in the light.
@@ -23,13 +24,13 @@ use machband::vision::vertex;
 pub struct SecondDerivativeRatio {
     /// Power of σ on the first derivative.
     pub first_power: f64,
-    /// Power of σ on the second derivative, above 1 and below 2. At 1, the corner of a ramp has no scale of its own; at 2,
-    /// a blurred edge has none.
+    /// Power of σ on the second derivative, above 1 and below 2. At 1, the corner of a ramp has no scale of its own; at
+    /// 2, a blurred edge has none.
     pub second_power: f64,
     /// Smallest scale σ, in degrees. If the profile is too coarse for it, the smallest scale is 1½ samples.
     pub smallest_deg: f64,
-    /// Largest scale σ, in degrees, and at most the length of the profile. A band is found only if its scale is inside the
-    /// range; the scale is about 0.55 of a ramp's width.
+    /// Largest scale σ, in degrees, and at most the length of the profile. A band is found only if its scale is inside
+    /// the range; the scale is about 0.55 of a ramp's width.
     pub largest_deg: f64,
     /// Scales per octave.
     pub per_octave: u32,
@@ -38,14 +39,15 @@ pub struct SecondDerivativeRatio {
 }
 
 impl SecondDerivativeRatio {
-    /// α₁ = ½. The first derivative of an edge that is blurred by σ then peaks at the scale σ: Lindeberg (Int. J. Computer
-    /// Vision 30:117, 1998, γ = ½ for edges), as in Georgeson, May, Freeman and Hesse's N₁ (J. Vision 7(13):7, 2007).
+    /// α₁ = ½. The first derivative of an edge that is blurred by σ then peaks at the scale σ: Lindeberg (Int. J.
+    /// Computer Vision 30:117, 1998, γ = ½ for edges), as in Georgeson, May, Freeman and Hesse's N₁ (J. Vision 7(13):7,
+    /// 2007).
     pub const FIRST_POWER: f64 = 0.5;
     /// α₂ = 3⁄2. The second derivative of a Gaussian bar of width σ then peaks at the scale σ: Lindeberg 1998,
     /// γ = ¾ for ridges.
     pub const SECOND_POWER: f64 = 1.5;
-    /// How far a peak must exceed the ratio of a Gaussian edge. This is our value; it is above the effect of sampling on the
-    /// ratio.
+    /// How far a peak must exceed the ratio of a Gaussian edge. This is our value; it is above the effect of sampling
+    /// on the ratio.
     pub const MARGIN: f64 = 5e-4;
 
     /// Minimum height of a peak, |N₂|·σ^(2−α₂) divided by the profile's range of light. This is our value; it excludes
@@ -80,8 +82,8 @@ impl SecondDerivativeRatio {
 }
 
 impl Default for SecondDerivativeRatio {
-    /// The published powers, and scales from 1 minute of arc (about the blur of the eye) to 8 degrees. This range is our
-    /// choice; it is wide enough not to affect ramps of 0.05 to 12 degrees.
+    /// The published powers, and scales from 1 minute of arc (about the blur of the eye) to 8 degrees. This range is
+    /// our choice; it is wide enough not to affect ramps of 0.05 to 12 degrees.
     fn default() -> Self {
         Self {
             first_power: Self::FIRST_POWER,
@@ -160,8 +162,8 @@ fn crests_of(first: &[f64], second: &[f64], sign: f64, floor: f64, sigma_px: f64
     (1..second.len() - 1).filter(is_crest).map(crest).collect()
 }
 
-/// The peaks over scale along the lines that connect the peaks over position from scale to scale. The first and last points
-/// of a line are not peaks.
+/// The peaks over scale along the lines that connect the peaks over position from scale to scale. The first and last
+/// points of a line are not peaks.
 fn peaks_over_scale(crests: &[Vec<Crest>], scales: &[f64], px_per_deg: f64) -> Vec<Crest> {
     let mut found = Vec::new();
     for scale in 1..crests.len().saturating_sub(1) {

@@ -1,4 +1,4 @@
-//! Measures how regular frame intervals are while the content changes with every frame.
+//! Measures how regular frame intervals are while the content changes in every frame.
 
 mod report;
 mod run;

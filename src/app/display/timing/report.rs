@@ -10,17 +10,17 @@ use crate::{
 /// Frame intervals and the refresh against which they are judged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimingReport {
-    /// Judged against the refresh, if it is known.
+    /// The intervals, judged against the refresh if it is known.
     times: FrameTimes,
-    /// The screen's refresh.
+    /// The refresh of the screen, if known.
     pub refresh: Option<Refresh>,
-    /// Its source: `reported`, `measured` or `unknown`.
+    /// The source of the refresh: `reported`, `measured` or `unknown`.
     pub source: &'static str,
 }
 
 impl TimingReport {
-    /// From intervals in microseconds. The refresh is that of the monitor, or else the one that the frames follow. If
-    /// the intervals scatter, there is no refresh, and no frame is judged.
+    /// Judges intervals in microseconds. The refresh is the one that the monitor reports, or otherwise the one that the
+    /// frames follow. If the intervals scatter, the refresh is unknown, and no frame is judged.
     #[must_use]
     pub fn new(intervals_us: &[u32], monitor: &Monitor) -> Self {
         let reported = monitor.refresh_hz.and_then(Refresh::from_hz);
@@ -46,7 +46,7 @@ impl TimingReport {
         self.times.intervals_us()
     }
 
-    /// The findings: a name and a value in each row.
+    /// The findings as rows of a name and a value.
     #[must_use]
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let ms = |p: f64| self.times.quantile(p).map_or_else(String::new, |s| format!("{:.3} ms", s * 1e3));
@@ -99,7 +99,7 @@ impl TimingReport {
         }
     }
 
-    /// States that the frames do not follow a refresh, and describes their intervals.
+    /// Says that the frames do not follow a steady refresh, and describes their intervals.
     fn scatter(&self) -> String {
         let ms = |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3;
         let judged = match self.refresh {
@@ -114,7 +114,7 @@ impl TimingReport {
         )
     }
 
-    /// Every interval: `frame` from 1, `interval_us`, `dropped` 0 or 1, empty if unknown.
+    /// Every interval as CSV: `frame` counts from 1; `dropped` is 0 or 1, or empty if unknown.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "frame,interval_us,dropped\n".to_owned();

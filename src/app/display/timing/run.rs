@@ -12,21 +12,21 @@ use crate::{
     stimulus::{MachBand, Stimulus},
 };
 
-/// Frames before the measurement, while caches fill and the window settles.
+/// Frames that are skipped before the measurement while caches fill and the window settles.
 const SETTLING: u32 = 30;
 /// How long the warning is shown before something flickers, seconds.
 const WARNING_S: f64 = 3.0;
-/// The safety warning before a flickering patch.
+/// The safety warning that precedes a flickering patch.
 pub const FLICKER_WARNING: &str = "A patch will flicker between black and white with every frame. Flicker can cause seizures in people with photosensitive epilepsy: do not look at it, and keep anyone at risk from looking at it.";
 /// Side of the trial's stimulus, physical pixels.
 const STIMULUS_PX: u32 = 512;
-/// Frames of the field, and then of the stimulus, in a trial.
+/// Number of frames that show the field and then the stimulus in a trial.
 const FIELD_FRAMES: u32 = 30;
 const STIMULUS_FRAMES: u32 = 60;
-/// From the patch to the edge of the window, physical pixels.
+/// Distance from the patch to the edge of the window, physical pixels.
 const MARGIN_PX: f32 = 16.0;
 
-/// What is drawn.
+/// What is drawn during a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Scene {
     /// A patch that alternates between black and white: a target for a photodiode.
@@ -35,7 +35,6 @@ pub enum Scene {
     Trial,
 }
 
-/// Where the patch is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Place {
     /// In the upper left corner, where a photodiode can be held.
@@ -43,12 +42,11 @@ pub enum Place {
     Center,
 }
 
-/// The patch that flickers.
+/// The flickering patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Patch {
-    /// Its side, physical pixels.
+    /// Side of the patch, physical pixels.
     pub size_px: u32,
-    /// Where it is.
     pub place: Place,
 }
 
@@ -59,37 +57,37 @@ impl Default for Patch {
     }
 }
 
-/// What is measured.
+/// The settings of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimingPlan {
     /// What is drawn during the measurement.
     pub scene: Scene,
     /// Frames to measure, at least 2.
     pub frames: u32,
-    /// The patch that flickers, in [`Scene::Patch`].
+    /// The flickering patch of [`Scene::Patch`].
     pub patch: Patch,
 }
 
-/// A measurement.
+/// A measurement in progress.
 pub struct TimingRun {
     plan: TimingPlan,
-    /// When the warning began; content that does not flicker needs no warning.
+    /// The window's time at which the warning began, seconds. Content that does not flicker needs no warning.
     warned: Option<f64>,
     frame: u32,
     times: FrameTimes,
     quantizer: Quantizer,
-    /// The trial, from 0, and its image.
+    /// Number of the current trial, from 0, and its image.
     picture: Option<(u32, TextureHandle)>,
 }
 
 impl TimingRun {
-    /// Ready to begin; flicker begins after a warning.
+    /// A measurement that is ready to begin. Flicker begins only after a warning.
     pub fn new(plan: TimingPlan) -> Self {
         let quantizer = Quantizer::new(Transfer::Srgb, Bits::Eight);
         Self { plan, warned: None, frame: 0, times: FrameTimes::default(), quantizer, picture: None }
     }
 
-    /// Draws a frame and requests the next; returns the report when all are measured.
+    /// Draws a frame and requests the next one; returns the report once all frames are measured.
     pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> Option<TimingReport> {
         let now = ui.input(|input| input.time);
         ui.ctx().request_repaint();
@@ -112,21 +110,21 @@ impl TimingRun {
         (measured.len() >= self.plan.frames as usize).then(|| TimingReport::new(measured, monitor))
     }
 
-    /// The color behind everything.
+    /// The background color of the page.
     pub fn ground(&self) -> Color32 {
         match self.plan.scene {
-            // No part of the warning page remains behind the patch.
+            // Black, so that nothing of the warning page remains behind the patch.
             Scene::Patch if self.frame > 0 => Color32::BLACK,
             Scene::Patch => PAGE,
             Scene::Trial => pixels::field(&self.quantizer, stimulus(0).field_light(0.5)),
         }
     }
 
-    /// The screen of a trial.
+    /// Draws the screen of a trial.
     fn draw_trial(&mut self, ui: &mut Ui) {
         let trial = self.frame / (FIELD_FRAMES + STIMULUS_FRAMES);
         if self.picture.as_ref().is_none_or(|(made, _)| *made != trial) {
-            // As in a session, made while the field is shown.
+            // As in a session, the texture is created while the field is shown.
             let texture = pixels::texture(ui.ctx(), "timing", &stimulus(trial), STIMULUS_PX, &self.quantizer);
             self.picture = Some((trial, texture));
         }
@@ -142,7 +140,7 @@ impl TimingRun {
 /// A different stimulus for each trial.
 fn stimulus(trial: u32) -> Stimulus {
     let mut stimulus = Stimulus::MachBand(MachBand::default());
-    // A valid orientation of every Mach band.
+    // Cannot fail: the orientation is valid for every Mach band.
     let _ = stimulus.set("orientation_deg", &f64::from(45 * (trial % 8)).into());
     stimulus
 }
@@ -167,35 +165,33 @@ fn warn(ui: &mut Ui, left_s: f64) {
     page(ui, |ui| {
         ui.heading("Flicker");
         paragraph(ui, FLICKER_WARNING);
-        ui.label(format!("It begins in {:.0} s. Esc stops.", left_s.ceil()));
+        ui.label(format!("It begins in {:.0} s. Press Esc to stop.", left_s.ceil()));
     });
 }
 
-/// A measurement that `machband timing` requests from the window.
+/// A measurement that `machband timing` requests.
 pub struct TimingRequest {
-    /// What is measured.
     pub plan: TimingPlan,
-    /// Whether it is full screen.
+    /// Whether the window is full screen.
     pub fullscreen: bool,
     /// Receives the report; nothing is sent if the window is closed early.
     pub report: Sender<TimingReport>,
 }
 
-/// The window's page.
+/// The page of the window of `machband timing`.
 pub struct TimingPage {
     run: TimingRun,
     report: Sender<TimingReport>,
-    /// The window is about to close.
+    /// Whether the window is about to close.
     done: bool,
 }
 
 impl TimingPage {
-    /// For a request.
     pub fn new(request: TimingRequest) -> Self {
         Self { run: TimingRun::new(request.plan), report: request.report, done: false }
     }
 
-    /// Draws a frame; `true` when the page is done.
+    /// Draws a frame; returns whether the measurement is done.
     pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> bool {
         ui.ctx().set_cursor_icon(CursorIcon::None);
         if self.done {
@@ -204,13 +200,13 @@ impl TimingPage {
         let report = self.run.show(ui, monitor);
         self.done = report.is_some() || ui.input(|input| input.key_pressed(Key::Escape));
         if let Some(report) = report {
-            // The receiver may be gone.
+            // If the receiver is gone, nobody needs the report.
             let _ = self.report.send(report);
         }
         self.done
     }
 
-    /// The color behind everything.
+    /// The background color of the page.
     pub fn ground(&self) -> Color32 {
         self.run.ground()
     }

@@ -19,9 +19,9 @@ use crate::{
     store,
 };
 
-/// Numbers of frames to choose from.
+/// The choices for the number of frames.
 const FRAMES: [u32; 4] = [300, 600, 1800, 3600];
-/// Sides of the patch to choose from, physical pixels.
+/// The choices for the side of the patch, physical pixels.
 const SIZES: [u32; 4] = [48, 96, 192, 384];
 
 pub struct TimingTool {
@@ -40,7 +40,7 @@ impl Default for TimingTool {
 }
 
 impl TimingTool {
-    /// Draws the measurement, or the settings and the findings.
+    /// Draws the running measurement, or otherwise the settings and the findings.
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step {
         if let Some(run) = &mut self.run {
             let report = run.show(ui, monitor);
@@ -55,7 +55,7 @@ impl TimingTool {
             ui.label("Every refresh of the screen should show a new frame. This measures whether it does.");
             ui.add_space(8.0);
             self.settings(ui);
-            if primary(ui, "Measure", true, "Full screen. Esc stops.") {
+            if primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
                 self.exported = None;
                 self.run = Some(TimingRun::new(self.plan));
                 ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
@@ -67,14 +67,14 @@ impl TimingTool {
         Step::back_if(back)
     }
 
-    /// The color behind everything.
+    /// The background color of the page.
     pub fn ground(&self) -> Color32 {
         self.run.as_ref().map_or(PAGE, TimingRun::ground)
     }
 
     fn settings(&mut self, ui: &mut egui::Ui) {
         let TimingPlan { scene, frames, patch } = &mut self.plan;
-        Field::new("Shown").radio(
+        Field::new("Show").radio(
             ui,
             scene,
             &[(Scene::Trial, "The screen of a trial"), (Scene::Patch, "A flickering patch")],
@@ -82,8 +82,8 @@ impl TimingTool {
         Field::new("Frames").choice(ui, frames, &FRAMES, u32::to_string);
         if *scene == Scene::Patch {
             Field::new("Patch size, pixels").choice(ui, &mut patch.size_px, &SIZES, u32::to_string);
-            let places = [(Place::Corner, "Upper-left corner"), (Place::Center, "center")];
-            Field::new("Place").radio(ui, &mut patch.place, &places);
+            let places = [(Place::Corner, "Upper-left corner"), (Place::Center, "Center")];
+            Field::new("Patch position").radio(ui, &mut patch.place, &places);
             paragraph(ui, RichText::new(FLICKER_WARNING).color(NOTE));
         }
         ui.add_space(4.0);
@@ -113,7 +113,7 @@ impl TimingTool {
     }
 }
 
-/// The intervals as CSV, and their plot as SVG.
+/// Writes the intervals as CSV and their plot as SVG; returns a message for the user.
 fn export(report: &TimingReport, path: &Path) -> Result<String, String> {
     let plot = path.with_extension("svg");
     let svg = figures::intervals(report.intervals_us(), report.refresh).svg;

@@ -1,4 +1,4 @@
-//! The image on the page: dragging, and overlays.
+//! The image on the page: dragging on it, and overlays over it.
 
 use eframe::egui::{
     self, Color32, CursorIcon, EventFilter, Id, Key, Pos2, Rect, Response, Sense, Shape, Stroke, TextureId, Vec2,
@@ -7,16 +7,16 @@ use eframe::egui::{
 use super::comparison::Comparison;
 use crate::app::ui::{describe, pixels, theme};
 
-/// Degrees of rotation per arrow key, and with Shift.
+/// Degrees of rotation per press of an arrow key, without and with Shift.
 const STEPS_DEG: [f64; 2] = [5.0, 1.0];
 
-/// What is shown of the two pictures.
+/// How the two pictures are combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layer {
     /// One on either side of the divider.
     #[default]
     Split,
-    /// Their amplified difference.
+    /// The amplified difference between the two.
     Difference,
     /// The creases, each image on its side of the divider.
     Creases,
@@ -24,32 +24,30 @@ pub enum Layer {
     Bands,
 }
 
-/// What dragging on the image moves.
+/// What dragging on the image changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DragTarget {
-    /// The mesh turns.
+    /// The rotation of the mesh.
     #[default]
     Mesh,
-    /// The light moves.
+    /// The direction of the light.
     Light,
-    /// A new scan line is drawn.
+    /// The scan line; each drag draws a new one.
     ScanLine,
 }
 
-/// How the images are shown; none of this changes an image.
+/// How the images are shown. None of these settings changes an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewSettings {
-    /// What is shown.
     pub layer: Layer,
-    /// What a drag moves.
     pub target: DragTarget,
     /// Position of the divider, as a share of the image's width.
     pub divider: f64,
-    /// How much the difference is amplified.
+    /// Factor by which the difference is amplified.
     pub factor: u8,
-    /// Whether the scan line is shown, with its plots.
+    /// Whether the scan line and its plots are shown.
     pub scan: bool,
-    /// Its ends, as shares of the image's width and height.
+    /// The ends of the scan line, as shares of the image's width and height.
     pub line: [Pos2; 2],
 }
 
@@ -113,7 +111,7 @@ pub fn interact(
 }
 
 fn drag(response: &Response, rect: Rect, target: DragTarget, compared: &mut Comparison, settings: &mut ViewSettings) {
-    // A drag across the surface's own radius turns it by a radian.
+    // A drag as long as the surface's radius rotates it by one radian.
     let radius = 0.45 * rect.width().min(rect.height());
     let turned = (response.drag_delta() / radius).to_pos2();
     let [right, down] = [turned.x, turned.y].map(|radians| f64::from(radians).to_degrees());
@@ -155,7 +153,7 @@ fn arrows(ui: &egui::Ui, response: &Response) -> [f64; 2] {
     [pressed(Key::ArrowRight) - pressed(Key::ArrowLeft), pressed(Key::ArrowDown) - pressed(Key::ArrowUp)]
 }
 
-/// The divider's handle; returns whether it is being dragged.
+/// Handles dragging and keys on the divider; returns whether it is being dragged.
 fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
     let x = rect.left() + rect.width() * settings.divider as f32;
     let strip = Rect::from_x_y_ranges(x - 9.0..=x + 9.0, rect.y_range());
@@ -194,7 +192,7 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &V
     }
     if settings.scan {
         let [from, to] = settings.line.map(|end| rect.lerp_inside(end.to_vec2()));
-        // Dark next to light, so that it is visible on any image.
+        // A dark line next to a light one, so that the scan line is visible on any image.
         painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(120)));
         painter.line_segment([from, to], Stroke::new(1.0, Color32::from_gray(0xe0)));
         painter.circle(from, 4.0, Color32::from_gray(0x20), Stroke::new(1.5, Color32::from_gray(0xe0)));
@@ -208,7 +206,7 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &V
     }
 }
 
-/// Draws a note about the picture into its upper left corner.
+/// Draws a note about the picture in its upper left corner.
 pub fn draw_note(ui: &egui::Ui, rect: Rect, text: &str) {
     let painter = ui.painter().with_clip_rect(rect);
     let font = egui::TextStyle::Body.resolve(ui.style());
@@ -218,7 +216,7 @@ pub fn draw_note(ui: &egui::Ui, rect: Rect, text: &str) {
     painter.galley(at, text, Color32::WHITE);
 }
 
-/// The handle of the divider: two arrowheads on a disc.
+/// Draws the handle of the divider: two arrowheads on a disc.
 fn grip(painter: &egui::Painter, at: Pos2) {
     painter.circle(at, 9.0, Color32::from_gray(0x30), Stroke::new(1.0, Color32::from_gray(0xc0)));
     for side in [-1.0, 1.0] {
@@ -228,7 +226,7 @@ fn grip(painter: &egui::Painter, at: Pos2) {
     }
 }
 
-/// The position of the light; hollow if it is behind the surface.
+/// Marks the position of the light; the mark is hollow if the light is behind the surface.
 fn sun(painter: &egui::Painter, at: Pos2, before: bool) {
     let fill = if before { theme::NOTE } else { Color32::TRANSPARENT };
     painter.circle(at, 6.0, fill, Stroke::new(1.5, theme::NOTE));
@@ -238,7 +236,7 @@ fn sun(painter: &egui::Painter, at: Pos2, before: bool) {
     }
 }
 
-/// A place as shares of a rectangle.
+/// Converts a position to shares of a rectangle's width and height.
 fn share(rect: Rect, at: Pos2) -> Pos2 {
     let from = (at - rect.min) / rect.size();
     from.to_pos2().clamp(Pos2::ZERO, Pos2::new(1.0, 1.0))

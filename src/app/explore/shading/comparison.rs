@@ -1,5 +1,5 @@
-//! A comparison: a lit surface drawn by two renderers; and named comparisons: the initial one, and the figures of the
-//! paper.
+//! A comparison of two renderers that draw the same lit surface, and presets: the initial comparison and the figures of
+//! the paper.
 
 use std::path::Path;
 
@@ -16,10 +16,11 @@ use crate::{
     store,
 };
 
-/// Crease angle for meshes from files, degrees: 180 disables creases, which shows the effect of the shaders.
+/// Crease angle for meshes from files, degrees. At 180 there are no creases, so that the shaders' own effects are
+/// visible.
 const CREASE_DEG: f64 = 180.0;
 
-/// Which surface.
+/// The mesh to draw.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MeshChoice {
     /// A named shape, with the number of vertices if it can be chosen.
@@ -31,18 +32,16 @@ pub enum MeshChoice {
 /// Everything that determines the two images except their size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// The surface.
     pub mesh: MeshChoice,
     /// Rotation, lighting, and view.
     pub scene: Scene,
-    /// Left and right.
+    /// The left and the right renderer.
     pub sides: [Renderer; 2],
-    /// The display's transfer function.
     pub transfer: Transfer,
 }
 
 impl Default for Comparison {
-    /// Gouraud with its bands on the left, *patch* on the right, both with highlights.
+    /// Gouraud, with its bands, on the left and *patch* on the right, both with highlights.
     fn default() -> Self {
         Self {
             mesh: MeshChoice::Named(Shape::Torus, 200),
@@ -54,7 +53,7 @@ impl Default for Comparison {
 }
 
 impl Comparison {
-    /// The shot of `frame` by the renderer of `side`.
+    /// The image of `frame` as the renderer `side` draws it.
     pub fn shot<'f>(&self, side: &Renderer, frame: &'f crate::shading::Frame) -> Shot<'f> {
         side.shoot(frame, &(&self.transfer).into())
     }
@@ -74,8 +73,8 @@ impl Comparison {
         [toward.x.atan2(toward.z), toward.y.clamp(-1.0, 1.0).asin()].map(f64::to_degrees)
     }
 
-    /// Sets the direction of the light. Directly above and below, right and left are undefined, so the light stays
-    /// slightly off these directions.
+    /// Sets the direction of the light. Straight up and straight down, the angle to the right is undefined, so the
+    /// light stays slightly off these directions.
     pub fn set_light_deg(&mut self, [right, up]: [f64; 2]) {
         let (right, up) = (right.to_radians(), up.clamp(-89.9, 89.9).to_radians());
         self.scene.light = DVec3::new(right.sin() * up.cos(), up.sin(), right.cos() * up.cos());
@@ -119,7 +118,7 @@ impl MeshChoice {
         }
     }
 
-    /// The triangles.
+    /// Creates or reads the mesh.
     ///
     /// # Errors
     /// A message about the file or the number of vertices.
@@ -168,12 +167,12 @@ pub fn depth_title(depth: Depth) -> String {
     if depth == Depth::Infinite { "∞".to_owned() } else { depth.to_string() }
 }
 
-/// With at most three decimals.
+/// Rounds to at most three decimals.
 fn rounded(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }
 
-/// Named comparisons, the initial one and the figures of the paper: a mesh, and the shader that is compared with
+/// The presets: the initial comparison and the figures of the paper. Each has a mesh and the shader to compare with
 /// Gouraud's. The views and lights of the paper's figures are unknown.
 pub fn presets() -> Vec<(&'static str, MeshChoice, Shade)> {
     let fixed = |n, boundary| Shade { depth: Depth::Finite(n), boundary, ..Shade::new(Shader::Fixed) };

@@ -18,18 +18,18 @@ use crate::{
 
 /// Width of the labels, points.
 const LABEL: f32 = 84.0;
-/// Maximum of the vertices slider; a file can have more.
+/// Maximum of the slider for vertices; a file can have more.
 const MOST_VERTICES: f64 = 20_000.0;
 /// Distance of the eye in a perspective view, radii.
 const PERSPECTIVE: f64 = 3.0;
-/// A share of the light.
+/// The range of a control for a share of the light.
 const SHARE: RangeInclusive<f64> = 0.0..=1.0;
 
 fn field<'a>(label: &'a str, name: &'a str) -> Field<'a> {
     Field::new(label).column(LABEL).named(name)
 }
 
-/// Comparisons by name.
+/// Draws the list of presets.
 pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison) {
     let presets = presets();
     let sides = |shade| [Renderer::gouraud(), Renderer::new(shade)];
@@ -43,7 +43,7 @@ pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison) {
     }
 }
 
-/// The renderer of one side.
+/// Draws the controls of one side's renderer.
 pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     let place = ["Left", "Right"][which];
     ui.label(RichText::new(place).strong().color(SIDES[which]));
@@ -76,7 +76,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     }
 }
 
-/// The mesh and its rotation.
+/// Draws the controls of the mesh and its rotation.
 pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
     let vertices = if let MeshChoice::Named(_, vertices) = compared.mesh { vertices } else { 313 };
     let mut meshes: Vec<_> = Shape::ALL.iter().map(|shape| MeshChoice::Named(*shape, vertices)).collect();
@@ -107,7 +107,7 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
     }
 }
 
-/// Where the light is.
+/// Draws the controls of the light's direction.
 pub fn light(ui: &mut egui::Ui, compared: &mut Comparison) {
     let before = compared.light_deg();
     let [mut right, mut up] = before;
@@ -118,7 +118,7 @@ pub fn light(ui: &mut egui::Ui, compared: &mut Comparison) {
     }
 }
 
-/// How the surface reflects light.
+/// Draws the controls of how the surface reflects light.
 pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
     field("color", "Color").show(ui, |ui, _| {
         ui.horizontal(|ui| {
@@ -150,7 +150,7 @@ pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
     }
 }
 
-/// The display's transfer function.
+/// Draws the choice of the display's transfer function.
 pub fn transfer(ui: &mut egui::Ui, compared: &mut Comparison) {
     let transfers = [Transfer::Srgb, Transfer::Gamma(2.2), Transfer::Gamma(1.8), Transfer::Linear];
     let title = |transfer: &Transfer| match transfer {
@@ -161,7 +161,7 @@ pub fn transfer(ui: &mut egui::Ui, compared: &mut Comparison) {
     field("display", "Display transfer function").choice(ui, &mut compared.transfer, &transfers, title);
 }
 
-/// Selects CPU or graphics card, if the graphics card is available.
+/// Draws the choice between CPU and graphics card, if the graphics card is available.
 pub fn drawn_by(ui: &mut egui::Ui, drawer: &mut Drawer) {
     if let Ok(card) = drawer.gpu_name() {
         let title = |by: &DrawnBy| if *by == DrawnBy::Cpu { "CPU".to_owned() } else { card.clone() };

@@ -1,4 +1,4 @@
-//! The view as a file.
+//! Exports the view as a PNG file.
 
 use std::path::PathBuf;
 
@@ -16,18 +16,18 @@ use crate::{
     store,
 };
 
-/// The field, its button, and the outcome.
+/// The state of the export controls.
 #[derive(Default)]
 pub struct Export {
-    /// The typed name; `None` for the suggested one.
+    /// The name that the user typed; `None` for the suggested one.
     typed: Option<String>,
     outcome: Option<Result<String, String>>,
-    /// An existing file that is overwritten if the button is clicked again.
+    /// An existing file that another click on the button will overwrite.
     overwrite: Option<PathBuf>,
 }
 
 impl Export {
-    /// Draws the controls. `view` returns the pixels and parameters of the view on request.
+    /// Draws the controls. `view` is called when the user exports; it returns the pixels and parameters of the view.
     pub fn show(
         &mut self,
         ui: &mut egui::Ui,
@@ -50,7 +50,7 @@ impl Export {
                 let view = view().ok_or_else(|| "This view is not ready yet; try again in a moment.".to_owned());
                 view.and_then(|(image, parameters)| {
                     store::image::write_shaded(&path, &image, &compared.transfer.clone().into(), &parameters)
-                        .map(|()| format!("Written to {}", path.display()))
+                        .map(|()| format!("Saved to {}", path.display()))
                         .map_err(|error| error.to_string())
                 })
             });
@@ -59,7 +59,8 @@ impl Export {
     }
 }
 
-/// The parameters of the view; `full_scale` is the strength shown lightest or darkest in a map of predicted bands.
+/// The parameters of the view, for the exported file. `full_scale` is the strength that is drawn lightest or darkest in
+/// a map of predicted bands.
 pub fn parameters(
     compared: &Comparison,
     settings: &ViewSettings,
@@ -87,7 +88,7 @@ pub fn parameters(
     all
 }
 
-/// A name that says what is compared.
+/// A file name that says what is compared.
 fn suggested(compared: &Comparison) -> String {
     let mesh = compared.mesh.title();
     let [left, right] = compared.sides.map(|side| side.shade.shader);

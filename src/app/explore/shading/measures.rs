@@ -1,5 +1,5 @@
-//! Measurements of both sides: creases and the bands that the vision model predicts, on a separate thread while nothing
-//! is dragged; and light and its slope along a line, computed by the shaders rather than from pixels.
+//! Measures both sides. Creases and the bands that the vision model predicts are computed on a separate thread while
+//! nothing is dragged. Light and its slope along a line are computed by the shaders rather than from pixels.
 
 use std::sync::Arc;
 
@@ -22,26 +22,26 @@ use crate::{
     vision::{Visibility, luminance, luminances},
 };
 
-/// Maximum length of the shorter side of the image used for predictions, pixels: a larger image would change little and
-/// take longer.
+/// Maximum length of the shorter side of the image used for predictions, pixels. A larger image would take longer and
+/// change the prediction little.
 const LONGEST_PX: u32 = 512;
 /// Assumed size of the shorter side of the picture, degrees.
 pub const SHORTER_SIDE_DEG: f64 = 10.0;
 
-/// What was measured of both sides.
+/// The measurements of both sides.
 pub struct Measured {
-    /// Cells of a table.
+    /// The cells of the table for each side.
     cells: [Vec<String>; 2],
     details: [String; 2],
     pub maps: [CodeImage; 2],
-    /// The value shown lightest, or darkest, in the maps.
+    /// The value that is drawn lightest or darkest in the maps.
     pub full_scale: f64,
 }
 
-/// A measurement function for a comparison of this surface at this size.
+/// A function that measures a comparison of this surface at this size in pixels.
 type Measure = fn(&Comparison, &Surface, [u32; 2]) -> Result<Measured, String>;
 
-/// A measurement of the pictures that are shown.
+/// A measurement of the displayed images.
 #[derive(Default)]
 pub struct Measurement {
     latest: Latest<u64, Measured>,
@@ -49,7 +49,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Starts measuring the images by `measure`, unless that is finished or in progress.
+    /// Starts to measure the images with `measure`, unless that is done or in progress.
     pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures, measure: Measure) {
         self.latest.want(ctx, pictures.edition, || {
             let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
@@ -63,7 +63,7 @@ impl Measurement {
         self.latest.get(&edition)?.as_ref().ok()
     }
 
-    /// The maps on the screen, if available.
+    /// The maps as textures, if available.
     pub fn textures(&mut self, ctx: &egui::Context, edition: u64) -> Option<&[TextureHandle; 2]> {
         let Some(Ok(measured)) = self.latest.get(&edition) else { return None };
         if self.textures.as_ref().is_none_or(|(of, _)| *of != edition) {
@@ -72,7 +72,7 @@ impl Measurement {
         self.textures.as_ref().map(|(_, textures)| textures)
     }
 
-    /// Why there is no result yet, or none at all; `None` if there is one.
+    /// Says why there is no result; `None` if there is one.
     pub fn status(&self, edition: u64) -> Option<String> {
         match self.latest.get(&edition) {
             None => Some("Computing…".to_owned()),
@@ -81,7 +81,7 @@ impl Measurement {
         }
     }
 
-    /// The number at `place` of a side, with details.
+    /// Draws the cell at `place` for one side, with details on hover.
     pub fn cell(&self, ui: &mut egui::Ui, which: usize, place: usize, edition: u64) {
         let (cell, details) = match self.latest.get(&edition) {
             Some(Ok(measured)) => (measured.cells[which][place].as_str(), measured.details[which].as_str()),
@@ -95,12 +95,12 @@ impl Measurement {
     }
 }
 
-/// Steepness of the creases: rms, 95th percentile, and the rms relative to Gouraud's.
+/// Measures the steepness of the creases: rms, 95th percentile, and the rms relative to Gouraud's.
 pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 2]) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, width, height);
     let gouraud = Creases::of_gouraud(&frame);
     let sides = compared.sides.map(|side| compared.shot(&side, &frame).creases());
-    // Both on one scale: white is the 95th percentile of Gouraud's shader.
+    // Both maps have the same scale: white is the 95th percentile of Gouraud's creases.
     let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
     let map = |creases| quantizer.quantize(&crease::picture(&frame, creases, gouraud.p95));
     let cells = |creases: &Creases| {
@@ -115,7 +115,8 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
     })
 }
 
-/// The size used for predictions of images of `size` pixels: the same aspect ratio, and not too large.
+/// The size of the image used for predictions of images of `size` pixels. The aspect ratio is the same, but the shorter
+/// side is limited.
 #[must_use]
 pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     let shorter = size[0].min(size[1]).max(1);
@@ -125,7 +126,7 @@ pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| (f64::from(side) * f64::from(LONGEST_PX) / f64::from(shorter)).round() as u32)
 }
 
-/// The visibility of the predicted bands, also relative to Gouraud's.
+/// Predicts the visibility of the bands, also relative to Gouraud's.
 pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
     let [width, height] = predicted_size(size);
     let frame = compared.scene.frame(surface, width, height);
@@ -157,14 +158,14 @@ pub fn bands(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result
     Ok(Measured { cells, details, maps, full_scale })
 }
 
-/// Samples per pixel, and most samples.
+/// Samples per pixel of the scan line, and the maximum number of samples.
 const DENSITY: f64 = 4.0;
 const MOST: f64 = 4096.0;
 
-/// A curve in pieces, with gaps where there is no surface.
+/// A curve in pieces; there are gaps where the line does not cross the surface.
 type Curve = Vec<Vec<[f64; 2]>>;
 
-/// The curves of both sides, over pixels from the start of the line.
+/// The curves of both sides. The horizontal axis is the distance from the start of the line in pixels.
 pub struct Scan {
     edition: u64,
     line: [Pos2; 2],
@@ -196,7 +197,7 @@ impl Scan {
         Scan { edition: pictures.edition, line, light, slope }
     }
 
-    /// Draws both plots side by side in what is left of the page.
+    /// Draws both plots side by side in the remaining space of the page.
     pub fn show(&self, ui: &mut egui::Ui, titles: &[String; 2]) {
         let spacing = ui.spacing().item_spacing.x;
         let size = egui::vec2((ui.available_width() - spacing) / 2.0, ui.available_height());

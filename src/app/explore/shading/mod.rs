@@ -1,12 +1,12 @@
 //! Shading: the same surface in the same light, drawn by two renderers side by side.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
-//! | `comparison` | the comparison; named comparisons |
+//! | `comparison` | the comparison; presets |
 //! | `pictures` | drawing on the graphics card or the CPU, only if something has changed |
 //! | `measures` | creases and predicted bands of both sides; light along a line |
 //! | `canvas` | the image and dragging on it |
-//! | `controls`, `export` | the panel |
+//! | `controls`, `export` | the panel of controls |
 //! | `page` | the complete page |
 
 mod canvas;

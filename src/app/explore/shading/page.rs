@@ -1,4 +1,4 @@
-//! The page: the controls, the view, and their updates.
+//! The page: lays out the controls and the view, and updates them.
 
 use std::sync::Arc;
 
@@ -26,18 +26,18 @@ use crate::{
 
 /// Height of the plots below the picture, points.
 const PLOTS: f32 = 170.0;
-/// In a window narrower than this, the view has this height and is above the controls.
+/// In a window narrower than this, the view has this height and is above the controls. Points.
 const NARROW: f32 = 640.0;
 const NARROW_VIEW: f32 = 560.0;
-/// Height of the numbers below the picture.
+/// Height of the numbers below the picture, points.
 const NUMBERS: f32 = 156.0;
 
-/// Two renderers side by side.
+/// The shading demo: two renderers side by side.
 #[derive(Default)]
 pub struct ShadingPage {
     compared: Comparison,
     settings: ViewSettings,
-    /// The last valid one.
+    /// The last valid mesh and its surface.
     surface: Option<(MeshChoice, Arc<Surface>)>,
     drawer: Option<Drawer>,
     pictures: Option<Pictures>,
@@ -50,7 +50,7 @@ pub struct ShadingPage {
     dragging: bool,
 }
 
-/// The OBJ file.
+/// The field for the path of an OBJ file.
 #[derive(Default)]
 struct FileField {
     path: String,
@@ -59,7 +59,6 @@ struct FileField {
 }
 
 impl ShadingPage {
-    /// Draws the page.
     pub fn show(&mut self, ui: &mut egui::Ui, state: Option<&RenderState>) -> Step {
         self.drawer.get_or_insert_with(|| Drawer::new(state));
         let escaped = escaped(ui);
@@ -68,7 +67,7 @@ impl ShadingPage {
         let frame = Frame::NONE.inner_margin(12.0);
         let mut column = |ui: &mut egui::Ui| {
             theme::compact(ui);
-            // Room for the scroll bar.
+            // Leaves room for the scroll bar.
             ui.set_max_width(ui.available_width() - 6.0);
             let back = heading(ui, "Shading");
             if is_narrow {
@@ -148,7 +147,7 @@ impl ShadingPage {
         }
     }
 
-    /// Shows another mesh; if it cannot be created, the current mesh stays.
+    /// Shows another mesh. If it cannot be created, the current mesh stays.
     fn load(&mut self, choice: MeshChoice) {
         self.file.fault = match choice.mesh() {
             Ok(mesh) => {
@@ -211,7 +210,7 @@ impl ShadingPage {
         });
     }
 
-    /// The names of the renderers above their halves.
+    /// Draws the names of the renderers above their halves.
     fn titles(&mut self, ui: &mut egui::Ui, titles: &[String; 2]) {
         let text = |i: usize| RichText::new(&titles[i]).strong().color(SIDES[i]);
         let height = ui.spacing().interact_size.y;
@@ -241,7 +240,7 @@ impl ShadingPage {
         });
     }
 
-    /// Redraws and remeasures what has changed.
+    /// Redraws and measures again whatever has changed.
     fn update(&mut self, ctx: &egui::Context, size: [u32; 2]) {
         if self.surface.as_ref().is_none_or(|(choice, _)| *choice != self.compared.mesh) {
             self.load(self.compared.mesh.clone());
@@ -261,7 +260,7 @@ impl ShadingPage {
         self.pictures = Some(pictures);
     }
 
-    /// The measurement whose maps are shown, if any are.
+    /// The measurement with the maps to show; `None` if no maps are shown.
     fn mapped(&self) -> Option<&Measurement> {
         match self.settings.layer {
             Layer::Split | Layer::Difference => None,
@@ -281,7 +280,7 @@ impl ShadingPage {
             (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
             (Layer::Difference, None, _) => return,
             (_, _, Some(maps)) => maps.each_ref().map(TextureHandle::id),
-            // The images themselves, until the maps are ready.
+            // Until the maps are ready, the images themselves are shown.
             _ => pictures.sides.each_ref().map(Picture::id),
         };
         canvas::draw(ui, rect, textures, size, &self.settings);
@@ -290,7 +289,7 @@ impl ShadingPage {
         }
     }
 
-    /// Creases, predicted bands and times.
+    /// Draws the table of creases and predicted bands, and the drawing times.
     fn numbers(&self, ui: &mut egui::Ui) {
         let (Some(pictures), Some(drawer)) = (&self.pictures, &self.drawer) else { return };
         ui.spacing_mut().interact_size.y = 14.0;
@@ -336,7 +335,7 @@ impl ShadingPage {
         );
     }
 
-    /// The pixels of the view as on the screen, without overlays.
+    /// The pixels of the view as on the screen, but without overlays.
     fn pixels(&self) -> Option<CodeImage> {
         let pictures = self.pictures.as_ref()?;
         if self.settings.layer == Layer::Difference {

@@ -1,4 +1,4 @@
-//! The two images of a comparison, drawn by the CPU or by the graphics card of the window, and redrawn only if
+//! Draws the two images of a comparison, on the CPU or on the graphics card of the window. Redraws them only if
 //! something has changed.
 
 use std::{sync::Arc, time::Instant};
@@ -20,26 +20,24 @@ use crate::{
     stimulus::Shot,
 };
 
-/// What draws.
+/// The processor that draws the images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DrawnBy {
-    /// The processor.
     Cpu,
-    /// The graphics card.
     Gpu,
 }
 
 /// The CPU, and the graphics card if it can draw.
 pub struct Drawer {
-    /// Textures for the images of the CPU, left and right.
+    /// Textures for the images that the CPU draws, left and right.
     canvases: [Canvas; 2],
     gpu: Result<WindowGpu, String>,
-    /// The preferred one, if both can draw.
+    /// The processor to use if both can draw.
     pub wanted: DrawnBy,
 }
 
 impl Drawer {
-    /// The window's graphics card, if it has one. A software adapter is no faster than the CPU, which is then
+    /// Uses the window's graphics card if it has one. A software adapter is no faster than the CPU, so the CPU is then
     /// preferred.
     pub fn new(state: Option<&RenderState>) -> Drawer {
         let gpu = match state {
@@ -50,12 +48,12 @@ impl Drawer {
         Drawer { canvases: Default::default(), gpu, wanted: if is_fast { DrawnBy::Gpu } else { DrawnBy::Cpu } }
     }
 
-    /// What draws.
+    /// The processor that draws.
     pub fn by(&self) -> DrawnBy {
         if self.gpu.is_ok() { self.wanted } else { DrawnBy::Cpu }
     }
 
-    /// The name of what draws.
+    /// The name of the processor that draws.
     pub fn name(&self) -> String {
         match self.by() {
             DrawnBy::Cpu => "CPU".to_owned(),
@@ -63,12 +61,12 @@ impl Drawer {
         }
     }
 
-    /// The name of the graphics card, or the reason why it does not draw.
+    /// The name of the graphics card, or the reason why it cannot draw.
     pub fn gpu_name(&self) -> Result<String, &str> {
         self.gpu.as_ref().map(WindowGpu::name).map_err(String::as_str)
     }
 
-    /// Draws a side: left for `which` 0, right for 1.
+    /// Draws one side; `which` is 0 for left and 1 for right.
     fn draw(&mut self, ctx: &egui::Context, which: usize, shot: &Shot<'_>) -> Picture {
         if self.by() == DrawnBy::Gpu
             && let Ok(gpu) = &mut self.gpu
@@ -95,18 +93,18 @@ impl Drawer {
 /// The picture of one side.
 pub struct Picture {
     image: Image,
-    /// How long it took, ms.
+    /// Drawing time, ms.
     pub ms: f64,
 }
 
-/// Where a picture is.
+/// An image in the memory of the CPU or of the graphics card.
 enum Image {
     Cpu(Arc<ColorImage>, TextureHandle),
     Gpu(GpuPicture),
 }
 
 impl Picture {
-    /// Its texture in egui.
+    /// The picture's texture in egui.
     pub fn id(&self) -> TextureId {
         match &self.image {
             Image::Cpu(_, texture) => texture.id(),
@@ -114,7 +112,7 @@ impl Picture {
         }
     }
 
-    /// Its codes; `None` if they cannot be read back from the graphics card.
+    /// The picture's codes; `None` if they cannot be read back from the graphics card.
     pub fn codes(&self) -> Option<CodeImage> {
         match &self.image {
             Image::Cpu(pixels, _) => {
@@ -129,23 +127,23 @@ impl Picture {
 
 /// Both pictures of a comparison at a size.
 pub struct Pictures {
-    /// What they show.
+    /// The comparison that they show.
     pub compared: Comparison,
     /// The surface that they show.
     pub surface: Arc<Surface>,
     by: DrawnBy,
-    /// Counts the changes of either image.
+    /// A number that increases whenever either image changes.
     pub edition: u64,
     /// The surface on the screen, in linear light.
     pub frame: Frame,
-    /// Time for the frame, ms: transforming and lighting the vertices.
+    /// Time to transform and light the vertices, ms.
     pub frame_ms: f64,
-    /// Left and right.
+    /// The left and the right picture.
     pub sides: [Picture; 2],
 }
 
 impl Pictures {
-    /// The pictures of `compared`; those of `before` if they are up to date.
+    /// The pictures of `compared`, or `before` if it is up to date.
     pub fn updated(
         ctx: &egui::Context,
         before: Option<Pictures>,
@@ -159,7 +157,7 @@ impl Pictures {
             [p.frame.width, p.frame.height] == size
                 && (Arc::ptr_eq(&p.surface, surface), p.by, &p.compared) == (true, drawer.by(), compared)
         };
-        // Old images are dropped before new ones are drawn, because they occupy memory of the card.
+        // Old images are dropped before new ones are drawn, because they occupy memory on the card.
         if let Some(before) = before.filter(is_right) {
             return before;
         }
@@ -172,12 +170,12 @@ impl Pictures {
     }
 }
 
-/// The difference between two images, and its inputs.
+/// The difference between two images, and the version of the images that it was computed from.
 pub struct Difference {
     edition: u64,
     factor: u8,
     pub codes: CodeImage,
-    /// The same on the screen.
+    /// The difference as a texture.
     pub texture: TextureHandle,
 }
 
@@ -219,7 +217,7 @@ struct WindowGpu {
     info: wgpu::AdapterInfo,
 }
 
-/// A picture in the card's memory, registered with egui until it is dropped.
+/// A picture in the memory of the card. It is registered with egui until it is dropped.
 struct GpuPicture {
     texture: wgpu::Texture,
     id: TextureId,
@@ -230,21 +228,21 @@ impl WindowGpu {
     /// The card that draws the window.
     ///
     /// # Errors
-    /// When its device cannot draw the shaders.
+    /// If its device cannot run the shaders.
     fn new(state: &RenderState) -> Result<WindowGpu, GpuError> {
         let gpu = Gpu::new(&state.device, &state.queue)?;
         Ok(WindowGpu { state: state.clone(), gpu, info: state.adapter.get_info() })
     }
 
-    /// The card's name and its interface.
+    /// The name of the card and of its graphics interface.
     fn name(&self) -> String {
         format!("{}, {:?}", self.info.name, self.info.backend)
     }
 
-    /// Draws a shot; returns the time in milliseconds.
+    /// Draws a shot; returns the picture and the time in milliseconds.
     ///
     /// # Errors
-    /// When the frame is too large for the card, or the driver fails.
+    /// If the frame is too large for the card, or if the driver fails.
     fn draw(&mut self, shot: &Shot<'_>) -> Result<(GpuPicture, f64), GpuError> {
         let begun = Instant::now();
         let texture = self.gpu.draw(&shot.frame, &shot.shade, &shot.transfers.channels()[0])?;
