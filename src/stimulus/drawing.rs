@@ -99,8 +99,7 @@ pub(super) fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quan
     } else if pixels.grid.cos == 0.0 {
         rows.for_each(|(iy, row)| row.as_chunks_mut().0.fill(pixel(0, iy)));
     } else {
-        let runs = Runs::new(&pixels, quantizer);
-        rows.for_each(|(iy, row)| runs.draw(iy, row.as_chunks_mut().0, |ix| pixel(ix, iy)));
+        Runs::new(&pixels, quantizer).draw(rows, pixel);
     }
     codes
 }
@@ -112,7 +111,11 @@ const ERROR_PX: f64 = 1e-6;
 /// The same for light.
 const ERROR_LIGHT: f64 = 1e-12;
 /// The search for runs stops at this fraction of a pixel.
-const SHORTEST_PX: f64 = 1.0 / 32.0;
+const SHORTEST_PX: f64 = 1.0 / 128.0;
+/// Places between two pixels at which the center line may cross a row, each with a template.
+const PHASES: usize = 64;
+/// The steepest slope of the center line against the columns, in columns per row, for which templates are made.
+const STEEPEST: f64 = 4.0;
 
 /// Positions along a row that have one code.
 struct Run {
@@ -160,28 +163,65 @@ impl Runs {
         Self { runs, middle: 0.5 * f64::from(grid.size - 1), tan: grid.sin / grid.cos }
     }
 
-    /// Draws row `iy`; `pixel` computes the pixels between two runs.
-    fn draw(&self, iy: u32, row: &mut [[u8; 3]], pixel: impl Fn(u32) -> [u8; 3]) {
-        let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
-        let compute = |row: &mut [[u8; 3]], from: usize, to: usize| {
-            (from..to).zip(&mut row[from..to]).for_each(|(ix, to)| *to = pixel(ix as u32));
-        };
-        let mut done = 0;
+    /// Draws rows; `pixel` computes the pixels that no run holds for certain.
+    ///
+    /// Rows whose center line crosses at nearly the same place between two pixels are shifted copies of one template.
+    fn draw<'a>(&self, rows: impl Iterator<Item = (u32, &'a mut [u8])>, pixel: impl Fn(u32, u32) -> [u8; 3]) {
+        let mut templates: [Option<Template>; PHASES] = [const { None }; PHASES];
+        let reach = self.middle * self.tan.abs();
+        for (iy, row) in rows {
+            let row = row.as_chunks_mut().0;
+            let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
+            if self.tan.abs() > STEEPEST {
+                // Shifted too far for a template to be shorter than all rows; but then there are few runs in a row.
+                for ix in self.fill(shift, 0.0, row) {
+                    row[ix] = pixel(ix as u32, iy);
+                }
+                continue;
+            }
+            let phase = ((shift - shift.floor()) * PHASES as f64) as usize;
+            // The template's first column is that of the row that is shifted the furthest to the right.
+            let first = (self.middle + reach).floor();
+            let template = templates[phase].get_or_insert_with(|| {
+                let mut codes = vec![[0; 3]; row.len() + 2 * reach.ceil() as usize + 1];
+                let open = self.fill(first + phase as f64 / PHASES as f64, 1.0 / PHASES as f64, &mut codes);
+                Template { codes, open }
+            });
+            let start = (first - shift.floor()) as usize;
+            row.copy_from_slice(&template.codes[start..start + row.len()]);
+            let open = &template.open[template.open.partition_point(|at| *at < start)..];
+            for ix in open.iter().map(|at| at - start).take_while(|ix| *ix < row.len()) {
+                row[ix] = pixel(ix as u32, iy);
+            }
+        }
+    }
+
+    /// Fills the pixels that have one code in a row at every shift from `shift` to `shift + slack`, and returns the others.
+    fn fill(&self, shift: f64, slack: f64, row: &mut [[u8; 3]]) -> Vec<usize> {
+        let (mut open, mut done) = (Vec::new(), 0);
         for run in &self.runs[self.runs.partition_point(|run| run.to + shift < 0.0)..] {
             // A cast takes what is below 0 to 0.
-            let first = ((run.from + shift).ceil() as usize).max(done);
+            let first = ((run.from + shift + slack).ceil() as usize).max(done);
             let end = ((run.to + shift).floor() as usize + 1).min(row.len());
             if first >= row.len() {
                 break;
             }
             if first < end {
-                compute(row, done, first);
+                open.extend(done..first);
                 row[first..end].fill(run.codes);
                 done = end;
             }
         }
-        compute(row, done, row.len());
+        open.extend(done..row.len());
+        open
     }
+}
+
+/// A row that is long enough for every shift by whole pixels.
+struct Template {
+    codes: Vec<[u8; 3]>,
+    /// The pixels whose code depends on the rest of the shift.
+    open: Vec<usize>,
 }
 
 /// Searches for runs from lower to higher positions.

@@ -65,17 +65,7 @@ fn sidecar(results: &Path) -> Sidecar {
     Sidecar::read(&results.join("shown/data/subject-P001_session-1_task-shown_data.json")).unwrap().unwrap()
 }
 
-<<<<<<< HEAD
-/// What reaches the screen is what `machband stimulus` writes with the same profile, byte for byte, at every scale.
-=======
-/// Runs a command that must succeed; warnings, such as one about an old profile, are allowed.
-fn shown_by(folder: &Path, arguments: &[&str]) {
-    let output = machband(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-}
-
 /// At every scale, the screen shows exactly the bytes that `machband stimulus` writes with the same profile.
->>>>>>> t4
 #[test]
 fn with_a_profile_the_screen_shows_what_the_command_writes() {
     if !has_graphics() {
