@@ -189,9 +189,9 @@ impl Runs {
             });
             let start = (first - shift.floor()) as usize;
             row.copy_from_slice(&template.codes[start..start + row.len()]);
-            let open = &template.open[template.open.partition_point(|at| *at < start)..];
-            for ix in open.iter().map(|at| at - start).take_while(|ix| *ix < row.len()) {
-                row[ix] = pixel(ix as u32, iy);
+            for at in &template.open[template.open.partition_point(|at| *at < start)..] {
+                let Some(to) = row.get_mut(at - start) else { break };
+                *to = pixel((at - start) as u32, iy);
             }
         }
     }
