@@ -99,7 +99,7 @@ pub(super) fn peak([before, here, after]: [Complex64; 3]) -> (f64, Complex64) {
     (at, here + (after - before) * (at / 2.0) + (after - here * 2.0 + before) * (at * at / 2.0))
 }
 
-/// Returns the position of the maximum of the parabola through (−1, `a`), (0, `b`), and (1, `c`), limited to −½…½.
+/// Returns the position of the maximum of the parabola through (−1, `a`), (0, `b`) and (1, `c`), limited to −½…½.
 /// Returns 0 if the parabola has no maximum.
 #[must_use]
 pub fn vertex(a: f64, b: f64, c: f64) -> f64 {
@@ -144,7 +144,7 @@ impl Visibility {
 /// threshold k.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Criterion {
-    /// Visibilities at which half of the ratings are above 0, 1, and 2. They are positive and increasing.
+    /// Visibilities at which half of the ratings are above 0, 1 and 2. They are positive and increasing.
     pub thresholds: [f64; 3],
     /// Scale of the logistic noise, in units of ln visibility; above 0.
     pub spread: f64,

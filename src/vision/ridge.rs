@@ -48,11 +48,11 @@ fn near<T: Copy>(values: &[T], here: usize, columns: usize) -> [[T; 3]; 3] {
     })
 }
 
-/// A value, its slope, and its curvature, per grid step.
+/// A value, its slope and its curvature, per grid step.
 struct Local {
     value: f64,
     slope: [f64; 2],
-    /// Second derivatives: xx, xy, and yy.
+    /// Second derivatives: xx, xy and yy.
     curvature: [f64; 3],
 }
 

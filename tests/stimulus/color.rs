@@ -156,7 +156,7 @@ fn other_texts_say_what_is_wrong() {
         ("1,nan,1", "has G = NaN, outside 0…1"),
         ("hsv:60,1.5,1", "has S = 1.5, outside 0…1"),
         ("hsv:60,1,-1", "has V = -1, outside 0…1"),
-        ("hsv:inf,1,1", "has H = inf, outside the angles in degrees"),
+        ("hsv:inf,1,1", "has H = inf, outside the finite angles"),
         ("xyY:0.3,0,1", "has y = 0, outside 0…1−x, 0 excluded"),
         ("xyY:1.3,0.1,1", "has x = 1.3, outside 0…1"),
         ("xyY:0.3,0.3,1.2", "has Y = 1.2, outside 0…1"),
