@@ -283,7 +283,7 @@ impl Cell {
     /// Returns the subject and the values of the factors.
     fn parts(&self) -> (&str, Vec<&str>) {
         let mut texts = self.key.split(|&byte| byte == END).map(|text| std::str::from_utf8(text).unwrap_or_default());
-        // Nothing follows the last END.
+        // The text after the last END is empty and is not used.
         let subject = texts.next().unwrap_or_default();
         (subject, texts.map(str::trim).collect())
     }
