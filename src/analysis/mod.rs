@@ -12,8 +12,9 @@
 //!   is its Laplace or Gauss–Hermite approximation. The log-likelihood omits the constant for the order of the ratings.
 //! - A model's [`Note`]s say what the data cannot answer. A [`ModelError`] says why there is no model.
 //!
-//! Sources: McCullagh (1980), J. R. Stat. Soc. B 42, 109; Pratt (1981), J. Am. Stat. Assoc. 76, 103; Christensen (2022),
-//! `ordinal`, R package 2022.11-16; Liu & Pierce (1994), Biometrika 81, 624; Albert & Anderson (1984), Biometrika 71, 1.
+//! Sources: McCullagh (1980), J. R. Stat. Soc. B 42, 109; Pratt (1981), J. Am. Stat. Assoc. 76, 103; Christensen
+//! (2022), `ordinal`, R package 2022.11-16; Liu & Pierce (1994), Biometrika 81, 624; Albert & Anderson (1984),
+//! Biometrika 71, 1.
 
 pub mod agreement;
 pub mod bootstrap;

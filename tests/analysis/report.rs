@@ -385,7 +385,7 @@ fn participants_with_unusual_answers_are_named() {
         }
     }
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &options())).cautions.join("\n");
-    // First and second ratings are the same at every width, so their agreement is no better than chance.
+    // At every width, the first rating is 1 and the second is 2, so the agreement is no better than chance.
     let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00.\n";
     let (ben, slow) = ("\nben used one category only: all 30 ratings are 2.\n", "dot answered unusually slowly");
     assert_parts(&cautions, &[ben, alike, "answers of cyd came within 0.2", slow]);
