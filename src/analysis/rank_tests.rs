@@ -13,7 +13,6 @@ use super::{
 /// equal, the means have the same ranks as the sums.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubjectMeans {
-    /// Names of the levels.
     pub levels: Vec<String>,
     /// Subjects with ratings at every level, each with their means in the order of the levels.
     pub rows: Vec<(String, Vec<f64>)>,
@@ -226,7 +225,6 @@ pub struct Pair {
 /// All pairs of levels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pairs {
-    /// The comparisons.
     pub pairs: Vec<Pair>,
     /// The smallest corrected probability that is possible with this number of subjects and pairs.
     pub least_p: f64,

@@ -70,7 +70,7 @@ pub struct Results {
 /// The results for one factor.
 #[derive(Clone, Debug, Serialize)]
 pub struct FactorResults {
-    /// The factor.
+    /// Name of the factor.
     pub name: String,
     /// The ratings at each level, pooled over all other factors.
     pub levels: Vec<Group>,

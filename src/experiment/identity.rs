@@ -37,12 +37,12 @@ impl Identity {
         check("session", id, "1")
     }
 
-    /// The participant's identifier.
+    /// Returns the participant's identifier.
     pub fn subject(&self) -> &str {
         &self.subject
     }
 
-    /// The session's identifier.
+    /// Returns the session's identifier.
     pub fn session(&self) -> &str {
         &self.session
     }

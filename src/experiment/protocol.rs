@@ -13,7 +13,7 @@ use crate::{
     stimulus::{ParameterError, ParameterValue, Stimulus},
 };
 
-/// Highest rating on the paper's scale; ratings are 0…3. Bangay §3.1
+/// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
 pub const RATING_MAX: u8 = 3;
 /// Maximum number of trials per session.
 const TRIALS_MAX: usize = 100_000;
@@ -141,7 +141,7 @@ impl std::str::FromStr for Order {
 
 serde_as_text!(Order);
 
-/// The uniform field between stimuli. Bangay §3.1
+/// The uniform field between stimuli (Bangay §3.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Recovery {
@@ -197,7 +197,7 @@ impl Serialize for ResponseScale {
 /// One possible answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Category {
-    /// What it means.
+    /// What the answer means.
     pub label: String,
     /// The key for this answer: one digit or letter.
     pub key: char,
@@ -226,14 +226,14 @@ impl Default for Recovery {
 }
 
 impl Default for ViewingPlan {
-    /// About 10° at 50 cm. Bangay §3.1
+    /// About 10° at 50 cm (Bangay §3.1).
     fn default() -> Self {
         Self { distance_cm: 50.0, window_deg: 10.0 }
     }
 }
 
 impl Default for ResponseScale {
-    /// The paper's four categories. Bangay §3.1
+    /// The paper's four categories (Bangay §3.1).
     fn default() -> Self {
         let labels = ["No band", "Broad band", "Narrow band, indistinct boundaries", "Narrow band, clearly defined"];
         Self {

@@ -133,7 +133,7 @@ pub struct Column {
     /// The name in the header.
     #[serde(skip)]
     pub name: String,
-    /// What it holds.
+    /// What the column contains.
     pub description: String,
     /// Unit, if it has one.
     #[serde(skip_serializing_if = "String::is_empty")]

@@ -226,12 +226,12 @@ impl Session {
         &self.state
     }
 
-    /// The definition.
+    /// Returns the definition.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
     }
 
-    /// The planned order.
+    /// Returns the planned order of the trials.
     pub fn schedule(&self) -> &Schedule {
         &self.schedule
     }

@@ -4,7 +4,6 @@ use rustfft::num_complex::Complex64;
 
 use super::eye::PER_OCTAVE;
 
-/// Bright or dark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Polarity {
     /// A line brighter than both sides.
@@ -16,12 +15,11 @@ pub enum Polarity {
 /// A predicted band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
-    /// Position relative to the center, in degrees: [right, up].
+    /// Position relative to the center, in degrees: `[right, up]`.
     pub at_deg: [f64; 2],
     /// Direction across the band, in degrees counterclockwise from the right, 0…180. A stimulus's `orientation_deg`
     /// means the same direction.
     pub orientation_deg: f64,
-    /// Bright or dark.
     pub polarity: Polarity,
     /// Contrast times sensitivity, in multiples of the strength that is just visible.
     pub strength: f64,

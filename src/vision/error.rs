@@ -6,9 +6,7 @@ pub enum VisionError {
     /// The image has too few pixels.
     #[error("an image of {width} × {height} pixels is too small; expected at least {least} on each side")]
     TooSmall {
-        /// Columns.
         width: usize,
-        /// Rows.
         height: usize,
         /// Minimum number of pixels per side.
         least: usize,

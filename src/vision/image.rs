@@ -5,9 +5,7 @@
 pub struct Picture<'a> {
     /// Luminance, 1 for white, row by row, starting at the upper left corner.
     pub light: &'a [f64],
-    /// Columns.
     pub width: usize,
-    /// Rows.
     pub height: usize,
     /// Pixels per degree.
     pub px_per_deg: f64,

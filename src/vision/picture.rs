@@ -34,9 +34,7 @@ pub struct PicturePrediction {
 /// The strength of bands at each pixel, as lines one pixel wide.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BandMap {
-    /// Bright bands.
     pub bright: Vec<f64>,
-    /// Dark bands.
     pub dark: Vec<f64>,
 }
 

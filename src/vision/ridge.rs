@@ -16,9 +16,9 @@ const FAINTEST: f64 = (0.01 * VEIL) * (0.01 * VEIL);
 /// A place on a band.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ridge {
-    /// Position [x, y] in pixels from the image's upper left corner.
+    /// Position `[x, y]` in pixels from the image's upper left corner.
     pub(super) at: [f64; 2],
-    /// Unit vector across the band: [right, down].
+    /// Unit vector across the band: `[right, down]`.
     pub(super) across: [f64; 2],
     /// Length of the band that this place represents, pixels.
     pub(super) length_px: f64,
@@ -34,7 +34,7 @@ pub(super) struct Search<'a> {
     pub(super) responses: &'a Responses,
     pub(super) channel: Channel,
     pub(super) px_per_deg: f64,
-    /// Mean light.
+    /// Mean light to which the eye is adapted.
     pub(super) mean: &'a Field,
     /// Distances from areas where bands do not count.
     pub(super) distances: &'a Distances,

@@ -53,7 +53,7 @@ pub(super) struct Spectrum {
 struct Frequency {
     /// Natural logarithm of the frequency in cycles per degree.
     log: f64,
-    /// Unit vector [right, down] of its direction.
+    /// Unit vector `[right, down]` of its direction.
     direction: [f64; 2],
 }
 
@@ -144,7 +144,7 @@ impl Spectrum {
     }
 
     /// Computes a channel's even and odd responses with the monogenic signal (Felsberg & Sommer 2001, IEEE Trans.
-    /// Signal Process. 49:3136). Its odd part is a vector [right, down]: the response of the quadrature pair oriented
+    /// Signal Process. 49:3136). Its odd part is a vector `[right, down]`: the response of the quadrature pair oriented
     /// across the local structure. All orientations are therefore treated alike, and none has to be sampled.
     pub(super) fn respond(&self, channel: Channel) -> Responses {
         let own = channel.frequency;

@@ -113,7 +113,6 @@ pub struct Measured {
     pub counts: Counts,
     /// The first and the second rating of each condition that a subject rated more than once.
     pub retests: Vec<RetestPair>,
-    /// Response times.
     pub times: Vec<TimeCount>,
 }
 

@@ -82,7 +82,7 @@ pub(super) fn fit_clm(data: &ClmData) -> Result<ClmFit, ModelError> {
     if data.scale.ncols() == 0 {
         return Ok(data.fit(start));
     }
-    // With a scale, the likelihood is not concave, so start at the estimates of the location.
+    // With a scale, the likelihood may not be concave, so start at the estimates of the location.
     let plain = ClmData { scale: DMatrix::zeros(data.x.nrows(), 0), ..data.clone() };
     let location = plain.fit(plain.start()).parameters;
     Ok(data.fit(location.resize_vertically(data.parameters(), 0.0)))

@@ -95,9 +95,9 @@ fn comparable(one: &Fitted, other: &Fitted) -> bool {
     fine(one) && fine(other) && one.mixed.is_some() == other.mixed.is_some()
 }
 
-/// Maximum number of parameters for a test of proportional odds. Separate thresholds for each level need as many
-/// parameters as the product of both numbers, and the time for a fit grows with the cube of the parameters. On a scale
-/// of 101 steps, the test would be useless.
+/// Maximum number of parameters for a test of proportional odds. A separate effect of each level at each threshold
+/// needs levels × thresholds parameters, and the time for a fit grows with the cube of their number. On a scale of 101
+/// steps, the test would be useless.
 const MOST_NOMINAL: usize = 300;
 
 /// Tests proportional odds. Each term in turn gets a separate effect at each threshold, which is compared with one

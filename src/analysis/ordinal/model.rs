@@ -249,7 +249,7 @@ pub enum ModelError {
         "--terms num:{name}: the depth inf is not a finite number; expected num:inv_n (1/depth, 0 for inf), or the factor {name}"
     )]
     InfiniteDepth {
-        /// The factor.
+        /// Name of the factor.
         name: String,
     },
     /// There are too many quadrature nodes, or none.
