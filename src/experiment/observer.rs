@@ -44,8 +44,8 @@ fn any_key(rng: &mut ChaCha8Rng) -> u8 {
 
 /// An ordered-logit observer: P(rating ≤ j) = 1/(1+e^(η−θ_j)), with
 ///
-/// η = `depth`·q − `fall`·log₂⁺(w/w₀) − `narrow`·log₂⁺(w₀/w) + `oblique`·|sin 2θ| + `contrast`·log₂(c/½)
-/// + `subject_sd`·z
+/// η = `depth`·q − `fall`·log₂⁺(w/w₀) − `narrow`·log₂⁺(w₀/w) + `oblique`·|sin 2θ| + `contrast`·log₂(c/½) +
+/// `subject_sd`·z
 ///
 /// where q = 1/n (for n = ∞, q = 1/`infinite_as`, because the slope of 2.5 in the middle of that ramp is close to that
 /// of n = 5), w is the width, w₀ is the width of the strongest band, θ is the orientation, c = (high−low)/(high+low), z
