@@ -89,8 +89,8 @@ fn visibility_is_greatest_at_one_width() {
     });
 }
 
-/// Bangay's Figure 4: visibility falls with n, and is still falling after n = 3. For n = ∞, it is at most that for n =
-/// 3.
+/// Bangay's Figure 4: visibility falls with n, and it is still falling after n = 3. At n = ∞, visibility is no greater
+/// than at n = 3.
 #[test]
 fn visibility_falls_with_depth() {
     each_condition(|window, px, most| {
