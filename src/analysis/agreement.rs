@@ -12,27 +12,27 @@ use super::{
 /// Krippendorff's α.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Alpha {
-    /// 1 is perfect agreement, 0 is chance, and values below 0 are systematic disagreement.
+    /// 1 is perfect agreement, 0 is chance agreement, and values below 0 are systematic disagreement.
     pub alpha: f64,
-    /// Conditions that two or more subjects rated.
+    /// Number of conditions that two or more subjects rated.
     pub units: usize,
-    /// Ratings of these conditions.
+    /// Number of ratings of these conditions.
     pub ratings: u64,
-    /// Bootstrap interval over subjects; a subject drawn twice is not compared with itself.
+    /// Bootstrap interval over subjects. A subject drawn twice is not compared with itself.
     pub interval: Option<Interval>,
 }
 
-/// One subject's ratings of one condition: the categories they used, and how often.
+/// One subject's ratings of one condition: the categories used, and how often each was used.
 struct Share {
     subject: usize,
     tally: Vec<(usize, f64)>,
 }
 
-/// Krippendorff's ordinal α (Hayes & Krippendorff 2007) with conditions as units and subjects as coders; none where no
-/// condition was rated by two subjects, or all ratings are the same.
+/// Returns Krippendorff's ordinal α (Hayes & Krippendorff 2007) with conditions as units and subjects as coders.
+/// Returns `None` if no condition was rated by two subjects or all ratings are the same.
 ///
-/// With one rating a subject and condition this is the published coefficient. Repeated ratings of a subject are all
-/// used, but compared with those of other subjects only.
+/// With one rating per subject and condition, this is the published coefficient. Repeated ratings by a subject are all
+/// used, but they are compared only with ratings by other subjects.
 pub fn ordinal_alpha(counts: &Counts, bootstrap: &Bootstrap) -> Option<Alpha> {
     let mut units: Vec<Vec<Share>> = counts.conditions.iter().map(|_| Vec::new()).collect();
     for row in &counts.rows {
@@ -42,7 +42,7 @@ pub fn ordinal_alpha(counts: &Counts, bootstrap: &Bootstrap) -> Option<Alpha> {
             unit.push(Share { subject, tally: Vec::new() });
         }
         if let Some(share) = unit.last_mut() {
-            // The rows of a table are unique.
+            // The rows of a table are unique, so this category is new.
             share.tally.push((row.rating as usize, row.count as f64));
         }
     }
@@ -57,7 +57,7 @@ pub fn ordinal_alpha(counts: &Counts, bootstrap: &Bootstrap) -> Option<Alpha> {
     Some(Alpha { alpha, units: units.len(), ratings: ratings as u64, interval })
 }
 
-/// α with each subject counted as often as its weight says.
+/// Returns α when each subject counts as often as its weight says.
 fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64> {
     units.first()?;
     let mut coincidences = vec![0.0; categories * categories];
@@ -70,7 +70,8 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
     let (mut observed, mut expected) = (0.0, 0.0);
     for c in 0..categories {
         for k in c + 1..categories {
-            // The ordinal metric: how many ratings lie between, half of those in the two categories with them.
+            // The ordinal metric: the number of ratings between the two categories, plus half of the ratings in the
+            // two.
             let between: f64 = marginals[c..=k].iter().sum::<f64>() - (marginals[c] + marginals[k]) / 2.0;
             observed += coincidences[c * categories + k] * between * between;
             expected += marginals[c] * marginals[k] * between * between;
@@ -79,8 +80,8 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
     (expected > 0.0).then(|| 1.0 - (n - 1.0) * observed / expected)
 }
 
-/// Adds a unit's pairs of ratings of different subjects, with as much weight in all as it has such ratings.
-/// `total` and `own` are room to work in.
+/// Adds a unit's pairs of ratings by different subjects. Their total weight is the number of ratings in the unit.
+/// `total` and `own` are scratch space.
 fn add_coincidences(shares: &[Share], weights: &[u8], coincidences: &mut [f64], total: &mut [f64], own: &mut [f64]) {
     let categories = total.len();
     total.fill(0.0);
@@ -109,7 +110,7 @@ fn add_coincidences(shares: &[Share], weights: &[u8], coincidences: &mut [f64], 
     }
 }
 
-/// The mean of a statistic over subjects, with its bootstrap interval; none without values.
+/// Returns the mean of a statistic over subjects and its bootstrap interval, or `None` if there are no values.
 pub fn mean_over_subjects(values: &[f64], bootstrap: &Bootstrap) -> Option<(f64, Option<Interval>)> {
     if values.is_empty() {
         return None;
@@ -121,7 +122,7 @@ pub fn mean_over_subjects(values: &[f64], bootstrap: &Bootstrap) -> Option<(f64,
     Some((mean(&vec![1; values.len()]), bootstrap.interval(values.len(), resampled)))
 }
 
-/// First against second ratings: how often each pair of categories occurred.
+/// A table of first against second ratings: how often each pair of categories occurred.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Retest {
     categories: usize,
@@ -129,12 +130,13 @@ pub struct Retest {
 }
 
 impl Retest {
-    /// An empty table for a number of categories.
+    /// Creates an empty table for a number of categories.
     pub fn new(categories: usize) -> Self {
         Self { categories, counts: vec![0; categories * categories] }
     }
 
-    /// Adds a condition's first and second rating, categories from 0; false if one of them is none of the table's.
+    /// Adds the first and the second rating of a condition as categories counted from 0. Returns false if one of them
+    /// is outside the table.
     pub fn add(&mut self, first: usize, second: usize) -> bool {
         let inside = first < self.categories && second < self.categories;
         if inside {
@@ -143,13 +145,13 @@ impl Retest {
         inside
     }
 
-    /// Pairs in the table.
+    /// Returns the number of pairs in the table.
     pub fn pairs(&self) -> u64 {
         self.counts.iter().sum()
     }
 
-    /// Cohen's κ (1968) with quadratic weights: 1 perfect agreement, 0 what chance gives. None without pairs, or where all
-    /// ratings are the same category.
+    /// Returns Cohen's κ (1968) with quadratic weights: 1 is perfect agreement, 0 is chance agreement. Returns `None`
+    /// if there are no pairs or all ratings are in the same category.
     pub fn kappa(&self) -> Option<f64> {
         let k = self.categories;
         let row = |i: usize| self.counts[i * k..(i + 1) * k].iter().sum::<u64>() as f64;
@@ -167,7 +169,7 @@ impl Retest {
     }
 }
 
-/// First against second ratings of every subject.
+/// Returns each subject's table of first against second ratings.
 pub fn retests(measured: &Measured) -> Vec<Retest> {
     let mut retests = vec![Retest::new(measured.counts.categories.len()); measured.counts.subjects.len()];
     for pair in &measured.retests {

@@ -1,4 +1,4 @@
-//! The bootstrap over subjects: how results would differ in another sample of people. Ratings of the same person are
+//! The bootstrap over subjects: how results would vary between samples of people. Ratings by the same person are
 //! related, so people are resampled instead of ratings.
 
 use rand::{RngExt, SeedableRng};
@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use crate::light::random::Z_95;
 
-/// How to resample. The same settings give the same intervals on every machine (ChaCha8).
+/// The settings for resampling. The same settings give the same intervals on every machine (ChaCha8).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bootstrap {
-    /// Samples drawn.
+    /// Number of samples to draw.
     pub replicates: usize,
-    /// Seed of the generator.
+    /// Seed of the random number generator.
     pub seed: u64,
     /// Coverage of the intervals, such as 0.95.
     pub level: f64,
@@ -24,7 +24,7 @@ impl Default for Bootstrap {
     }
 }
 
-/// An interval of an estimate.
+/// An interval around an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
     /// Lower end.
@@ -34,7 +34,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The 95 % interval of an estimate from its standard error; `None` without one.
+    /// Returns the 95 % interval of an estimate from its standard error, or `None` if either is missing or not finite.
     pub fn wald(estimate: f64, se: Option<f64>) -> Option<Self> {
         let reach = Z_95 * se.filter(|se| se.is_finite() && estimate.is_finite())?;
         Some(Self { low: estimate - reach, high: estimate + reach })
@@ -42,8 +42,8 @@ impl Interval {
 }
 
 impl Bootstrap {
-    /// For every replicate, how often each subject was drawn; none without subjects. In bytes, since there may be many
-    /// subjects: nobody is drawn 256 times.
+    /// Returns, for each replicate, how often each subject was drawn; there are no replicates without subjects. Bytes
+    /// save memory if there are many subjects, and nobody is drawn 256 times.
     pub(super) fn weights(&self, subjects: usize) -> Vec<Vec<u8>> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let replicates = if subjects == 0 { 0 } else { self.replicates };
@@ -58,8 +58,8 @@ impl Bootstrap {
         (0..replicates).map(|_| draw()).collect()
     }
 
-    /// The percentile interval of what a statistic was in the replicates; none from a single subject, or where fewer
-    /// than half of the replicates have a value.
+    /// Returns the percentile interval of a statistic from its values in the replicates. Returns `None` if there is
+    /// only one subject or if fewer than half of the replicates have a value.
     pub(super) fn interval(&self, subjects: usize, mut values: Vec<f64>) -> Option<Interval> {
         values.retain(|value| value.is_finite());
         if subjects < 2 || values.is_empty() || 2 * values.len() < self.replicates {
@@ -71,7 +71,8 @@ impl Bootstrap {
     }
 }
 
-/// The quantile of sorted values by linear interpolation (type 7 of Hyndman & Fan 1996, the default of R and NumPy).
+/// Returns a quantile of sorted values by linear interpolation (type 7 of Hyndman & Fan 1996, the default in R and
+/// NumPy).
 fn quantile(sorted: &[f64], p: f64) -> f64 {
     let position = p * (sorted.len() - 1) as f64;
     let below = position.floor() as usize;

@@ -1,4 +1,4 @@
-//! The rows that a model is fitted on: complete, with the categories and levels that occur among them.
+//! The rows on which a model is fitted: complete rows with the categories and levels that occur in them.
 
 use std::collections::BTreeSet;
 
@@ -10,27 +10,27 @@ use super::{
     },
 };
 
-/// The rows of a table that have all the values the terms need.
+/// The rows of a table that have all values that the terms need.
 #[derive(Clone, Debug)]
 pub(super) struct Frame<'a> {
     pub counts: &'a Counts,
-    /// The rows, `subject` and `rating` renumbered to what occurs.
+    /// The rows, with `subject` and `rating` renumbered to the values that occur.
     pub rows: Vec<CountRow>,
     /// Names of the subjects that occur.
     pub subjects: Vec<String>,
     /// Names of the categories that occur, the lowest first.
     pub categories: Vec<String>,
-    /// For every factor, the levels that occur, in natural order.
+    /// For each factor, the levels that occur, in natural order.
     levels: Vec<Vec<u32>>,
-    /// For every factor, a baseline that replaces the first level.
+    /// For each factor, the baseline that replaces the first level, if any.
     baselines: Vec<Option<u32>>,
 }
 
 impl<'a> Frame<'a> {
-    /// The complete rows for these terms, and notes on what was excluded.
+    /// Selects the complete rows for these terms. Also returns notes on what was excluded.
     ///
     /// # Errors
-    /// An unknown name, a text where a number is asked, no rows, ratings that are all the same.
+    /// Returns a [`ModelError`] if a name is unknown, if no rows remain or if all ratings are the same.
     pub fn new(counts: &'a Counts, terms: &[&Terms]) -> Result<(Self, Vec<Note>), ModelError> {
         let needed = needed_factors(counts, terms)?;
         let mut notes = Vec::new();
@@ -61,23 +61,23 @@ impl<'a> Frame<'a> {
         Ok((frame, notes))
     }
 
-    /// Ratings in the frame.
+    /// Returns the number of ratings in the frame.
     pub fn total(&self) -> u64 {
         self.rows.iter().map(|row| row.count).sum()
     }
 
-    /// The conditions that occur.
+    /// Returns the conditions that occur.
     pub fn conditions(&self) -> Vec<u32> {
         let conditions: BTreeSet<u32> = self.rows.iter().map(|row| row.condition).collect();
         conditions.into_iter().collect()
     }
 
-    /// Makes a level that occurs the baseline of a factor.
+    /// Makes `level`, which must occur, the baseline of a factor.
     pub fn set_baseline(&mut self, factor: usize, level: u32) {
         self.baselines[factor] = Some(level);
     }
 
-    /// The levels of a factor that occur, the baseline first.
+    /// Returns the levels of a factor that occur, starting with the baseline.
     pub fn levels(&self, factor: usize) -> Vec<u32> {
         let mut levels = self.levels[factor].clone();
         if let Some(position) = self.baselines[factor].and_then(|level| levels.iter().position(|l| *l == level)) {
@@ -86,7 +86,7 @@ impl<'a> Frame<'a> {
         levels
     }
 
-    /// The numbers of a factor's levels; 0 for those that do not occur.
+    /// Returns the numbers of a factor's levels, or their reciprocals if `inverse`. Levels that do not occur have 0.
     pub fn numbers(&self, index: usize, inverse: bool) -> Result<Vec<f64>, ModelError> {
         let factor = &self.counts.factors[index];
         let mut values = vec![0.0; factor.levels.len()];
@@ -106,7 +106,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The factor a variable names, and whether its inverse is meant.
+/// Returns the factor that a variable names and whether its reciprocal is meant.
 pub(super) fn find_factor(counts: &Counts, variable: &Variable) -> Result<(usize, bool), ModelError> {
     if let Some((index, _)) = counts.factor(variable.name()) {
         return Ok((index, false));
@@ -125,7 +125,7 @@ fn needed_factors(counts: &Counts, terms: &[&Terms]) -> Result<BTreeSet<usize>, 
     variables.map(|variable| find_factor(counts, variable).map(|(index, _)| index)).collect()
 }
 
-/// Renumbers an index to the values that occur, and returns these in order.
+/// Renumbers an index to the values that occur, and returns those values in order.
 fn renumber(rows: &mut [CountRow], field: impl Fn(&mut CountRow) -> &mut u32) -> Vec<u32> {
     let present: BTreeSet<u32> = rows.iter_mut().map(|row| *field(row)).collect();
     let present: Vec<u32> = present.into_iter().collect();
@@ -136,7 +136,7 @@ fn renumber(rows: &mut [CountRow], field: impl Fn(&mut CountRow) -> &mut u32) ->
     present
 }
 
-/// Merges the categories that have no ratings into their neighbors, with a note.
+/// Removes the categories that have no ratings, with a note for each, and returns the names of the others.
 fn used_categories(counts: &Counts, rows: &mut [CountRow], notes: &mut Vec<Note>) -> Result<Vec<String>, ModelError> {
     let used: BTreeSet<u8> = rows.iter().map(|row| row.rating).collect();
     let used: Vec<u8> = used.into_iter().collect();

@@ -1,20 +1,20 @@
-//! The order of levels: numbers by size, `inf` last, texts by their bytes.
+//! The order of levels: numbers ascending with `inf` last, and texts by their bytes.
 
 use std::cmp::Ordering;
 
-/// The number that a level's text means: a decimal number, `inf` or `-inf` in any case. `nan` and hexadecimal numbers
-/// are texts.
+/// Returns the number that the text of a level means: a decimal number, or `inf` or `-inf` in any case. `nan` and
+/// hexadecimal numbers count as texts.
 pub fn number_of(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|number| !number.is_nan())
 }
 
-/// The numbers of all levels; `None` if any of them is a text.
+/// Returns the numbers of all levels, or `None` if any level is a text.
 pub fn numbers_of<S: AsRef<str>>(levels: &[S]) -> Option<Vec<f64>> {
     levels.iter().map(|level| number_of(level.as_ref())).collect()
 }
 
-/// Natural order of two texts out of a set in which all are numbers, or not: numbers ascending, `inf` last; otherwise
-/// bytes, as in R's C locale and in Python.
+/// Returns the natural order of two texts from a set. If the whole set is numbers (`all_numbers`), they ascend with
+/// `inf` last; otherwise, texts are ordered by their bytes, as in R's C locale and in Python.
 pub(super) fn compare(left: &str, right: &str, all_numbers: bool) -> Ordering {
     match (number_of(left), number_of(right)) {
         (Some(l), Some(r)) if all_numbers => l.total_cmp(&r).then_with(|| left.cmp(right)),
@@ -22,7 +22,7 @@ pub(super) fn compare(left: &str, right: &str, all_numbers: bool) -> Ordering {
     }
 }
 
-/// Natural order of any two texts: numbers before texts.
+/// Returns the natural order of any two texts, with numbers before texts.
 pub(super) fn compare_mixed(left: &str, right: &str) -> Ordering {
     match (number_of(left), number_of(right)) {
         (Some(l), Some(r)) => l.total_cmp(&r).then_with(|| left.cmp(right)),
@@ -32,9 +32,9 @@ pub(super) fn compare_mixed(left: &str, right: &str) -> Ordering {
     }
 }
 
-/// The distinct levels among some texts, in natural order, and for every text the index of its level. Texts that mean
-/// the same number (`0.1` and `0.10`) are one level where all of them are numbers, as in R; its name is the shortest
-/// of them. None stays None: a missing value.
+/// Returns the distinct levels of some texts, in natural order, and the index of each text's level. If all texts are
+/// numbers, texts that mean the same number (`0.1` and `0.10`) are one level, as in R, and its name is the shortest of
+/// them. A missing value stays `None`.
 pub(super) fn rank(texts: &[Option<&str>]) -> (Vec<String>, Vec<Option<u32>>) {
     let mut present: Vec<&str> = texts.iter().flatten().copied().collect();
     present.sort_unstable();

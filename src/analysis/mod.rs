@@ -1,18 +1,20 @@
-//! Analysis: from counts of ratings to descriptive statistics, ordinal models, tests and agreement.
+//! Analysis: descriptive statistics, ordinal models, tests and agreement, all computed from counts of ratings.
 //!
-//! Everything works on [`counts::Counts`], the sufficient statistic subject × condition × rating, so that its cost does
-//! not grow with the number of rows. The conventions are those of R's `ordinal` where it has them:
+//! Everything works on [`counts::Counts`], the sufficient statistic subject × condition × rating, so the cost does not
+//! grow with the number of rows. The conventions follow R's `ordinal` wherever it has them:
 //!
-//! - P(Y ≤ j) = F(θ_j − xβ − σu): a positive coefficient, and a positive intercept of a subject, mean higher ratings.
-//!   `statsmodels` has the same signs; its thresholds are the first one and the logarithms of the differences.
-//! - Levels and categories come in natural order, numbers ascending with `inf` last, texts by their bytes. The first
-//!   level is the baseline of treatment contrasts; coefficients are named as in R (`width0.05`, `width0.05:depth2`).
-//! - Standard errors come from the observed information of the likelihood that was maximized: for a mixed model its
-//!   Laplace or Gauss–Hermite approximation. The log-likelihood has no constant for the order of the ratings.
-//! - A [`Note`] of a model says what the data cannot answer; a [`ModelError`] says why there is no model.
+//! - P(Y ≤ j) = F(θ_j − xβ − σu): a positive coefficient or a positive subject intercept means higher ratings.
+//!   `statsmodels` uses the same signs; its threshold parameters are the first threshold and the logarithms of the
+//!   differences.
+//! - Levels and categories are in natural order: numbers ascending with `inf` last, texts by their bytes. The first
+//!   level is the baseline of treatment contrasts. Coefficients are named as in R (`width0.05`, `width0.05:depth2`).
+//! - Standard errors come from the observed information of the likelihood that was maximized; for a mixed model, this
+//!   is its Laplace or Gauss–Hermite approximation. The log-likelihood omits the constant for the order of the ratings.
+//! - A model's [`Note`]s say what the data cannot answer. A [`ModelError`] says why there is no model.
 //!
-//! Sources: McCullagh (1980), J. R. Stat. Soc. B 42, 109; Pratt (1981), J. Am. Stat. Assoc. 76, 103; Christensen (2022),
-//! `ordinal`, R package 2022.11-16; Liu & Pierce (1994), Biometrika 81, 624; Albert & Anderson (1984), Biometrika 71, 1.
+//! Sources: McCullagh (1980), J. R. Stat. Soc. B 42, 109; Pratt (1981), J. Am. Stat. Assoc. 76, 103; Christensen
+//! (2022), `ordinal`, R package 2022.11-16; Liu & Pierce (1994), Biometrika 81, 624; Albert & Anderson (1984),
+//! Biometrika 71, 1.
 
 pub mod agreement;
 pub mod bootstrap;

@@ -1,5 +1,5 @@
-//! Tests on ranks of subjects' mean ratings: Friedman's with Kendall's W, Wilcoxon's signed-rank test with Holm's
-//! correction.
+//! Tests on the ranks of subjects' mean ratings: Friedman's test with Kendall's W, and Wilcoxon's signed-rank test with
+//! Holm's correction.
 
 use serde::Serialize;
 
@@ -9,20 +9,19 @@ use super::{
     summary::category_values,
 };
 
-/// Subjects' mean ratings at each level of a factor, over everything else. With equally many ratings everywhere these
-/// rank as the sums do.
+/// Subjects' mean ratings at each level of a factor, pooled over all other factors. If all numbers of ratings are
+/// equal, the means have the same ranks as the sums.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubjectMeans {
-    /// Names of the levels.
     pub levels: Vec<String>,
-    /// Subjects with ratings at every level, and their means in the order of the levels.
+    /// Subjects with ratings at every level, each with their means in the order of the levels.
     pub rows: Vec<(String, Vec<f64>)>,
     /// Subjects excluded because they did not rate every level.
     pub incomplete: Vec<String>,
 }
 
 impl SubjectMeans {
-    /// The means at the levels of a factor that have ratings.
+    /// Computes the means at those levels of a factor that have ratings.
     pub fn new(counts: &Counts, factor: usize) -> Self {
         let values = category_values(counts);
         let levels = counts.factors[factor].levels.len();
@@ -52,7 +51,7 @@ impl SubjectMeans {
     }
 }
 
-/// Friedman's test that all levels are rated alike, and how well subjects agree in ranking them.
+/// Friedman's test of whether all levels are rated alike, and how well subjects agree in ranking them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Friedman {
     pub subjects: usize,
@@ -61,13 +60,15 @@ pub struct Friedman {
     pub chi_squared: f64,
     /// Degrees of freedom.
     pub df: usize,
-    /// Probability by the χ² distribution.
+    /// Probability from the χ² distribution.
     pub p: f64,
-    /// Kendall's coefficient of concordance W, corrected for ties: 0 no agreement, 1 all the same order.
+    /// Kendall's coefficient of concordance W, corrected for ties: 0 is no agreement, and 1 means that all subjects
+    /// rank the levels alike.
     pub w: f64,
 }
 
-/// Friedman's test; none with fewer than two subjects or levels, or where every subject rates all levels alike.
+/// Performs Friedman's test. Returns `None` if there are fewer than two subjects or levels, or if every subject rates
+/// all levels alike.
 pub fn friedman(means: &SubjectMeans) -> Option<Friedman> {
     let (n, k) = (means.rows.len(), means.levels.len());
     if n < 2 || k < 2 {
@@ -100,7 +101,7 @@ pub fn friedman(means: &SubjectMeans) -> Option<Friedman> {
     })
 }
 
-/// Mid-ranks from 1, and Σ(t³ − t) over the groups of ties.
+/// Returns the mid-ranks, starting at 1, and Σ(t³ − t) over the groups of ties.
 pub(crate) fn ranks(values: &[f64]) -> (Vec<f64>, f64) {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|l, r| values[*l].total_cmp(&values[*r]));
@@ -122,36 +123,36 @@ pub(crate) fn ranks(values: &[f64]) -> (Vec<f64>, f64) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PMethod {
-    /// From all assignments of signs.
+    /// From all possible assignments of signs.
     Exact,
-    /// By the normal distribution, corrected for ties and continuity.
+    /// From the normal distribution, corrected for ties and continuity.
     Normal,
 }
 
 /// Wilcoxon's signed-rank test of paired differences.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Wilcoxon {
-    /// Differences that are not 0.
+    /// Number of differences that are not 0.
     pub n: usize,
-    /// Differences of 0, which are excluded (Wilcoxon 1945; the default of R and SciPy).
+    /// Number of differences that are 0. They are excluded (Wilcoxon 1945; the default in R and SciPy).
     pub zeros: usize,
     /// Sum of the ranks of the positive differences, R's V.
     pub v: f64,
     /// Two-sided probability.
     pub p: f64,
-    /// How it was computed.
+    /// How the probability was computed.
     pub method: PMethod,
 }
 
-/// Up to how many differences the probability is exact.
+/// The probability is exact for up to this many differences.
 pub const EXACT_DIFFERENCES: usize = 50;
 
-/// Wilcoxon's signed-rank test; p is 1 where all differences are 0.
+/// Performs Wilcoxon's signed-rank test. p is 1 if all differences are 0.
 ///
-/// The exact distribution is that of the ranks at hand, mid-ranks for ties, under all 2ⁿ signs: the shift algorithm of
-/// Streitberg & Röhmel (1986).
+/// The exact distribution is that of the actual ranks, with mid-ranks for ties, over all 2ⁿ assignments of signs. It is
+/// computed with the shift algorithm of Streitberg & Röhmel (1986).
 pub fn wilcoxon(differences: &[f64]) -> Wilcoxon {
-    // Means that differ by rounding are the same mean.
+    // Means that differ only by rounding errors count as equal.
     let scale = differences.iter().fold(0.0_f64, |most, difference| most.max(difference.abs()));
     let kept: Vec<f64> = differences.iter().copied().filter(|d| d.abs() > 1e-12 * scale).collect();
     let sizes: Vec<f64> = kept.iter().map(|difference| rounded(difference.abs(), scale)).collect();
@@ -167,13 +168,13 @@ pub fn wilcoxon(differences: &[f64]) -> Wilcoxon {
     }
 }
 
-/// To 12 digits of the scale, so that equal differences of rounded means are ties.
+/// Rounds to 12 digits relative to `scale`, so that equal differences of rounded means are ties.
 fn rounded(value: f64, scale: f64) -> f64 {
     (value / scale * 1e12).round()
 }
 
 fn exact_probability(ranks: &[f64], v: f64) -> f64 {
-    // Mid-ranks are halves: doubled, they are whole numbers.
+    // Mid-ranks are multiples of ½, so doubling makes them whole numbers.
     let doubled: Vec<usize> = ranks.iter().map(|rank| (2.0 * rank).round() as usize).collect();
     let total: usize = doubled.iter().sum();
     let mut ways = vec![0.0_f64; total + 1];
@@ -196,7 +197,7 @@ fn normal_probability(n: f64, ties: f64, v: f64) -> f64 {
     two_sided(distance / variance.sqrt())
 }
 
-/// Probabilities corrected for their number by Holm's method (1979), in the order given.
+/// Corrects probabilities for multiple testing by Holm's method (1979). The result is in the order given.
 pub fn holm(probabilities: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..probabilities.len()).collect();
     order.sort_by(|l, r| probabilities[*l].total_cmp(&probabilities[*r]));
@@ -209,35 +210,34 @@ pub fn holm(probabilities: &[f64]) -> Vec<f64> {
     corrected
 }
 
-/// Two levels compared.
+/// A comparison of two levels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pair {
     pub level: String,
     pub other: String,
-    /// Mean over subjects of the first level's mean rating less the other's.
+    /// Mean over subjects of the difference in mean rating, first level minus other level.
     pub difference: f64,
     pub test: Wilcoxon,
-    /// Its probability corrected for all pairs.
+    /// The probability, corrected for all pairs.
     pub p_holm: f64,
 }
 
 /// All pairs of levels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pairs {
-    /// The comparisons.
     pub pairs: Vec<Pair>,
-    /// The smallest corrected probability possible with this number of subjects and pairs.
+    /// The smallest corrected probability that is possible with this number of subjects and pairs.
     pub least_p: f64,
 }
 
 impl Pairs {
-    /// Whether no result could reach a level such as 0.05, which makes the comparison of pairs meaningless.
+    /// Returns whether no result could reach a significance level such as 0.05. If so, comparing pairs is pointless.
     pub fn cannot_reach(&self, alpha: f64) -> bool {
         !self.pairs.is_empty() && self.least_p > alpha
     }
 }
 
-/// Compares every level with every other by Wilcoxon's test, with Holm's correction.
+/// Compares all pairs of levels by Wilcoxon's test, with Holm's correction.
 pub fn pairs(means: &SubjectMeans) -> Pairs {
     let mut pairs = Vec::new();
     for first in 0..means.levels.len() {

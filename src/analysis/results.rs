@@ -1,4 +1,4 @@
-//! One analysis of one study: description, model, tests and agreement together.
+//! The complete analysis of a study: descriptive statistics, model, tests and agreement.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -18,16 +18,16 @@ use super::{
 /// What to compute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Terms of the model; None for the main effects of all factors with two levels or more.
+    /// Terms of the model. If `None`, the main effects of all factors with two or more levels.
     pub terms: Option<Terms>,
     pub link: Link,
-    /// The random part; None for an intercept per subject if there are two subjects or more.
+    /// The random part. If `None`, an intercept for each subject, provided that there are two or more subjects.
     pub random: Option<Random>,
     /// Number of quadrature nodes of a mixed model; 1 is the Laplace approximation.
     pub quadrature: usize,
-    /// Whether terms are also tested for effects on the spread of the ratings.
+    /// Whether to test terms for effects on the spread of the ratings as well.
     pub scale: bool,
-    /// The bootstrap of all intervals that are not the model's.
+    /// The bootstrap for all intervals that do not come from the model.
     pub bootstrap: Bootstrap,
 }
 
@@ -49,65 +49,66 @@ pub struct Results {
     /// The ratings.
     pub measured: Measured,
     pub options: Options,
-    /// Every cell of the design.
+    /// The ratings in each cell of the design.
     pub cells: Vec<Group>,
     pub factors: Vec<FactorResults>,
     pub subjects: Vec<SubjectResults>,
     /// The specification of the model.
     pub spec: ModelSpec,
-    /// The model with its tests, or why there is none.
+    /// The model with its tests, or the reason why there is none.
     pub model: Result<ModelReport, ModelError>,
-    /// Tests of effects on the spread; empty unless requested.
+    /// Tests of effects on the spread of the ratings; empty unless requested.
     pub scale: Vec<TermTest>,
-    /// Agreement between subjects; `None` with one subject.
+    /// Agreement between subjects; `None` if there is only one subject.
     pub alpha: Option<Alpha>,
-    /// Agreement within subjects: mean of weighted κ over subjects, and its bootstrap interval.
+    /// Agreement within subjects: the mean of weighted κ over subjects and its bootstrap interval.
     pub kappa: Option<(f64, Option<Interval>)>,
-    /// Response times of each category.
+    /// Response times for each category.
     pub times: Vec<Option<Quartiles>>,
 }
 
-/// The levels of one factor.
+/// The results for one factor.
 #[derive(Clone, Debug, Serialize)]
 pub struct FactorResults {
-    /// The factor.
+    /// Name of the factor.
     pub name: String,
-    /// Each level, over everything else.
+    /// The ratings at each level, pooled over all other factors.
     pub levels: Vec<Group>,
     /// Subjects who did not rate every level and are therefore excluded from the tests.
     pub incomplete: Vec<String>,
-    /// Whether any level differs; none with one subject or level.
+    /// Test of whether any level differs; `None` if there is only one subject or level.
     pub friedman: Option<Friedman>,
-    /// Which levels differ; none with one subject or level.
+    /// Tests of which levels differ; `None` if there is only one subject or level.
     pub pairs: Option<Pairs>,
-    /// Response times of each level.
+    /// Response times for each level.
     pub times: Vec<Option<Quartiles>>,
 }
 
 #[derive(Clone, Debug, Serialize)]
 pub struct SubjectResults {
-    /// Their ratings.
+    /// The subject's ratings.
     pub group: Group,
-    /// Conditions that they rated twice.
+    /// Number of conditions that the subject rated at least twice.
     pub retests: u64,
-    /// Weighted κ (quadratic) of first and second rating; none without repetitions, or where all are the same.
+    /// Quadratically weighted κ of first and second ratings; `None` if there are no repetitions or all ratings are the
+    /// same.
     pub kappa: Option<f64>,
-    /// Their response times.
+    /// The subject's response times.
     pub times: Option<Quartiles>,
 }
 
 impl Results {
-    /// Subjects.
+    /// Returns the number of subjects.
     pub fn people(&self) -> usize {
         self.measured.counts.subjects.len()
     }
 
-    /// Whether the results allow inference about other people.
+    /// Returns whether the results allow inferences about other people.
     pub fn is_inferential(&self) -> bool {
         self.people() > 1
     }
 
-    /// The model's expected ratings in each condition; empty without a model.
+    /// Returns the model's expected ratings in each condition, or nothing if there is no model.
     pub fn predictions(&self) -> &[Prediction] {
         self.model.as_ref().map_or(&[], |report| &report.predictions)
     }
@@ -115,7 +116,7 @@ impl Results {
 
 /// Analyzes a study.
 ///
-/// There are always descriptive statistics; if there is no model, `model` gives the reason.
+/// Descriptive statistics are always available. If there is no model, `model` gives the reason.
 pub fn analyze(measured: Measured, options: &Options) -> Results {
     let counts = &measured.counts;
     let people = counts.subjects.len();

@@ -1,4 +1,5 @@
-//! Descriptive statistics: number, mean, median and proportions of the ratings by cell, factor level and subject.
+//! Descriptive statistics: the number, mean, median and proportions of the ratings in each cell, at each factor level
+//! and by each subject.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -9,40 +10,42 @@ use super::{
     levels,
 };
 
-/// The ratings of one group.
+/// A summary of the ratings in one group.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// Ratings.
+    /// Number of ratings.
     pub n: u64,
-    /// Subjects who gave them.
+    /// Number of subjects who gave these ratings.
     pub subjects: usize,
-    /// Mean rating, in the numbers of the categories, or their positions from 0 where they are texts.
+    /// Mean rating. It is computed from the numbers of the categories or, if they are texts, from their positions,
+    /// starting at 0.
     pub mean: f64,
-    /// Median rating; halfway between the two in the middle.
+    /// Median rating. For an even number of ratings, it is halfway between the two in the middle.
     pub median: f64,
-    /// Proportion of each category.
+    /// Proportion of ratings in each category.
     pub proportions: Vec<f64>,
-    /// Bootstrap interval of the mean over subjects; none with a single subject.
+    /// Bootstrap interval of the mean over subjects; `None` if there is only one subject.
     pub interval: Option<Interval>,
 }
 
-/// The ratings at one combination of levels, or of one subject.
+/// The ratings at one combination of levels or by one subject.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Group {
-    /// Names of the levels, in the order of the factors; empty where the value is missing. For a subject, the name.
+    /// Names of the levels, in the order of the factors; a missing value has an empty name. For a subject, the
+    /// subject's name.
     pub names: Vec<String>,
-    /// Their ratings.
+    /// The summary of their ratings.
     pub summary: Summary,
 }
 
-/// The number that each category means.
+/// Returns the number that each category means.
 pub fn category_values(counts: &Counts) -> Vec<f64> {
     levels::numbers_of(&counts.categories)
         .filter(|numbers| numbers.iter().all(|number| number.is_finite()))
         .unwrap_or_else(|| (0..counts.categories.len()).map(|index| index as f64).collect())
 }
 
-/// Every cell of the design that has ratings.
+/// Summarizes every cell of the design that has ratings.
 pub fn by_cell(counts: &Counts, bootstrap: &Bootstrap) -> Vec<Group> {
     let name = |group: usize| -> Vec<String> {
         let levels = counts.conditions[group].iter().zip(&counts.factors);
@@ -51,14 +54,14 @@ pub fn by_cell(counts: &Counts, bootstrap: &Bootstrap) -> Vec<Group> {
     groups(counts, counts.conditions.len(), |row| Some(row.condition as usize), name, Some(bootstrap))
 }
 
-/// Every level of a factor, over everything else.
+/// Summarizes every level of a factor, pooled over all other factors.
 pub fn by_factor(counts: &Counts, factor: usize, bootstrap: &Bootstrap) -> Vec<Group> {
     let levels = &counts.factors[factor].levels;
     let level = |condition: u32| counts.conditions[condition as usize][factor].map(|level| level as usize);
     groups(counts, levels.len(), |row| level(row.condition), |group| vec![levels[group].clone()], Some(bootstrap))
 }
 
-/// Every subject. There is no interval: the bootstrap draws subjects.
+/// Summarizes every subject. There are no intervals, because the bootstrap resamples subjects.
 pub fn by_subject(counts: &Counts) -> Vec<Group> {
     let name = |group: usize| vec![counts.subjects[group].clone()];
     groups(counts, counts.subjects.len(), |row| Some(row.subject as usize), name, None)
@@ -86,7 +89,7 @@ fn groups(
     let values = category_values(counts);
     let mut tallies = vec![vec![0_u64; values.len()]; number];
     let mut shares: Vec<Vec<Share>> = vec![Vec::new(); number];
-    // Rows are sorted by subject: a group's last share is the subject's own or a new one is needed.
+    // Rows are sorted by subject, so a group's last share either belongs to this subject or a new share is needed.
     for row in &counts.rows {
         let Some(group) = group_of(row) else { continue };
         tallies[group][row.rating as usize] += row.count;
@@ -131,7 +134,7 @@ fn summarize(tally: &[u64], values: &[f64], subjects: usize, interval: Option<In
     }
 }
 
-/// The value at a position of the sorted ratings.
+/// Returns the value at a position in the sorted ratings.
 fn value_at(tally: &[u64], values: &[f64], position: u64) -> f64 {
     let mut below = 0;
     for (&count, &value) in tally.iter().zip(values) {

@@ -1,4 +1,4 @@
-//! Factors, and the conditions they cross to.
+//! Factors and the conditions that result from crossing them.
 
 use serde::{Serializer, ser::SerializeMap as _};
 
@@ -7,25 +7,25 @@ use crate::stimulus::{ParameterError, ParameterValue, Stimulus};
 /// A stimulus parameter that the experiment varies, and its levels in the order of the definition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
-    /// A stimulus parameter's name.
+    /// Name of the stimulus parameter.
     pub name: String,
-    /// At least one level, no two alike.
+    /// At least one level; no two are equal.
     pub levels: Vec<ParameterValue>,
 }
 
-/// One cell of the crossed factors: the stimulus with every parameter settled.
+/// One cell of the crossed factors: the stimulus with every parameter set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
-    /// Index of the level of each factor, in the order of the factors.
+    /// The index of each factor's level, in the order of the factors.
     pub levels: Vec<usize>,
-    /// What is drawn.
+    /// The stimulus to draw.
     pub stimulus: Stimulus,
 }
 
-/// All cells, the last factor fastest.
+/// Returns all cells. The last factor varies fastest.
 ///
 /// # Errors
-/// Each parameter that a cell would set to an impossible value.
+/// Returns an error for the first parameter that a cell would set to an impossible value.
 pub(super) fn cross(base: &Stimulus, factors: &[Factor]) -> Result<Vec<Condition>, ParameterError> {
     let mut cells = vec![Condition { levels: Vec::new(), stimulus: base.clone() }];
     for factor in factors {
@@ -43,7 +43,7 @@ pub(super) fn cross(base: &Stimulus, factors: &[Factor]) -> Result<Vec<Condition
     Ok(cells)
 }
 
-/// Factors as a JSON object, `{"width": [0.02, …], …}`, as in a definition.
+/// Serializes factors as they appear in a definition, in JSON `{"width": [0.02, …], …}`.
 pub(super) fn serialize_factors<S: Serializer>(factors: &[Factor], serializer: S) -> Result<S::Ok, S::Error> {
     let mut map = serializer.serialize_map(Some(factors.len()))?;
     for factor in factors {

@@ -1,4 +1,4 @@
-//! Every frame of a session and its content.
+//! Records every frame of a session and what it showed.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use crate::{
 };
 
 named! {
-    /// What the frames of a trial showed.
+    /// What a frame of a trial showed.
     Shown, ShownError {
         /// The uniform field before the stimulus.
         Recovery = "recovery",
@@ -20,7 +20,7 @@ named! {
     }
 }
 
-/// Frames that followed each other and showed one thing.
+/// Consecutive frames that showed the same thing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stretch {
     /// Index into [`Schedule::trials`](super::Schedule::trials).
@@ -29,29 +29,29 @@ pub struct Stretch {
     pub attempt: u32,
     /// What was on the screen.
     pub shown: Shown,
-    /// The refresh interval that they were compared with, if known.
+    /// The refresh interval against which the frames were judged, if known.
     pub refresh: Option<Refresh>,
-    /// How long each of them was shown, microseconds.
+    /// How long each frame was shown, microseconds.
     pub intervals_us: Vec<u32>,
 }
 
-/// The frames of a sitting. A frame belongs to what it showed, until the next frame begins.
+/// The frames of a sitting. The time until the next frame begins counts for what the current frame shows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FrameLog {
     times: FrameTimes,
-    /// What the present frame shows, in which trial and attempt.
+    /// What the current frame shows, with its trial and attempt.
     shown: Option<(Shown, usize, u32)>,
-    /// Not returned yet.
+    /// The stretches not yet returned by [`FrameLog::take`].
     stretches: Vec<Stretch>,
 }
 
 impl FrameLog {
-    /// Intervals of all frames so far.
+    /// Returns the intervals of all frames so far.
     pub fn times(&self) -> &FrameTimes {
         &self.times
     }
 
-    /// A frame begins that shows this; `None` for a page.
+    /// Begins a frame that shows `shown`, or a page if it is `None`.
     pub fn begin(&mut self, now: Duration, refresh: Option<Refresh>, shown: Option<(Shown, usize, u32)>) {
         self.shown = shown;
         match shown {
@@ -60,7 +60,7 @@ impl FrameLog {
         }
     }
 
-    /// The current frame lasted until now: records what it showed and for how long.
+    /// Ends the current frame, recording what it showed and for how long.
     pub fn end(&mut self, now: Duration) -> Option<(Shown, FrameInterval)> {
         let (shown, trial, attempt) = self.shown.take()?;
         let interval = self.times.end(now)?;
@@ -80,18 +80,18 @@ impl FrameLog {
         Some((shown, interval))
     }
 
-    /// The next frame follows no other.
+    /// Notes that the next frame does not directly follow the last one.
     pub fn interrupt(&mut self) {
         self.shown = None;
         self.times.interrupt();
     }
 
-    /// An onset was late.
+    /// Counts a late onset.
     pub fn late_onset(&mut self) {
         self.times.late_onset();
     }
 
-    /// The stretches since the last call.
+    /// Returns the stretches recorded since the last call.
     pub fn take(&mut self) -> Vec<Stretch> {
         std::mem::take(&mut self.stretches)
     }

@@ -1,17 +1,17 @@
-//! Participant and session.
+//! The identifiers of a participant and a session.
 
-/// Longest identifier accepted, so that a file name with two of them fits every file system.
+/// Maximum length of an identifier: a file name with two of them must fit every file system.
 const LONGEST: usize = 40;
 
-/// Participant and session of a data file. Both match `[A-Za-z0-9]+` and have at most 40 characters, so that they
-/// can be part of a file name on every system and of a Psych-DS or BIDS keyword.
+/// The participant and the session of a data file. Both identifiers match `[A-Za-z0-9]+` and have at most 40
+/// characters, so they can be part of a file name on any system and of a Psych-DS or BIDS keyword.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Identity {
     subject: String,
     session: String,
 }
 
-/// An identifier that cannot be part of a file name.
+/// The error for an identifier that cannot be part of a file name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what} {given:?} {fault}; expected letters A–Z, a–z and digits only, at most 40, such as {example}")]
 pub struct IdentityError {
@@ -22,7 +22,7 @@ pub struct IdentityError {
 }
 
 impl Identity {
-    /// Checks both identifiers; the error names the first faulty one.
+    /// Checks both identifiers. The error names the first one that is not valid.
     pub fn new(subject: &str, session: &str) -> Result<Self, IdentityError> {
         Ok(Self { subject: Self::check_subject(subject)?, session: Self::check_session(session)? })
     }
@@ -37,18 +37,18 @@ impl Identity {
         check("session", id, "1")
     }
 
-    /// The participant's identifier.
+    /// Returns the participant's identifier.
     pub fn subject(&self) -> &str {
         &self.subject
     }
 
-    /// The session's identifier.
+    /// Returns the session's identifier.
     pub fn session(&self) -> &str {
         &self.session
     }
 
-    /// The participant's place in a counterbalancing square: the number that ends the identifier, counted from 0
-    /// (`S001` → 0, `P12` → 11); without one, a hash that is the same on every machine.
+    /// Returns the participant's row in a counterbalancing square: the number at the end of the identifier, counted
+    /// from 0 (`S001` → 0, `P12` → 11). If there is no such number, it is a hash that is the same on every machine.
     pub fn counterbalance_row(&self) -> u64 {
         let digits = self.subject.len() - self.subject.trim_end_matches(|c: char| c.is_ascii_digit()).len();
         match self.subject[self.subject.len() - digits..].parse::<u64>() {
@@ -58,7 +58,8 @@ impl Identity {
     }
 }
 
-/// 64-bit FNV-1a: a fixed, public hash, since the standard library's may change between versions.
+/// Returns the 64-bit FNV-1a hash. It is public and fixed, whereas the standard library's hash may change between
+/// versions.
 pub(super) fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
@@ -67,7 +68,7 @@ fn check(what: &'static str, id: &str, example: &'static str) -> Result<String, 
     let fault = if id.is_empty() {
         "is empty".to_owned()
     } else if let Some(c) = id.chars().find(|c| !c.is_ascii_alphanumeric()) {
-        format!("has the character {c:?}")
+        format!("contains the character {c:?}")
     } else if id.len() > LONGEST {
         format!("has {} characters", id.len())
     } else {

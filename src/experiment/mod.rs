@@ -1,7 +1,8 @@
-//! Floor 3: what an experiment is and how a session of it runs, without a clock, a file or a window.
+//! Floor 3: what an experiment is and how one of its sessions runs. It uses no clock, no files and no window.
 //!
-//! A [`Protocol`] (a definition, validated once) and a seed make a [`Schedule`]; a [`Session`] steps through it by
-//! events and returns effects; a [`TrialRecord`] is one row of the data. [`Observer`]s simulate participants.
+//! A [`Protocol`] (a definition, validated once) and a seed determine a [`Schedule`]. A [`Session`] steps through it,
+//! driven by events, and returns effects. A [`TrialRecord`] is one row of the data. [`Observer`]s simulate
+//! participants.
 
 mod condition;
 mod frame_log;

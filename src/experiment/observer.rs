@@ -1,4 +1,4 @@
-//! Simulated observers, which rate by a known rule, so that an analysis can be tried before anyone is measured.
+//! Simulated observers. They rate by a known rule, so that an analysis can be tested before anyone is measured.
 
 use std::time::Duration;
 
@@ -21,13 +21,13 @@ use crate::{
     vision::{Criterion, Visibility, VisionError},
 };
 
-/// Rates stimuli.
+/// An observer that rates stimuli.
 pub trait Observer: Sync {
-    /// Rating 0…3 of a stimulus; `subject` is the participant's own standard normal deviate.
+    /// Returns the rating of a stimulus, 0…3. `subject` is the participant's own standard normal deviate.
     fn rate(&self, stimulus: &Stimulus, subject: f64, rng: &mut ChaCha8Rng) -> u8;
 }
 
-/// Presses any key: each rating with probability ¼.
+/// Presses keys at random: each rating has a probability of ¼.
 #[derive(Clone, Copy, Debug)]
 pub struct UniformObserver;
 
@@ -37,47 +37,50 @@ impl Observer for UniformObserver {
     }
 }
 
-/// Each rating with probability ¼.
+/// Returns each rating with a probability of ¼.
 fn any_key(rng: &mut ChaCha8Rng) -> u8 {
     (rng.next_u64() >> 62) as u8
 }
 
 /// An ordered-logit observer: P(rating ≤ j) = 1/(1+e^(η−θ_j)), with
 ///
-/// η = `depth`·q − `fall`·log₂⁺(w/w₀) − `narrow`·log₂⁺(w₀/w) + `oblique`·|sin 2θ| + `contrast`·log₂(c/½) + `subject_sd`·z
+/// η = `depth`·q − `fall`·log₂⁺(w/w₀) − `narrow`·log₂⁺(w₀/w) + `oblique`·|sin 2θ| + `contrast`·log₂(c/½) +
+/// `subject_sd`·z
 ///
-/// where q = 1/n (for n = ∞ 1/`infinite_as`, as its middle slope of 2.5 is near n = 5's), w is the width, w₀ the width
-/// of the strongest band, θ the orientation, c = (high−low)/(high+low), z the participant's deviate and
-/// log₂⁺ = max(log₂, 0). A step (w = 0) and a uniform field (c = 0) have no band: rating 0.
+/// where q = 1/n (for n = ∞, q = 1/`infinite_as`, because the slope of 2.5 in the middle of that ramp is close to that
+/// of n = 5), w is the width, w₀ is the width of the strongest band, θ is the orientation, c = (high−low)/(high+low), z
+/// is the participant's deviate, and log₂⁺ = max(log₂, 0). A step (w = 0) and a uniform field (c = 0) have no band and
+/// are rated 0.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct OrderedLogit {
-    /// θ₁ < θ₂ < θ₃: where one rating gives way to the next.
+    /// θ₁ < θ₂ < θ₃: the boundaries between ratings.
     pub thresholds: [f64; 3],
     /// Standard deviation of the participants' intercepts.
     pub subject_sd: f64,
     /// Weight of 1/n.
     pub depth: f64,
-    /// The finite n that n = ∞ counts as.
+    /// The finite n as which n = ∞ counts.
     pub infinite_as: f64,
     /// Width of the strongest band, as a proportion of the window.
     pub strongest_width: f64,
-    /// Loss for each doubling of the width above that.
+    /// Loss for each doubling of the width above `strongest_width`.
     pub fall: f64,
-    /// Loss for each halving of the width below that.
+    /// Loss for each halving of the width below `strongest_width`.
     pub narrow: f64,
-    /// Weight of the distance from the cardinal orientations.
+    /// Weight of |sin 2θ|, which grows with the distance from the cardinal orientations.
     pub oblique: f64,
-    /// Weight of a doubling of Michelson contrast from one half.
+    /// Weight of each doubling of Michelson contrast relative to ½.
     pub contrast: f64,
-    /// Probability of a random key.
+    /// Probability of pressing a random key.
     pub lapse: f64,
 }
 
 impl Default for OrderedLogit {
-    /// As in the paper: visibility falls with width and again for very narrow ramps, falls with n and is still
-    /// falling after n = 3, a linear ramp is always visible, no effect of orientation. Bangay §3.2
-    /// The numbers are chosen to look like its Figure 4, not estimated from data.
+    /// Follows the findings of Bangay §3.2. Visibility decreases with width, and also for very narrow ramps. It
+    /// decreases with n and is still decreasing after n = 3. A linear ramp is always visible. Orientation has no
+    /// effect. The numbers are chosen so that the results look like Bangay's Figure 4; they are not estimated from
+    /// data.
     fn default() -> Self {
         Self {
             thresholds: [0.0, 1.5, 3.5],
@@ -95,7 +98,7 @@ impl Default for OrderedLogit {
 }
 
 impl OrderedLogit {
-    /// Linear predictor η of a stimulus for a participant; −∞ where there is no band to see.
+    /// Returns the linear predictor η of a stimulus for a participant, or −∞ if there is no band to see.
     pub fn predictor(&self, stimulus: &Stimulus, subject: f64) -> f64 {
         let number = |name| match stimulus.get(name) {
             Some(ParameterValue::Number(value)) => Some(value),
@@ -120,7 +123,7 @@ impl OrderedLogit {
         depth - loss + self.oblique * oblique + self.contrast * (contrast / 0.5).log2() + self.subject_sd * subject
     }
 
-    /// Rating 0…3 of anything with this linear predictor.
+    /// Returns a rating, 0…3, for a linear predictor.
     pub fn rate_at(&self, predictor: f64, rng: &mut ChaCha8Rng) -> u8 {
         if unit(rng) < self.lapse {
             return any_key(rng);
@@ -142,18 +145,18 @@ impl Observer for OrderedLogit {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VisionRater {
-    /// As [`Criterion::thresholds`].
+    /// See [`Criterion::thresholds`].
     pub thresholds: [f64; 3],
-    /// As [`Criterion::spread`].
+    /// See [`Criterion::spread`].
     pub spread: f64,
-    /// Standard deviation of the participants, on ln visibility.
+    /// Standard deviation between participants, in units of ln visibility.
     pub subject_sd: f64,
-    /// Probability of a random key.
+    /// Probability of pressing a random key.
     pub lapse: f64,
 }
 
 impl Default for VisionRater {
-    /// As `experiments/observers/vision.toml`.
+    /// The same values as in `experiments/observers/vision.toml`.
     fn default() -> Self {
         let Criterion { thresholds, spread } = Criterion::default();
         Self { thresholds, spread, subject_sd: 0.4, lapse: 0.01 }
@@ -161,17 +164,17 @@ impl Default for VisionRater {
 }
 
 impl VisionRater {
-    /// The criterion by which it rates.
+    /// Returns the criterion by which this observer rates.
     pub fn criterion(&self) -> Criterion {
         Criterion { thresholds: self.thresholds, spread: self.spread }
     }
 }
 
-/// How visible the bands of each condition are to the vision model, drawn with `px` pixels on a side, or with [`ViewingConditions::px`]
-/// by default.
+/// Returns how visible the bands of each condition are according to the model of vision. The stimuli are drawn with
+/// `px` pixels per side, or by default with [`ViewingConditions::px`].
 ///
 /// # Errors
-/// [`VisionError`] of a condition that cannot be seen, such as one that is all black.
+/// Returns a [`VisionError`] if a condition cannot be seen, for example because it is all black.
 pub fn visibilities(
     conditions: &[Condition],
     viewing: &ViewingConditions,
@@ -181,14 +184,14 @@ pub fn visibilities(
         let stimulus = &condition.stimulus;
         Ok(viewing.predict(stimulus, px.unwrap_or_else(|| ViewingConditions::px(stimulus)))?.visibility())
     };
-    // Pictures keep all threads busy one by one, and need memory.
+    // A single picture keeps all threads busy and needs much memory, so pictures are predicted one at a time.
     if conditions.iter().any(|condition| !condition.stimulus.is_line()) {
         return conditions.iter().map(see).collect();
     }
     conditions.par_iter().map(see).collect()
 }
 
-/// A [`VisionRater`] in front of the conditions of an experiment, each computed once.
+/// A [`VisionRater`] with the visibilities of an experiment's conditions, each computed once.
 #[derive(Clone, Debug)]
 pub struct VisionObserver {
     rater: VisionRater,
@@ -199,16 +202,16 @@ impl VisionObserver {
     /// Computes the visibility of every condition of `protocol` at its window size.
     ///
     /// # Errors
-    /// [`VisionError`] where a stimulus cannot be seen, such as one that is all black.
+    /// Returns a [`VisionError`] if a stimulus cannot be seen, for example because it is all black.
     pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, VisionError> {
-        // A validated protocol has them.
+        // A validated protocol always has conditions.
         let conditions = protocol.conditions().unwrap_or_default();
         let found = visibilities(&conditions, &ViewingConditions::new(protocol.viewing.window_deg), None)?;
         let stimuli = conditions.into_iter().map(|condition| condition.stimulus);
         Ok(Self { rater, visibilities: stimuli.zip(found.iter().map(Visibility::max)).collect() })
     }
 
-    /// How visible it finds a stimulus of the experiment; 0 for any other.
+    /// Returns how visible the bands in a stimulus of the experiment are, or 0 for any other stimulus.
     #[must_use]
     pub fn visibility(&self, stimulus: &Stimulus) -> f64 {
         self.visibilities.iter().find(|(known, _)| known == stimulus).map_or(0.0, |(_, visibility)| *visibility)
@@ -226,22 +229,22 @@ impl Observer for VisionObserver {
     }
 }
 
-/// Uniform in the open interval (0, 1).
+/// Returns a uniform random number in the open interval (0, 1).
 fn unit(rng: &mut ChaCha8Rng) -> f64 {
     ((rng.next_u64() >> 12) as f64 + 0.5) / (1u64 << 52) as f64
 }
 
 /// Median response time of a simulated observer, seconds.
 const RESPONSE_MEDIAN_S: f64 = 1.6;
-/// Standard deviation of its logarithm.
+/// Standard deviation of the logarithm of the response time.
 const RESPONSE_SIGMA: f64 = 0.4;
 
-/// Lets an observer rate every remaining trial, as fast as the records can be stored. Time is simulated and starts at
+/// Lets an observer rate every remaining trial as fast as the records can be stored. Time is simulated and starts at
 /// `start`. A rating depends only on the seed, the participant, the session, the trial and the attempt, so an
-/// interrupted session continues as if it had not been interrupted.
+/// interrupted session continues as if it had never been interrupted.
 ///
 /// # Errors
-/// The first error of `record`, which must have the response on disk when it returns.
+/// Returns the first error of `record`. The response must be on disk when `record` returns.
 pub fn simulate<E>(
     session: &mut Session,
     observer: &dyn Observer,
@@ -262,7 +265,7 @@ pub fn simulate<E>(
             }
             State::Stimulus { .. } | State::Response { .. } => {
                 let Some(trial) = session.current() else { return Ok(()) };
-                // A place of its own in the key stream for each trial: 16 words a block, 64 blocks a trial.
+                // Each trial has its own position in the key stream: 64 blocks of 16 words per trial.
                 rng.set_word_pos(trial as u128 * 1024);
                 let cell = session.schedule().trials[trial].condition;
                 let stimulus = &session.schedule().conditions[cell].stimulus;

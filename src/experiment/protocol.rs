@@ -13,9 +13,9 @@ use crate::{
     stimulus::{ParameterError, ParameterValue, Stimulus},
 };
 
-/// Highest rating of the paper's scale; ratings are 0…3. Bangay §3.1
+/// Highest rating on the paper's scale; ratings are 0…3 (Bangay §3.1).
 pub const RATING_MAX: u8 = 3;
-/// Most trials that one session may have.
+/// Maximum number of trials per session.
 const TRIALS_MAX: usize = 100_000;
 
 /// A fault at one location of a definition.
@@ -32,7 +32,7 @@ pub struct Fault {
 pub struct Faults(pub Vec<Fault>);
 
 impl Faults {
-    /// Adds what is wrong at a path.
+    /// Adds a fault at a path.
     pub fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
         self.0.push(Fault { path: path.into(), message: message.into() });
     }
@@ -46,26 +46,26 @@ impl Faults {
     }
 }
 
-/// An experiment: what is varied, in what order, how it is shown and rated. Serialized, it has the form of a
-/// definition, so that what a sidecar keeps can be read again.
+/// An experiment: what is varied, in what order it is shown, and how it is shown and rated. It is serialized in the
+/// form of a definition, so that the copy in a sidecar can be read back.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Protocol {
     /// Version of the definition's format; 1.
     pub schema: u32,
-    /// `[a-z0-9-]+`; names the results folder.
+    /// Name, `[a-z0-9-]+`. The results folder has the same name.
     pub name: String,
-    /// One line for people.
+    /// Title for people, one line.
     pub title: String,
-    /// The stimulus, with the parameters that do not vary.
+    /// The stimulus with the parameters that do not vary.
     pub stimulus: Stimulus,
-    /// Crossed factors in the definition's order.
+    /// The factors to cross, in the order of the definition.
     #[serde(serialize_with = "serialize_factors")]
     pub factors: Vec<Factor>,
     /// Number and order of the trials.
     pub design: Design,
     /// What is shown between stimuli.
     pub recovery: Recovery,
-    /// How long the stimulus is shown; `None` until it is rated.
+    /// How long the stimulus is shown. If `None`, it stays until it is rated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub presentation: Option<Presentation>,
     /// The rating scale.
@@ -80,15 +80,15 @@ pub struct Protocol {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Design {
-    /// Main trials of each condition, at least 1.
+    /// Number of main trials for each condition, at least 1.
     pub repetitions: u32,
-    /// Practice trials, drawn from the same conditions.
+    /// Number of practice trials, which are drawn from the same conditions.
     pub practice: u32,
-    /// Main trials between two breaks; 0 for none.
+    /// Number of main trials between two breaks; 0 for no breaks.
     pub break_every: u32,
     /// Order of the main trials.
     pub order: Order,
-    /// At most this many trials in a row with the same level of a factor.
+    /// Maximum number of consecutive trials with the same level of a factor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_run: Option<u32>,
 }
@@ -96,17 +96,18 @@ pub struct Design {
 /// Order of the main trials.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// All trials shuffled together.
+    /// All trials are shuffled together.
     Random,
-    /// One block for each level of a factor, blocks in random order, trials shuffled within.
+    /// One block for each level of a factor. The blocks are in random order, and the trials are shuffled within each
+    /// block.
     Blocked(String),
-    /// One block for each level of a factor, the order of the blocks counterbalanced over participants by a Williams
-    /// square, trials shuffled within.
+    /// One block for each level of a factor. A Williams square counterbalances the order of the blocks across
+    /// participants, and the trials are shuffled within each block.
     Latin(String),
 }
 
 impl Order {
-    /// The factor that makes the blocks.
+    /// Returns the factor that defines the blocks, if there are any.
     pub fn factor(&self) -> Option<&str> {
         match self {
             Self::Random => None,
@@ -140,24 +141,25 @@ impl std::str::FromStr for Order {
 
 serde_as_text!(Order);
 
-/// The uniform field between stimuli. Bangay §3.1
+/// The uniform field between stimuli (Bangay §3.1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Recovery {
     /// Seconds, 0…600.
     pub duration_s: f64,
-    /// Relative luminance in linear light, 0…1, of the stimulus color.
+    /// Relative luminance in linear light, 0…1, in the color of the stimulus.
     pub level: f64,
 }
 
 impl Recovery {
-    /// The duration to the nanosecond, as the session measures it.
+    /// Returns the duration to the nanosecond, as the session measures it.
     pub fn duration(&self) -> Duration {
         Duration::try_from_secs_f64(self.duration_s).unwrap_or_default()
     }
 }
 
-/// A stimulus of fixed duration. The uniform field follows until the stimulus is rated; an earlier rating ends it.
+/// A stimulus of fixed duration. The uniform field follows until the stimulus is rated; an earlier rating ends the
+/// stimulus.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Presentation {
@@ -166,7 +168,7 @@ pub struct Presentation {
 }
 
 impl Presentation {
-    /// The duration to the nanosecond, as the session measures it.
+    /// Returns the duration to the nanosecond, as the session measures it.
     pub fn duration(&self) -> Duration {
         Duration::try_from_secs_f64(self.duration_s).unwrap_or_default()
     }
@@ -181,7 +183,7 @@ pub struct ResponseScale {
     pub categories: Vec<Category>,
 }
 
-/// As in a definition: question, labels, keys.
+/// Serializes the scale as it appears in a definition: question, labels and keys.
 impl Serialize for ResponseScale {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(3))?;
@@ -192,12 +194,12 @@ impl Serialize for ResponseScale {
     }
 }
 
-/// One answer.
+/// One possible answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Category {
-    /// What it means.
+    /// What the answer means.
     pub label: String,
-    /// The key that gives it: one digit or letter.
+    /// The key for this answer: one digit or letter.
     pub key: char,
 }
 
@@ -205,9 +207,9 @@ pub struct Category {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ViewingPlan {
-    /// Eye to screen in cm.
+    /// Distance from the eye to the screen, cm.
     pub distance_cm: f64,
-    /// Side of the square stimulus in degrees of visual angle.
+    /// Side of the square stimulus, degrees of visual angle.
     pub window_deg: f64,
 }
 
@@ -224,14 +226,14 @@ impl Default for Recovery {
 }
 
 impl Default for ViewingPlan {
-    /// About 10° at 50 cm. Bangay §3.1
+    /// About 10° at 50 cm (Bangay §3.1).
     fn default() -> Self {
         Self { distance_cm: 50.0, window_deg: 10.0 }
     }
 }
 
 impl Default for ResponseScale {
-    /// The paper's four categories. Bangay §3.1
+    /// The paper's four categories (Bangay §3.1).
     fn default() -> Self {
         let labels = ["No band", "Broad band", "Narrow band, indistinct boundaries", "Narrow band, clearly defined"];
         Self {
@@ -245,18 +247,18 @@ impl Default for ResponseScale {
     }
 }
 
-/// Keys that the session itself uses, and so cannot be an answer.
+/// Keys that the session itself uses, so they cannot be answers.
 const RESERVED_KEYS: [char; 1] = ['s'];
 
 impl Protocol {
-    /// All cells of the design, the last factor fastest.
+    /// Returns all cells of the design. The last factor varies fastest.
     ///
-    /// A validated protocol always has them; the error repeats the fault that [`Protocol::faults`] would name.
+    /// This never fails for a validated protocol. The error repeats the fault that [`Protocol::faults`] reports.
     pub fn conditions(&self) -> Result<Vec<Condition>, ParameterError> {
         cross(&self.stimulus, &self.factors)
     }
 
-    /// Number of main trials.
+    /// Returns the number of main trials.
     pub fn main_trials(&self) -> usize {
         self.cells().saturating_mul(self.design.repetitions as usize)
     }
@@ -265,16 +267,17 @@ impl Protocol {
         self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.levels.len()))
     }
 
-    /// A file-name part: the name without hyphens, since a Psych-DS keyword value is alphanumeric.
+    /// Returns the name without hyphens, for file names: a Psych-DS keyword value must be alphanumeric.
     pub fn task(&self) -> String {
         self.name.replace('-', "")
     }
 
-    /// The experiment in gray, for an observer who sees colors differently from most people: a yellow with equal light in
-    /// red and green has a different luminance for each kind of color deficiency, but a gray has the same for all.
+    /// Returns the experiment in gray, for observers who see colors differently from most people. A yellow with equal
+    /// amounts of red and green light has a different luminance for each kind of color deficiency, but a gray has the
+    /// same luminance for everyone.
     ///
-    /// It is a separate experiment: its name ends in `-gray`, so that its data go into a separate folder and are not mixed
-    /// with the original's. `None` if it is already gray, or if color is what varies.
+    /// It is a separate experiment: its name ends in `-gray`, so its data go into a separate folder and are not mixed
+    /// with the data of the original. Returns `None` if the experiment is already gray or if color is a factor.
     #[must_use]
     pub fn in_gray(&self) -> Option<Self> {
         let gray = ParameterValue::from("gray");
@@ -291,7 +294,7 @@ impl Protocol {
         copy.stimulus.validate().ok().map(|()| copy)
     }
 
-    /// All faults; empty for a valid protocol.
+    /// Returns all faults; a valid protocol has none.
     pub fn faults(&self) -> Vec<Fault> {
         let mut faults = Faults::default();
         if let Some(message) = name_fault(&self.name) {
@@ -321,7 +324,8 @@ impl Protocol {
             if self.factors[..i].iter().any(|other| other.name == factor.name) {
                 faults.add(&path, format!("factor {} appears twice", factor.name));
             }
-            // As text, so that a list of a hundred thousand levels is compared in no time.
+            // Levels are compared as text in a set, so that even a list of a hundred thousand levels is checked
+            // quickly.
             let mut seen = HashSet::new();
             for (j, level) in factor.levels.iter().enumerate() {
                 let path = format!("{path}.{j}");
@@ -341,7 +345,7 @@ impl Protocol {
         if faults.0.len() > before {
             return;
         }
-        // With repetitions = 0, a fault of its own, there are no trials, but cells all the same.
+        // With repetitions = 0, which is reported as its own fault, there are no trials, but there are still cells.
         let repetitions = self.design.repetitions.max(1) as usize;
         let main = self.cells().saturating_mul(repetitions);
         let trials = main.saturating_add(self.design.practice as usize);
@@ -349,7 +353,8 @@ impl Protocol {
             faults.add("factors", format!("the design has {trials} trials; expected at most {TRIALS_MAX}"));
             return;
         }
-        // Each level is possible by itself; now the cells, where a level of one factor may contradict another's.
+        // Each level is valid by itself. Now check the cells, where a level of one factor may contradict a level of
+        // another.
         let Ok(cells) = self.conditions() else { return };
         if let Some(error) = cells.iter().find_map(|cell| cell.stimulus.validate().err()?.into_iter().next()) {
             let place =
@@ -372,7 +377,7 @@ impl Protocol {
             let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
             faults.add(
                 "design.order",
-                format!("order {} names no factor; expected one of {}", design.order, known.join(", ")),
+                format!("order {} does not name a factor; expected one of {}", design.order, known.join(", ")),
             );
         }
     }
@@ -401,15 +406,15 @@ impl Protocol {
                 faults.add(path, format!("key {key:?} appears twice; expected a different key for each answer"));
             }
             if category.label.trim().is_empty() {
-                faults.add(format!("response.labels.{i}"), "the label is empty; expected what the answer means");
+                faults.add(format!("response.labels.{i}"), "the label is empty; expected the meaning of the answer");
             }
         }
     }
 }
 
-/// Why a name cannot be an experiment's; `None` if it can.
+/// Returns why `name` cannot be the name of an experiment, or `None` if it can.
 pub fn name_fault(name: &str) -> Option<String> {
-    // A folder of such a name cannot be made on Windows, and results move between machines.
+    // Windows does not allow folders with these names, and results move between machines.
     let reserved = ["con", "prn", "aux", "nul"].contains(&name)
         || (name.len() == 4
             && (name.starts_with("com") || name.starts_with("lpt"))
@@ -417,12 +422,13 @@ pub fn name_fault(name: &str) -> Option<String> {
     let well_formed = !name.is_empty()
         && name.len() <= 64
         && name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
-        // A spreadsheet takes a cell that begins so for a formula, and a command line for an option.
+        // A spreadsheet would read a cell that starts with a hyphen as a formula, and a command line would read it as
+        // an option.
         && !name.starts_with('-')
         && name.bytes().any(|b| b != b'-');
     if !well_formed {
         Some(format!(
-            "name {name:?} is not allowed; expected lower-case letters, digits and hyphens, no hyphen first, at most 64, such as \"bangay2003\""
+            "name {name:?} is not allowed; expected at most 64 lowercase letters, digits and hyphens, with no hyphen first, such as \"bangay2003\""
         ))
     } else if reserved {
         Some(format!("name {name:?} is reserved by Windows; expected another name"))

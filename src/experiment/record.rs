@@ -1,5 +1,5 @@
-//! One row of the data. The struct is the schema: its fields, in order, are the columns of a result file, and their
-//! descriptions generate the column dictionary and the sidecar.
+//! One row of the data. The struct is the schema: its fields, in order, are the columns of a result file, and the
+//! column dictionary and the sidecar are generated from their descriptions.
 
 use std::time::Duration;
 
@@ -67,7 +67,7 @@ impl Cell for String {
         self.clone()
     }
     fn from_cell(text: &str) -> Result<Self, String> {
-        if text.is_empty() { Err("expected a text".to_owned()) } else { Ok(text.to_owned()) }
+        if text.is_empty() { Err("expected text".to_owned()) } else { Ok(text.to_owned()) }
     }
 }
 
@@ -99,7 +99,7 @@ impl Cell for Rating {
     }
 }
 
-/// Maximum time in a row, about thirty years: anything longer is not a measurement and would overflow clocks.
+/// Maximum time in a row, about thirty years. Anything longer is not a measurement and would overflow clocks.
 const LONGEST_S: f64 = 1e9;
 
 /// A time in seconds, written to a tenth of a millisecond.
@@ -127,18 +127,18 @@ impl<T: Cell> Cell for Option<T> {
     }
 }
 
-/// A column of a result file, described.
+/// The description of a column in a result file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Column {
-    /// Header cell.
+    /// The name in the header.
     #[serde(skip)]
     pub name: String,
-    /// What it holds.
+    /// What the column contains.
     pub description: String,
     /// Unit, if it has one.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub unit: String,
-    /// The possible values and their meanings, if they are few.
+    /// The possible values and their meanings, if there are only a few.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub levels: serde_json::Map<String, serde_json::Value>,
 }
@@ -148,7 +148,7 @@ macro_rules! record {
         $($name:ident: $kind:ty, $unit:literal, $description:literal;)*
         .. $($late:ident: $late_kind:ty, $late_unit:literal, $late_description:literal;)*
     ) => {
-        /// One trial as it was shown and rated; one row of a result file.
+        /// One trial as it was shown and rated: one row of a result file.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct TrialRecord {
             $(#[doc = $description] pub $name: $kind,)*
@@ -157,14 +157,14 @@ macro_rules! record {
             $(#[doc = $late_description] pub $late: $late_kind,)*
         }
 
-        /// Name, unit and description of the columns in every result file.
+        /// Name, unit and description of the columns that every result file has.
         const FIXED: &[(&str, &str, &str)] = &[$((stringify!($name), $unit, $description),)*];
 
-        /// The same for the columns after the factors.
+        /// Name, unit and description of the columns that follow the factors.
         const LATE: &[(&str, &str, &str)] = &[$((stringify!($late), $late_unit, $late_description),)*];
 
         impl TrialRecord {
-            /// The cells of the row, in the order of [`columns`].
+            /// Returns the cells of the row in the order of [`columns`].
             pub fn cells(&self) -> Vec<String> {
                 let mut cells = vec![$(Cell::to_cell(&self.$name),)*];
                 cells.extend(self.further.iter().cloned());
@@ -175,7 +175,7 @@ macro_rules! record {
             /// Reads a row whose cells are in the order of [`columns`].
             ///
             /// # Errors
-            /// Index of the faulty cell, and the expected content.
+            /// Returns the index of the first faulty cell and a message with the content that was expected.
             pub fn from_cells(cells: &[&str]) -> Result<Self, (usize, String)> {
                 let late = cells.len().saturating_sub(LATE.len()).max(FIXED.len());
                 let mut next = 0;
@@ -189,7 +189,7 @@ macro_rules! record {
     };
 }
 
-/// Reads the cell at `next`, and advances to the one after it.
+/// Reads the cell at `next` and advances to the following cell.
 fn cell<T: Cell>(cells: &[&str], next: &mut usize, name: &str) -> Result<T, (usize, String)> {
     let at = *next;
     *next += 1;
@@ -223,17 +223,18 @@ record! {
     started_at: Timestamp, "", "Wall-clock time of the onset, RFC 3339, UTC.";
     sitting: u32, "", "1, plus 1 each time an interrupted session was resumed.";
     seed: u64, "", "Seed of the trial order.";
-    // The factors without a column above go here. The columns below were added later: older files end before them.
+    // Factors that have no column above go here. The columns below were added later; older files end before them.
     ..
     stimulus_s: Option<Seconds>, "s", "Actual duration of the stimulus, from its onset to the frame that replaced it; empty if no screen was used.";
     late_onset: Option<bool>, "", "Whether the onset came more than half a refresh later than planned; empty if the screen's refresh rate is not known.";
     response_uncertainty_s: Option<Seconds>, "s", "Longest time that the key press may have waited before the program received it; empty if not measured.";
 }
 
-/// How many columns at the end of a row were added later: a file of an earlier version ends before some of them.
+/// Number of columns at the end of a row that were added later. A file from an earlier version ends before some of
+/// them.
 pub const TRAILING: usize = LATE.len();
 
-/// Every column of the result files of a protocol, in order.
+/// Returns every column of a protocol's result files, in order.
 pub fn columns(protocol: &Protocol) -> Vec<Column> {
     let described = |(name, unit, description): &(&str, &str, &str)| Column {
         name: (*name).to_owned(),
@@ -254,7 +255,8 @@ pub fn columns(protocol: &Protocol) -> Vec<Column> {
     FIXED.iter().map(described).chain(further).chain(LATE.iter().map(described)).collect()
 }
 
-/// The columns of a file without a known definition: those of every file, and the others in its header.
+/// Returns the columns of a file whose definition is unknown: the columns that every file has, and any others in its
+/// header.
 pub fn columns_by_header<'a>(header: impl Iterator<Item = &'a str>) -> Vec<Column> {
     let name = |name: &str| Column { name: name.to_owned(), ..Column::default() };
     let known = |known: &[(&str, &str, &str)]| known.iter().map(|(known, ..)| name(known)).collect::<Vec<_>>();
@@ -285,21 +287,21 @@ fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_js
     }
 }
 
-/// A rating, or several equal ones, from any file: the part of a row that an analysis needs.
+/// A rating, or several equal ratings, from any file: the part of a row that an analysis needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatingRow<'a> {
-    /// Who.
+    /// The participant.
     pub subject: &'a str,
-    /// The level of each factor, as written; empty if it is missing.
+    /// The level of each factor, as written; empty if missing.
     pub values: &'a [&'a str],
     /// The rating, as written.
     pub rating: &'a str,
-    /// How often.
+    /// The number of equal ratings.
     pub count: u64,
-    /// Session and repetition: their natural order distinguishes a condition's first rating from its second. `None` if
-    /// unknown; such a rating is not paired.
+    /// Session and repetition. Their natural order distinguishes a condition's first rating from its second. A rating
+    /// whose place is unknown (`None`) is not paired.
     pub place: Option<(&'a str, u32)>,
-    /// From onset to rating in seconds, if known.
+    /// Time from the onset to the rating in seconds, if known.
     pub response_time_s: Option<f64>,
 }
 
@@ -312,12 +314,12 @@ pub struct RowContext<'a> {
     pub schedule: &'a Schedule,
     /// Participant and session.
     pub identity: &'a Identity,
-    /// The sitting; 1 unless resumed.
+    /// Number of the sitting: 1 unless the session was resumed.
     pub sitting: u32,
 }
 
 impl TrialRecord {
-    /// The row for a response; `started_at` is the wall-clock time of the onset.
+    /// Creates the row for a response. `started_at` is the wall-clock time of the onset.
     pub fn new(context: &RowContext<'_>, response: &TrialResponse, started_at: Timestamp) -> Self {
         let seconds = |time: Duration| Seconds(time.as_secs_f64());
         let measured = Self {
@@ -337,7 +339,7 @@ impl TrialRecord {
         measured.of_trial(context, response.trial, response.attempt)
     }
 
-    /// The measurements of this row with the planned values of a trial.
+    /// Returns the measurements of this row together with the planned values of a trial.
     fn of_trial(self, context: &RowContext<'_>, trial: usize, attempt: u32) -> Self {
         let RowContext { protocol, schedule, identity, .. } = context;
         let trial = &schedule.trials[trial];
@@ -371,18 +373,18 @@ impl TrialRecord {
         }
     }
 
-    /// The level of a factor in this row, as written in its cell.
+    /// Returns the level of a factor in this row, as written in its cell.
     pub fn level(&self, protocol: &Protocol, factor: &str) -> Option<String> {
         let index = columns(protocol).iter().position(|column| column.name == factor)?;
         self.cells().into_iter().nth(index)
     }
 
-    /// Index of the trial that this row records.
+    /// Returns the index of the trial that this row records.
     ///
     /// # Errors
-    /// The schedule does not plan this trial with this condition.
+    /// Returns a message if the schedule does not plan this trial with this condition.
     pub fn planned_trial(&self, context: &RowContext<'_>) -> Result<usize, String> {
-        // Practice comes first, and each phase is numbered from 1.
+        // Practice trials come first, and each phase is numbered from 1.
         let practice = context.protocol.design.practice as usize;
         let before = if self.phase == Phase::Main { practice } else { 0 };
         let index = (before + self.trial as usize).checked_sub(1);

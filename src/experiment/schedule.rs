@@ -1,4 +1,5 @@
-//! The order of the trials: made from the definition, the seed and the identity, the same on every machine.
+//! The order of the trials. The definition, the seed and the identity determine it, and it is the same on every
+//! machine.
 
 use rand_chacha::{
     ChaCha8Rng,
@@ -12,25 +13,27 @@ use super::{
 };
 use crate::light::{names::named, random::shuffle};
 
-/// How an order follows from a seed, for the sidecar. Changing what this names changes recorded data's meaning.
+/// Describes, for the sidecar, how an order is generated from a seed. Any change to this procedure would change the
+/// meaning of recorded data.
 pub const GENERATOR: &str = "ChaCha8, seed_from_u64(seed), stream FNV-1a-64(subject_id NUL session_id), Fisher-Yates from the end, rejection sampling";
 
-/// Orders tried before `max_run` is given up.
+/// Maximum number of shuffles tried to satisfy `max_run`.
 const RUN_ATTEMPTS: usize = 200;
-/// Exchanges tried before `max_run` is given up: a second's work, where a large design allows no order at all.
+/// Maximum number of exchanges tried to satisfy `max_run`. This limits the search to about a second if a large design
+/// has no possible order.
 const RUN_EXCHANGES: usize = 20_000_000;
 
 named! {
-    /// Practice trials are recorded and not analyzed.
+    /// The phase of a trial. Practice trials are recorded but not analyzed.
     Phase, PhaseError {
-        /// Before the measurement.
+        /// Practice trials, which come before the main trials.
         Practice = "practice",
-        /// The measurement.
+        /// Main trials, which are analyzed.
         Main = "main",
     }
 }
 
-/// The phase of a row before it is filled in.
+/// Placeholder for a row that is not yet filled in.
 impl Default for Phase {
     fn default() -> Self {
         Self::Main
@@ -42,42 +45,44 @@ impl Default for Phase {
 pub struct Trial {
     /// Practice or main.
     pub phase: Phase,
-    /// From 1 within the phase: a factor's level in a blocked order, else the stretch between two breaks.
+    /// Number of the block within the phase, from 1. In a blocked order, a block is one level of the factor; otherwise,
+    /// it is the trials between two breaks.
     pub block: u32,
-    /// From 1 within the phase.
+    /// Number of the trial within the phase, from 1.
     pub number: u32,
-    /// How often this condition has come in this phase, this time included; from 1.
+    /// How many times this condition has occurred in this phase, including this trial; from 1.
     pub repetition: u32,
     /// Index into [`Schedule::conditions`].
     pub condition: usize,
 }
 
-/// Every trial of a session in its order.
+/// All trials of a session, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     /// The cells of the design.
     pub conditions: Vec<Condition>,
-    /// Practice, then main.
+    /// Practice trials, followed by main trials.
     pub trials: Vec<Trial>,
-    /// What the order was made from.
+    /// The seed from which the order was generated.
     pub seed: u64,
 }
 
-/// Why there is no order for a definition.
+/// The reason why a definition has no possible order.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScheduleError {
     /// `max_run` is too small for the design.
     #[error("found no order with max_run = {max_run}; expected a larger max_run or more levels")]
     MaxRun {
-        /// The limit asked for.
+        /// The requested limit.
         max_run: u32,
     },
-    /// A cell of the design is impossible.
+    /// A cell of the design is not a valid stimulus.
     #[error(transparent)]
     Condition(#[from] crate::stimulus::ParameterError),
 }
 
-/// A session's own generator: one stream for each participant and session under a common seed.
+/// Returns a session's own random number generator. For a given seed, each participant and session has a separate
+/// stream.
 pub(super) fn generator(seed: u64, identity: &Identity) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let name = format!("{}\0{}", identity.subject(), identity.session());
@@ -85,16 +90,17 @@ pub(super) fn generator(seed: u64, identity: &Identity) -> ChaCha8Rng {
     rng
 }
 
-/// A seed for a new session from anything that differs between sessions; below 2³² so that every JSON reader keeps it.
+/// Derives the seed of a new session from anything that differs between sessions. It is below 2³², so that every JSON
+/// reader preserves it.
 pub fn session_seed(entropy: u64) -> u64 {
     ChaCha8Rng::seed_from_u64(entropy).next_u64() >> 32
 }
 
 impl Schedule {
-    /// The order for this definition, participant, session and seed.
+    /// Creates the order for this definition, participant, session and seed.
     ///
     /// # Errors
-    /// [`ScheduleError`] where `max_run` cannot be met or the protocol was not validated.
+    /// Returns a [`ScheduleError`] if `max_run` cannot be satisfied or the protocol was not validated.
     pub fn new(protocol: &Protocol, identity: &Identity, seed: u64) -> Result<Self, ScheduleError> {
         let conditions = protocol.conditions()?;
         let mut rng = generator(seed, identity);
@@ -103,13 +109,13 @@ impl Schedule {
         Ok(Self { conditions, trials, seed })
     }
 
-    /// The planned trials of one phase.
+    /// Returns the planned trials of one phase.
     pub fn phase(&self, phase: Phase) -> impl Iterator<Item = &Trial> {
         self.trials.iter().filter(move |trial| trial.phase == phase)
     }
 }
 
-/// Each condition at most once more than any other.
+/// Picks the practice trials. Each condition occurs at most one time more than any other.
 fn practice(protocol: &Protocol, conditions: usize, rng: &mut ChaCha8Rng) -> Vec<Trial> {
     let wanted = protocol.design.practice as usize;
     let mut picked = Vec::with_capacity(wanted);
@@ -154,7 +160,7 @@ fn main(
     Ok(number(Phase::Main, conditions.len(), numbered))
 }
 
-/// Order of the blocks of a blocking factor with `levels` levels.
+/// Returns the order of the blocks for a blocking factor with `levels` levels.
 fn block_order(order: &Order, levels: usize, identity: &Identity, rng: &mut ChaCha8Rng) -> Vec<usize> {
     if let Order::Latin(_) = order {
         return williams_row(levels, identity.counterbalance_row());
@@ -164,9 +170,9 @@ fn block_order(order: &Order, levels: usize, identity: &Identity, rng: &mut ChaC
     blocks
 }
 
-/// One row of a Williams square: over all rows each level takes each position equally often, and follows each other
-/// level equally often. An odd number of levels needs twice as many rows, the second half mirrored.
-/// Williams 1949, Aust. J. Sci. Res. A 2:149.
+/// Returns one row of a Williams square. Over all rows, each level takes each position equally often and follows every
+/// other level equally often. An odd number of levels needs twice as many rows; the second half is mirrored. Williams
+/// 1949, Aust. J. Sci. Res. A 2:149.
 fn williams_row(levels: usize, row: u64) -> Vec<usize> {
     let rows = if levels.is_multiple_of(2) { levels } else { 2 * levels };
     let row = (row % rows as u64) as usize;
@@ -191,9 +197,9 @@ fn number(phase: Phase, conditions: usize, cells: impl Iterator<Item = (u32, usi
         .collect()
 }
 
-/// Rearranges the shuffled `cells` from `settled` on until no factor keeps a level for more than `max_run` trials in a
-/// row, those of the blocks before included. The factor that makes the blocks is left out: its level is constant by
-/// design, and so is one of a single level.
+/// Rearranges the shuffled `cells` from index `settled` on, until no factor keeps a level for more than `max_run`
+/// consecutive trials, counting the trials of earlier blocks. The factor that defines the blocks is exempt, because its
+/// level is constant within a block by design. A factor with a single level is exempt as well.
 fn limit_runs(
     cells: &mut [usize],
     settled: usize,
@@ -206,7 +212,7 @@ fn limit_runs(
     let held: Vec<usize> =
         (0..factors.len()).filter(|f| Some(*f) != blocking && factors[*f].levels.len() > 1).collect();
     let max = max_run as usize;
-    // Longest run through `at`, within what is settled (`..end`).
+    // Checks the runs through `at`, considering only the settled cells (`..end`).
     let fits = |cells: &[usize], at: usize, end: usize| {
         held.iter().all(|&f| {
             let same = |i: &usize| conditions[cells[*i]].levels[f] == conditions[cells[at]].levels[f];
@@ -232,7 +238,7 @@ fn limit_runs(
                 good
             };
             let found = (i..end).any(|j| exchange(j, &|cells| fits(cells, i, i + 1)))
-                // Nothing ahead fits: exchange with a place already settled where both then fit.
+                // If no cell ahead fits, exchange with a settled cell such that both then fit.
                 || (settled..i).any(|j| exchange(j, &|cells| fits(cells, j, i + 1) && fits(cells, i, i + 1)));
             if !found {
                 shuffle(&mut cells[settled..], rng);

@@ -1,5 +1,5 @@
-//! The session as a pure state machine: events and times in, effects out. It reads no clock, no file and no window;
-//! the person at the screen and the simulated observer drive the same one.
+//! The session as a pure state machine: it takes events and times, and returns effects. It uses no clock, no files and
+//! no window, so a person at the screen and a simulated observer can drive the same machine.
 
 use std::{collections::BTreeSet, time::Duration};
 
@@ -10,10 +10,10 @@ use super::{
 };
 use crate::display::frames::{FrameTimes, Refresh};
 
-/// What happens to a session.
+/// An event in a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// A frame begins that will show the current [`State`]; without a screen, time has passed.
+    /// A frame begins that will show the current [`State`]. Without a screen: time has passed.
     Frame,
     /// Continue from a page or a break.
     Continue,
@@ -23,9 +23,10 @@ pub enum Event {
     RateAt {
         /// 0…3.
         rating: u8,
-        /// When the program received it. A time before the onset or after the frame is moved to that limit.
+        /// When the program received the rating. A time before the onset or after the start of this frame is clamped to
+        /// that limit.
         at: Duration,
-        /// Longest time that it may have waited before the program received it, if known.
+        /// Longest time that the rating may have waited before the program received it, if known.
         uncertainty: Option<Duration>,
     },
     /// Undo the last rating.
@@ -43,48 +44,48 @@ pub enum Event {
 /// What the driver must do.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
-    /// Only show the state.
+    /// Only show the current state.
     None,
-    /// Put this on disk and answer [`Event::Stored`]; until then no further stimulus comes.
+    /// Store this on disk and reply with [`Event::Stored`]. Until then, no further stimulus is shown.
     Record(TrialResponse),
 }
 
-/// What the screen shows. Times are since the session's start.
+/// What the screen shows. Times are measured from the session's start.
 #[derive(Clone, Debug, PartialEq)]
 pub enum State {
-    /// Page of the instructions, from 0.
+    /// A page of the instructions, counted from 0.
     Instructions(usize),
-    /// Announces practice or the main trials.
+    /// A page that announces the practice or the main trials.
     PhaseStart(Phase),
-    /// The uniform field, since a time.
+    /// The uniform field before a stimulus.
     Recovery {
-        /// When it first stood on the screen.
+        /// When the field first appeared on the screen.
         since: Duration,
     },
-    /// The stimulus, since its onset.
+    /// The stimulus.
     Stimulus {
         /// Start of the frame that presented it.
         onset: Duration,
-        /// Actual duration of the field before.
+        /// Actual duration of the uniform field before the stimulus.
         recovery: Duration,
     },
     /// The uniform field after a stimulus of fixed duration, until it is rated.
     Response {
         /// Start of the frame that presented the stimulus.
         onset: Duration,
-        /// Actual duration of the field before.
+        /// Actual duration of the uniform field before the stimulus.
         recovery: Duration,
         /// Actual duration of the stimulus.
         stimulus: Duration,
     },
     /// A rest, until the participant continues.
     Break,
-    /// The uniform field after the last trial, whose rating can still be corrected.
+    /// The uniform field after the last trial, whose rating can still be undone.
     Closing {
-        /// When it first stood on the screen.
+        /// When the field first appeared on the screen.
         since: Duration,
     },
-    /// Held by the participant; the trial will start again.
+    /// Paused in the given state. A trial in progress will start over.
     Paused(Box<State>),
     /// All trials are rated and stored.
     Done,
@@ -97,43 +98,44 @@ pub enum State {
 pub struct TrialResponse {
     /// Index into [`Schedule::trials`].
     pub trial: usize,
-    /// 1, plus 1 each time it was taken back.
+    /// 1, plus 1 each time the rating was undone.
     pub attempt: u32,
     /// 0…3.
     pub rating: u8,
-    /// Onset to rating.
+    /// Time from the onset to the rating.
     pub response_time: Duration,
-    /// Since the session's start.
+    /// Onset of the stimulus, measured from the session's start.
     pub onset: Duration,
-    /// Actual duration of the field before.
+    /// Actual duration of the uniform field before the stimulus.
     pub recovery: Duration,
-    /// From the onset to the frame that replaced the stimulus, where there is a screen.
+    /// Time from the onset to the frame that replaced the stimulus, if there is a screen.
     pub stimulus: Option<Duration>,
     /// Longest time that the rating may have waited before the program received it, if known.
     pub uncertainty: Option<Duration>,
-    /// Whether the onset was more than half a refresh later than planned, where the refresh is known.
+    /// Whether the onset was more than half a refresh later than planned, if the refresh interval is known.
     pub late_onset: Option<bool>,
-    /// Frames that presented the stimulus, where there is a screen.
+    /// Number of frames that presented the stimulus, if there is a screen.
     pub frames: Option<u32>,
-    /// Intervals above 1.5 × the screen's during recovery and stimulus, where the interval is known.
+    /// Number of frame intervals longer than 1.5 times the screen's during recovery and stimulus, if that interval is
+    /// known.
     pub dropped_frames: Option<u32>,
 }
 
-/// Whether frames are counted, and against what.
+/// Whether frames are counted, and the interval against which they are judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrameCount {
     /// No screen.
     Off,
-    /// A screen whose frame interval is not known.
+    /// A screen whose refresh interval is unknown.
     Frames,
-    /// A screen with this interval in seconds.
+    /// A screen with this refresh interval, in seconds.
     Against(f64),
 }
 
 /// How a session starts.
 #[derive(Clone, Copy, Debug)]
 pub struct SessionOptions {
-    /// Pages of instructions before the first trial.
+    /// Number of pages of instructions before the first trial.
     pub pages: usize,
     /// How frames are counted.
     pub frames: FrameCount,
@@ -142,18 +144,18 @@ pub struct SessionOptions {
 /// What an interrupted session had already recorded.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resumed {
-    /// Indices into [`Schedule::trials`] that have a rating.
+    /// Indices into [`Schedule::trials`] of the trials that have a rating.
     pub done: BTreeSet<usize>,
 }
 
 /// Progress of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Trials rated, earlier sittings included.
+    /// Number of trials rated, including those of earlier sittings.
     pub done: usize,
-    /// Trials planned.
+    /// Number of trials planned.
     pub total: usize,
-    /// Estimate from the pace so far; `None` before the first rating.
+    /// Time remaining, estimated from the pace so far; `None` before the first rating.
     pub remaining: Option<Duration>,
 }
 
@@ -162,15 +164,16 @@ pub struct Progress {
 pub struct Session {
     protocol: Protocol,
     schedule: Schedule,
-    /// Trials still missing when the session started, in their order.
+    /// The trials that were still missing when the session started, in order.
     missing: Vec<usize>,
-    /// Next of `missing`.
+    /// Index of the next trial in `missing`.
     position: usize,
-    /// The trial being repeated, and its attempt.
+    /// The trial being repeated after its rating was undone, and its attempt.
     again: Option<(usize, u32)>,
-    /// The page or break before the next trial has been left when a rating was taken back: it does not come again.
+    /// True if the page or break before the next trial was already over when a rating was undone, so that it is not
+    /// shown again.
     page_left: bool,
-    /// The last rated trial and its attempt, which can be corrected.
+    /// The trial rated last and its attempt. Its rating can still be undone.
     last: Option<(usize, u32)>,
     /// A record is being written to disk.
     pending: bool,
@@ -178,17 +181,17 @@ pub struct Session {
     options: SessionOptions,
     frames: u32,
     dropped: u32,
-    /// A frame of the trial could not be judged.
+    /// True if a frame of the trial could not be judged because no refresh interval was known.
     unjudged: bool,
     late: Option<bool>,
     log: FrameLog,
-    /// Time spent in trials, and how many, for the estimate.
+    /// Total time spent in trials and their number, to estimate the remaining time.
     pace: (Duration, u32),
     trial_start: Duration,
 }
 
 impl Session {
-    /// A session at its first page, with all trials but those already done ahead of it.
+    /// Creates a session at its first page. All trials that are not yet done lie ahead.
     pub fn new(protocol: Protocol, schedule: Schedule, resumed: &Resumed, options: SessionOptions) -> Self {
         let missing = (0..schedule.trials.len()).filter(|trial| !resumed.done.contains(trial)).collect();
         let mut session = Self {
@@ -218,59 +221,60 @@ impl Session {
         session
     }
 
-    /// What the screen shows.
+    /// Returns what the screen shows.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// The definition.
+    /// Returns the definition.
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
     }
 
-    /// The planned order.
+    /// Returns the planned order of the trials.
     pub fn schedule(&self) -> &Schedule {
         &self.schedule
     }
 
-    /// Index into [`Schedule::trials`] of the trial at hand or next; `None` when none is left.
+    /// Returns the index into [`Schedule::trials`] of the current or next trial, or `None` if no trial is left.
     pub fn current(&self) -> Option<usize> {
         self.again.map(|(trial, _)| trial).or_else(|| self.missing.get(self.position).copied())
     }
 
-    /// Whether a rating waits to be stored.
+    /// Returns whether a rating is waiting to be stored.
     pub fn is_storing(&self) -> bool {
         self.pending
     }
 
-    /// Whether [`Event::TakeBack`] would have an effect now.
+    /// Returns whether [`Event::TakeBack`] would have an effect now.
     pub fn can_take_back(&self) -> bool {
         let between =
             matches!(self.state, State::Recovery { .. } | State::Closing { .. } | State::Break | State::PhaseStart(_));
         between && self.last.is_some() && self.again.is_none() && !self.pending
     }
 
-    /// Intervals of all frames of the trials so far; pages are left out.
+    /// Returns the intervals of all frames of the trials so far, excluding pages.
     pub fn frame_times(&self) -> &FrameTimes {
         self.log.times()
     }
 
-    /// What the frames since the last call showed, and for how long each.
+    /// Returns what the frames since the last call showed and how long each was shown.
     pub fn take_stretches(&mut self) -> Vec<Stretch> {
         self.log.take()
     }
 
-    /// From the next frame on the screen is another, or is known better.
+    /// Judges frames against `frames` from the next one on, because the screen has changed or its refresh interval is
+    /// now better known.
     pub fn judge_against(&mut self, frames: FrameCount) {
         self.options.frames = frames;
     }
 
-    /// Something else was on the screen: the next frame follows no other.
+    /// Notes that something else was on the screen, so that the next frame does not follow the last one.
     pub fn interrupt_frames(&mut self) {
         self.log.interrupt();
     }
 
-    /// The progress of the session.
+    /// Returns the progress of the session.
     pub fn progress(&self) -> Progress {
         let total = self.schedule.trials.len();
         let left = self.missing.len() - self.position;
@@ -278,8 +282,8 @@ impl Session {
         Progress { done: total - left, total, remaining: (rated > 0).then(|| time / rated * left as u32) }
     }
 
-    /// Takes one event at a time since the session's start; `now` never decreases.
-    /// An event that does not apply to the current state is ignored.
+    /// Processes one event at `now`, the time since the session's start, which must never decrease. An event that does
+    /// not apply to the current state is ignored.
     pub fn step(&mut self, event: Event, now: Duration) -> Effect {
         match (event, &self.state) {
             (Event::Stored, _) => self.pending = false,
@@ -321,7 +325,7 @@ impl Session {
     }
 
     fn recover(&mut self, now: Duration) {
-        // What is on the screen until now belongs to what was before.
+        // What has been on the screen until now belongs to the previous state.
         self.end_frame(now);
         self.frames = 0;
         self.dropped = 0;
@@ -360,7 +364,8 @@ impl Session {
         self.is_over(now.saturating_sub(since), self.protocol.recovery.duration()) && !self.pending
     }
 
-    /// Durations are held to whole refreshes where they are known.
+    /// Returns whether a duration is over. If the refresh interval is known, durations last a whole number of
+    /// refreshes.
     fn is_over(&self, elapsed: Duration, duration: Duration) -> bool {
         match self.refresh() {
             Some(refresh) => refresh.is_due(elapsed, duration),
@@ -406,7 +411,7 @@ impl Session {
         if usize::from(rating) >= self.protocol.response.categories.len() {
             return Effect::None;
         }
-        // The frame that shows the stimulus last counts too.
+        // The last frame that shows the stimulus counts as well.
         self.end_frame(now);
         let attempt = self.again.map_or(1, |(_, attempt)| attempt);
         if self.again.take().is_none() {
@@ -435,7 +440,7 @@ impl Session {
         Effect::Record(response)
     }
 
-    /// What follows a rated trial.
+    /// Moves to what follows a rated trial.
     fn after(&mut self, rated: usize, now: Duration) {
         let rated = &self.schedule.trials[rated];
         let every = self.protocol.design.break_every;

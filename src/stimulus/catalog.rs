@@ -1,5 +1,5 @@
-//! Every kind of stimulus as one type, and the catalog: the one place that commands, the gallery and the tests take the
-//! named stimuli from.
+//! Every kind of stimulus as one type, and the catalog: the single source of named stimuli for commands, the gallery
+//! and the tests.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +33,7 @@ macro_rules! stimuli {
         })*
 
         impl Stimulus {
-            /// The name of this kind, one of [`KINDS`].
+            /// Returns the name of this kind, one of [`KINDS`].
             #[must_use]
             pub fn kind(&self) -> &'static str {
                 match self {
@@ -41,7 +41,8 @@ macro_rules! stimuli {
                 }
             }
 
-            /// The stimulus of kind `kind` with every parameter at its default; `None` if there is no such kind.
+            /// Returns the stimulus of the kind `kind` with every parameter at its default, or `None` if there is no
+            /// such kind.
             #[must_use]
             pub fn default_of(kind: &str) -> Option<Stimulus> {
                 $(if kind == $name::KIND {
@@ -50,7 +51,7 @@ macro_rules! stimuli {
                 None
             }
 
-            /// Every parameter that can be set, in the order in which files list them.
+            /// Returns every parameter that can be set, in the order in which files list them.
             #[must_use]
             pub fn parameters(&self) -> &'static [Parameter] {
                 match self {
@@ -58,18 +59,19 @@ macro_rules! stimuli {
                 }
             }
 
-            /// Sets the parameter `name`, checking its own range only; [`Stimulus::validate`] checks the parameters
-            /// against each other.
+            /// Sets the parameter `name`. This checks only the range of the parameter itself; [`Stimulus::validate`]
+            /// checks the parameters against each other.
             ///
             /// # Errors
-            /// If there is no such parameter, or it cannot have this value; the stimulus is then unchanged.
+            /// Returns an error, and leaves the stimulus unchanged, if there is no such parameter or it cannot have
+            /// this value.
             pub fn set(&mut self, name: &str, value: &ParameterValue) -> Result<(), ParameterError> {
                 match self {
                     $(Self::$name(stimulus) => stimulus.set(name, value),)*
                 }
             }
 
-            /// The value of the parameter `name`; `None` if there is no such parameter.
+            /// Returns the value of the parameter `name`, or `None` if there is no such parameter.
             #[must_use]
             pub fn get(&self, name: &str) -> Option<ParameterValue> {
                 match self {
@@ -77,10 +79,10 @@ macro_rules! stimuli {
                 }
             }
 
-            /// Whether this can be shown.
+            /// Checks whether this stimulus can be shown.
             ///
             /// # Errors
-            /// Every fault found.
+            /// Returns every fault found.
             pub fn validate(&self) -> Result<(), Vec<ParameterError>> {
                 match self {
                     $(Self::$name(stimulus) => stimulus.validate(),)*
@@ -101,15 +103,15 @@ stimuli! {
     MachBand,
     /// Uniform steps.
     Chevreul,
-    /// Equal areas with an edge between them.
+    /// Two areas of equal luminance with an edge between them.
     Cornsweet,
     /// Nested squares.
     Vasarely,
     /// A triangle suggested only by its corners.
     Kanizsa,
-    /// A mesh under one of the shaders.
+    /// A mesh drawn by one of the shaders.
     ShadedMesh,
-    /// A faceted cylinder under flat, Gouraud or Phong shading.
+    /// A faceted cylinder with flat, Gouraud or Phong shading.
     #[serde(rename = "shaded-cylinder")]
     Cylinder,
 }
@@ -134,13 +136,13 @@ impl Stimulus {
         }
     }
 
-    /// Whether it varies only along its orientation.
+    /// Returns whether the stimulus varies only along its orientation.
     #[must_use]
     pub fn is_line(&self) -> bool {
         matches!(self.form(), Form::Line(..))
     }
 
-    /// The light of a window of `size` × `size` pixels.
+    /// Returns the light of a window of `size` × `size` pixels.
     #[must_use]
     pub fn linear(&self, size: u32) -> LinearImage {
         match self.form() {
@@ -149,7 +151,7 @@ impl Stimulus {
         }
     }
 
-    /// The codes of a window of `size` × `size` pixels: those of [`Stimulus::linear`], quantized.
+    /// Returns the codes of a window of `size` × `size` pixels. They equal the quantized light of [`Stimulus::linear`].
     #[must_use]
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
         match self.form() {
@@ -161,7 +163,8 @@ impl Stimulus {
         }
     }
 
-    /// The requested light at the pixel centers of a row of `size` through the center of the window, along the orientation.
+    /// Returns the requested light at the centers of a row of `size` pixels through the center of the window, along the
+    /// orientation.
     #[must_use]
     pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
         match self.form() {
@@ -172,17 +175,17 @@ impl Stimulus {
         }
     }
 
-    /// The light of a uniform field of relative luminance `level` in the color of this stimulus.
+    /// Returns the light of a uniform field of relative luminance `level` in the color of this stimulus.
     #[must_use]
     pub fn field_light(&self, level: f64) -> [f32; 3] {
         self.color().light(level).map(|light| light as f32)
     }
 
-    /// The channel with the most light: 0 red, 1 green, 2 blue; the first in case of a tie.
+    /// Returns the channel with the most light: 0 for red, 1 for green, 2 for blue. In a tie, the first one wins.
     #[must_use]
     pub fn strongest_channel(&self) -> usize {
         let weights = match self {
-            // The brighter plateau decides where it has a color of its own.
+            // The brighter plateau decides if it has its own color.
             Self::MachBand(MachBand { color_high: Some(color), .. }) => color.rgb(),
             _ => self.color().rgb(),
         };
@@ -204,13 +207,13 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The stimulus with its defaults.
+    /// Returns the stimulus with all parameters at their defaults.
     #[must_use]
     pub fn default_stimulus(&self) -> Stimulus {
         Stimulus::default_of(self.kind).unwrap_or(MachBand::default().into())
     }
 
-    /// The defaults, and then every variant.
+    /// Returns the stimulus with its defaults, followed by every variant.
     #[must_use]
     pub fn stimuli(&self) -> Vec<Stimulus> {
         let variant = |settings: &&[(&str, &str)]| {
@@ -226,13 +229,13 @@ impl Entry {
     }
 }
 
-/// Every entry, in the order for a first tour.
+/// Returns every entry, in the order for a first tour.
 #[must_use]
 pub fn all() -> &'static [Entry] {
     &ENTRIES
 }
 
-/// The entry of a kind.
+/// Returns the entry for a kind, or `None` if there is no such kind.
 #[must_use]
 pub fn entry(kind: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.kind == kind)

@@ -1,4 +1,4 @@
-//! The color of a stimulus: how much of its luminance goes to red, green and blue.
+//! The color of a stimulus: the weights of red, green and blue.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,24 +10,24 @@ use crate::light::color::{
 };
 use crate::light::names::serde_as_text;
 
-/// Weights of red, green and blue, linear in light, each 0…1 and not all 0. A pixel of relative
-/// luminance L lights L times these.
+/// Weights of red, green and blue in linear light, each 0…1 and not all 0. A pixel of relative luminance L emits L
+/// times these weights.
 ///
-/// Written in one of these ways:
+/// A color is written in one of these ways:
 ///
-/// - a name: `yellow`, `gray` (also `grey`, `white`), `red`, `green`, `blue`, `cyan`, `magenta`, the corners of the
+/// - a name: `yellow`, `gray` (also `grey`, `white`), `red`, `green`, `blue`, `cyan` or `magenta`, the corners of the
 ///   screen's RGB cube;
 /// - `R,G,B`, the weights themselves;
-/// - `hsv:H,S,V`, `hls:H,L,S`, `cmy:C,M,Y` or `cmyk:C,M,Y,K`, the models of Shoaff §2.2.5–2.2.7 over these *linear*
-///   weights, not over code values: H in degrees, the others 0…1;
-/// - `xyY:x,y,Y`, CIE chromaticity and luminance, `lab:L,a,b` or `luv:L,u,v`, CIE 1976, relative to the white of a screen
-///   with the primaries of sRGB; L 0…100.
+/// - `hsv:H,S,V`, `hls:H,L,S`, `cmy:C,M,Y` or `cmyk:C,M,Y,K`, the models of Shoaff §2.2.5–2.2.7, applied to these
+///   *linear* weights and not to code values; H is in degrees, all others are 0…1;
+/// - `xyY:x,y,Y`, CIE chromaticity and luminance, or `lab:L,a,b` or `luv:L,u,v`, CIE 1976, all relative to the white
+///   of a screen with sRGB primaries; L is 0…100.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StimulusColor {
     rgb: [f64; 3],
 }
 
-/// The colors that have a name. Of equal colors the first name is written.
+/// The colors that have names. If a color has several, the first is written.
 const NAMED: [(&str, [f64; 3]); 9] = [
     ("yellow", [1.0, 1.0, 0.0]),
     ("gray", [1.0, 1.0, 1.0]),
@@ -40,36 +40,36 @@ const NAMED: [(&str, [f64; 3]); 9] = [
     ("magenta", [1.0, 0.0, 1.0]),
 ];
 
-/// The meaning of the parameter `color`, for every kind.
-pub(super) const MEANING: &str = "How much of the luminance goes to red, green and blue, linear in light";
+/// The description of the parameter `color`, the same for every kind.
+pub(super) const MEANING: &str = "Weights of red, green and blue in linear light";
 
-/// What a color's text may be, for messages.
+/// The texts that are valid colors, for error messages.
 pub(super) const EXPECTED: &str = "yellow, gray, red, green, blue, cyan, magenta, three numbers R,G,B from 0 to 1, not \
                                    all 0, linear in light, or hsv:H,S,V, hls:H,L,S, cmy:C,M,Y, cmyk:C,M,Y,K, \
                                    xyY:x,y,Y, lab:L,a,b or luv:L,u,v";
 
-/// A text that is not a color.
+/// The error for a text that is not a color.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("color {color:?} {problem}; expected {EXPECTED}")]
 pub struct ColorError {
     color: String,
-    /// What is wrong: a verb and what follows.
+    /// The problem, as a phrase that begins with a verb.
     pub problem: String,
 }
 
-/// The range of a quantity: as text, and its ends.
+/// The range of a quantity: its name in messages, its minimum and its maximum.
 type Range = (&'static str, f64, f64);
 
 const UNIT: Range = ("0…1", 0.0, 1.0);
 const PERCENT: Range = ("0…100", 0.0, 100.0);
-const DEGREES: Range = ("the angles in degrees", f64::MIN, f64::MAX);
-const ANY: Range = ("the numbers", f64::MIN, f64::MAX);
+const DEGREES: Range = ("the finite angles", f64::MIN, f64::MAX);
+const ANY: Range = ("the finite numbers", f64::MIN, f64::MAX);
 
 fn outside(name: &str, value: f64, range: &str) -> String {
     format!("has {name} = {value}, outside {range}")
 }
 
-/// The numbers of a color in `text`, each within its range.
+/// Reads the numbers of a color from `text` and checks that each is within its range.
 fn quantities<const N: usize>(text: &str, names: [(&str, Range); N]) -> Result<[f64; N], String> {
     let unknown = || "is not known".to_owned();
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
@@ -88,11 +88,11 @@ fn from_rgb(rgb: [f64; 3]) -> Result<StimulusColor, String> {
             return Err(outside(name, *value, "0…1"));
         }
     }
-    // Adding 0 takes the sign off −0.
+    // Adding 0 turns −0 into 0.
     if rgb == [0.0; 3] { Err("has no light in it".to_owned()) } else { Ok(StimulusColor { rgb: rgb.map(|v| v + 0.0) }) }
 }
 
-/// A light this far outside the gamut counts as its edge.
+/// Light that is outside the gamut by at most this much counts as lying on its edge.
 const OUTSIDE: f64 = 1e-9;
 /// A weight closer than this to 0 or 1 counts as 0 or 1, so that the xyY of the white point is white.
 const ROUNDING: f64 = 1e-12;
@@ -125,7 +125,7 @@ fn parsed(text: &str) -> Result<StimulusColor, String> {
         "cmyk" => from_rgb(rgb_from_cmyk(quantities(list, [("C", UNIT), ("M", UNIT), ("Y", UNIT), ("K", UNIT)])?)),
         "xyY" => {
             let [x, y, luminance] = quantities(list, [("x", UNIT), ("y", UNIT), ("Y", UNIT)])?;
-            // A chromaticity on the line x + y = 1 may miss it by a rounding.
+            // Rounding may put a chromaticity slightly off the line x + y = 1.
             if y > 0.0 && x + y <= 1.0 + OUTSIDE {
                 from_xyz(xyz_from_xyy([x, y, luminance]))
             } else {
@@ -139,23 +139,23 @@ fn parsed(text: &str) -> Result<StimulusColor, String> {
 }
 
 impl StimulusColor {
-    /// Equal quantities of red and green: Bangay §3.1.
+    /// Equal amounts of red and green: Bangay §3.1.
     pub const YELLOW: StimulusColor = StimulusColor { rgb: [1.0, 1.0, 0.0] };
     /// The display's white, dimmed.
     pub const GRAY: StimulusColor = StimulusColor { rgb: [1.0, 1.0, 1.0] };
 
-    /// Weights of red, green and blue, 0…1, linear in light.
+    /// Returns the weights of red, green and blue in linear light, 0…1.
     #[must_use]
     pub const fn rgb(self) -> [f64; 3] {
         self.rgb
     }
 
-    /// The light of this color at the relative luminance `luminance`.
+    /// Returns the light of this color at the relative luminance `luminance`.
     pub(super) fn light(self, luminance: f64) -> [f64; 3] {
         self.rgb.map(|weight| weight * luminance)
     }
 
-    /// This color in every model, to three decimals; a gray, which has no hue, with hue 0.
+    /// Returns this color in every model, to three decimals. A gray has no hue and is written with hue 0.
     #[must_use]
     pub fn in_models(self) -> Vec<String> {
         let (rgb, xyz) = (self.rgb, xyz_from_rgb(self.rgb));
@@ -172,7 +172,7 @@ impl StimulusColor {
         models.map(|(model, numbers)| written(model, numbers, 1e3)).into()
     }
 
-    /// The texts that this color may have been read from: `hsv:` and `xyY:` with more and more decimals.
+    /// Returns texts from which this color may have been read: `hsv:` and `xyY:` with an increasing number of decimals.
     fn candidates(self) -> impl Iterator<Item = String> {
         let [_, s, v] = hsv_from_rgb(self.rgb);
         let xyy = xyy_from_xyz(xyz_from_rgb(self.rgb));
@@ -183,23 +183,23 @@ impl StimulusColor {
     }
 }
 
-/// 10 to the number of decimals that are tried for `hsv:` and `xyY:`, more than people write.
+/// Powers of ten for the numbers of decimals that are tried for `hsv:` and `xyY:`. The last is more than people write.
 const DECIMALS: [f64; 7] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
 
-/// The multiple of 1/`scale` nearest to `number`.
+/// Rounds `number` to the nearest multiple of 1/`scale`.
 fn rounded(number: f64, scale: f64) -> f64 {
     (number * scale).round() / scale + 0.0
 }
 
-/// The numbers of a color in a model, each a multiple of 1/`scale`.
+/// Writes the numbers of a color in a model, each rounded to a multiple of 1/`scale`.
 fn written(model: &str, numbers: &[f64], scale: f64) -> String {
     let numbers: Vec<String> = numbers.iter().map(|number| rounded(*number, scale).to_string()).collect();
     format!("{model}{}", numbers.join(","))
 }
 
 impl fmt::Display for StimulusColor {
-    /// The shortest text that reads back as exactly this color: a name if it has one, else the shortest of `R,G,B`,
-    /// `hsv:H,S,V` and `xyY:x,y,Y`.
+    /// Writes the shortest text that reads back as exactly this color: its name, if it has one, or else the shortest of
+    /// `R,G,B`, `hsv:H,S,V` and `xyY:x,y,Y`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some((name, _)) = NAMED.iter().find(|(_, rgb)| *rgb == self.rgb) {
             return f.write_str(name);

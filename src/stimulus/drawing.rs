@@ -1,51 +1,52 @@
-//! How stimuli are drawn. Most vary in one direction only: from a profile to the light of every pixel, and to its code.
+//! How stimuli are drawn. Most vary in one direction only: their profile gives the light of every pixel, and its code.
 //!
-//! An edge that runs along the pixels is exactly sharp; an oblique one is anti-aliased by the share of each pixel's
-//! area that lies on either side, in linear light.
+//! An edge that runs along the pixels is exactly sharp. An oblique edge is anti-aliased in linear light: each pixel
+//! mixes both sides in proportion to its area on each side.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::light::{LinearImage, Quantizer};
 
-/// A stimulus that varies in both directions, and is drawn pixel by pixel.
+/// A stimulus that varies in both directions and is drawn pixel by pixel.
 pub(super) trait Area {
-    /// The light of a window of `size` × `size` pixels.
+    /// Returns the light of a window of `size` × `size` pixels.
     fn linear(&self, size: u32) -> LinearImage;
 
-    /// The light at the pixel centers of a row of `size` through the middle, along the orientation.
+    /// Returns the light at the centers of a row of `size` pixels through the middle, along the orientation.
     fn profile(&self, size: u32) -> Vec<[f32; 3]>;
 }
 
-/// Light that varies along one direction only. Positions are window sides from the center line, positive toward the
-/// orientation.
+/// Light that varies along one direction only. Positions are measured from the center line in window sides, positive in
+/// the direction of the orientation.
 pub(super) trait Profile {
-    /// The light at `x`, with `more` luminance added; at a jump, the value beyond it.
+    /// Returns the light at `x`, with `more` added to the luminance. At a jump, this is the value on the far side.
     fn light(&self, x: f64, more: f64) -> [f64; 3];
 
-    /// Where the luminance jumps, and by how much.
+    /// Returns the positions where the luminance jumps, and the height of each jump.
     fn jumps(&self) -> Vec<(f64, f64)> {
         Vec::new()
     }
 
-    /// Every position between two of which no channel turns from rising to falling or the other way round, and nothing
-    /// jumps; in any order.
+    /// Returns, in any order, the positions where a channel may turn from rising to falling or vice versa, or where the
+    /// light may jump. Between neighboring positions, every channel is monotonic and continuous.
     fn turns(&self) -> Vec<f64>;
 
-    /// Whether the light around `x`, as far as the next turns, is one light to the last bit.
+    /// Returns whether the light is constant to the last bit between the turns on either side of `x`.
     fn is_level(&self, x: f64) -> bool;
 
-    /// The least and the most light between two positions without a turn between them.
+    /// Returns the minimum and the maximum of the light between two positions with no turn between them.
     fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
         let [a, b] = [from, to].map(|x| self.light(x, 0.0));
         [[0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i]))]
     }
 }
 
-/// The pixels of a window that varies along its orientation, each on its own: the definition.
+/// Computes the light of a window that varies along its orientation, one pixel at a time. This defines the result;
+/// faster paths must match it.
 struct Pixels<'a> {
     profile: &'a dyn Profile,
     grid: Grid,
-    /// Of edges that do not run along the pixels.
+    /// The jumps to anti-alias; none if the edges run along the pixels.
     jumps: Vec<(f64, f64)>,
 }
 
@@ -73,16 +74,17 @@ impl<'a> Pixels<'a> {
     }
 }
 
-/// The light of a window of `size` × `size` pixels.
+/// Returns the light of a window of `size` × `size` pixels.
 pub(super) fn linear(profile: &dyn Profile, orientation_deg: f64, size: u32) -> LinearImage {
     let pixels = Pixels::new(profile, orientation_deg, size);
     LinearImage::from_fn(size, size, |ix, iy| pixels.light(ix, iy))
 }
 
-/// The 8-bit codes of a window of `size` × `size` pixels: exactly those of [`linear`], quantized.
+/// Returns the 8-bit codes of a window of `size` × `size` pixels. They are exactly the quantized light of [`linear`].
 ///
-/// All pixels of equal distance from the center line are alike, so the profile is cut into runs of positions that have
-/// one code for certain. A row is filled from run to run; the few pixels between two runs are computed.
+/// All pixels at the same distance from the center line are alike, so the profile is divided into runs of positions
+/// that are certain to have the same code. Each row is filled run by run; the few pixels between two runs are computed
+/// individually.
 pub(super) fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quantizer: &Quantizer) -> Vec<u8> {
     let mut codes = vec![0; 3 * size as usize * size as usize];
     if size == 0 {
@@ -104,11 +106,11 @@ pub(super) fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quan
     codes
 }
 
-/// Bound on the rounding error of a position, in window sides; far above the real one.
+/// Bound on the rounding error of a position, in window sides. The actual error is far smaller.
 const ERROR_X: f64 = 1e-12;
-/// The same for a pixel's place in a row, in pixels.
+/// Bound on the rounding error of a pixel's position in a row, in pixels.
 const ERROR_PX: f64 = 1e-6;
-/// The same for light.
+/// Bound on the rounding error of light.
 const ERROR_LIGHT: f64 = 1e-12;
 /// The search for runs stops at this fraction of a pixel.
 const SHORTEST_PX: f64 = 1.0 / 128.0;
@@ -117,18 +119,19 @@ const PHASES: usize = 64;
 /// The steepest slope of the center line against the columns, in columns per row, for which templates are made.
 const STEEPEST: f64 = 4.0;
 
-/// Positions along a row that have one code.
+/// A range of positions along a row that all have the same code.
 struct Run {
     from: f64,
     to: f64,
     codes: [u8; 3],
 }
 
-/// The runs along a row, from left to right, in pixels from where the center line crosses it.
+/// The runs along a row, from left to right. Their positions are in pixels from the point where the center line crosses
+/// the row.
 struct Runs {
     runs: Vec<Run>,
     middle: f64,
-    /// Pixels by which a row is shifted against the one below it.
+    /// Shift from one row to the next, pixels.
     tan: f64,
 }
 
@@ -138,10 +141,10 @@ impl Runs {
         let side = f64::from(grid.size);
         let mut search =
             Search { profile: pixels.profile, quantizer, shortest: SHORTEST_PX / side, level: false, runs: Vec::new() };
-        // Around an oblique jump pixels are mixed.
+        // Pixels at an oblique jump mix the light of both sides.
         let mixed = |turn: f64| pixels.jumps.iter().any(|(at, _)| *at == turn);
         let near = |turn: f64| if mixed(turn) { ERROR_X + half_extent(grid) / side } else { ERROR_X };
-        // No pixel is farther from the center line than 1.
+        // No pixel is farther than 1 window side from the center line.
         let mut turns: Vec<(f64, f64)> = pixels.profile.turns().into_iter().map(|turn| (turn, near(turn))).collect();
         turns.sort_by(|a, b| a.0.total_cmp(&b.0));
         for i in 0..=turns.len() {
@@ -200,7 +203,7 @@ impl Runs {
     fn fill(&self, shift: f64, slack: f64, row: &mut [[u8; 3]]) -> Vec<usize> {
         let (mut open, mut done) = (Vec::new(), 0);
         for run in &self.runs[self.runs.partition_point(|run| run.to + shift < 0.0)..] {
-            // A cast takes what is below 0 to 0.
+            // The cast turns negative values into 0.
             let first = ((run.from + shift + slack).ceil() as usize).max(done);
             let end = ((run.to + shift).floor() as usize + 1).min(row.len());
             if first >= row.len() {
@@ -258,15 +261,16 @@ impl Search<'_> {
     }
 }
 
-/// Half the extent of a pixel along the orientation, pixels.
+/// Returns half the extent of a pixel along the orientation, pixels.
 fn half_extent(grid: &Grid) -> f64 {
     (grid.cos.abs() + grid.sin.abs()) / 2.0
 }
 
-/// The share of a pixel's area that lies beyond an edge which its center is `distance` pixels past (negative: before).
+/// Returns the share of a pixel's area that lies beyond an edge. The pixel's center is `distance` pixels past the edge,
+/// or before it if `distance` is negative.
 ///
-/// The distance of a random point of the pixel is the sum of two uniform variables of widths |cos θ| and |sin θ|; this
-/// is its distribution function, a quadratic, a line and a quadratic.
+/// The distance of a random point in the pixel is the sum of two uniform variables with widths |cos θ| and |sin θ|.
+/// This function is its distribution function: a quadratic, then a straight line, then a quadratic.
 fn share_beyond(grid: &Grid, distance: f64) -> f64 {
     let (a, b) = (grid.cos.abs(), grid.sin.abs());
     let (outer, inner) = ((a + b) / 2.0, (a - b).abs() / 2.0);
@@ -281,15 +285,16 @@ fn share_beyond(grid: &Grid, distance: f64) -> f64 {
     if distance >= 0.0 { beyond } else { 1.0 - beyond }
 }
 
-/// Steps of orientation in one degree. Finer than any picture can show (1e-9° moves the corner of a
-/// window 10000 pixels wide by 1e-7 pixels), and coarse enough that θ and θ + 180, both rounded to
-/// f64, are the same step half a turn apart.
+/// Steps of orientation per degree. They are finer than any picture can show (1e-9° moves the corner of a window 10,000
+/// pixels wide by 1e-7 pixels), yet coarse enough that θ and θ + 180, each rounded to f64, are always exactly half a
+/// turn of steps apart.
 const STEPS_PER_DEG: f64 = 1e9;
 const QUARTER: i64 = 90_000_000_000;
 
-/// cos θ and sin θ of `degrees`, to 1e-9°.
+/// Returns cos θ and sin θ for θ = `degrees`, rounded to 1e-9°.
 ///
-/// θ + 180° is exactly the negative of θ, 90° − θ its swap; multiples of 90° and 45° are exact.
+/// The result for θ + 180° is exactly the negative of that for θ, and 90° − θ exactly swaps cosine and sine. Multiples
+/// of 90° and 45° are exact.
 pub(super) fn cos_sin(degrees: f64) -> (f64, f64) {
     let steps = ((degrees % 360.0) * STEPS_PER_DEG).round() as i64;
     let (quarters, rest) = (steps.div_euclid(QUARTER), steps.rem_euclid(QUARTER));
@@ -302,7 +307,7 @@ pub(super) fn cos_sin(degrees: f64) -> (f64, f64) {
     }
 }
 
-/// For 0 ≤ `steps` < [`QUARTER`].
+/// Returns the cosine and sine for 0 ≤ `steps` < [`QUARTER`].
 fn first_quarter(steps: i64) -> (f64, f64) {
     if steps == 0 {
         (1.0, 0.0)
@@ -320,7 +325,7 @@ fn first_quarter(steps: i64) -> (f64, f64) {
 /// The pixel centers of a square window, and the direction across its ramp.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
-    /// Pixels a side, at least 1.
+    /// Number of pixels per side, at least 1.
     pub size: u32,
     pub cos: f64,
     pub sin: f64,
@@ -332,27 +337,27 @@ impl Grid {
         Self { size, cos, sin }
     }
 
-    /// Whether edges of this orientation run along the pixels.
+    /// Returns whether edges of this orientation run along the pixels.
     pub fn is_along_pixels(&self) -> bool {
         self.cos == 0.0 || self.sin == 0.0
     }
 
-    /// x of Bangay §3.1, in window sides: (p − center)·(cos θ, sin θ), p the center of the pixel in
+    /// Returns x of Bangay §3.1 in window sides: (p − center)·(cos θ, sin θ), where p is the center of the pixel in
     /// column `ix` and row `iy`.
     ///
-    /// The pixel opposite through the center has exactly −x.
+    /// The diametrically opposite pixel has exactly −x.
     #[inline]
     pub fn across(&self, ix: u32, iy: u32) -> f64 {
         let n = i64::from(self.size);
         let scale = (2 * n) as f64;
         let right = (2 * i64::from(ix) + 1 - n) as f64 / scale;
-        // Rows count downwards, y upwards.
+        // Row numbers increase downward; y increases upward.
         let up = (n - 1 - 2 * i64::from(iy)) as f64 / scale;
         right * self.cos + up * self.sin
     }
 }
 
-/// Where pixel `i` of a row of `size` has its center, in window sides from the window's center.
+/// Returns the position of the center of pixel `i` in a row of `size` pixels, in window sides from the window's center.
 #[must_use]
 pub fn place(i: u32, size: u32) -> f64 {
     (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size))

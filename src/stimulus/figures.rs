@@ -1,4 +1,4 @@
-//! Stimuli that vary in both directions: Vasarely's nested squares and Kanizsa's triangle. The share of each pixel that
+//! Stimuli that vary in both directions: Vasarely's nested squares and Kanizsa's triangle. The area of each pixel that
 //! a shape covers is computed exactly.
 
 use super::{
@@ -9,11 +9,12 @@ use super::{
 use crate::light::LinearImage;
 
 kind! {
-    /// Squares within squares of graded luminance, whose diagonals look brighter; after Vasarely's "Arcturus", Bangay
-    /// fig. 1 j, k.
+    /// Nested squares of graded luminance. Their diagonals look brighter. After Vasarely's "Arcturus"; Bangay fig. 1 j,
+    /// k.
     ///
-    /// L = low + (high − low)·k/(squares − 1), k = ⌊squares·(1 − 2d)⌋ kept within 0…squares − 1, d = max(|x|, |y|) in
-    /// window sides, x and y rotated by the orientation: `low` outside, `high` in the middle.
+    /// L = low + (high − low)·k/(squares − 1), where k = ⌊squares·(1 − 2d)⌋, limited to 0…squares − 1, and d = max(|x|,
+    /// |y|) in window sides; x and y are rotated by the orientation. The luminance is `low` outside and `high` in the
+    /// middle.
     Vasarely = "vasarely" {
         squares: u32 = 12, Range::Within(2.0, 256.0), "1", "Number of nested squares", "a whole number of squares", ["6", "12", "24"];
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Rotation of the squares, counterclockwise", "an angle in degrees, such as 45", ["0", "45"];
@@ -24,15 +25,15 @@ kind! {
 }
 
 impl Vasarely {
-    /// How many squares beyond the outermost contain a point at this distance.
+    /// Returns how many squares contain a point at this distance from the center, not counting the outermost square.
     fn inside(&self, distance: f64) -> f64 {
         (f64::from(self.squares) * (1.0 - 2.0 * distance)).floor().clamp(0.0, f64::from(self.squares - 1))
     }
 
-    /// The mean of [`Self::inside`] over a pixel that lies in at least `least` and at most `most` squares.
+    /// Returns the mean of [`Self::inside`] over a pixel, within which it ranges from `least` to `most`.
     fn covered(&self, grid: &Grid, place: Point, least: f64, most: f64) -> f64 {
         let side = f64::from(grid.size);
-        // In the frame of the pixel, whose sides run along the axes: the squares are turned.
+        // In the frame of the pixel, whose sides run along the axes, the squares are rotated.
         let corner = |x: f64, y: f64| {
             let (x, y) = (x - place[0] * side, y - place[1] * side);
             [x * grid.cos - y * grid.sin, x * grid.sin + y * grid.cos]
@@ -45,7 +46,7 @@ impl Vasarely {
         })
     }
 
-    /// The light of a point in this many squares beyond the outermost.
+    /// Returns the light of a point that this many squares contain, not counting the outermost square.
     fn light(&self, squares: f64) -> [f32; 3] {
         let luminance = self.low + (self.high - self.low) * squares / f64::from(self.squares - 1);
         self.color.light(luminance).map(|light| light as f32)
@@ -73,10 +74,11 @@ impl Area for Vasarely {
 }
 
 kind! {
-    /// Three discs with a sector missing, so that a triangle seems to lie on them; Kanizsa 1955, Bangay fig. 1 l.
+    /// Three discs with a sector missing, so that a triangle seems to lie on top of them; Kanizsa 1955, Bangay fig. 1
+    /// l.
     ///
-    /// L = high − (high − low)·(share of the pixel that lies in a disc and not in the triangle). The triangle is
-    /// equilateral, its centroid in the middle of the window, and one corner points up at orientation 0. A disc is
+    /// L = high − (high − low)·(share of the pixel's area that lies in a disc but not in the triangle). The triangle is
+    /// equilateral with its centroid at the center of the window; at orientation 0, one corner points up. A disc is
     /// centered on each corner.
     Kanizsa = "kanizsa" where overlap {
         side: f64 = 0.6, Range::Within(0.05, 1.0), "1", "Side of the triangle as a proportion of the window", "the side of the triangle as a proportion of the window", ["0.4", "0.6"];
@@ -94,7 +96,7 @@ impl Kanizsa {
         (self.radius > self.side / 2.0).then(|| fault(Self::PARAMETERS, "radius", self.radius, problem()))?
     }
 
-    /// The triangle's corners around the middle, counterclockwise, y up, in a window of this side.
+    /// Returns the triangle's corners counterclockwise, relative to the center of a window with this side; y points up.
     fn corners(&self, window: f64) -> [Point; 3] {
         let reach = self.side * window / 3f64.sqrt();
         [90.0, 210.0, 330.0].map(|degrees| {
@@ -103,7 +105,7 @@ impl Kanizsa {
         })
     }
 
-    /// The light of a pixel whose share `share` lies in a disc but not in the triangle.
+    /// Returns the light of a pixel. `share` is the part of its area that lies in a disc but not in the triangle.
     fn light(&self, share: f64) -> [f32; 3] {
         self.color.light(self.high - (self.high - self.low) * share).map(|light| light as f32)
     }
@@ -137,7 +139,7 @@ impl Area for Kanizsa {
     }
 }
 
-/// The share of the pixel around `center` that lies in the disc but not in the triangle.
+/// Returns the share of the area of the pixel at `center` that lies in the disc but not in the triangle.
 fn notched(center: Point, disc: Point, triangle: &[Point; 3], radius: f64) -> f64 {
     let from_disc = |p: Point| [p[0] - disc[0], p[1] - disc[1]];
     let cell = pixel(from_disc(center));
@@ -146,18 +148,18 @@ fn notched(center: Point, disc: Point, triangle: &[Point; 3], radius: f64) -> f6
     share.clamp(0.0, 1.0)
 }
 
-/// A point in pixels.
+/// A point: x and y in pixels.
 type Point = [f64; 2];
 
-/// A convex polygon, counterclockwise.
+/// A convex polygon with its corners in counterclockwise order.
 type Polygon = Vec<Point>;
 
-/// The square of side 1 around a center.
+/// Returns the unit square around a center.
 fn pixel(center: Point) -> Polygon {
     [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[x, y]| [center[0] + x, center[1] + y]).to_vec()
 }
 
-/// The part of a convex polygon on the left of the line from `a` to `b`; Sutherland and Hodgman 1974.
+/// Returns the part of a convex polygon to the left of the line from `a` to `b`; Sutherland and Hodgman 1974.
 fn left_of(polygon: &[Point], a: Point, b: Point) -> Polygon {
     let side = |p: Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     let mut kept = Polygon::with_capacity(polygon.len() + 1);
@@ -175,18 +177,19 @@ fn left_of(polygon: &[Point], a: Point, b: Point) -> Polygon {
     kept
 }
 
-/// The part of a convex polygon within another, whose corners are counterclockwise.
+/// Returns the part of a convex polygon that lies within `clip`, whose corners must be in counterclockwise order.
 fn within(polygon: &[Point], clip: &[Point]) -> Polygon {
     (0..clip.len()).fold(polygon.to_vec(), |kept, i| left_of(&kept, clip[i], clip[(i + 1) % clip.len()]))
 }
 
-/// Area of a polygon, positive if counterclockwise.
+/// Returns the area of a polygon, positive if its corners are in counterclockwise order.
 fn area(polygon: &[Point]) -> f64 {
     edges(polygon).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>() / 2.0
 }
 
-/// Area of the intersection of a polygon and the disc of this radius around the origin: a sum over the edges, of the
-/// triangle with the origin where an edge is inside, and of the sector where it is outside.
+/// Returns the area of the intersection of a polygon and the disc of this radius around the origin. Each edge
+/// contributes the triangle that its part inside the disc forms with the origin, and the sectors that its parts outside
+/// span.
 fn area_in_disc(polygon: &[Point], radius: f64) -> f64 {
     edges(polygon).map(|(p, q)| edge_in_disc(p, q, radius)).sum()
 }
@@ -216,7 +219,7 @@ fn edge_in_disc(p: Point, q: Point, radius: f64) -> f64 {
     sector(p, first, radius) + cross(first, last) / 2.0 + sector(last, q, radius)
 }
 
-/// Area of the sector between the directions of two points.
+/// Returns the signed area of the sector between the directions of two points.
 fn sector(p: Point, q: Point, radius: f64) -> f64 {
     radius * radius / 2.0 * cross(p, q).atan2(dot(p, q))
 }

@@ -10,14 +10,14 @@ use super::{
 use crate::light::{Depth, Interpolation, interpolation::TANH_K};
 
 kind! {
-    /// A square window of side 1 with a ramp across its middle. Light, not codes: L = low + (high − low)·I_n(u),
-    /// u = x/width + ½, x the distance from the center line, positive on the brighter side.
+    /// A square window of side 1 with a ramp across its middle. It is defined in light, not in codes: L = low + (high −
+    /// low)·I_n(u), where u = x/width + ½ and x is the distance from the center line, positive on the brighter side.
     ///
-    /// The plateaus have the light low·`color` and high·`color_high`; the ramp is the straight line between them in
-    /// `space`, at the fraction I_n(u). Equal plateaus of one color are a uniform field: a catch trial.
+    /// The plateaus have the light low·`color` and high·`color_high`. The ramp is the straight line between them in
+    /// `space`, traversed at the fraction I_n(u). Equal plateaus of the same color make a uniform field: a catch trial.
     ///
-    /// Files omit the last two parameters if they have their defaults, so that definitions written before ramps had two
-    /// colors keep their hashes.
+    /// Files omit the last two parameters if they have their default values, so that definitions written before ramps
+    /// could have two colors keep their hashes.
     MachBand = "mach-band" {
         width: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Proportion of the window that the ramp fills; 0 is a step", "the proportion of the window that the ramp fills", ["0", "0.05", "0.1", "0.2", "0.4", "0.8"];
         depth: Depth = Depth::Finite(1), Range::Any, "1", "Continuity depth n of the ramp: n − 1 derivatives vanish at its ends; inf is a scaled tanh", "a whole number from 1 to 32, or inf", ["1", "2", "3", "4", "inf"];
@@ -34,11 +34,11 @@ kind! {
 }
 
 impl MachBand {
-    /// The profile across the ramp, ready to be evaluated many times.
+    /// Returns the profile across the ramp, prepared for repeated evaluation.
     #[must_use]
     pub fn ramp(&self) -> Ramp {
         let color_high = self.color_high.unwrap_or(self.color);
-        // A catch trial is uniform to the last bit in any space.
+        // In any space, a catch trial must be uniform to the last bit.
         let is_one_color = self.color == color_high && (self.space != RampSpace::Lab || self.low == self.high);
         let between = || Between::new(self.color, self.low, color_high, self.high, self.space);
         Ramp {
@@ -60,27 +60,28 @@ pub struct Ramp {
     low: f64,
     high: f64,
     color: StimulusColor,
-    /// If more than the luminance changes.
+    /// `None` if the ramp is just one color at varying luminance.
     between: Option<Between>,
 }
 
 impl Ramp {
-    /// low + (high − low)·I_n at `x` window sides from the center line, positive on the brighter side, for any colors and
-    /// any space.
+    /// Returns low + (high − low)·I_n at `x` window sides from the center line, positive on the brighter side. The
+    /// result does not depend on the colors or the space.
     ///
-    /// A ramp of width 0 is the limit of narrow ramps: low before the line, high after it, and halfway on it.
+    /// A ramp of width 0 is the limit of narrow ramps: low before the line, high after it, and halfway between them on
+    /// it.
     #[must_use]
     pub fn luminance_at(&self, x: f64) -> f64 {
         let part = self.part_at(x);
         if part >= 1.0 {
-            // low + (high − low) can miss high by a rounding.
+            // low + (high − low) can differ from high by a rounding error.
             self.high
         } else {
             (self.low + (self.high - self.low) * part).min(self.high)
         }
     }
 
-    /// Red, green and blue at `x`, 0…1.
+    /// Returns red, green and blue at `x`, 0…1.
     #[must_use]
     pub fn light_at(&self, x: f64) -> [f64; 3] {
         match &self.between {
@@ -89,9 +90,10 @@ impl Ramp {
         }
     }
 
-    /// I_n at `x`: the fraction of the way between the plateaus, 0…1.
+    /// Returns I_n at `x`: the fraction of the way from the darker to the brighter plateau, 0…1.
     fn part_at(&self, x: f64) -> f64 {
-        // Off the line, x/0 is ±∞, which the interpolation maps to 0 and 1; only 0/0 needs a decision here.
+        // At a width of 0, x/0 is ±∞ off the line, which the interpolation maps to 0 and 1. Only 0/0 needs a decision
+        // here.
         self.interpolation.value(if x == 0.0 { 0.5 } else { x / self.width + 0.5 })
     }
 }

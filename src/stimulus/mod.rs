@@ -1,6 +1,6 @@
-//! Floor 2: stimuli. A validated specification becomes light, and a quantizer turns the light into codes.
+//! Floor 2: stimuli. A validated specification is turned into light, and a quantizer turns the light into codes.
 //!
-//! [`catalog`] lists every kind: the one place that commands, the gallery and the tests take them from.
+//! [`catalog`] lists every kind. It is the single source for commands, the gallery and the tests.
 
 pub mod catalog;
 pub mod color;

@@ -1,4 +1,5 @@
-//! Parameters by name: how files, commands and the editor reach into a stimulus, and `kind!`, which declares one.
+//! Parameters by name: files, commands and the editor use them to read and change a stimulus. `kind!` declares a kind
+//! of stimulus with its parameters.
 
 use std::convert::Infallible;
 use std::fmt;
@@ -12,19 +13,19 @@ use crate::light::{Depth, DepthError};
 /// One parameter of a stimulus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
-    /// Name, as files write it.
+    /// The name used in files.
     pub name: &'static str,
-    /// Unit; `1` for a plain number, empty if it is not a number.
+    /// Unit: `1` for a plain number, and empty if the parameter is not a number.
     pub unit: &'static str,
-    /// What it means, in one sentence without a full stop.
+    /// What it means, in one sentence without a period.
     pub description: &'static str,
-    /// The values it can have, in the words of an error message.
+    /// The values it can have, as worded in error messages.
     pub expected: &'static str,
-    /// Values worth comparing in an experiment, each as [`ParameterValue`] reads it.
+    /// Values worth comparing in an experiment, each in the form that [`ParameterValue`] reads.
     pub levels_hint: &'static [&'static str],
 }
 
-/// The value of a parameter: a finite number, or a text such as `inf` or `yellow`.
+/// The value of a parameter: a finite number or a text such as `inf` or `yellow`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ParameterValue {
@@ -34,7 +35,7 @@ pub enum ParameterValue {
 }
 
 impl fmt::Display for ParameterValue {
-    /// Numbers in the shortest form that reads back as the same number: `0.4`, `45`, `1`.
+    /// Writes a number in the shortest form that reads back as the same number: `0.4`, `45`, `1`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             // 0 and −0 are one value and must not become two levels.
@@ -48,7 +49,7 @@ impl fmt::Display for ParameterValue {
 impl FromStr for ParameterValue {
     type Err = Infallible;
 
-    /// A number if the text is a finite one, else the text. `inf` is a text: it names a depth.
+    /// Reads a finite number as a number, and anything else as a text. `inf` is a text: it names a depth.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
         Ok(match text.parse::<f64>() {
@@ -70,11 +71,11 @@ impl From<&str> for ParameterValue {
     }
 }
 
-/// A parameter that cannot have the value it was given; one sentence.
+/// The error for a value that a parameter cannot have. Its message is one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{parameter} {value} {problem}; expected {expected}")]
 pub struct ParameterError {
-    /// Name of the parameter, as it was given.
+    /// Name of the parameter, as given.
     pub parameter: String,
     /// The value that was given.
     pub value: String,
@@ -85,8 +86,8 @@ pub struct ParameterError {
 }
 
 impl ParameterError {
-    /// The error for the parameter `name`, which does not exist, set to `value`, in a stimulus that
-    /// has `known` ones.
+    /// Returns the error for setting `name` to `value` when the kind `kind` has no such parameter, only those in
+    /// `known`.
     pub(super) fn unknown(name: &str, value: &ParameterValue, kind: &str, known: &[Parameter]) -> Self {
         let names: Vec<&str> = known.iter().map(|parameter| parameter.name).collect();
         Self {
@@ -99,13 +100,14 @@ impl ParameterError {
 }
 
 impl Parameter {
-    /// The command-line option that sets it, without the dashes: the unit is left to the help text.
+    /// Returns the command-line option that sets this parameter, without the leading dashes. It omits the unit, which
+    /// the help text states.
     #[must_use]
     pub fn option(&self) -> String {
         self.name.trim_end_matches("_deg").replace('_', "-")
     }
 
-    /// The error for this parameter set to `value`.
+    /// Returns the error for setting this parameter to `value`.
     pub(super) fn error(&self, value: impl fmt::Display, problem: impl Into<String>) -> ParameterError {
         ParameterError {
             parameter: self.name.to_owned(),
@@ -121,7 +123,7 @@ impl Parameter {
 pub(super) enum Range {
     /// Finite numbers from the first to the second.
     Within(f64, f64),
-    /// Numbers above 0, and at most this.
+    /// Numbers above 0 and up to this maximum.
     UpTo(f64),
     /// Any finite number.
     Finite,
@@ -129,7 +131,7 @@ pub(super) enum Range {
     Any,
 }
 
-/// The type of a field, read from a parameter's value and written as one.
+/// A type of field that can be read from a parameter's value and written as one.
 pub(super) trait Field: Sized {
     fn read(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result<Self, ParameterError>;
     fn write(&self) -> ParameterValue;
@@ -191,7 +193,7 @@ impl Field for Depth {
     }
 }
 
-/// Fields that are written as text.
+/// Implements [`Field`] for types that are written as text.
 macro_rules! text_field {
     ($($kind:ty),*) => {$(
         impl $crate::stimulus::parameter::Field for $kind {
@@ -221,7 +223,7 @@ impl Field for StimulusColor {
     }
 }
 
-/// Stands for the color of another parameter.
+/// The text that stands for the color of the other plateau.
 const SAME: &str = "same";
 
 impl Field for Option<StimulusColor> {
@@ -233,9 +235,9 @@ impl Field for Option<StimulusColor> {
     }
 }
 
-/// Declares a kind of stimulus: a struct whose fields are its parameters, with defaults, ranges, units, meanings and
-/// levels worth comparing; `set`, `get` and `validate` follow from the declaration. `low` must not be above `high`, and
-/// the method after `where` returns any other parameter that contradicts the rest.
+/// Declares a kind of stimulus: a struct whose fields are its parameters, with their defaults, ranges, units, meanings
+/// and levels worth comparing. `set`, `get` and `validate` are generated from the declaration. `validate` requires that
+/// `low` is not above `high`; the method named after `where` returns an error if a parameter contradicts the others.
 macro_rules! kind {
     (
         $(#[$meta:meta])*
@@ -260,7 +262,7 @@ macro_rules! kind {
             /// This kind's name in files and commands.
             pub const KIND: &'static str = $kind;
 
-            /// Every parameter, in the order of the fields.
+            /// All parameters, in the order of the fields.
             pub const PARAMETERS: &'static [$crate::stimulus::parameter::Parameter] = &[$($crate::stimulus::parameter::Parameter {
                 name: stringify!($field),
                 unit: $unit,
@@ -269,13 +271,13 @@ macro_rules! kind {
                 levels_hint: &[$($level),*],
             },)*];
 
-            /// The ranges, in the same order.
+            /// The ranges of the parameters, in the same order.
             const RANGES: &'static [$crate::stimulus::parameter::Range] = &[$($range,)*];
 
-            /// Sets the parameter `name`, checking its own range only.
+            /// Sets the parameter `name`. This checks only the range of the parameter itself.
             ///
             /// # Errors
-            /// When there is no such parameter, or it cannot have this value.
+            /// Returns an error if there is no such parameter or it cannot have this value.
             pub fn set(
                 &mut self,
                 name: &str,
@@ -291,7 +293,7 @@ macro_rules! kind {
                 Ok(())
             }
 
-            /// The value of the parameter `name`; `None` if there is no such parameter.
+            /// Returns the value of the parameter `name`, or `None` if there is no such parameter.
             #[must_use]
             pub fn get(&self, name: &str) -> Option<$crate::stimulus::parameter::ParameterValue> {
                 $(if name == stringify!($field) {
@@ -300,10 +302,10 @@ macro_rules! kind {
                 None
             }
 
-            /// Whether every parameter is within its range, and they agree with each other.
+            /// Checks that every parameter is within its range and that the parameters do not contradict each other.
             ///
             /// # Errors
-            /// Every fault found, in the order of the fields.
+            /// Returns every fault found, in the order of the fields.
             pub fn validate(&self) -> Result<(), Vec<$crate::stimulus::parameter::ParameterError>> {
                 let mut probe = self.clone();
                 let mut faults: Vec<_> = Self::PARAMETERS
@@ -319,12 +321,12 @@ macro_rules! kind {
 }
 pub(super) use kind;
 
-/// The fault of a pair of plateaus in the wrong order; equal ones are a uniform field.
+/// Returns an error if `low` is above `high`. They may be equal, which makes a uniform field.
 pub(super) fn low_above_high(parameters: &[Parameter], low: f64, high: f64) -> Option<ParameterError> {
     (low > high).then(|| fault(parameters, "high", high, format!("is below low, which is {low}")))?
 }
 
-/// The error for the parameter `name` of `parameters`, set to `value`.
+/// Returns the error for setting the parameter `name` to `value`, or `None` if it is not one of `parameters`.
 pub(super) fn fault(
     parameters: &[Parameter],
     name: &str,

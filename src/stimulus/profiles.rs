@@ -1,4 +1,4 @@
-//! The classical stimuli that vary in one direction: Chevreul's staircase, Cornsweet's edge and a shaded cylinder.
+//! Classical stimuli that vary in one direction: Chevreul's staircase, Cornsweet's edge and a shaded cylinder.
 
 use super::{
     color::{self, StimulusColor},
@@ -10,8 +10,8 @@ use crate::light::names::named;
 kind! {
     /// A staircase of `steps` uniform bands of equal width, Chevreul 1839; Bangay fig. 1 a, b.
     ///
-    /// L(x) = low + (high − low)·k/(steps − 1) with k = ⌊(x + ½)·steps⌋ kept within 0…steps − 1, x across the bands in
-    /// window sides.
+    /// L(x) = low + (high − low)·k/(steps − 1), where k = ⌊(x + ½)·steps⌋, limited to 0…steps − 1, and x is the
+    /// position across the bands in window sides.
     Chevreul = "chevreul" {
         steps: u32 = 5, Range::Within(2.0, 256.0), "1", "Number of uniform bands", "a whole number of bands", ["3", "5", "9"];
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction in which the bands brighten, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
@@ -42,14 +42,15 @@ impl Profile for &Chevreul {
 }
 
 kind! {
-    /// Two areas of the same luminance with an edge between them, from which the luminance returns to that of the
-    /// areas; Craik 1940, O'Brien 1958, Cornsweet 1970; Bangay fig. 1 g, h.
+    /// Two areas of the same luminance with an edge between them. On each side of the edge, the luminance gradually
+    /// returns to that of the areas. Craik 1940, O'Brien 1958, Cornsweet 1970; Bangay fig. 1 g, h.
     ///
-    /// L(x) = (low + high)/2 ± (high − low)/2·(1 − |x|/width)^exponent for |x| < width, + beyond the edge and − before
-    /// it, (low + high)/2 elsewhere; x across the edge in window sides. Exponent 1 is the linear profile.
+    /// L(x) = (low + high)/2 ± (high − low)/2·(1 − |x|/width)^exponent for |x| < width, with + beyond the edge and −
+    /// before it. Elsewhere, L(x) = (low + high)/2. x is the position across the edge in window sides. An exponent of 1
+    /// gives the linear profile.
     Cornsweet = "cornsweet" {
         width: f64 = 0.2, Range::Within(0.0, 0.5), "1", "Proportion of the window that the ramp fills on each side of the edge", "the proportion of the window that each ramp fills", ["0.05", "0.1", "0.2", "0.4"];
-        exponent: f64 = 1.0, Range::Within(0.1, 20.0), "1", "Exponent of the return to the mean: 1 is linear, larger is steeper at the edge", "an exponent such as 1 or 2.75", ["1", "2", "2.75"];
+        exponent: f64 = 1.0, Range::Within(0.1, 20.0), "1", "Exponent of the return to the mean: 1 is linear; larger values are steeper at the edge", "an exponent such as 1 or 2.75", ["1", "2", "2.75"];
         orientation_deg: f64 = 0.0, Range::Finite, "°", "Direction from the dark to the bright side of the edge, counterclockwise from the right", "an angle in degrees, such as 45", ["0", "45", "90"];
         low: f64 = 0.4, Range::Within(0.0, 1.0), "1", "Relative luminance on the dark side of the edge", "the relative luminance on the dark side", ["0.4"];
         high: f64 = 0.6, Range::Within(0.0, 1.0), "1", "Relative luminance on the bright side of the edge", "the relative luminance on the bright side, not below low", ["0.6"];
@@ -69,7 +70,7 @@ impl Profile for &Cornsweet {
     }
 
     fn jumps(&self) -> Vec<(f64, f64)> {
-        // A width of 0 leaves no edge.
+        // With a width of 0, there is no edge.
         if self.width == 0.0 { Vec::new() } else { vec![(0.0, self.high - self.low)] }
     }
 
@@ -85,23 +86,24 @@ impl Profile for &Cornsweet {
 named! {
     /// How the facets are shaded.
     Shading, ShadingError {
-        /// One luminance per facet, from its own normal: a Chevreul staircase.
+        /// Each facet has one luminance, computed from its own normal: a Chevreul staircase.
         Flat = "flat",
-        /// Luminance interpolated between the edges: Mach bands at every edge.
+        /// Luminance is interpolated between the edges: Mach bands appear at every edge.
         Gouraud = "gouraud",
-        /// Normals interpolated between the edges, then lit.
+        /// Normals are interpolated between the edges, and each point is then lit.
         Phong = "phong",
     }
 }
 text_field!(Shading);
 
 kind! {
-    /// A cylinder of plane facets, seen from the side and lit from the viewer, the one-dimensional companion of a
-    /// shaded mesh; Bangay fig. 1 c (flat) and f (Gouraud).
+    /// A cylinder of flat facets, seen from the side and lit from the viewer's position: the one-dimensional
+    /// counterpart of a shaded mesh; Bangay fig. 1 c (flat) and f (Gouraud).
     ///
-    /// The visible arc of 120° is cut into `facets` equal angles; an edge at angle φ is at x = sin φ/(2 sin 60°) window
-    /// sides. L = low + (high − low)·(N·V − ½)/½, so that the luminance is `high` in the middle and `low` at the rims.
-    /// N is the facet's normal (flat), or L is interpolated between the edges' (Gouraud), or N is (Phong).
+    /// The visible arc of 120° is divided into `facets` equal angles. An edge at angle φ is at x = sin φ/(2 sin 60°)
+    /// window sides. L = low + (high − low)·(N·V − ½)/½, so the luminance is `high` in the middle and `low` at the
+    /// rims. With flat shading, N is the normal of the facet. With Gouraud shading, L is interpolated between the
+    /// edges; with Phong shading, N is interpolated.
     Cylinder = "shaded-cylinder" {
         shading: Shading = Shading::Gouraud, Range::Any, "", "How the facets are shaded: flat, gouraud or phong", "flat, gouraud or phong", ["flat", "gouraud", "phong"];
         facets: u32 = 6, Range::Within(1.0, 256.0), "1", "Number of facets across the window", "a whole number of facets", ["4", "6", "12"];
@@ -116,14 +118,14 @@ kind! {
 const HALF_ARC: f64 = std::f64::consts::FRAC_PI_3;
 
 impl Cylinder {
-    /// Angle of edge `i` of 0…facets.
+    /// Returns the angle of edge `i`, 0…`facets`, in radians.
     fn angle(&self, i: u32) -> f64 {
         HALF_ARC * (2.0 * f64::from(i) / f64::from(self.facets) - 1.0)
     }
 
-    /// Position of edge `i` in window sides.
+    /// Returns the position of edge `i` in window sides.
     fn place(&self, i: u32) -> f64 {
-        // The rims are exactly at the sides of the window.
+        // The rims lie exactly on the sides of the window.
         match i {
             0 => -0.5,
             i if i == self.facets => 0.5,
@@ -131,12 +133,12 @@ impl Cylinder {
         }
     }
 
-    /// The facet that `x` lies on.
+    /// Returns the facet on which `x` lies.
     fn facet(&self, x: f64) -> u32 {
         (1..self.facets).take_while(|i| self.place(*i) <= x).count() as u32
     }
 
-    /// Luminance of a surface from the cosine of the angle between its normal and the line of sight.
+    /// Returns the luminance of a surface, given the cosine of the angle between its normal and the line of sight.
     fn lit(&self, cosine: f64) -> f64 {
         self.low + (self.high - self.low) * (cosine - HALF_ARC.cos()) / (1.0 - HALF_ARC.cos())
     }

@@ -8,50 +8,52 @@ use crate::light::color::{
 use crate::light::names::named;
 
 named! {
-    /// The space in which a ramp is straight.
+    /// The color space in which a ramp is a straight line.
     ///
-    /// Between two luminances of one color `rgb` and `hsv` are the same ramp. Between two colors they are not: halfway
-    /// from (1,0,0) to (0,1,0) is (½,½,0) in RGB and (1,1,0) in HSV, Shoaff §2.2.9.
+    /// Between two luminances of one color, `rgb` and `hsv` give the same ramp. Between two colors, they do not:
+    /// halfway from (1,0,0) to (0,1,0) lies (½,½,0) in RGB, but (1,1,0) in HSV (Shoaff §2.2.9).
     #[derive(Default)]
     RampSpace, RampSpaceError {
-        /// Linear light, which is also XYZ's and CMY's straight line.
+        /// Linear light. A straight line here is also straight in XYZ and CMY.
         #[default]
         Rgb = "rgb",
-        /// Value, saturation and hue of the linear light, the hue along the shorter arc; of two equal arcs, along the one
-        /// that rises. A gray plateau has the other's hue, and black its color's hue and saturation.
+        /// Value, saturation and hue of the linear light. The hue takes the shorter arc; if both arcs are equal, it
+        /// increases. A gray plateau takes the hue of the other plateau; a black plateau keeps the hue and saturation
+        /// of its color.
         Hsv = "hsv",
-        /// CIELAB, white and primaries those of sRGB; what is then outside the gamut is clipped, channel by channel.
+        /// CIELAB with the white and the primaries of sRGB. Colors outside the gamut are clipped, channel by channel.
         Lab = "lab",
     }
 }
 text_field!(RampSpace);
 
 impl RampSpace {
-    /// Whether files leave it out.
+    /// Returns whether this is the default, which files omit.
     pub(super) fn is_default(&self) -> bool {
         *self == RampSpace::default()
     }
 }
 
-/// The light from one plateau to another, where it is not one color throughout; ready to be evaluated many times.
+/// The light between two plateaus of a ramp that is not just one color at varying luminance, prepared for repeated
+/// evaluation.
 #[derive(Clone, Copy, Debug)]
 pub struct Between {
     low: [f64; 3],
     high: [f64; 3],
     space: RampSpace,
-    /// The low plateau in the space, and the difference to the high one.
+    /// The low plateau in the space; `way` is the difference from it to the high plateau.
     from: [f64; 3],
     way: [f64; 3],
 }
 
 impl Between {
-    /// Between two colors at the luminances `low` and `high`.
+    /// Creates the light between `color` at the luminance `low` and `color_high` at the luminance `high`.
     pub fn new(color: StimulusColor, low: f64, color_high: StimulusColor, high: f64, space: RampSpace) -> Self {
         let lights = [color.light(low), color_high.light(high)];
         let space = if lights[0] == lights[1] { RampSpace::Rgb } else { space };
         let ends = match space {
             RampSpace::Rgb => lights,
-            // Of the colors, so that black keeps its hue and saturation.
+            // Computed from the colors and not from the light, so that black keeps its hue and saturation.
             RampSpace::Hsv => [(color, low), (color_high, high)].map(|(color, level)| {
                 let [hue, saturation, value] = hsv_from_rgb(color.rgb());
                 [hue, saturation, value * level]
@@ -68,7 +70,8 @@ impl Between {
         Self { low: lights[0], high: lights[1], space, from, way }
     }
 
-    /// The light `part` of the way from low, at 0, to high, at 1; each channel 0…1.
+    /// Returns the light at the fraction `part` of the way from the low plateau (0) to the high one (1); each channel
+    /// is 0…1.
     #[inline]
     pub fn light_at_part(&self, part: f64) -> [f64; 3] {
         if part <= 0.0 {
@@ -86,27 +89,28 @@ impl Between {
         rgb.map(|value| value.clamp(0.0, 1.0))
     }
 
-    /// The least and the most light between two parts of the way.
+    /// Returns a lower and an upper bound on the light between two fractions of the way.
     pub fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
         let (half, steepness) = (0.5 * (to - from), self.steepness());
         let light = self.light_at_part(0.5 * (from + to));
         [-half, half].map(|half| [0, 1, 2].map(|channel| light[channel] + half * steepness[channel]))
     }
 
-    /// The most that each channel can change, per part of the way.
+    /// Returns an upper bound on how fast each channel changes along the way, per unit of `part`.
     fn steepness(&self) -> [f64; 3] {
         let (from, way) = (self.from, self.way.map(f64::abs));
         let to = [0, 1, 2].map(|i| from[i] + self.way[i]);
         match self.space {
             RampSpace::Rgb => way,
             RampSpace::Hsv => {
-                // Every channel is V, V(1−S), or V(1−S·t) with t the sixth of a turn, or 1 − t.
+                // Each channel is V, V(1 − S), V(1 − S·t) or V(1 − S·(1 − t)), where t is the position within a sixth
+                // of a turn, 0…1.
                 let (value, saturation) = (from[2].max(to[2]), from[1].max(to[1]));
                 [way[2] + value * way[1] + value * saturation * way[0] / 60.0; 3]
             }
             RampSpace::Lab => {
-                // Every channel is a sum of cubes, or of straight lines no steeper than these where the cubes begin, of the
-                // cube roots of X, Y and Z; they are straight in Lab.
+                // The cube roots of X, Y and Z are linear in Lab. Each channel is a weighted sum of their cubes. Below
+                // [`LAB_DELTA`], a straight line replaces the cube; it is no steeper than the cube at that point.
                 let [from, to] = [from, to].map(cube_roots);
                 let steepest = [0, 1, 2].map(|i| {
                     let root = from[i].abs().max(to[i].abs()).max(LAB_DELTA);

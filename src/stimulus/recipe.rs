@@ -1,5 +1,5 @@
-//! A stimulus and everything that decides how its light becomes codes. An image file keeps its recipe, so that rendering
-//! it again proves its bytes.
+//! A stimulus and everything that determines how its light is turned into codes. An image file contains its recipe, so
+//! its bytes can be verified by rendering it again.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
@@ -11,7 +11,7 @@ use crate::light::{
 /// Largest side of an image, pixels.
 pub const SIZE_MAX: u32 = 16_384;
 
-/// An image, described completely. Equal recipes give equal codes, on every machine.
+/// The complete description of an image. Equal recipes give equal codes on every machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
@@ -23,29 +23,29 @@ pub struct Recipe {
     pub transfers: Transfers,
     /// Bits per channel.
     pub bits: Bits,
-    /// How values between two codes are decided.
+    /// How a value between two codes is assigned to one of them.
     pub dither: Dither,
-    /// Seed of a random dither; ignored by the others.
+    /// Seed of a random dither; ignored by all other dithers.
     pub seed: u64,
-    /// SHA-256 of the display profile with the transfer functions; `None` where they were assumed.
+    /// SHA-256 of the display profile that the transfer functions come from; `None` if they were assumed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub display_sha256: Option<String>,
 }
 
 impl Recipe {
-    /// The requested light.
+    /// Returns the requested light.
     #[must_use]
     pub fn linear(&self) -> LinearImage {
         self.stimulus.linear(self.size)
     }
 
-    /// A quantizer for the recipe's display; keep it for further images.
+    /// Creates a quantizer for the recipe's display. It can be reused for further images.
     #[must_use]
     pub fn quantizer(&self) -> Quantizer {
         Quantizer::new(&self.transfers, self.bits)
     }
 
-    /// The codes, with a quantizer of the same transfer function and bits.
+    /// Returns the codes. `quantizer` must have the transfer functions and the bits of this recipe.
     #[must_use]
     pub fn codes(&self, quantizer: &Quantizer) -> CodeImage {
         match &self.dither {
@@ -54,7 +54,8 @@ impl Recipe {
         }
     }
 
-    /// The command that writes this image. A measured table has no short text: the command names a file `PROFILE.toml`.
+    /// Returns the command that writes this image. A measured table has no short text form, so the command names a file
+    /// `PROFILE.toml` in its place.
     #[must_use]
     pub fn command(&self) -> String {
         let mut command = format!("machband stimulus --kind {}", self.stimulus.kind());
@@ -87,7 +88,8 @@ impl Recipe {
     }
 }
 
-/// Transfer functions in a file: a text, the points of a table, or one for each channel where they differ.
+/// Transfer functions as a file stores them: a text, the points of a table, or, if the channels differ, one of these
+/// for each channel.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum TransferForm {

@@ -1,4 +1,4 @@
-//! A mesh under one of the shaders: banding as it occurs in computer graphics, rated like any other stimulus.
+//! A mesh drawn by one of the shaders: banding as it occurs in computer graphics, rated like any other stimulus.
 
 use std::{fmt, str::FromStr};
 
@@ -29,7 +29,7 @@ impl fmt::Display for Triple {
     }
 }
 
-/// Not three finite numbers.
+/// The error for a text that is not three finite numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected three numbers separated by commas, such as 25,-35,0")]
 pub struct TripleError;
@@ -49,11 +49,11 @@ text_field!(Triple, Shape, Shader, Correction, Gradients);
 serde_as_text!(Triple);
 
 kind! {
-    /// A mesh, rotated and lit, under one of the shaders; Bangay §4 and figs. 8–12, and the question that he left for
-    /// future work: how visible are the bands of each shader?
+    /// A rotated and lit mesh, drawn by one of the shaders; Bangay §4 and figs. 8–12. It addresses the question that he
+    /// left for future work: how visible are the bands of each shader?
     ///
     /// The luminance of the surface is `low` where only ambient light reaches it and `high` at normal incidence; a
-    /// highlight adds up to `highlight`. Rendered in linear light by the f64 reference, so that equal parameters give
+    /// highlight adds up to `highlight`. The f64 reference renders it in linear light, so that equal parameters give
     /// equal bytes on every machine.
     ShadedMesh = "shaded-mesh" where contradictions {
         shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", Shader::EXPECTED, ["flat", "gouraud", "phong", "exact", "cut", "patch"];
@@ -83,7 +83,7 @@ impl ShadedMesh {
         if self.mesh.has_vertices() && (self.vertices as usize) < self.mesh.least_vertices() {
             let least = self.mesh.least_vertices();
             return Some(
-                parameter("vertices")?.error(self.vertices, format!("is below the {least} of a {}", self.mesh)),
+                parameter("vertices")?.error(self.vertices, format!("is below the {least} that a {} needs", self.mesh)),
             );
         }
         let corrected = [("vertex", self.vertex), ("reweight", self.reweight)];
@@ -101,7 +101,7 @@ impl ShadedMesh {
         None
     }
 
-    /// The shader with its options.
+    /// Returns the shader with its options.
     #[must_use]
     pub fn shade(&self) -> Shade {
         Shade {
@@ -114,7 +114,7 @@ impl ShadedMesh {
         }
     }
 
-    /// How it is seen and lit.
+    /// Returns the scene: how the mesh is viewed and lit.
     #[must_use]
     pub fn scene(&self) -> Scene {
         Scene {
@@ -129,20 +129,20 @@ impl ShadedMesh {
         }
     }
 
-    /// The mesh.
+    /// Returns the mesh.
     ///
     /// # Errors
-    /// Too few or too many vertices; never for a valid stimulus.
+    /// Returns an error if there are too few or too many vertices, which never happens for a valid stimulus.
     pub fn mesh(&self) -> Result<Mesh, ShapeError> {
         shapes::mesh(self.mesh, self.vertices as usize)
     }
 
-    /// The scene in a window of `size` × `size` pixels; `None` for an invalid stimulus.
+    /// Returns the scene in a window of `size` × `size` pixels, or `None` if the stimulus is invalid.
     pub(super) fn frame(&self, size: u32) -> Option<Frame> {
         Some(self.scene().frame(&Surface::new(self.mesh().ok()?), size, size))
     }
 
-    /// How that is drawn.
+    /// Draws `frame` with the shader of this stimulus.
     pub(super) fn shot<'f>(&self, frame: &'f Frame) -> Shot<'f> {
         Renderer::new(self.shade()).shoot(frame, &Transfer::Linear.into())
     }
@@ -150,7 +150,7 @@ impl ShadedMesh {
 
 impl Area for ShadedMesh {
     fn linear(&self, size: u32) -> LinearImage {
-        // In f64, not in the faster f32 lanes: the hash of a stimulus is recorded with its ratings.
+        // Rendered in f64, not in the faster f32 lanes, because the hash of a stimulus is recorded with its ratings.
         self.frame(size)
             .map_or_else(|| LinearImage::new(size, size), |frame| Reference::new(&frame, &self.shade()).image())
     }

@@ -1,4 +1,4 @@
-//! A projected and lit mesh, as drawn by one renderer for one display: its light, codes, creases, and description.
+//! A projected and lit mesh as one renderer draws it for one display: its light, codes, creases and description.
 
 use std::borrow::Cow;
 
@@ -10,54 +10,57 @@ use crate::{
     shading::{Creases, Frame, Reference, Scene, Shade, Shader, picture},
 };
 
-/// A shader, and whether it accounts for gamma.
+/// A shader and whether it ignores gamma.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Renderer {
     /// The shader with its options.
     pub shade: Shade,
-    /// Encode the light at the vertices and interpolate the encoded values, as a renderer that ignores gamma does.
+    /// True to encode the light at the vertices and interpolate the encoded values, as a renderer that ignores gamma
+    /// does.
     pub naive: bool,
 }
 
 /// The output of a renderer for a frame on a display.
 pub struct Shot<'f> {
-    /// The frame, its lights encoded where gamma is ignored.
+    /// The frame. If the renderer ignores gamma, its lights are encoded.
     pub frame: Cow<'f, Frame>,
     /// The shader with its options.
     pub shade: Shade,
-    /// The display's transfer functions where the values that the shader computes are encoded.
+    /// The display's transfer functions if the shader computes encoded values; otherwise `None`.
     encoding: Option<Transfers>,
     /// Turns the values that the shader computes into codes.
     pub transfers: Transfers,
 }
 
 impl Renderer {
-    /// `shade` in linear light.
+    /// Creates a renderer that draws `shade` in linear light.
     #[must_use]
     pub const fn new(shade: Shade) -> Renderer {
         Renderer { shade, naive: false }
     }
 
-    /// Gouraud's shader in linear light, which every other is compared with.
+    /// Returns Gouraud's shader in linear light, the baseline for all comparisons.
     #[must_use]
     pub const fn gouraud() -> Renderer {
         Renderer::new(Shade::new(Shader::Gouraud))
     }
 
-    /// Whether it draws what [`Renderer::gouraud`] draws: the options of other shaders may differ.
+    /// Returns whether this renderer draws the same as [`Renderer::gouraud`]. Options that only other shaders use may
+    /// differ.
     #[must_use]
     pub fn is_gouraud(&self) -> bool {
         let Shade { depth, boundary, gradients, .. } = self.shade;
         *self == Renderer::new(Shade { depth, boundary, gradients, ..Renderer::gouraud().shade })
     }
 
-    /// Whether it interpolates encoded values. Phong lights every pixel, and encodes that.
+    /// Returns whether this renderer interpolates encoded values. Phong shading never does: it lights every pixel and
+    /// encodes the result.
     #[must_use]
     pub fn is_naive(&self) -> bool {
         self.naive && self.shade.shader != Shader::Phong
     }
 
-    /// The shot of `frame` for a display with `transfers`.
+    /// Draws `frame` for a display with `transfers`.
     #[must_use]
     pub fn shoot<'f>(&self, frame: &'f Frame, transfers: &Transfers) -> Shot<'f> {
         let shade = self.shade;
@@ -69,7 +72,7 @@ impl Renderer {
         }
     }
 
-    /// Every option, so that anyone can reproduce it.
+    /// Returns every option, so that anyone can reproduce the rendering.
     #[must_use]
     pub fn describe(&self) -> Value {
         let Shade { shader, depth, boundary, vertex, reweight, gradients } = self.shade;
@@ -84,7 +87,7 @@ impl Renderer {
     }
 }
 
-/// Every number of a scene, so that anyone can reproduce it.
+/// Returns every setting of a scene, so that anyone can reproduce it.
 #[must_use]
 pub fn describe_scene(scene: &Scene) -> Value {
     json!({
@@ -103,27 +106,27 @@ pub fn describe_scene(scene: &Scene) -> Value {
 }
 
 impl Shot<'_> {
-    /// What the shader computes: linear light, or encoded values where gamma is ignored. [`Shot::transfers`] turns
+    /// Returns what the shader computes: linear light, or encoded values if gamma is ignored. [`Shot::transfers`] turns
     /// either into codes.
     #[must_use]
     pub fn image(&self) -> LinearImage {
         picture(&self.frame, &self.shade)
     }
 
-    /// The light that the display sends, no less than black and no more than white.
+    /// Returns the light that the display emits, limited to the range from black to white.
     #[must_use]
     pub fn emitted(&self) -> LinearImage {
         let mut image = self.image();
         for pixel in image.data.chunks_exact_mut(3) {
             let light = self.decoded(DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into()));
-            // NaN is black, as on the screen.
+            // NaN becomes black, as on the screen.
             let shown = |light: f64| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 };
             pixel.copy_from_slice(&light.to_array().map(shown));
         }
         image
     }
 
-    /// The creases in the light that the display sends.
+    /// Returns the creases in the light that the display emits.
     #[must_use]
     pub fn creases(&self) -> Creases {
         match self.encoding {
@@ -132,8 +135,8 @@ impl Shot<'_> {
         }
     }
 
-    /// The light that the display sends at the middles of `count` equal pieces of the line from `from` to `to`, pixels
-    /// from the top left; `None` where there is no surface.
+    /// Divides the line from `from` to `to`, in pixels from the top left, into `count` equal segments and returns the
+    /// light that the display emits at the center of each, or `None` where there is no surface.
     #[must_use]
     pub fn along(&self, [from, to]: [DVec2; 2], count: usize) -> Vec<Option<DVec3>> {
         let line = to - from;
@@ -144,7 +147,7 @@ impl Shot<'_> {
             if across.iter().all(|a| *a > 0.0) || across.iter().all(|a| *a < 0.0) {
                 continue;
             }
-            // Only the places that the triangle can cover.
+            // Visit only the segments that the triangle can cover.
             let along = corners.map(|v| (v.screen - from).dot(line) / line.length_squared() * count as f64);
             let (low, high) = along.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), a| (l.min(*a), h.max(*a)));
             for (i, found) in nearest.iter_mut().enumerate().take((high as usize).saturating_add(1)).skip(low as usize)
@@ -163,7 +166,7 @@ impl Shot<'_> {
         nearest.into_iter().map(|found| found.map(|(_, t, w)| self.decoded(shader.light(t, w)))).collect()
     }
 
-    /// The light that the display sends for a value that the shader computes.
+    /// Returns the light that the display emits for a value that the shader computes.
     fn decoded(&self, value: DVec3) -> DVec3 {
         match &self.encoding {
             Some(transfers) => DVec3::from_array(transfers.linear_from_encoded(value.to_array())),

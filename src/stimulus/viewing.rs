@@ -1,4 +1,4 @@
-//! Predictions of the vision model for stimuli and images in a window on a screen.
+//! Applies the model of vision to stimuli and images in a window on a screen.
 
 use super::catalog::Stimulus;
 use crate::{
@@ -15,14 +15,14 @@ const LEAST_CD_M2: f64 = 0.01;
 /// The prediction for a stimulus.
 #[derive(Clone, Debug)]
 pub enum StimulusPrediction {
-    /// For one that varies in one direction only.
+    /// For a stimulus that varies in one direction only.
     Line(LinePrediction),
-    /// For any other.
+    /// For any other stimulus.
     Picture(Box<PicturePrediction>),
 }
 
 impl StimulusPrediction {
-    /// The visibility of its bands.
+    /// Returns the visibility of the stimulus's bands.
     #[must_use]
     pub fn visibility(&self) -> Visibility {
         match self {
@@ -32,7 +32,7 @@ impl StimulusPrediction {
     }
 }
 
-/// A window on a screen, viewed by an eye that is adapted to the window's mean light.
+/// A window on a screen, viewed by an eye adapted to the window's mean light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewingConditions {
     /// The window's width in degrees of visual angle; above 0.
@@ -42,31 +42,31 @@ pub struct ViewingConditions {
 }
 
 impl ViewingConditions {
-    /// White of a typical screen, cd/m².
+    /// Luminance of white on a typical screen, cd/m².
     pub const WHITE_CD_M2: f64 = 100.0;
-    /// Pixels across that are enough for a stimulus that varies in one direction.
+    /// A sufficient width for a stimulus that varies in one direction, pixels.
     pub const LINE_PX: u32 = 1024;
-    /// Pixels on a side that are enough for any other: the time grows with the area.
+    /// A sufficient side for any other stimulus, pixels. It is smaller because the time grows with the area.
     pub const PICTURE_PX: u32 = 512;
 
-    /// A window of this many degrees on a typical screen.
+    /// Creates a window of this many degrees on a typical screen.
     #[must_use]
     pub fn new(window_deg: f64) -> Self {
         Self { window_deg, white_cd_m2: Self::WHITE_CD_M2 }
     }
 
-    /// The pixels that are enough for `stimulus`.
+    /// Returns a sufficient size for `stimulus`, pixels.
     #[must_use]
     pub fn px(stimulus: &Stimulus) -> u32 {
         if stimulus.is_line() { Self::LINE_PX } else { Self::PICTURE_PX }
     }
 
-    /// The prediction for a stimulus that fills the window with `size` pixels on a side. A stimulus that varies in one
-    /// direction continues beyond the window as it ends there; of a mesh only the surface counts, see
+    /// Predicts the bands in a stimulus that fills the window with `size` pixels per side. A stimulus that varies in
+    /// one direction keeps its end values beyond the window. For a mesh, only the surface counts; see
     /// [`ViewingConditions::predict_surface`].
     ///
     /// # Errors
-    /// [`VisionError`] for a window that is too small, and for one that is all black.
+    /// Returns a [`VisionError`] if the window is too small or all black.
     pub fn predict(&self, stimulus: &Stimulus, size: u32) -> Result<StimulusPrediction, VisionError> {
         if stimulus.is_line() {
             let light: Vec<f64> = stimulus.profile(size).into_iter().map(luminance).collect();
@@ -84,18 +84,18 @@ impl ViewingConditions {
         Ok(StimulusPrediction::Picture(Box::new(view)))
     }
 
-    /// The prediction for an image that fills the window's width.
+    /// Predicts the bands in an image that fills the window's width.
     ///
     /// # Errors
-    /// [`VisionError`] for an image that is too small, and for one that is all black.
+    /// Returns a [`VisionError`] if the image is too small or all black.
     pub fn predict_image(&self, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
         self.predict_within(image, None)
     }
 
-    /// The prediction for the picture of a surface, without its outlines, where the light is bound to jump.
+    /// Predicts the bands in the picture of a surface. It excludes the outlines, where the light inevitably jumps.
     ///
     /// # Errors
-    /// [`VisionError`] for a picture of another size than the frame's, one that is too small, and one that is all black.
+    /// Returns a [`VisionError`] if the picture does not have the size of the frame, is too small or is all black.
     pub fn predict_surface(&self, frame: &Frame, image: &LinearImage) -> Result<PicturePrediction, VisionError> {
         self.predict_within(image, Some(&coverage::inside_outlines(frame)))
     }

@@ -1,30 +1,28 @@
-//! Why a prediction fails.
+//! The reasons why a prediction can fail.
 
-/// Why there is no prediction for an image.
+/// The reason why an image cannot be predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VisionError {
-    /// Too few pixels.
+    /// The image has too few pixels.
     #[error("an image of {width} × {height} pixels is too small; expected at least {least} on each side")]
     TooSmall {
-        /// Columns.
         width: usize,
-        /// Rows.
         height: usize,
-        /// Pixels that a side needs.
+        /// Minimum number of pixels per side.
         least: usize,
     },
-    /// A sampling that does not exist.
+    /// The number of pixels per degree is not a positive number.
     #[error("{0} pixels per degree; expected a number above 0")]
     Sampling(f64),
-    /// A number of samples that does not match the size.
+    /// The number of samples does not match the size of the image.
     #[error("{found} samples of light; expected {expected}")]
     Count {
-        /// How many there are.
+        /// Number of samples found.
         found: usize,
-        /// How many the size needs.
+        /// Number of samples that the size requires.
         expected: usize,
     },
-    /// Light that does not exist.
+    /// A light value is negative or not a finite number.
     #[error("light {value} in column {x}, row {y}; expected a number that is not negative")]
     Light {
         /// The value found.
@@ -34,12 +32,13 @@ pub enum VisionError {
         /// Row, from 0.
         y: usize,
     },
-    /// Black everywhere.
+    /// The image is black everywhere.
     #[error("all black; expected some light")]
     AllBlack,
 }
 
-/// Whether `light` is that of `width` × `height` pixels.
+/// Checks that `light` holds `width` × `height` valid values, that some of them are above 0, and that `px_per_deg` is
+/// positive.
 pub(super) fn check(light: &[f64], width: usize, height: usize, px_per_deg: f64) -> Result<(), VisionError> {
     if !(px_per_deg.is_finite() && px_per_deg > 0.0) {
         return Err(VisionError::Sampling(px_per_deg));

@@ -1,4 +1,4 @@
-//! Fourier transforms of any length, planned once in every thread.
+//! Fourier transforms of any length, each planned once per thread.
 
 use std::{cell::RefCell, sync::Arc};
 
@@ -8,19 +8,20 @@ thread_local! {
     static PLANNER: RefCell<FftPlanner<f64>> = RefCell::new(FftPlanner::new());
 }
 
-/// The transform of values in the order of their places.
+/// Returns the forward transform for `length` values.
 #[must_use]
 pub fn forward(length: usize) -> Arc<dyn Fft<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
 }
 
-/// The inverse transform, times the length.
+/// Returns the inverse transform for `length` values, without the factor 1/`length`.
 #[must_use]
 pub fn inverse(length: usize) -> Arc<dyn Fft<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length))
 }
 
-/// The next number that has no prime factor above 5: quick to transform.
+/// Returns the smallest number that is at least `least` and has no prime factor above 5. Transforms of such lengths are
+/// fast.
 #[must_use]
 pub fn smooth(least: usize) -> usize {
     let is_smooth = |mut n: usize| {

@@ -1,22 +1,20 @@
-//! An image, values on grids over it, and the distance of its pixels from areas where bands do not count.
+//! An image, grids of values laid over it, and the distances of its pixels from areas where bands do not count.
 
 /// An image in linear light.
 #[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
-    /// Luminance, 1 for white, row by row from the upper left corner.
+    /// Luminance, 1 for white, row by row, starting at the upper left corner.
     pub light: &'a [f64],
-    /// Columns.
     pub width: usize,
-    /// Rows.
     pub height: usize,
     /// Pixels per degree.
     pub px_per_deg: f64,
-    /// Pixels where bands count, as many as the light has; without a mask, all.
+    /// True for the pixels where bands count; as long as `light`. Without a mask, bands count everywhere.
     pub mask: Option<&'a [bool]>,
 }
 
-/// Numbers on a grid: `columns` in a row, the first at `first` of the image, pixels, and `step` pixels from one to the
-/// next, across and down. Laid about the image's middle, so that an image that is turned or mirrored has the same.
+/// A grid of places on an image: `columns` × `rows` of them, the first at the position `first`, with a spacing of
+/// `step`, all in pixels. The grid is centered on the image, so that a rotated or mirrored image has the same grid.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
     pub(super) columns: usize,
@@ -26,17 +24,18 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The place of a value, pixels.
+    /// Returns the position of a grid value in the image, pixels.
     pub(super) fn place(&self, column: usize, row: usize) -> [f64; 2] {
         [self.first[0] + column as f64 * self.step[0], self.first[1] + row as f64 * self.step[1]]
     }
 
-    /// One of `values` at a place of the image, pixels.
+    /// Interpolates `values` at a position in the image, pixels.
     pub(super) fn at(&self, values: &[f64], [x, y]: [f64; 2]) -> f64 {
         self.between(values, [(x - self.first[0]) / self.step[0], (y - self.first[1]) / self.step[1]])
     }
 
-    /// Of the four values around a place, counted in values, in proportion; beyond the grid that of its edge.
+    /// Interpolates linearly between the four values around a position in grid steps. Beyond the grid, the values at
+    /// its edge continue.
     pub(super) fn between(&self, values: &[f64], [x, y]: [f64; 2]) -> f64 {
         let (across, down) = (neighbors(x, self.columns), neighbors(y, self.rows));
         let row = |y: usize| {
@@ -48,28 +47,29 @@ impl Grid {
     }
 }
 
-/// The two of `n` values around the place `at`, and its distance from the first toward the second.
+/// Returns the indices of the two of `n` values around the position `at`, and the distance of `at` from the first of
+/// them.
 fn neighbors(at: f64, n: usize) -> (usize, usize, f64) {
     let at = at.clamp(0.0, (n - 1) as f64);
-    // A cast cuts off the fraction.
+    // The cast truncates the fraction.
     let first = at as usize;
     (first, (first + 1).min(n - 1), at - first as f64)
 }
 
-/// One number at every place of a grid.
+/// A grid with a value at each of its places.
 pub(super) struct Field {
     pub(super) grid: Grid,
     pub(super) values: Vec<f64>,
 }
 
 impl Field {
-    /// At a place of the image, pixels.
+    /// Interpolates the field at a position in the image, pixels.
     pub(super) fn at(&self, place: [f64; 2]) -> f64 {
         self.grid.at(&self.values, place)
     }
 }
 
-/// Distance of every pixel from areas where bands do not count, pixels.
+/// The distance of each pixel from areas where bands do not count, in pixels.
 pub(super) struct Distances {
     values: Vec<f64>,
     width: usize,
@@ -88,7 +88,7 @@ impl Distances {
         Distances { values: (0..width * height).map(value).collect(), width, height }
     }
 
-    /// At a place, pixels; 0 outside.
+    /// Returns the distance at a position in pixels, or 0 outside the image.
     pub(super) fn at(&self, [x, y]: [f64; 2]) -> f64 {
         if x < 0.0 || y < 0.0 || x >= self.width as f64 || y >= self.height as f64 {
             return 0.0;
@@ -96,14 +96,15 @@ impl Distances {
         self.values[y as usize * self.width + x as usize]
     }
 
-    /// Pixels that count.
+    /// Returns the number of pixels where bands count, at least 1.
     pub(super) fn area(&self) -> f64 {
         self.values.iter().filter(|distance| **distance > 0.0).count().max(1) as f64
     }
 }
 
-/// Distance of every pixel from the nearest that does not count, pixels: along columns, and then along rows over the
-/// lower envelope of parabolas (Felzenszwalb & Huttenlocher 2012, Theory of Computing 8:415).
+/// Returns the distance of each pixel from the nearest pixel that does not count, in pixels. It is computed first along
+/// the columns, and then along the rows as the lower envelope of parabolas (Felzenszwalb & Huttenlocher 2012, Theory of
+/// Computing 8:415).
 fn to_mask(mask: &[bool], width: usize, height: usize) -> Vec<f64> {
     let far = (width + height) as f64;
     let mut squares = vec![0.0; mask.len()];

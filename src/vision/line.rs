@@ -11,12 +11,12 @@ use super::{
     fft::{self, smooth},
 };
 
-/// Beyond the ends of a profile, degrees: as long as the coarsest channel's period, so that the profile does not meet
-/// itself.
+/// Padding beyond the end of a profile, degrees: one period of the coarsest channel, so that the two ends of the
+/// periodic profile do not affect each other.
 const BEYOND_DEG: f64 = 16.0;
-/// Samples of a channel's response in a period of it.
+/// Number of samples of a channel's response per period of the channel.
 const SAMPLES_PER_PERIOD: f64 = 16.0;
-/// Samples per degree of the mean light, and of the energy that masks.
+/// Number of cells per degree for the mean light and the masking energy.
 const COARSE_PER_DEG: f64 = 16.0;
 
 /// A profile in linear light.
@@ -26,25 +26,25 @@ pub struct Line<'a> {
     pub light: &'a [f64],
     /// Pixels per degree.
     pub px_per_deg: f64,
-    /// What lies beyond its ends.
+    /// What lies beyond the ends of the profile.
     pub border: Border,
 }
 
 /// The prediction for a line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinePrediction {
-    /// Of every channel, the strongest first.
+    /// The bands of all channels, sorted by descending strength.
     pub bands: Vec<Band>,
-    /// Over all channels.
+    /// Visibility pooled over all channels.
     pub visibility: Visibility,
 }
 
 impl Line<'_> {
-    /// The prediction for `eye`.
+    /// Predicts the bands that `eye` sees.
     ///
     /// # Errors
-    /// [`VisionError`] for fewer than two samples, a sampling that is not above 0, light that is negative or not a number,
-    /// and all black.
+    /// Returns a [`VisionError`] if there are fewer than two samples, if the number of pixels per degree is not above
+    /// 0, if a light value is negative or not finite, or if the profile is all black.
     pub fn predict(&self, eye: &Eye) -> Result<LinePrediction, VisionError> {
         check(self.light, self.light.len(), 1, self.px_per_deg)?;
         if self.light.len() < 2 {
@@ -55,7 +55,7 @@ impl Line<'_> {
         let mut finer = vec![0.0; self.cells()];
         let mut prediction = LinePrediction::default();
         let mut channels = Vec::new();
-        // The finest first: they mask the others.
+        // The finest channels come first because they mask the others.
         for channel in Channel::all().rev() {
             let response = self.response(channel, &spectrum);
             let mut strongest = Visibility::default();
@@ -78,33 +78,34 @@ impl Line<'_> {
         Ok(prediction)
     }
 
-    /// Degrees.
+    /// Returns the length of the profile, degrees.
     fn length(&self) -> f64 {
         self.light.len() as f64 / self.px_per_deg
     }
 
-    /// Samples until the profile repeats.
+    /// Returns the number of samples after which the padded profile repeats.
     fn period(&self) -> usize {
         smooth(self.light.len() + (BEYOND_DEG * self.px_per_deg).ceil() as usize)
     }
 
-    /// The same in degrees.
+    /// Returns the same period in degrees.
     fn repeat(&self) -> f64 {
         self.period() as f64 / self.px_per_deg
     }
 
-    /// Cells of the mean light and of the energy that masks.
+    /// Returns the number of cells for the mean light and the masking energy.
     fn cells(&self) -> usize {
         (self.length() * COARSE_PER_DEG).ceil() as usize + 1
     }
 
-    /// The last place of the spectrum that a channel passes.
+    /// Returns the index of the highest frequency of the spectrum that a channel passes.
     fn last_place(&self, channel: Channel) -> usize {
         ((channel.frequency * REACH * self.repeat()).floor() as usize).max(1)
     }
 
-    /// The eye's response to the jumps of the light from pixel to pixel: pixels are squares, and their light is a
-    /// staircase. Beyond an edge that cuts, the jumps come back mirrored and fade, so that light and slope continue.
+    /// Returns the spectrum of the eye's response to the jumps in light from pixel to pixel: pixels are squares, so
+    /// their light is a staircase. Beyond a [`Border::Cut`], the jumps are mirrored and fade out, so that light and
+    /// slope continue.
     fn spectrum(&self, eye: &Eye) -> Vec<Complex64> {
         let (n, period, repeat) = (self.light.len(), self.period(), self.repeat());
         let mut jumps = vec![Complex64::default(); period];
@@ -122,7 +123,8 @@ impl Line<'_> {
         fft::forward(period).process(&mut jumps);
         let response = |j: usize| {
             let f = j as f64 / repeat;
-            // From jumps to light: divided by 2πif. Twice, since only frequencies above 0 are kept.
+            // Dividing by 2πif turns jumps into light. The factor of 2 makes up for the negative frequencies, which are
+            // dropped.
             let weight = if j > 0 { eye.sensitivity(f) / (PI * f * repeat) } else { 0.0 };
             jumps[j % period] * Complex64::new(0.0, -weight)
         };
@@ -130,7 +132,7 @@ impl Line<'_> {
         (0..=last).map(response).collect()
     }
 
-    /// A channel's response along the whole repeat, even + i·odd.
+    /// Returns a channel's response, even + i·odd, over one period of the padded profile.
     fn response(&self, channel: Channel, spectrum: &[Complex64]) -> Vec<Complex64> {
         let (frequency, repeat, last) = (channel.frequency, self.repeat(), self.last_place(channel));
         let first = ((frequency / REACH * repeat).ceil() as usize).max(1);
@@ -143,13 +145,13 @@ impl Line<'_> {
         response
     }
 
-    /// Peaks of a channel's energy within the profile, each with its energy.
+    /// Returns the bands at the peaks of a channel's energy within the profile, each with the height of its peak.
     fn bands(&self, channel: Channel, response: &[Complex64], mean: &[f64]) -> Vec<(Band, f64)> {
         let (n, length, frequency) = (response.len(), self.length(), channel.frequency);
         let step = self.repeat() / n as f64;
         let margin = self.border.margin_deg(frequency);
         let fall = ((FALL_PERIODS / frequency / step) as usize).min(n / 2);
-        // How far it may fall: not where an edge already bends it.
+        // The search for the fall stops where a border already distorts the response.
         let beside = self.border.beside_deg(frequency);
         let free = |deg: f64| match self.border {
             Border::Continues => fall,
@@ -180,9 +182,9 @@ impl Line<'_> {
         (first..end).filter_map(band).collect()
     }
 
-    /// The mean light that the eye adapts to, in cells.
+    /// Returns the mean light to which the eye adapts, one value per cell.
     fn mean(&self) -> Vec<f64> {
-        // The pixels in each cell, at least one.
+        // Each cell has at least one pixel.
         let pixels = |i: usize| {
             let place = |half: f64| ((i as f64 + half) / COARSE_PER_DEG * self.px_per_deg).max(0.0) as usize;
             let first = place(-0.5).min(self.light.len() - 1);
@@ -203,7 +205,7 @@ impl Line<'_> {
     }
 }
 
-/// The value at the place `at`, in proportion to the two around it.
+/// Interpolates linearly between the two values around the position `at`.
 fn between(values: &[f64], at: f64) -> f64 {
     let at = at.clamp(0.0, (values.len() - 1) as f64);
     let i = (at as usize).min(values.len().saturating_sub(2));

@@ -1,18 +1,19 @@
 //! Floor 1: a model of vision, which predicts where people see bright and dark bands in an image, and how visible they
 //! are.
 //!
-//! A model of local energy, like that of Morrone and Burr (1988, Proc. R. Soc. B 235:221; Ross, Morrone & Burr 1989,
-//! Vis. Res. 29:699): the eye finds lines and edges where the energy of an even and an odd response, in quadrature, is
-//! highest; the phase decides between the two. At a sharp step the phase is that of an edge in every channel: no band.
-//! At the end of a ramp it is that of a line: a band.
+//! This is a local-energy model in the tradition of Morrone and Burr (1988, Proc. R. Soc. B 235:221; Ross, Morrone &
+//! Burr 1989, Vis. Res. 29:699). The eye finds lines and edges at the peaks of the energy of an even and an odd
+//! response in quadrature, and the phase at the peak tells lines from edges. At a sharp step, every channel has the
+//! phase of an edge, so there is no band. At the end of a ramp, the phase is that of a line: a band.
 //!
 //! ```text
 //! light → sensitivity (optics, neurons) → channels (log-Gabor, quarter octaves): even, odd
-//!       → peaks of the energy that stand out on both sides → even beyond odd, over the mean light → over channels
+//!       → energy peaks that stand out on both sides → (even − odd share) / mean light → pooled over channels
 //! ```
 //!
-//! Strengths are contrast times sensitivity: at 1 a grating of that contrast would be just visible. Every constant has its
-//! source where it is defined. [`Line`] is for stimuli that vary in one direction, [`Picture`] for images; they agree.
+//! Strengths are contrast times sensitivity: at a strength of 1, a grating of that contrast would be just visible. The
+//! source of every constant is cited where it is defined. [`Line`] is for stimuli that vary in one direction, and
+//! [`Picture`] is for images; the two agree.
 
 mod band;
 mod error;

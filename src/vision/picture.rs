@@ -1,4 +1,4 @@
-//! Finds the bands of an image, at any position and orientation: the ridges of every channel, except those masked by
+//! Finds bands in an image at any position and orientation: the energy ridges of each channel that are not masked by
 //! finer channels.
 
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use super::{
     spectrum::{Responses, Spectrum},
 };
 
-/// Places per degree at which channels mask each other.
+/// Number of places per degree at which the energy for masking is sampled.
 const MASK_PER_DEG: f64 = 16.0;
 /// Minimum number of pixels per side.
 const LEAST: usize = 16;
@@ -20,32 +20,31 @@ const LEAST: usize = 16;
 /// The prediction for an image.
 #[derive(Clone, Debug, Default)]
 pub struct PicturePrediction {
-    /// Of every channel, at every place of its lines, the strongest first.
+    /// The bands of all channels, one for each place along a line, sorted by descending strength.
     pub bands: Vec<Band>,
-    /// Of the strongest place, over all channels.
+    /// Visibility of the strongest bands, pooled over all channels.
     pub visibility: Visibility,
-    /// How much band there is: strength times length over the area judged, for every channel, added up over channels
-    /// as visibility is; per degree.
+    /// The amount of banding, per degree: in each channel, the sum of strength times length, divided by the area
+    /// judged. Channels are pooled as for visibility.
     pub density: f64,
-    /// Strength of bright and of dark bands at every pixel, over all channels.
+    /// Strength of the bright and the dark bands at each pixel, pooled over all channels.
     pub map: BandMap,
 }
 
-/// Lines of bands, drawn one pixel wide.
+/// The strength of bands at each pixel, as lines one pixel wide.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BandMap {
-    /// Bright bands.
     pub bright: Vec<f64>,
-    /// Dark bands.
     pub dark: Vec<f64>,
 }
 
 impl Picture<'_> {
-    /// The prediction for `eye`.
+    /// Predicts the bands that `eye` sees.
     ///
     /// # Errors
-    /// [`VisionError`] for an image smaller than 16 × 16 pixels or than three periods of the finest channel, for light
-    /// that is negative or not a number, and for all black.
+    /// Returns a [`VisionError`] if the image is smaller than 16 × 16 pixels or three periods of the finest channel, if
+    /// the number of pixels per degree is not above 0, if the light or the mask has the wrong length, if a light value
+    /// is negative or not finite, or if the image is all black.
     pub fn predict(&self, eye: &Eye) -> Result<PicturePrediction, VisionError> {
         check(self.light, self.width, self.height, self.px_per_deg)?;
         if let Some(mask) = self.mask.filter(|mask| mask.len() != self.light.len()) {
@@ -53,7 +52,7 @@ impl Picture<'_> {
         }
         let side = self.width.min(self.height);
         let sampled = || Channel::all().filter(|channel| channel.frequency < self.px_per_deg / 2.0);
-        // A channel without room between its margins detects nothing.
+        // A channel with no room between its margins detects nothing.
         let margins = |channel: &Channel| 2.0 * Border::Cut.margin_deg(channel.frequency);
         let channels: Vec<Channel> =
             sampled().filter(|channel| margins(channel) < side as f64 / self.px_per_deg).collect();
@@ -64,7 +63,7 @@ impl Picture<'_> {
         }
         let (spectrum, distances) = rayon::join(|| Spectrum::new(self, eye), || Distances::new(self));
         let mean = spectrum.mean();
-        // The finest first: they take longest, and mask the others.
+        // The finest channels come first because they take longest and mask the others.
         let found = channels.par_iter().rev().map(|channel| {
             let responses = spectrum.respond(*channel);
             let (channel, px_per_deg) = (*channel, self.px_per_deg);
@@ -92,8 +91,8 @@ impl Picture<'_> {
         })
     }
 
-    /// The strength that bands exceed over a length of one period: a single place, where lines cross or end, does not
-    /// count.
+    /// Returns the strength that bands reach over a total length of one period. A single place, such as a crossing or
+    /// the end of a line, does not count.
     fn strongest(&self, ridges: &[Ridge], polarity: Polarity) -> f64 {
         let mut places: Vec<&Ridge> = ridges.iter().filter(|ridge| ridge.polarity == polarity).collect();
         places.sort_by(|a, b| b.strength.total_cmp(&a.strength));
@@ -124,7 +123,8 @@ impl Picture<'_> {
         map.into_iter().map(unpowered).collect()
     }
 
-    /// A stroke as long as the ridge's step, so that lines of coarse channels have no holes.
+    /// Draws a stroke as long as the part of the band that the ridge represents, so that the lines of coarse channels
+    /// have no gaps.
     fn draw(&self, ridge: &Ridge, map: &mut [f64]) {
         let amount = powered(ridge.strength);
         let steps = ridge.length_px.ceil().max(1.0) as usize;
@@ -144,12 +144,12 @@ impl Picture<'_> {
         }
     }
 
-    /// Energy at the few places at which channels mask each other.
+    /// Samples the energy at the coarse grid of places used for masking.
     fn energy(&self, responses: &Responses) -> Field {
         let step = (self.px_per_deg / MASK_PER_DEG).max(1.0);
         let count = |side: usize| (side as f64 / step).ceil() as usize + 1;
         let (columns, rows) = (count(self.width), count(self.height));
-        // About the middle, so that an image that is turned is masked as before.
+        // The grid is centered, so that rotating an image does not change its masking.
         let first = |n: usize, side: usize| side as f64 / 2.0 - (n - 1) as f64 / 2.0 * step;
         let first = [first(columns, self.width), first(rows, self.height)];
         let grid = Grid { columns, rows, first, step: [step; 2] };
@@ -160,7 +160,7 @@ impl Picture<'_> {
     }
 }
 
-/// Removes from every ridge the part masked by finer channels; the finest come first.
+/// Reduces each ridge by the part that finer channels mask. The finest channel must come first.
 fn unmask(found: Vec<(Vec<Ridge>, Field)>) -> Vec<Vec<Ridge>> {
     let mut finer: Option<Field> = None;
     let mut left = Vec::with_capacity(found.len());

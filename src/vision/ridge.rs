@@ -1,4 +1,4 @@
-//! Ridges of the energy in two dimensions, to a fraction of a sample.
+//! Finds the ridges of the energy in two dimensions, with subsample accuracy.
 
 use rustfft::num_complex::Complex64;
 
@@ -9,37 +9,38 @@ use super::{
     spectrum::Responses,
 };
 
-/// A hundredth of the energy that is just visible on black: anything below is rounding.
+/// The energy of a response that is a hundredth of what is just visible on black. Anything below this is rounding
+/// error.
 const FAINTEST: f64 = (0.01 * VEIL) * (0.01 * VEIL);
 
-/// A place of a band.
+/// A place on a band.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ridge {
-    /// Pixels from the image's upper left corner.
+    /// Position `[x, y]` in pixels from the image's upper left corner.
     pub(super) at: [f64; 2],
-    /// Unit vector across the band, to the right and down.
+    /// Unit vector across the band: `[right, down]`.
     pub(super) across: [f64; 2],
     /// Length of the band that this place represents, pixels.
     pub(super) length_px: f64,
     pub(super) polarity: Polarity,
     pub(super) strength: f64,
-    /// Of even and odd response together.
+    /// Amplitude of the even and odd responses together.
     pub(super) energy: f64,
     pub(super) frequency: f64,
 }
 
-/// The search for a channel's ridges.
+/// What the search for a channel's ridges needs.
 pub(super) struct Search<'a> {
     pub(super) responses: &'a Responses,
     pub(super) channel: Channel,
     pub(super) px_per_deg: f64,
-    /// Mean light.
+    /// Mean light to which the eye is adapted.
     pub(super) mean: &'a Field,
     /// Distances from areas where bands do not count.
     pub(super) distances: &'a Distances,
 }
 
-/// The value at `here`, in rows of `columns`, and its eight neighbors.
+/// Returns the value at the index `here` and its eight neighbors in an array with rows of `columns` values.
 fn near<T: Copy>(values: &[T], here: usize, columns: usize) -> [[T; 3]; 3] {
     [here - columns, here, here + columns].map(|middle| {
         let row = &values[middle - 1..middle + 2];
@@ -47,16 +48,16 @@ fn near<T: Copy>(values: &[T], here: usize, columns: usize) -> [[T; 3]; 3] {
     })
 }
 
-/// A value, its slope and its curvature, in steps of the grid.
+/// A value, its slope and its curvature, per grid step.
 struct Local {
     value: f64,
     slope: [f64; 2],
-    /// xx, xy, yy.
+    /// Second derivatives: xx, xy and yy.
     curvature: [f64; 3],
 }
 
 impl Local {
-    /// From a value and its eight neighbors.
+    /// Estimates the slope and the curvature from a value and its eight neighbors.
     fn of([a, b, c]: [[f64; 3]; 3]) -> Local {
         Local {
             value: b[1],
@@ -78,7 +79,8 @@ impl Local {
         self.value + by * self.slope_along(direction) + by * by / 2.0 * self.curvature_along(direction)
     }
 
-    /// Unit vector of the strongest curvature: at half the angle of (xx − yy, 2·xy), or across that.
+    /// Returns the unit vector in the direction of the strongest curvature: at half the angle of (xx − yy, 2·xy), or
+    /// perpendicular to it.
     fn across(&self) -> [f64; 2] {
         let [xx, xy, yy] = self.curvature;
         let length = ((xx - yy).powi(2) + (2.0 * xy).powi(2)).sqrt();
@@ -92,7 +94,7 @@ impl Local {
 }
 
 impl Search<'_> {
-    /// The ridges that are judged.
+    /// Returns the ridges outside the margins.
     pub(super) fn ridges(&self) -> Vec<Ridge> {
         let grid = &self.responses.grid;
         let margin = Border::Cut.margin_deg(self.channel.frequency) * self.px_per_deg;
@@ -122,7 +124,7 @@ impl Search<'_> {
         let power = Local::of(near(energy, here, grid.columns));
         let curve = power.curvature_along(across);
         let shift = -power.slope_along(across) / curve;
-        // The peak is in this cell of the grid (Steger 1998, IEEE Trans. PAMI 20:113).
+        // The peak must lie in this cell of the grid (Steger 1998, IEEE Trans. PAMI 20:113).
         if !(curve < 0.0 && across.iter().all(|part| (part * shift).abs() <= 0.5)) {
             return None;
         }
@@ -144,14 +146,15 @@ impl Search<'_> {
         let at = [0, 1].map(|axis| grid.first[axis] + (from[axis] + across[axis] * shift) * grid.step[axis]);
         let strength = strength(response, lowest, self.mean.at(at));
         let polarity = if response.re > 0.0 { Polarity::Bright } else { Polarity::Dark };
-        // An oblique line has its peak in more cells per length.
+        // An oblique line has peaks in more cells per unit of length.
         let length_px = grid.step[0] * across[0].abs().max(across[1].abs());
         let frequency = self.channel.frequency;
         (strength > 0.0).then_some(Ridge { at, across, length_px, polarity, strength, energy: height, frequency })
     }
 
-    /// The least energy on one side, from a place of the grid on, as far as no edge is near; no
-    /// place at all counts as no fall. Once a peak of the height `peak` stands out in full, it does not matter how far it falls.
+    /// Returns the minimum of the energy on one side of a peak, starting at a grid position and stopping near a border.
+    /// If there is no room to search, the peak does not count as falling. The search also stops when the energy has
+    /// fallen enough for a peak of height `peak` to count in full; a further fall would not matter.
     fn lowest(&self, from: [f64; 2], across: [f64; 2], shift: f64, peak: f64) -> f64 {
         let Responses { grid, energy, .. } = self.responses;
         let far = FALL_PERIODS / self.channel.frequency * self.px_per_deg / grid.step[0];

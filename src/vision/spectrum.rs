@@ -1,4 +1,4 @@
-//! An image's spectrum, and the response of a channel to it.
+//! An image's spectrum and the responses of the channels to it.
 
 use std::f64::consts::PI;
 
@@ -11,11 +11,14 @@ use super::{
     image::{Field, Grid, Picture},
 };
 
-/// Frequencies of a channel that are computed, times its own: beyond, it passes less than a hundredth.
+/// A channel is computed up to at least this multiple of its preferred frequency, beyond which it passes less than a
+/// hundredth.
 const REACH: f64 = 4.0;
-/// The same for coarse channels: their energy has flat peaks, which few samples place inexactly.
+/// The multiple for coarse channels. It is higher because their energy has flat peaks, which cannot be located exactly
+/// with few samples.
 const COARSE_REACH: f64 = 8.0;
-/// Highest frequency of [`COARSE_REACH`], cycles per degree: beyond, it takes most of the time and changes little.
+/// [`COARSE_REACH`] applies only up to this frequency, cycles per degree. Beyond it, the higher multiple would take
+/// most of the time and change little.
 const COARSE_TOP: f64 = 10.0;
 /// Highest frequency of the mean light, cycles per degree.
 const MEAN_TOP: f64 = 2.0;
@@ -24,61 +27,62 @@ const MEAN_TOP: f64 = 2.0;
 pub(super) struct Responses {
     pub(super) grid: Grid,
     pub(super) even: Vec<f64>,
-    /// To the right in the real part, and down.
+    /// The part to the right in the real component, and the part downward in the imaginary component.
     pub(super) odd: Vec<Complex64>,
     /// Even² + odd².
     pub(super) energy: Vec<f64>,
 }
 
-/// The spectrum of an image and its continuation beyond the edges.
+/// The spectrum of an image, including its continuation beyond the edges.
 pub(super) struct Spectrum {
-    /// Of the light, for its mean.
+    /// Spectrum of the light, from which the mean light is computed.
     light: Vec<Complex64>,
-    /// The eye's response.
+    /// Spectrum of the eye's response.
     response: Vec<Complex64>,
     columns: usize,
     rows: usize,
-    /// Pixels of the image.
+    /// Width and height of the image, pixels.
     size: [usize; 2],
     px_per_deg: f64,
-    /// The frequencies to the right and down, row by row; those to the left and up mirror them.
+    /// The nonnegative frequencies, row by row. The negative frequencies mirror them.
     frequencies: Vec<Frequency>,
 }
 
 /// One frequency of a spectrum.
 #[derive(Clone, Copy)]
 struct Frequency {
-    /// The logarithm of cycles per degree.
+    /// Natural logarithm of the frequency in cycles per degree.
     log: f64,
-    /// Unit vector to the right and down.
+    /// Unit vector `[right, down]` of its direction.
     direction: [f64; 2],
 }
 
-/// A place on one axis of a channel's transform.
+/// A frequency on one axis of a channel's transform.
 struct Place {
-    /// In the transform.
+    /// Index in the transform.
     to: usize,
-    /// In the whole spectrum.
+    /// Index in the whole spectrum.
     from: usize,
-    /// In [`Spectrum::frequencies`].
+    /// Index in [`Spectrum::frequencies`].
     size: usize,
-    /// 1 to the right and down, −1 to the left and up.
+    /// 1 for frequencies that point to the right or down, −1 for those that point to the left or up.
     sign: f64,
-    /// What moves the first value to the grid's first place.
+    /// Phase factor that moves the first value to the grid's first place.
     shift: Complex64,
 }
 
 impl Spectrum {
     pub(super) fn new(picture: &Picture, eye: &Eye) -> Spectrum {
         let side = picture.width.min(picture.height);
-        // Half a period of the coarsest channel, which has room twice in the shorter side.
+        // At least half a period of the coarsest channel, since the shorter side has room for at least two of its
+        // periods.
         let beyond = (side / 4).max(8);
         let (columns, rows) = (smooth(picture.width + beyond), smooth(picture.height + beyond));
         let mut light = periodic(picture, columns, rows);
         let px_per_deg = picture.px_per_deg;
         transform(&mut light, columns, rows);
         let (across, down) = (columns / 2 + 1, rows / 2 + 1);
-        // Pixels are squares.
+        // Pixels are squares, so high frequencies are attenuated.
         let square = |k: usize, n: usize| sinc(k as f64 / n as f64);
         let squares: Vec<f64> = (0..across).map(|k| square(k, columns)).collect();
         // No channel passes the constant part.
@@ -103,7 +107,7 @@ impl Spectrum {
         Spectrum { light, response, columns, rows, size: [picture.width, picture.height], px_per_deg, frequencies }
     }
 
-    /// A grid of the whole spectrum's extent for frequencies up to `top`.
+    /// Returns a grid over the whole periodic image with enough samples for frequencies up to `top`.
     fn grid(&self, top: f64) -> Grid {
         let fit = |n: usize| smooth(((2.0 * top * n as f64 / self.px_per_deg).ceil() as usize).max(8)).min(n);
         let (columns, rows) = (fit(self.columns), fit(self.rows));
@@ -113,21 +117,21 @@ impl Spectrum {
         Grid { columns, rows, first, step }
     }
 
-    /// The places of a transform of `n` values along an axis of `whole`; the highest frequency of an even number left
-    /// out.
+    /// Returns the frequencies of a transform of `n` values along an axis of `whole` values. If `n` is even, the
+    /// highest frequency is left out.
     fn places(&self, n: usize, whole: usize, first: f64) -> Vec<Place> {
         let place = |k: usize| {
             let (size, sign) = if 2 * k < n { (k, 1.0) } else { (n - k, -1.0) };
             let from = if sign > 0.0 { size } else { whole - size };
-            // From the middle of the first pixel.
+            // Positions count from the middle of the first pixel.
             let turns = sign * size as f64 * (first - 0.5) / whole as f64;
             Place { to: k, from, size, sign, shift: Complex64::cis(2.0 * PI * turns) }
         };
         (0..n).filter(|k| 2 * k != n).map(place).collect()
     }
 
-    /// Calls `value` for every place of the transform of `grid`: with its row and column, its index, and the value of the spectrum
-    /// `of`, moved to the grid's first place.
+    /// Calls `value` for each frequency in the transform of `grid` with its row, its column, its index, and the value
+    /// of the spectrum `of`, shifted to the grid's first place.
     fn each(&self, grid: &Grid, of: &[Complex64], mut value: impl FnMut(&Place, &Place, usize, Complex64)) {
         let across = self.places(grid.columns, self.columns, grid.first[0]);
         for row in &self.places(grid.rows, self.rows, grid.first[1]) {
@@ -139,9 +143,9 @@ impl Spectrum {
         }
     }
 
-    /// Even and odd response by the monogenic signal (Felsberg & Sommer 2001, IEEE Trans. Signal Process. 49:3136):
-    /// its odd part, to the right and down, is the response of the quadrature pair that is turned across the local
-    /// structure, so that all orientations are treated alike and none has to be sampled.
+    /// Computes a channel's even and odd responses with the monogenic signal (Felsberg & Sommer 2001, IEEE Trans.
+    /// Signal Process. 49:3136). Its odd part is a vector `[right, down]`: the response of the quadrature pair oriented
+    /// across the local structure. All orientations are therefore treated alike, and none has to be sampled.
     pub(super) fn respond(&self, channel: Channel) -> Responses {
         let own = channel.frequency;
         let grid = self.grid((COARSE_REACH * own).min(COARSE_TOP).max(REACH * own));
@@ -153,7 +157,7 @@ impl Spectrum {
             let value = value * (channel.passes_log(frequency.log - log) * scale);
             even[to] = value;
             let [right, down] = [column.sign * frequency.direction[0], row.sign * frequency.direction[1]];
-            // Times down − i·right.
+            // Multiplied by down − i·right.
             odd[to] = Complex64::new(value.re * down + value.im * right, value.im * down - value.re * right);
         });
         let cropped = self.cropped(&grid);
@@ -163,7 +167,7 @@ impl Spectrum {
         Responses { grid: cropped.grid, even, odd, energy }
     }
 
-    /// Mean light to which the eye is adapted.
+    /// Computes the mean light to which the eye is adapted.
     pub(super) fn mean(&self) -> Field {
         let grid = self.grid(MEAN_TOP);
         let scale = 1.0 / (self.columns * self.rows) as f64;
@@ -182,7 +186,7 @@ impl Spectrum {
         Field { grid: cropped.grid, values }
     }
 
-    /// The part of a grid that lies in the image, and one value more on each side.
+    /// Returns the part of a grid that covers the image, up to and including the first value beyond each edge.
     fn cropped(&self, grid: &Grid) -> Crop {
         let range = |axis: usize, n: usize| {
             let index = |place: f64| (place - grid.first[axis]) / grid.step[axis];
@@ -206,8 +210,8 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
 
-/// The image, continued beyond its edges by point reflection and faded from one side to the other, so that light and slope
-/// continue; a copy of the last pixels would bend every oblique ramp.
+/// Makes the image periodic. It is continued beyond its edges by point reflection and faded from one side to the other,
+/// so that light and slope continue. Repeating the last pixels instead would bend every oblique ramp.
 fn periodic(picture: &Picture, columns: usize, rows: usize) -> Vec<Complex64> {
     let (width, height) = (picture.width, picture.height);
     let mut values = vec![Complex64::default(); columns * rows];
@@ -228,7 +232,7 @@ fn periodic(picture: &Picture, columns: usize, rows: usize) -> Vec<Complex64> {
     values
 }
 
-/// The value `k` of `gap` between the end of `n` values and their beginning.
+/// Returns value `k` of the `gap` values that lead from the end of `n` values back to their beginning.
 fn beyond(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -> f64 {
     let t = (k + 1) as f64 / (gap + 1) as f64;
     let fade = t * t * (3.0 - 2.0 * t);
@@ -237,7 +241,7 @@ fn beyond(k: usize, gap: usize, n: usize, value: impl Fn(usize) -> f64) -> f64 {
     after + (before - after) * fade
 }
 
-/// Fourier transform in two dimensions, without a factor.
+/// Performs an unnormalized two-dimensional Fourier transform in place.
 fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
     let (across, down) = (fft::forward(columns), fft::forward(rows));
     values.par_chunks_exact_mut(columns).for_each(|row| across.process(row));
@@ -247,7 +251,7 @@ fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
     transpose(&turned, values, rows, 0, [rows, columns], |value| value);
 }
 
-/// The inverse transform of `transformed`, which lies on `grid`, within `crop`.
+/// Returns the part within `crop` of the inverse transform of `transformed`, which lies on `grid`.
 fn inverse<T: Copy>(
     mut transformed: Vec<Complex64>,
     grid: &Grid,
@@ -264,7 +268,8 @@ fn inverse<T: Copy>(
     values
 }
 
-/// Columns to rows: of rows that are `stride` long, the `columns` from the one at `left` on. In tiles that stay in the processor's cache.
+/// Turns columns into rows. It takes the `columns` that start at `left` from rows that are `stride` long, and works in
+/// tiles that fit in the processor's cache.
 fn transpose<T>(
     from: &[Complex64],
     to: &mut [T],

@@ -1,4 +1,4 @@
-//! From rows to counts, and what is said of them without a model: means, times and intervals over subjects.
+//! From rows to counts, and the results that need no model: means, response times and intervals over subjects.
 
 use machband::{
     analysis::{
@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 
 const SCALE: [&str; 4] = ["0", "1", "2", "3"];
 
-/// Subject, width and depth, rating, repetition.
+/// Subject, width and depth, rating, and repetition.
 const ROWS: [(&str, [&str; 2], &str, u32); 6] = [
     ("S2", ["0.4", "1"], "3", 2),
     ("S2", ["0.40", "1"], "1", 1),
@@ -39,7 +39,7 @@ fn empty() -> MeasuredBuilder {
 }
 
 #[test]
-fn order_and_parts_do_not_matter() {
+fn counts_do_not_depend_on_the_order_or_the_split() {
     let whole = add(empty(), &ROWS).finish();
     assert_eq!(add(empty(), ROWS.iter().rev()).finish(), whole);
     for cut in 0..=ROWS.len() {
@@ -47,7 +47,7 @@ fn order_and_parts_do_not_matter() {
         first.absorb(add(empty(), &ROWS[cut..])).unwrap();
         assert_eq!(first.finish(), whole, "cut at {cut}");
     }
-    // `0.40` is `0.4`, so S2 has one condition; its first two ratings are those of repetitions 1 and 2.
+    // `0.40` equals `0.4`, so S2 has one condition. Its first two ratings are those of repetitions 1 and 2.
     let pairs: Vec<_> = whole.retests.iter().map(|pair| (pair.subject, pair.first, pair.second)).collect();
     assert_eq!((whole.counts.total(), &whole.counts.subjects[..]), (6, &["S1", "S10", "S2"].map(String::from)[..]));
     assert_eq!((pairs, retests(&whole)[2].pairs()), (vec![(0, 0, 1), (2, 1, 3)], 1));
@@ -56,7 +56,7 @@ fn order_and_parts_do_not_matter() {
 }
 
 #[test]
-fn what_does_not_vary_can_be_left_out_and_what_is_filtered_is_gone() {
+fn constant_factors_and_filtered_rows_are_dropped() {
     let varied = add(MeasuredBuilder::new(&["width", "depth"]).only_varied_factors(), &ROWS).finish();
     assert_eq!(varied.counts.factors.iter().map(|factor| &factor.name).collect::<Vec<_>>(), ["width"]);
     let measured = add(empty(), &ROWS).finish();
@@ -67,7 +67,7 @@ fn what_does_not_vary_can_be_left_out_and_what_is_filtered_is_gone() {
 }
 
 #[test]
-fn levels_come_in_natural_order_and_equal_numbers_are_one() {
+fn levels_are_in_natural_order_and_equal_numbers_are_one_level() {
     for (texts, levels) in [
         (&["inf", "10", "2", "-1", "0.5", "2"][..], &["-1", "0.5", "2", "10", "inf"][..]),
         (&["b", "10", "2", "a", "B"], &["10", "2", "B", "a", "b"]),
@@ -85,7 +85,7 @@ fn levels_come_in_natural_order_and_equal_numbers_are_one() {
 }
 
 #[test]
-fn declared_categories_refuse_others_and_keep_empty_ones() {
+fn declared_categories_reject_other_ratings_and_stay_when_empty() {
     let mut builder = empty();
     let mut add = |subject: &str, rating: &str| builder.add_counts(subject, &["0.1", "1"], rating, 1);
     assert_eq!(add("S1", "2.0"), Ok(()));
@@ -94,7 +94,8 @@ fn declared_categories_refuse_others_and_keep_empty_ones() {
     assert_eq!(builder.finish().counts.category_totals(), [0, 0, 1, 0]);
 }
 
-/// 1 ms to 10 s, evenly on a logarithmic scale, in a scrambled order; and times that no trial has.
+/// Uses times from 0.1 to 10 s, evenly spaced on a logarithmic scale and in scrambled order, and times that no trial
+/// has.
 #[test]
 fn quantiles_of_times_are_within_their_bins() {
     let seconds = |i: u32| 10_f64.powf(-1.0 + f64::from(i * 7919 % 10_000) / 5000.0);
@@ -135,7 +136,7 @@ fn cells_factors_and_subjects_are_described() {
     assert_eq!((cells[1].names.join(","), cell.n, cell.subjects), ("0.1,1".to_owned(), 3, 2));
     assert!((cell.mean - 2.0 / 3.0).abs() < 1e-15 && cell.median == 0.0);
     assert_eq!(cell.proportions, [2.0 / 3.0, 0.0, 1.0 / 3.0, 0.0]);
-    // Resampled means go from S1's 0 to S2's 2.
+    // Resampled means range from S1's 0 to S2's 2.
     assert_eq!(cell.interval, Some(Interval { low: 0.0, high: 2.0 }));
     assert_eq!(cells[3].summary.interval, None);
     let widths = by_factor(&counts, 0, &bootstrap);
@@ -144,8 +145,8 @@ fn cells_factors_and_subjects_are_described() {
     assert_eq!(by_subject(&counts).iter().map(|group| group.summary.mean).collect::<Vec<_>>(), [1.0, 1.2, 3.0]);
 }
 
-/// Over many studies the interval of a mean covers it about as often as it says; percentile intervals of 20 subjects
-/// are a little short.
+/// Over many studies, the interval of a mean covers it about as often as it claims. Percentile intervals of 20 subjects
+/// are slightly too short.
 #[test]
 fn intervals_cover_the_mean() {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
@@ -155,7 +156,7 @@ fn intervals_cover_the_mean() {
         for subject in 0..20 {
             let bias: f64 = rng.random();
             for _ in 0..10 {
-                // Mean 1.5 over subjects.
+                // The mean over subjects is 1.5.
                 let rating = (3.0 * (0.5 * bias + 0.5 * rng.random::<f64>()) + 0.5).floor();
                 builder.add_counts(&subject.to_string(), &["1"], &rating.to_string(), 1).unwrap();
             }
@@ -167,10 +168,10 @@ fn intervals_cover_the_mean() {
     assert!((265..=292).contains(&covered), "{covered} of 300");
 }
 
-/// The order of draws for a seed, once and for all: seed 3 draws seven subjects 2, 1, 1, 0, 2, 1 and 0 times first.
-/// Quantiles are those of R and NumPy (type 7).
+/// The draws for a seed must never change: with seed 3, the first sample contains the seven subjects 2, 1, 1, 0, 2, 1
+/// and 0 times. Quantiles are those of R and NumPy (type 7).
 #[test]
-fn draws_are_the_same_forever() {
+fn draws_for_a_seed_never_change() {
     let values = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
     let interval = |replicates, level, seed| {
         let (mean, interval) = mean_over_subjects(&values, &Bootstrap { replicates, seed, level }).unwrap();

@@ -1,4 +1,4 @@
-//! Charts: what they show is what the tables say, whatever the names and however odd the study.
+//! Charts show what the tables say, for any names and even for unusual studies.
 
 use std::{
     collections::BTreeSet,
@@ -25,7 +25,7 @@ fn tree(figure: &Figure) -> Tree {
     Tree::from_str(&figure.svg, &options).unwrap_or_else(|error| panic!("{}: {error}\n{}", figure.name, figure.svg))
 }
 
-/// Boxes of everything that is drawn, and the texts.
+/// Collects the bounding boxes of everything that is drawn, and the texts.
 fn boxes(group: &Group, found: &mut Vec<(usvg::Rect, String)>) {
     for node in group.children() {
         match node {
@@ -40,7 +40,7 @@ fn boxes(group: &Group, found: &mut Vec<(usvg::Rect, String)>) {
     }
 }
 
-/// Parses every chart and looks whether all of it is on the sheet. Returns all texts.
+/// Parses every chart and checks that all of it is on the sheet. Returns all texts.
 fn check(figures: &[Figure]) -> BTreeSet<String> {
     let mut texts = BTreeSet::new();
     for figure in figures {
@@ -60,7 +60,7 @@ fn check(figures: &[Figure]) -> BTreeSet<String> {
     texts
 }
 
-/// Ratings of a design: `rating` of subject, levels and repetition.
+/// Analyzes the ratings of a design. `rating` computes a rating from the subject, the levels and the repetition.
 fn results(
     factors: &[(&str, &[&str])],
     subjects: usize,
@@ -98,7 +98,7 @@ fn results(
     analyze(builder.finish(), options)
 }
 
-/// A number that looks random, the same in every run.
+/// Returns a number that looks random but is the same in every run.
 fn noise(seed: usize) -> usize {
     let mut x = (seed as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x ^= x >> 29;
@@ -112,7 +112,7 @@ fn no_model() -> Options {
 const WIDTHS: &[&str] = &["0.02", "0.1", "0.4"];
 const DEPTHS: &[&str] = &["1", "2", "inf"];
 
-/// Our own design, small.
+/// A small version of our own design.
 fn bands(subjects: usize) -> Results {
     let factors: &[(&str, &[&str])] =
         &[("orientation_deg", &["0", "45", "90", "135"]), ("width", WIDTHS), ("depth", DEPTHS)];
@@ -126,7 +126,7 @@ fn named<'a>(figures: &'a [Figure], name: &str) -> &'a Figure {
     figures.iter().find(|figure| figure.name == name).unwrap()
 }
 
-/// Attributes of the elements of a kind, in the order they are drawn.
+/// Returns two attributes of the elements of a kind, in drawing order.
 fn elements(figure: &Figure, kind: &str, fill: &str, names: [&str; 2]) -> Vec<(f64, f64)> {
     let document = roxmltree::Document::parse(&figure.svg).unwrap();
     (document.descendants())
@@ -135,19 +135,19 @@ fn elements(figure: &Figure, kind: &str, fill: &str, names: [&str; 2]) -> Vec<(f
         .collect()
 }
 
-/// Centers of the circles of a color.
+/// Returns the centers of the circles of a color.
 fn circles(figure: &Figure, color: &str) -> Vec<(f64, f64)> {
     elements(figure, "circle", color, ["cx", "cy"])
 }
 
-/// All texts, in the order they are drawn.
+/// Returns all texts, in drawing order.
 fn texts(figure: &Figure) -> Vec<String> {
     let document = roxmltree::Document::parse(&figure.svg).unwrap();
     let texts = document.descendants().filter(|node| node.has_tag_name("text"));
     texts.map(|node| node.text().unwrap_or_default().trim().to_owned()).collect()
 }
 
-/// Lines of a width.
+/// Returns the points of all lines of a width.
 fn lines(figure: &Figure, width: &str) -> Vec<Vec<(f64, f64)>> {
     let document = roxmltree::Document::parse(&figure.svg).unwrap();
     let point = |text: &str| text.split_once(',').map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap())).unwrap();
@@ -161,9 +161,9 @@ const BAR: &str = "2.2";
 const GRID: &str = "1.4";
 const BLUE: &str = "#0072b2";
 
-/// Which charts a study has; of one person there are neither intervals nor effects.
+/// Checks which charts a study has. A study of one person has neither intervals nor effects.
 #[test]
-fn a_study_of_bands_has_every_chart() {
+fn a_study_has_every_chart_that_its_data_allow() {
     for (people, expected) in [
         (6, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "times"][..]),
         (1, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "times"]),
@@ -184,12 +184,13 @@ fn a_study_of_bands_has_every_chart() {
                 people == 1
             );
         }
-        // Four orientations, and two distances from the axes.
+        // Four orientations and two distances from the axes.
         assert_eq!(circles(named(&all, "orientation"), BLUE).len(), 4 + 2);
     }
 }
 
-/// Points and intervals of a single factor are at the height of the means, and bars as long as the proportions.
+/// The points and intervals of a single factor are at the heights of the means, and the bars are as long as the
+/// proportions.
 #[test]
 fn charts_show_what_the_table_says() {
     let widths: &[&str] = &["0.02", "0.05", "0.1", "0.2", "0.4", "0.8"];
@@ -202,18 +203,18 @@ fn charts_show_what_the_table_says() {
     let figure = named(&figures, "figure4a");
     let (points, bars) = (circles(figure, BLUE), lines(figure, BAR));
     assert_eq!((points.len(), bars.len(), table.len()), (6, 3 * 6, 6));
-    // Lines at the categories 0…3 are the scale; half a unit is what rounding leaves.
+    // The lines at the categories 0…3 are the scale. Rounding leaves up to half a unit.
     let grid: Vec<f64> = lines(figure, GRID).iter().map(|line| line[0].1).collect();
     assert_eq!(grid.len(), 4);
     let is_at = |y: f64, rating: f64| (y - grid[0] - rating * (grid[3] - grid[0]) / 3.0).abs() <= 1.0;
     for ((point, bar), group) in points.iter().zip(bars.chunks(3)).zip(table) {
-        // A bar and its two caps.
+        // An interval is a bar and two caps.
         let (interval, ends) = (group.summary.interval.unwrap(), &bar[0]);
         assert!(is_at(point.1, group.summary.mean), "{point:?} {group:?}");
         assert!(is_at(ends[0].1, interval.low) && is_at(ends[1].1, interval.high), "{ends:?} {group:?}");
         assert_eq!([ends[0].0, ends[1].0], [point.0, point.0]);
     }
-    // After the sheet and the four samples of the legend.
+    // The bars come after the sheet and the four samples of the legend.
     let bars = elements(named(&figures, "proportions"), "rect", "#", ["y", "width"]).split_off(5);
     let shares = table.iter().flat_map(|group| &group.summary.proportions).filter(|share| **share > 0.0);
     let shares: Vec<f64> = shares.copied().collect();
@@ -224,10 +225,10 @@ fn charts_show_what_the_table_says() {
     }
 }
 
-/// Numbers have their places, on a logarithmic axis where they span more than a factor of ten; where some would hide
-/// others, the levels stand evenly, as texts and depths do.
+/// Numbers are placed to scale, on a logarithmic axis if they span more than a factor of ten. If some would hide
+/// others, the levels are spaced evenly, like texts and depths.
 #[test]
-fn levels_are_where_their_numbers_are() {
+fn levels_are_placed_at_their_numbers() {
     for (factor, levels, middle) in [
         ("width", ["0.02", "0.2", "2"], 0.5),
         ("angle", ["0", "90", "360"], 0.25),
@@ -244,7 +245,8 @@ fn levels_are_where_their_numbers_are() {
     }
 }
 
-/// Every interval is a point at its height, and the axis has a few round numbers, however long the intervals are.
+/// Every interval is a point at the right height, and the axis has a few round numbers, regardless of how long the
+/// intervals are.
 #[test]
 fn frame_intervals_are_points_over_round_numbers() {
     for scale in [1, 7, 40, 900, 13_000, 2_000_000] {
@@ -264,10 +266,11 @@ fn frame_intervals_are_points_over_round_numbers() {
     }
 }
 
-/// Of the two factors each is across once, and the first line of either is drawn in black circles; the number of ratings
-/// weighs them. Where each condition is predicted as it is rated, the predicted chart is the measured one without bars.
+/// Each of the two factors is on the horizontal axis once. The first line in each chart has black circles; means are
+/// weighted by the number of ratings. If each condition is predicted exactly as it is rated, the predicted chart is the
+/// measured chart without bars.
 #[test]
-fn lines_are_the_cells_of_two_factors_measured_and_predicted() {
+fn lines_show_the_cells_of_two_factors_measured_and_predicted() {
     let factors: &[(&str, &[&str])] = &[("orientation_deg", &["0", "45"]), ("width", WIDTHS), ("depth", DEPTHS)];
     let results = results(factors, 3, 4, &no_model(), |subject, levels, repetition| {
         let rating = noise(subject * 1000 + levels[0] * 300 + levels[1] * 10 + levels[2] + 7 * repetition as usize) % 4;
@@ -281,7 +284,7 @@ fn lines_are_the_cells_of_two_factors_measured_and_predicted() {
         let grid: Vec<f64> = lines(measured, GRID).iter().map(|line| line[0].1).collect();
         let first = &results.measured.counts.factors[other].levels[0];
         let points = circles(measured, "#000000");
-        // Three points and the sample in the legend.
+        // Three points, plus the sample in the legend.
         assert_eq!(points.len(), 4, "{name}");
         for (point, level) in points.iter().zip(&results.measured.counts.factors[own].levels) {
             let of = || results.cells.iter().filter(|g| g.names[own] == *level && g.names[other] == *first);
@@ -320,13 +323,13 @@ fn any_name_is_drawn_and_stays_on_the_sheet() {
     for text in ["x & y", "<z>", "A & B <tag>", "\"quoted\"", "no ratings"] {
         assert!(texts.contains(text), "{text} is not in {texts:?}");
     }
-    // Of long names both ends are left: they often differ at the end.
+    // Long names keep both ends, because they often differ at the end.
     for end in ["1", "2"] {
         assert!(texts.iter().any(|text| text.starts_with("a v") && text.contains('…') && text.ends_with(end)), "{end}");
     }
 }
 
-/// Designs at the edge of what there can be.
+/// Designs at the limits of what is possible.
 #[test]
 fn odd_studies_are_drawn() {
     let rating = |subject: usize, levels: &[usize], repetition: u32| {
@@ -356,8 +359,8 @@ fn odd_studies_are_drawn() {
         assert_eq!(names.len(), *expected, "{what}: {names:?}");
         check(&figures);
     }
-    // More lines than can be told apart are thinned to both ends, and the caption says so. Of too many numbers some have
-    // no name; too many texts stand upright.
+    // If there are more lines than can be told apart, some are left out evenly between both ends, and the caption says
+    // so. If there are too many numbers, some are not labeled; if there are too many texts, they are rotated.
     let numbers = figures::all(&studies[5].1);
     let figure = named(&numbers, "figure4a");
     assert!(figure.caption.contains("(12 of 30 are shown)"), "{}", figure.caption);
@@ -371,9 +374,9 @@ fn odd_studies_are_drawn() {
     assert!(named(&texts, "figure4a").svg.contains("text-anchor=\"end\" transform=\"rotate"));
 }
 
-/// Everyone rates the last level 3 and the first 0: no finite estimate.
+/// Everyone rates the last level 3, so its effect has no finite estimate.
 #[test]
-fn endless_effects_are_arrows() {
+fn infinite_effects_are_arrows() {
     let levels: &[&str] = &["a", "b", "c", "d"];
     let results = results(&[("kind", levels)], 6, 4, &Options::default(), |subject, levels, repetition| {
         let free = noise(subject * 17 + levels[0] * 5 + repetition as usize) % 3;
@@ -383,12 +386,13 @@ fn endless_effects_are_arrows() {
     check(&figures);
     let effects = named(&figures, "effects");
     assert!(effects.caption.contains("no finite estimate"), "{}", effects.caption);
-    // Two estimates at circles, one arrow.
+    // Two estimates are circles; one is an arrow.
     assert_eq!(circles(effects, BLUE).len(), 2);
     assert_eq!(effects.svg.matches("<polygon").count(), 1);
 }
 
-/// Coefficients of factors, numbers and interactions by the names of their levels, whatever these are.
+/// Coefficients of factors, numbers and interactions are labeled with their levels, whatever the names of the levels
+/// are.
 #[test]
 fn effects_are_named_by_their_levels() {
     let terms = Terms::parse("kind,num:num,kind:num:num,site").unwrap();
@@ -431,7 +435,7 @@ fn images_are_sharp_complete_and_always_the_same() {
             let (x, y) = (index as u32 % 1600, index as u32 / 1600);
             let is_dark = color.iter().any(|channel| *channel < 160);
             dark += f64::from(u8::from(is_dark));
-            // Text at the left, as in the SVG: it needs a font.
+            // Text at the left, as in the SVG, which requires a font.
             label += u32::from(is_dark && x < 130);
             let is_edge = x < 6 || y < 6 || x + 6 >= 1600 || y + 6 >= height;
             assert!(!is_edge || color[0] == 255, "{name}: cut at the edge, {x} {y}");

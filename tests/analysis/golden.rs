@@ -1,6 +1,6 @@
-//! Ordinal models against R's `ordinal` and `statsmodels`; rank tests and agreement against SciPy, `krippendorff` and
-//! scikit-learn. The values and the scripts that made them, with versions, are in `tests/golden/ordinal` and
-//! `scripts/golden_ordinal.*`.
+//! Compares ordinal models with R's `ordinal` and `statsmodels`, and rank tests and agreement with SciPy,
+//! `krippendorff` and scikit-learn. The values are in `tests/golden/ordinal`; the scripts that made them, with
+//! versions, are `scripts/golden_ordinal.*`.
 
 use std::collections::BTreeMap;
 
@@ -17,12 +17,12 @@ use machband::analysis::{
 
 use crate::common::{golden_path, table};
 
-/// Header and rows of a file.
+/// Returns the header and the rows of a file.
 fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
     table(&golden_path("ordinal").join(name))
 }
 
-/// The ratings of a data set: subject, factors, rating and count.
+/// Reads the ratings of a data set: subject, factors, rating and count.
 fn counts(name: &str) -> Counts {
     let (header, rows) = read(&format!("data_{name}.csv"));
     let last = header.len() - 2;
@@ -35,7 +35,7 @@ fn counts(name: &str) -> Counts {
 
 type Record = BTreeMap<String, String>;
 
-/// The records of a file, by the names of its columns.
+/// Returns the records of a file as maps from column names to values.
 fn records(file: &str) -> Vec<Record> {
     let (header, rows) = read(file);
     rows.into_iter().map(|row| header.iter().cloned().zip(row).collect()).collect()
@@ -76,7 +76,7 @@ fn value(model: &Model, quantity: &str, name: &str) -> f64 {
     }
 }
 
-/// The records of one fit after the other.
+/// Groups the records by fit.
 fn fits(records: &[Record]) -> impl Iterator<Item = &[Record]> {
     let key = |record: &Record| {
         ["data", "link", "terms", "scale", "nodes"].map(|name| record.get(name).cloned().unwrap_or_default())
@@ -84,7 +84,7 @@ fn fits(records: &[Record]) -> impl Iterator<Item = &[Record]> {
     records.chunk_by(move |l, r| key(l) == key(r))
 }
 
-/// Compares every value of a file.
+/// Compares every value in a file, and checks that there are at least `fewest`.
 fn compare(file: &str, fewest: usize) {
     let records = records(file);
     let mut compared = 0;
@@ -109,12 +109,12 @@ fn compare(file: &str, fewest: usize) {
 }
 
 #[test]
-fn estimates_errors_and_likelihoods_are_those_of_r() {
+fn estimates_errors_and_likelihoods_match_r() {
     compare("models.csv", 600);
 }
 
 #[test]
-fn estimates_errors_and_likelihoods_are_those_of_statsmodels() {
+fn estimates_errors_and_likelihoods_match_statsmodels() {
     compare("statsmodels.csv", 60);
 }
 
@@ -136,7 +136,7 @@ fn the_far_tails_of_a_link_keep_their_digits() {
 }
 
 #[test]
-fn likelihood_ratio_tests_are_those_of_r() {
+fn likelihood_ratio_tests_match_r() {
     let records = records("tests.csv");
     for records in fits(&records) {
         let (counts, spec) = (counts(&records[0]["data"]), spec(&records[0]));
@@ -159,17 +159,17 @@ fn likelihood_ratio_tests_are_those_of_r() {
             }
             let number = |name: &str| record[name].parse::<f64>().unwrap();
             let (lr, p) = (test.lr.unwrap() - number("lr"), test.p.unwrap() - number("p"));
-            // Without a finite maximum R stops on the way to it.
+            // If there is no finite maximum, R stops on the way to it.
             assert!(lr.abs() < 1e-4 * (1.0 + number("lr")) || (!location && lr > 0.0 && lr < 0.05), "{what}: {test:?}");
             assert!(p.abs() < 1e-4 || (!location && p.abs() < 5e-3), "{what}: {test:?}");
         }
     }
 }
 
-/// With ever more ratings a subject's intercept is known, and the errors are those of a normal sample of the subjects:
-/// sd/√n for the thresholds, sd/√(2n) for the sd.
+/// With more and more ratings, each subject's intercept becomes known, and the standard errors approach those of a
+/// normal sample of subjects: sd/√n for the thresholds and sd/√(2n) for the sd.
 #[test]
-fn errors_of_many_ratings_are_those_of_a_sample_of_subjects() {
+fn errors_of_many_ratings_match_a_sample_of_subjects() {
     let mut counts = counts("large");
     for times in [100, 1000] {
         for row in &mut counts.rows {
@@ -186,7 +186,7 @@ fn errors_of_many_ratings_are_those_of_a_sample_of_subjects() {
                 assert!((found / expected - 1.0).abs() < 2e-4, "{link} {nodes} {times}: {found}, expected {expected}");
             };
             close(random.se.unwrap(), random.sd / (2.0 * subjects).sqrt());
-            // Thresholds at the mean year: those at year 0 lean on the slope too.
+            // Thresholds are evaluated at the mean year; at year 0, they would also depend on the slope.
             let (theta, slope) = (0, model.thresholds.len());
             let year = 2007.0;
             let v = |i: usize, j: usize| model.covariance[(i, j)];
@@ -196,7 +196,7 @@ fn errors_of_many_ratings_are_those_of_a_sample_of_subjects() {
     }
 }
 
-/// The integral is found long before a hundred nodes, and they are no trouble.
+/// The integral converges long before a hundred nodes, and even that many cause no problems.
 #[test]
 fn many_nodes_change_nothing() {
     let counts = counts("strong");
@@ -207,10 +207,10 @@ fn many_nodes_change_nothing() {
     assert!((loglik(40) - loglik(100)).abs() < 1e-6, "{} {}", loglik(40), loglik(100));
 }
 
-/// A model without terms has the proportions of the ratings, and the binomial error of their mean; one with a term for
-/// location and scale follows the levels.
+/// A model without terms reproduces the proportions of the ratings and the standard error of their mean. A model with a
+/// term for location and scale follows the levels.
 #[test]
-fn predictions_are_the_proportions_at_hand() {
+fn predictions_reproduce_the_observed_proportions() {
     let mut builder = MeasuredBuilder::new(&["width"]);
     for (width, tally) in [("0.1", [5, 3, 2, 1]), ("0.4", [2, 4, 6, 3]), ("0.8", [1, 1, 5, 9])] {
         for (rating, count) in tally.into_iter().enumerate() {
@@ -240,7 +240,7 @@ fn predictions_are_the_proportions_at_hand() {
 }
 
 #[test]
-fn terms_are_read_in_the_order_of_their_size() {
+fn terms_are_sorted_by_size() {
     for (text, expected) in [
         ("width, depth", "width,depth"),
         ("width:num:inv_n,depth,width", "depth,width,width:num:inv_n"),
@@ -265,7 +265,7 @@ fn close(found: f64, expected: &str, what: &[String]) {
 }
 
 #[test]
-fn friedman_and_wilcoxon_are_those_of_scipy() {
+fn friedman_and_wilcoxon_match_scipy() {
     let (_, rows) = read("ranks.csv");
     let mut compared = 0;
     for row in rows.iter().filter(|row| ["friedman", "wilcoxon"].contains(&row[0].as_str())) {
@@ -290,7 +290,7 @@ fn friedman_and_wilcoxon_are_those_of_scipy() {
 }
 
 #[test]
-fn many_differences_are_compared_exactly_and_normally() {
+fn wilcoxon_is_exact_or_normal_by_the_number_of_differences() {
     let (_, rows) = read("ranks.csv");
     let row = |name: &str| rows.iter().find(|row| row[0] == name).unwrap();
     let differences: Vec<f64> = (0..70).map(|i| f64::from((i * 37) % 101 - 45) / 4.0).collect();
@@ -306,7 +306,7 @@ fn many_differences_are_compared_exactly_and_normally() {
 }
 
 #[test]
-fn agreement_is_that_of_krippendorff_and_scikit_learn() {
+fn agreement_matches_krippendorff_and_scikit_learn() {
     let (_, rows) = read("ranks.csv");
     let mut alphas = 0;
     for row in rows.iter().filter(|row| row[0].starts_with("alpha")) {
@@ -329,9 +329,9 @@ fn agreement_is_that_of_krippendorff_and_scikit_learn() {
     assert_eq!(Retest::new(4).kappa(), None);
 }
 
-/// The exact probability, counted over all signs.
+/// Compares the exact probability with a count over all assignments of signs.
 #[test]
-fn the_exact_distribution_is_that_of_all_signs() {
+fn the_exact_distribution_covers_all_signs() {
     for differences in [
         &[1.0, -2.0, 3.0, 4.0, 5.0, 6.0, -0.5, 8.0][..],
         &[1.0, 1.0, -1.0, 2.0, 2.0, 0.0, 3.0, -3.0, 0.5],
@@ -345,7 +345,7 @@ fn the_exact_distribution_is_that_of_all_signs() {
         let (mut below, mut above) = (0.0, 0.0);
         for signs in 0..1_u32 << sizes.len() {
             let positive = sizes.iter().enumerate().filter(|(i, _)| signs >> i & 1 == 1).map(|(_, size)| size);
-            // Mid-ranks: half a rank for each tie, its own among them.
+            // Mid-ranks count half a rank for each tie, including the value itself.
             let ties = |size: &f64, s: &f64| 0.5 * f64::from(u8::from(s < size) + u8::from(s <= size));
             let rank = |size: &f64| sizes.iter().map(|s| ties(size, s)).sum::<f64>() + 0.5;
             let sum: f64 = positive.map(rank).sum();
@@ -358,13 +358,13 @@ fn the_exact_distribution_is_that_of_all_signs() {
 }
 
 #[test]
-fn eight_subjects_and_ten_pairs_cannot_reach_five_per_cent() {
+fn eight_subjects_and_ten_pairs_cannot_reach_five_percent() {
     let levels = (0..5).map(|level| level.to_string()).collect();
     let rows = (0..8).map(|s| (s.to_string(), (0..5).map(f64::from).collect())).collect();
     let found = pairs(&SubjectMeans { levels, rows, incomplete: Vec::new() });
     assert_eq!((found.pairs.len(), found.least_p), (10, 10.0 * 2.0 / 256.0));
     assert!(found.cannot_reach(0.05) && !found.cannot_reach(0.1));
-    // All subjects agree: the least that is possible.
+    // All subjects agree, so this is the smallest possible value.
     assert!(found.pairs.iter().all(|pair| pair.p_holm == found.least_p));
     // `p.adjust(c(0.01, 0.04, 0.03, 0.005), "holm")`, R 4.2.2.
     let corrected = holm(&[0.01, 0.04, 0.03, 0.005]).into_iter().zip([0.03, 0.06, 0.06, 0.02]);

@@ -1,4 +1,4 @@
-//! Ratings in; models, tests, figures and the report out.
+//! Tests of the analysis: from ratings to models, tests, figures and the report.
 
 #[path = "../common/mod.rs"]
 mod common;

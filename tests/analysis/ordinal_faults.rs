@@ -1,4 +1,5 @@
-//! What ordinal models say about data that they cannot fully answer: named, and answered with what can still be said.
+//! Tests of ordinal models on data that cannot answer everything: the problem is named, and the rest is still
+//! estimated.
 
 use machband::analysis::{
     Link, Model, ModelError, ModelSpec, Note, Random,
@@ -19,7 +20,7 @@ fn rows(subjects: usize, repetitions: usize, sd: f64, seed: u64) -> Vec<Row> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut rows = Vec::new();
     for subject in 0..subjects {
-        // Uniform with this standard deviation: nothing here needs a normal one.
+        // Uniform with this standard deviation; nothing here requires a normal distribution.
         let intercept = sd * 12.0_f64.sqrt() * (rng.random::<f64>() - 0.5);
         for (w, width) in WIDTHS.into_iter().enumerate() {
             for (d, depth) in DEPTHS.into_iter().enumerate() {
@@ -51,7 +52,7 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-5 * (1.0 + expected.abs()), "{found}, expected {expected}");
 }
 
-/// The finite estimates of a model are those of another, and their errors.
+/// Checks that the finite estimates of a model and their errors equal those of another model.
 fn same_finite_part(model: &Model, other: &Model) {
     for (threshold, expected) in model.thresholds.iter().zip(&other.thresholds) {
         close(threshold.estimate, expected.estimate);
@@ -69,9 +70,10 @@ fn same_finite_part(model: &Model, other: &Model) {
     }
 }
 
-/// A level whose ratings are all the same extreme predicts them perfectly: everything else is as without them.
+/// If all ratings at a level are in the same extreme category, the level predicts them perfectly, and all other results
+/// are as if these ratings did not exist.
 #[test]
-fn separation_is_named_and_the_rest_is_as_without_the_separated_ratings() {
+fn separation_is_named_and_does_not_affect_the_other_estimates() {
     let links = [Link::Logit, Link::Probit].into_iter();
     for (link, random) in links.flat_map(|link| [(link, Random::None), (link, Random::Subject)]) {
         for (level, extreme, positive) in [("0.4", 3, true), ("0.2", 0, false)] {
@@ -91,7 +93,7 @@ fn separation_is_named_and_the_rest_is_as_without_the_separated_ratings() {
 }
 
 #[test]
-fn a_separated_baseline_gives_way_to_another_level() {
+fn a_separated_baseline_is_replaced_by_another_level() {
     for random in [Random::None, Random::Subject] {
         let mut rows = rows(8, 6, 1.0, 2);
         rows.iter_mut().filter(|row| row.1 == "0.1").for_each(|row| row.3 = 3);
@@ -111,7 +113,7 @@ fn a_separated_baseline_gives_way_to_another_level() {
     }
 }
 
-/// Ratings that follow a number exactly leave nothing finite.
+/// If ratings follow a number exactly, no estimate is finite.
 #[test]
 fn complete_separation_leaves_no_finite_estimate() {
     let rows: Vec<Row> =
@@ -126,7 +128,7 @@ fn complete_separation_leaves_no_finite_estimate() {
 }
 
 #[test]
-fn empty_categories_leave_the_scale_and_are_named() {
+fn empty_categories_are_dropped_and_named() {
     let mut rows = rows(6, 4, 0.5, 3);
     rows.iter_mut().filter(|row| row.3 == 1).for_each(|row| row.3 = 2);
     let model = fit(&counts(&rows), &spec("width", Random::Subject)).unwrap();
@@ -144,7 +146,7 @@ fn one_subject_has_no_random_intercept() {
 }
 
 #[test]
-fn terms_that_say_the_same_are_named_and_left_out() {
+fn redundant_terms_are_named_and_dropped() {
     let counts = counts(&rows(8, 6, 1.5, 5));
     let model = fit(&counts, &spec("width,num:width,depth", Random::Subject)).unwrap();
     assert_eq!(model.notes, [Note::AliasedTerm { term: "num:width".into() }]);
@@ -158,7 +160,7 @@ fn terms_that_say_the_same_are_named_and_left_out() {
 
 #[test]
 fn subjects_who_do_not_differ_have_no_variance() {
-    // The same ratings from everyone: less than chance would let them differ.
+    // Everyone gives the same ratings, so they differ even less than by chance.
     let one = rows(1, 6, 0.0, 6);
     let rows: Vec<Row> =
         (0..6).flat_map(|s| one.iter().map(move |row| (format!("S{s}"), row.1, row.2, row.3))).collect();
@@ -175,7 +177,7 @@ fn subjects_who_do_not_differ_have_no_variance() {
 }
 
 #[test]
-fn subjects_who_keep_to_one_category_have_no_finite_variance() {
+fn subjects_who_use_only_one_category_have_no_finite_variance() {
     let rows: Vec<Row> =
         rows(8, 3, 0.0, 7).into_iter().map(|row| (row.0.clone(), row.1, row.2, row.0.as_bytes()[1] % 4)).collect();
     let model = fit(&counts(&rows), &spec("width", Random::Subject)).unwrap();
@@ -195,7 +197,7 @@ fn ratings_that_never_vary_are_an_error() {
 }
 
 #[test]
-fn a_factor_with_one_level_says_nothing() {
+fn a_factor_with_one_level_is_dropped() {
     let mut rows = rows(4, 6, 0.5, 9);
     rows.retain(|row| row.1 == "0.2");
     let model = fit(&counts(&rows), &spec("width,depth", Random::Subject)).unwrap();
@@ -203,8 +205,7 @@ fn a_factor_with_one_level_says_nothing() {
     assert_eq!(model.coefficients.len(), 2);
 }
 
-/// Whatever small tables of ratings there are, a model or an error comes out, and every number in it is finite or
-/// announced by a note.
+/// Any small table of ratings gives a model or an error, and every number in a model is finite or explained by a note.
 #[test]
 fn no_small_table_breaks_a_model() {
     let mut rng = ChaCha8Rng::seed_from_u64(10);

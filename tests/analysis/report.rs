@@ -1,5 +1,5 @@
-//! `report.html`: its sentences are true of the results, it says no more than they do, and it is one page that asks
-//! nothing of a network.
+//! Tests of `report.html`: its sentences are true and claim no more than the results do, and it is a single page that
+//! needs no network.
 
 use std::path::PathBuf;
 
@@ -35,7 +35,7 @@ const DEPTHS: [&str; 5] = ["1", "2", "3", "4", "inf"];
 const SHADERS: [&str; 3] = ["flat", "gouraud", "phong"];
 const SCALE: [&str; 4] = ["0", "1", "2", "3"];
 
-/// A source without a definition.
+/// Creates a source without a definition.
 fn source(factors: &[&str]) -> Source {
     let factors = factors.iter().map(|&name| name.to_owned()).collect();
     let (subject, response) = ("subject_id".to_owned(), "rating".to_owned());
@@ -49,7 +49,7 @@ fn source(factors: &[&str]) -> Source {
     }
 }
 
-/// A number in 0…1 that looks like chance and is the same everywhere.
+/// Returns a number in 0…1 that looks random but is the same on every machine.
 fn noise(index: u64) -> f64 {
     let mut x = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -57,13 +57,14 @@ fn noise(index: u64) -> f64 {
     ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Adds a rating: its subject and levels; the repetition and the response time, where they are known.
+/// Adds a rating by a subject at some levels, with the repetition and the response time if they are known.
 fn add(builder: &mut MeasuredBuilder, who: (&str, &[&str]), rating: &str, repetition: Option<u32>, time: Option<f64>) {
     let ((subject, values), place) = (who, repetition.map(|repetition| ("1", repetition)));
     builder.add(&RatingRow { subject, values, rating, count: 1, place, response_time_s: time }).unwrap();
 }
 
-/// Ratings that fall with depth, rise with width and are the same for all shaders; or the reverse of each.
+/// Creates ratings that fall with depth, rise with width and are the same for all shaders, or, if `reversed`, the
+/// opposite ratings.
 fn ratings(people: usize, depths: &[&str], reversed: bool) -> Measured {
     let mut builder = MeasuredBuilder::new(&FACTORS).with_categories(&SCALE);
     for person in 0..people {
@@ -103,7 +104,8 @@ fn page(source: &Source, results: &Results) -> String {
     skins::html(&document(source, results, parts), &provenance)
 }
 
-/// The text of a page, which is well-formed and has nothing that a browser would fetch or run.
+/// Returns the text of a page after checking that the page is well-formed and has nothing that a browser would fetch or
+/// run.
 fn text(page: &str) -> String {
     let (head, body) = page.split_at(page.find("<body").unwrap());
     for forbidden in ["<script", "<link", "@import", "src=", "url("] {
@@ -136,7 +138,7 @@ fn summary(results: &Results) -> Summary {
     study::summary(&source(&FACTORS), results)
 }
 
-/// The only finding that has this text.
+/// Returns the only finding that contains this text.
 fn finding<'a>(summary: &'a Summary, part: &str) -> &'a str {
     let found: Vec<&String> = summary.findings.iter().filter(|finding| finding.contains(part)).collect();
     assert_eq!(found.len(), 1, "{part}: {:?}", summary.findings);
@@ -151,7 +153,7 @@ fn assert_parts(text: &str, parts: &[&str]) {
 }
 
 #[test]
-fn numbers_have_the_digits_of_a_paper() {
+fn numbers_are_formatted_as_in_a_paper() {
     assert_eq!([0, 999, 1920, 1_000_000].map(whole), ["0", "999", "1,920", "1,000,000"]);
     assert_eq!([-0.001, -1.25, f64::NAN, f64::NEG_INFINITY].map(|x| fixed(x, 1)), ["0.0", "−1.2", "–", "−∞"]);
     assert_eq!([Some(0.62), Some(-0.08), Some(1.0), None].map(unit), [".62", "−.08", "1.00", "–"]);
@@ -172,7 +174,7 @@ fn numbers_have_the_digits_of_a_paper() {
     assert_eq!(shell_command(arguments), "machband analyze 'a b' '' 'num:inv_n,width'");
 }
 
-/// The reverse of the ratings has the reverse course, and the same odds ratio of the same two levels in the other order.
+/// Reversed ratings have the reverse trends, and the same odds ratio for the same two levels in reverse order.
 #[test]
 fn sentences_follow_the_direction_of_the_data() {
     let (forwards, backwards) = (summary(&results(8, &DEPTHS, false)), summary(&results(8, &DEPTHS, true)));
@@ -185,7 +187,7 @@ fn sentences_follow_the_direction_of_the_data() {
         assert!(same.contains("cannot distinguish the levels"));
         let caution = "found no clear difference by shader. This does not show that there is none";
         assert_parts(&summary.cautions.join(" "), &[caution]);
-        // The largest of many differences that chance can make is no estimate.
+        // The largest of many chance differences is not an estimate.
         for part in ["The odds", "rises", "falls"] {
             assert!(!same.contains(part), "{same}");
         }
@@ -199,7 +201,7 @@ fn sentences_follow_the_direction_of_the_data() {
     assert!(forwards > 2.0 && (forwards / backwards - 1.0).abs() < 0.02);
 }
 
-/// Numbers in the order of a text, as printed; digits of a name (`S001`) are none.
+/// Returns the numbers in a text, as printed and in order. Digits in a name (`S001`) do not count.
 fn numbers(text: &str) -> Vec<String> {
     let is_part = |c: char| c.is_alphanumeric() || matches!(c, '.' | ',');
     let parts = text.split(|c: char| !is_part(c)).map(|part| part.trim_end_matches(['.', ',']).replace(',', ""));
@@ -213,7 +215,7 @@ fn without_zero(number: &str) -> String {
     number.strip_prefix("0.").map_or(number.to_owned(), |rest| format!(".{rest}"))
 }
 
-/// Everything a summary may quote, by every number of decimals that it may have.
+/// Returns every number that a summary may quote, with every number of decimals that it may have.
 fn quotable(results: &Results) -> Vec<String> {
     let counts = &results.measured.counts;
     let mut values = vec![results.people() as f64, counts.total() as f64, counts.conditions.len() as f64];
@@ -247,7 +249,7 @@ fn quotable(results: &Results) -> Vec<String> {
         .flat_map(|value| (0..=4).map(move |decimals| without_zero(&format!("{value:.decimals$}"))))
         .collect();
     texts.extend(counts.factors.iter().flat_map(|factor| &factor.levels).map(|level| without_zero(level)));
-    // The scale, the ends of probabilities, the level of intervals and tests, Krippendorff's marks.
+    // The scale, the limits of printed probabilities, the level of intervals and tests, and Krippendorff's benchmarks.
     texts.extend(["0", "3", "95", ".001", ".99", ".667", ".800"].map(str::to_owned));
     texts
 }
@@ -268,7 +270,7 @@ fn every_number_of_the_summary_is_a_result() {
 }
 
 #[test]
-fn one_participant_gets_a_description_and_nothing_that_looks_like_inference() {
+fn one_participant_gets_a_description_without_inference() {
     let page = |people| page(&source(&FACTORS), &results(people, &DEPTHS, false));
     let (one, two) = (text(&page(1)), text(&page(2)));
     for sign in ["p =", "p <", "p >", "χ²(", "significan", " interval ", "Friedman’s", "SE"] {
@@ -278,14 +280,14 @@ fn one_participant_gets_a_description_and_nothing_that_looks_like_inference() {
     let alone = "which do not generalize to other people";
     assert_parts(&one, &[alone, "machband plan"]);
     assert_parts(&one, &["In these ratings the mean tends to fall with depth, from 1.83 at 1 to 0.00 at ∞"]);
-    // With a second person the same signs are there.
+    // With a second person, these signs appear.
     assert_parts(&two, &["p <", " interval "]);
     assert!(!two.contains(alone));
 }
 
-/// Three levels are three pairs, of which five people cannot tell any apart.
+/// Three levels make three pairs, and five people are too few to tell any of them apart.
 #[test]
-fn holms_limit_is_mentioned_where_it_binds_and_only_there() {
+fn holms_limit_is_mentioned_only_where_it_applies() {
     for (people, depths, expected) in [(8, 5, 1), (8, 4, 0), (9, 5, 0), (5, 3, 3)] {
         let mut cautions = summary(&results(people, &DEPTHS[..depths], false)).cautions;
         cautions.retain(|caution| caution.contains("possible after Holm’s correction"));
@@ -309,7 +311,7 @@ fn session(protocol: &Protocol, subject: &str, sitting: Sitting) -> SessionRead 
 }
 
 #[test]
-fn what_is_wrong_with_the_data_is_reported() {
+fn problems_with_the_data_are_reported() {
     let protocol = definition::open("quick").unwrap();
     let results = results(2, &DEPTHS, false);
     let viewing = |distance: f64| Some(serde_json::json!({ "distance_cm": distance }));
@@ -370,7 +372,7 @@ fn what_is_wrong_with_the_data_is_reported() {
 }
 
 #[test]
-fn participants_who_answer_oddly_are_named() {
+fn participants_with_unusual_answers_are_named() {
     let mut builder = MeasuredBuilder::new(&["width"]).with_categories(&SCALE);
     for (subject, time) in [("ann", 1.0), ("ben", 1.1), ("cyd", 0.2), ("dot", 9.0)] {
         for width in WIDTHS {
@@ -381,7 +383,7 @@ fn participants_who_answer_oddly_are_named() {
         }
     }
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &options())).cautions.join("\n");
-    // Their first ratings are 1 and their second 2, whatever the width: no better than chance.
+    // At every width, the first rating is 1 and the second is 2, so the agreement is no better than chance.
     let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00.\n";
     let (ben, slow) = ("\nben used one category only: all 30 ratings are 2.\n", "dot answered unusually slowly");
     assert_parts(&cautions, &[ben, alike, "answers of cyd came within 0.2", slow]);
@@ -389,7 +391,7 @@ fn participants_who_answer_oddly_are_named() {
 }
 
 #[test]
-fn what_a_model_leaves_open_is_said() {
+fn the_limits_of_a_model_are_stated() {
     let with = |options: &Options| {
         let results = analyze(ratings(6, &DEPTHS, false), options);
         text(&page(&source(&FACTORS), &results));
@@ -400,12 +402,12 @@ fn what_a_model_leaves_open_is_said() {
     let independent = with(&Options { random: Some(Random::None), ..options() });
     let mixed = with(&options());
     assert!(is_independent(&independent) && !is_independent(&mixed));
-    // Then the test is the one that does not treat them so.
+    // In that case, the sentence uses the test that does not treat ratings as independent.
     assert_parts(finding(&independent, "with depth"), &["Friedman’s test: χ²"]);
     assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test: χ²"]);
     let crossed = with(&Options { terms: Some(Terms::parse("width*depth").unwrap()), ..options() });
     finding(&crossed, "effects of width and depth depend on each other");
-    assert!(!finding(&crossed, "with depth").contains("odds"), "an effect that is several has no one size");
+    assert!(!finding(&crossed, "with depth").contains("odds"), "an effect in an interaction has no single size");
     let probit = with(&Options { link: Link::Probit, ..options() });
     assert_parts(finding(&probit, "with depth"), &["standard deviations above"]);
 
@@ -441,9 +443,9 @@ fn names_are_text_and_never_markup() {
     assert_parts(&text(&page(&source, &results)), &nasty);
 }
 
-/// Why nothing is predicted, in one sentence; and what is predicted where it can be.
+/// The report says in one sentence why there is no prediction, or else shows the prediction.
 #[test]
-fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
+fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     let results = results(3, &DEPTHS, false);
     let mut protocol = definition::open("bangay2003").unwrap();
     let predicted = |protocol: Option<&Protocol>, results: &Results| {
@@ -463,14 +465,14 @@ fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
     assert_eq!(figures, 4, "{text_of_three}");
     let expected = ["window 10° wide", "100 cd/m²", "45 conditions and 270 ratings", "The noise ceiling"];
     assert_parts(&text_of_three, &expected);
-    // Of one person there is no ceiling; and the window is the one that people had.
+    // With one person, there is no noise ceiling. The window is the one that the person actually had.
     let mut source = source(&FACTORS);
     let seated = |deg: f64| Sitting { viewing: Some(serde_json::json!({ "stimulus_deg": deg })), ..Sitting::default() };
     source.sessions = [4.0, 5.0].map(|deg| session(&protocol, "S001", seated(deg))).to_vec();
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
     assert_parts(&text, &["window 4.5° wide", "requires the agreement of at least two participants"]);
-    // What cannot be predicted.
+    // Studies that cannot be predicted.
     let rated = |categories: &[&str]| {
         let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(categories);
         for values in [["0.1", "1"], ["0.2", "inf"]] {
@@ -499,7 +501,7 @@ fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
 }
 
 #[test]
-fn the_page_is_one_file_and_can_be_repeated() {
+fn the_page_is_one_file_and_reproducible() {
     let protocol = definition::open("bangay2003").unwrap();
     let results = results(8, &DEPTHS, false);
     let hash = definition::hash(&protocol);
@@ -516,21 +518,21 @@ fn the_page_is_one_file_and_can_be_repeated() {
     let command = "machband analyze data --out analysis";
     let text = text(&page);
     assert_parts(&text, &[command, env!("CARGO_PKG_VERSION"), "2026-01-02 03:04:05 UTC", &hash]);
-    // The definition on the page is the definition.
+    // The page contains the exact definition.
     let start = page.find("schema = 1").unwrap();
     let toml = page[start..].split("</code>").next().unwrap();
     let toml = toml.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
     assert_eq!(definition::parse("page", &toml).unwrap(), protocol);
-    // Equal inputs, equal page.
+    // Equal inputs give an equal page.
     assert_eq!(self::page(&source, &results), page);
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// Whatever the ratings are: a page, no number that is none, and no inference from one person.
+    /// Any ratings give a page, which has no NaN and no inferences from a single person.
     #[test]
-    fn any_ratings_make_a_page(
+    fn any_ratings_give_a_page(
         rows in prop::collection::vec((0..4_usize, 0..4_usize, 0..4_usize, 0..4_usize, 1..4_u64), 0..40),
         people in 1..4_usize,
         texts in any::<bool>(),

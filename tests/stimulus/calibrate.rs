@@ -1,4 +1,4 @@
-//! Photometer readings to a display profile: known displays are found again, bad readings are told apart.
+//! From photometer readings to a display profile: known displays are recovered, and bad readings are detected.
 
 use std::ops::RangeInclusive;
 
@@ -15,12 +15,12 @@ use machband::{
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rand_distr::{Distribution as _, Normal};
 
-/// Light of red, green and blue at level 1, cd/m², less black.
+/// Light of red, green and blue at level 1, minus black, cd/m².
 const RANGES: [f64; 3] = [25.0, 80.0, 10.0];
 
-/// A display that is known.
+/// A display with known properties.
 struct Display {
-    /// Encoded value to linear light of red, green, blue and gray.
+    /// Transfer functions from encoded value to linear light, for red, green, blue and gray.
     light: [Transfer; 4],
     black_cd_m2: f64,
 }
@@ -38,7 +38,7 @@ impl Display {
         self.black_cd_m2 + Self::range(channel) * self.light[channel].linear_from_encoded(level)
     }
 
-    /// One reading a level of each channel; `noise` relative to the reading.
+    /// Takes one reading at each level of each channel. `noise` is relative to the reading.
     fn read(&self, levels: usize, noise: f64, seed: u64) -> Vec<Reading> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let normal = Normal::new(1.0, noise).unwrap();
@@ -53,9 +53,9 @@ impl Display {
         readings
     }
 
-    /// Largest error of a calibration's transfer functions in 8-bit codes: the code that the display needs for the light
-    /// that the profile promises, against the code. Not where
-    /// the light is below 0.0001, a twentieth of the black here.
+    /// Returns the largest error of a calibration's transfer functions in 8-bit codes: the code that the display needs
+    /// for the light that the profile promises, compared with the actual code. Light below 0.0001, a twentieth of the
+    /// black here, is ignored.
     fn error_codes(&self, calibration: &Calibration, family: Family) -> f64 {
         let transfers = calibration.transfers(family);
         let error = |channel: usize, code: u32| {
@@ -76,8 +76,8 @@ fn gammas(calibration: &Calibration) -> Vec<f64> {
     channels.iter().filter_map(|channel| channel.curve.gamma()).collect()
 }
 
-/// Share of displays, read with one of these numbers of levels each, whose γ is within ±0.02 and whose transfer functions are
-/// within half a code.
+/// Reads `count` displays, each with one of these numbers of levels. Returns the share with γ within ±0.02 and the
+/// share with transfer functions within half a code.
 fn shares(display: &Display, gamma: f64, count: u64, levels: RangeInclusive<usize>) -> (f64, f64) {
     let (mut within_gamma, mut within_code) = (0, 0);
     for (seed, levels) in (0..count).zip(levels.cycle()) {
@@ -92,9 +92,10 @@ fn offset_light(gamma: f64, k: f64) -> f64 {
     k.powf(gamma) / ((1.0 + k).powf(gamma) - k.powf(gamma))
 }
 
-/// A black that is the offset's own light, as in Berns, Motta and Gorzynski, tells the offset. With an offset and a black of
-/// its own, γ and offset explain much of the same, and the bound is met from about 17 levels on. Below, the errors are those
-/// of the Cramér–Rao bound (standard error of γ 0.016 to 0.027 at 6 levels).
+/// If the black is the light of the offset itself, as in Berns, Motta and Gorzynski, it reveals the offset. With an
+/// offset and a separate black, γ and the offset explain much of the same variation, and the bound is met from about 17
+/// levels on. With fewer levels, the errors are those of the Cramér–Rao bound (standard error of γ 0.016 to 0.027 at 6
+/// levels).
 #[test]
 fn a_power_and_an_offset_are_found_within_the_bound() {
     let power = |black| Display::alike(Transfer::gamma(2.2).unwrap(), black);
@@ -119,9 +120,9 @@ fn a_power_and_an_offset_are_found_within_the_bound() {
     }
 }
 
-/// Repeated readings are used: four at each of 9 levels are as good as 33 levels.
+/// Repeated readings are used: four at each of 9 levels are as good as one at each of 33 levels.
 #[test]
-fn repeats_make_it_better() {
+fn repeated_readings_improve_the_estimate() {
     let display = Display::alike(Transfer::gog(2.2, 1.0, 0.05).unwrap(), 0.3);
     let mean_off = |repeats: u64| {
         let off = (0..40).map(|seed| {
@@ -134,7 +135,7 @@ fn repeats_make_it_better() {
 }
 
 #[test]
-fn readings_without_noise_give_the_display_itself() {
+fn readings_without_noise_recover_the_display() {
     let close = |a: f64, b: f64| (a - b).abs() < 1e-6;
     for (gamma, k) in [(1.0, 0.0), (1.8, 0.0), (2.2, 0.0), (2.2, 0.05), (2.4, -0.04), (2.6, 0.1)] {
         let transfer = if k == 0.0 { Transfer::gamma(gamma) } else { Transfer::gog(gamma, 1.0, k) };
@@ -151,7 +152,7 @@ fn readings_without_noise_give_the_display_itself() {
         }
         let light = calibration.luminance_of(calibration.chosen);
         assert!(close(light.white_cd_m2, 115.25) && close(light.black_cd_m2, 0.25));
-        // The table of a display that a curve fits is that curve.
+        // If a curve fits the display, the table equals that curve.
         assert!(display.error_codes(&calibration, Family::Table) < 0.01);
     }
     let srgb = Display::alike(Transfer::Srgb, 0.25);
@@ -159,9 +160,9 @@ fn readings_without_noise_give_the_display_itself() {
     assert_eq!(calibration.chosen, Family::Srgb);
 }
 
-/// A display with a black of 0 and a photometer of few digits.
+/// A display with a black that reads as 0 on a photometer with few digits.
 #[test]
-fn rounded_readings_and_a_dark_black_are_fitted() {
+fn rounded_readings_of_a_dark_black_are_fitted() {
     let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.004);
     let mut readings = display.read(17, 0.005, 3);
     readings.iter_mut().for_each(|one| one.luminance_cd_m2 = (one.luminance_cd_m2 * 100.0).round() / 100.0);
@@ -169,9 +170,9 @@ fn rounded_readings_and_a_dark_black_are_fitted() {
     assert!(gammas(&calibration).iter().all(|gamma| (gamma - 2.2).abs() < 0.02), "{:?}", gammas(&calibration));
 }
 
-/// Each channel has its own γ where the readings say so.
+/// Each channel has its own γ if the readings show this.
 #[test]
-fn channels_that_differ_are_told_apart() {
+fn different_channels_get_different_curves() {
     let gamma = |gamma| Transfer::gamma(gamma).unwrap();
     let display = Display { light: [gamma(2.0), gamma(2.2), gamma(2.4), gamma(2.2)], black_cd_m2: 0.3 };
     for seed in 0..20 {
@@ -183,7 +184,7 @@ fn channels_that_differ_are_told_apart() {
     }
 }
 
-/// Five readings of gray. sRGB would have 13 times the noise, and a white of 92.
+/// Five readings of gray. sRGB would give an error of 13 times the noise and a white of 92.
 #[test]
 fn the_saved_model_is_the_one_that_cross_validation_prefers() {
     let readings = [0.3, 4.0, 21.0, 52.0, 100.0].into_iter().enumerate().map(|(step, luminance_cd_m2)| Reading {
@@ -198,7 +199,7 @@ fn the_saved_model_is_the_one_that_cross_validation_prefers() {
     assert!((saved.luminance.unwrap().white_cd_m2 - 100.0).abs() < 3.0, "{:?}", saved.luminance);
 }
 
-/// Displays that no curve fits: γ 2.2 of an encoded value that is moved by up to some codes.
+/// Creates a display that no curve fits: γ 2.2 of an encoded value that is shifted by up to a few codes.
 fn moved(by: impl Fn(f64) -> f64) -> Display {
     let encoded: Vec<f64> = (0..=1020).map(|i| f64::from(i) / 1020.0).collect();
     let at = |v: f64| (v + (by(v) - by(0.0) * (1.0 - v) - by(1.0) * v) / 255.0).powf(2.2);
@@ -207,7 +208,7 @@ fn moved(by: impl Fn(f64) -> f64) -> Display {
 }
 
 #[test]
-fn the_table_follows_what_no_curve_fits() {
+fn a_table_fits_displays_that_no_curve_fits() {
     let bell = |v: f64, at: f64, width: f64| (-((v - at) / width).powi(2)).exp();
     let swing = |v: f64| 6.0 * (std::f64::consts::TAU * v).sin() * v.min(1.0 - v).min(0.1) / 0.1;
     let step = |v: f64| 5.0 * (1.0 / (1.0 + (-(v - 0.5) / 0.01).exp())) * (1.0 - v.powi(8));
@@ -256,7 +257,7 @@ fn cross_validation_prefers_the_true_family() {
     }
 }
 
-/// Errors of levels left out are as large as the noise: 1 % of light is 0.01/γ·V in encoded value.
+/// The errors at left-out levels are as large as the noise: 1 % of the light is 0.01/γ·V in encoded value.
 #[test]
 fn cross_validation_gives_the_error_of_new_levels() {
     let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.05);
@@ -286,7 +287,7 @@ fn additivity_is_measured() {
 }
 
 #[test]
-fn gray_alone_serves_all_channels_and_says_so() {
+fn gray_alone_is_used_for_all_channels_with_a_note() {
     let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
     let gray = display.read(17, 0.01, 1).into_iter().filter(|one| one.channel == Channel::Gray).collect();
     let calibration = calibrate(gray);
@@ -301,7 +302,7 @@ fn faults(readings: Vec<Reading>) -> Vec<Fault> {
 }
 
 #[test]
-fn every_bad_set_has_its_own_message() {
+fn every_kind_of_bad_readings_has_its_own_message() {
     let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
     let good = || display.read(9, 0.01, 7);
     let changed = |change: &dyn Fn(&mut Reading)| {
@@ -328,7 +329,7 @@ fn every_bad_set_has_its_own_message() {
         }
     };
     let stuck = display.cd_m2(1, 31.0 / 32.0);
-    // Readings, what every message has, and what one of them has.
+    // The readings, what every message contains, and what at least one message contains.
     let cases: [(Vec<Reading>, &str, &str); 12] = [
         (changed(&|one| one.luminance_cd_m2 = f64::NAN), "is not a luminance", ""),
         (changed(&|one| one.luminance_cd_m2 = 0.0), "every reading is 0", ""),
@@ -358,9 +359,9 @@ fn every_bad_set_has_its_own_message() {
     }
 }
 
-/// Good readings are never refused, however noisy within 2 %.
+/// Good readings are never rejected, even with 1 % noise.
 #[test]
-fn good_readings_pass() {
+fn good_readings_are_accepted() {
     let transfers =
         [Transfer::Linear, Transfer::Srgb, Transfer::gamma(2.6).unwrap(), Transfer::gog(2.2, 1.0, -0.1).unwrap()];
     for transfer in transfers {
@@ -374,7 +375,7 @@ fn good_readings_pass() {
 }
 
 #[test]
-fn the_plan_shows_every_patch_and_white_between() {
+fn the_plan_shows_every_patch_with_white_in_between() {
     let settings = PatchSettings { repeats: 2, ..PatchSettings::default() };
     let plan = patches(&settings).unwrap();
     assert_eq!(plan, patches(&settings).unwrap());

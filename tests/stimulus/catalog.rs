@@ -1,5 +1,6 @@
-//! Every stimulus of the catalog: its light against an independent script, its codes against their recorded hash, its
-//! edges sharp where they run along the pixels; and a mesh as a renderer draws it, in linear light or ignoring gamma.
+//! Every stimulus in the catalog: its light matches an independent script, its codes match their recorded hash, and its
+//! edges are sharp if they run along the pixels. Also tests a mesh as a renderer draws it, in linear light or ignoring
+//! gamma.
 
 use std::collections::HashSet;
 
@@ -19,7 +20,7 @@ fn case(kind: &str, variant: usize) -> Stimulus {
 }
 
 #[test]
-fn light_is_that_of_the_independent_script() {
+fn light_matches_the_independent_script() {
     let golden = include_str!("../golden/catalog.csv");
     let mut seen = 0;
     for line in golden.lines().filter(|line| !line.starts_with('#')).skip(1) {
@@ -32,13 +33,13 @@ fn light_is_that_of_the_independent_script() {
         assert!((f64::from(light) - expected).abs() < tolerance, "{line}: {light}");
         seen += 1;
     }
-    // The shaded mesh has references of its own: tests/shading.
+    // The shaded mesh has its own references in tests/shading.
     assert_eq!(seen, 40 * 3 * (catalog::all().len() - 1));
 }
 
-/// `UPDATE_HASHES=1` prints the file anew; a changed hash is a changed stimulus, for everyone who has used it.
+/// `UPDATE_HASHES=1` writes the file again. A changed hash means a changed stimulus for everyone who has used it.
 #[test]
-fn codes_are_the_recorded_ones() {
+fn codes_match_their_recorded_hashes() {
     let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
     let mut text =
         String::from("# SHA-256 of the 8-bit sRGB codes, 96 px a side, of every catalog entry and variant.\n");
@@ -75,10 +76,10 @@ fn edges_along_the_pixels_are_sharp_and_oblique_ones_are_not() {
     }
 }
 
-/// A half turn is the point mirror; light stays within the plateaus; the mean over a half-covered edge is the middle.
+/// A half turn is a point reflection, and light stays within the plateaus.
 #[test]
 fn every_kind_is_symmetric_and_bounded() {
-    // A mesh has no orientation, and a highlight beyond its plateaus.
+    // A mesh has no orientation, and its highlight is brighter than its plateaus.
     for entry in catalog::all().iter().filter(|entry| entry.kind != "shaded-mesh") {
         for mut stimulus in entry.stimuli() {
             let [low, high, orientation] = ["low", "high", "orientation_deg"].map(|name| match stimulus.get(name) {
@@ -131,7 +132,7 @@ fn naive(shader: Shader) -> Renderer {
     Renderer { shade: Shade::new(shader), naive: true }
 }
 
-/// Encoding the lights before interpolating them gives other codes between vertices, and the same at them.
+/// Encoding the light before interpolation gives different codes between vertices but the same codes at the vertices.
 #[test]
 fn ignoring_gamma_shows_only_between_vertices() {
     let frame = frame(shapes::Shape::Cube, 128);
@@ -151,7 +152,7 @@ fn ignoring_gamma_shows_only_between_vertices() {
         }
     }
     assert!(apart >= 2, "{apart}");
-    // What the display sends is what the codes mean: less light between vertices, and the same around the surface.
+    // The display emits what the codes mean: less light between vertices, and the same light around the surface.
     let [linear, encoded] = shots.map(|shot| shot.emitted());
     let apart = linear.data.iter().zip(&encoded.data).map(|(a, b)| a - b).fold(0.0_f32, f32::max);
     assert!(apart > 0.005, "{apart}");
@@ -164,9 +165,9 @@ fn ignoring_gamma_shows_only_between_vertices() {
     assert!(!naive(Shader::Phong).is_naive(), "Phong lights every pixel");
 }
 
-/// Light along a row of pixel centers is that of the picture's row, and nothing beside the surface.
+/// The light along a row of pixel centers equals that row of the picture, and there is none beyond the surface.
 #[test]
-fn light_along_a_row_is_the_pictures() {
+fn light_along_a_row_matches_the_picture() {
     let frame = frame(shapes::Shape::Torus, 96);
     for renderer in [Renderer::gouraud(), naive(Shader::Gouraud), Renderer::new(Shade::new(Shader::Patch))] {
         let shot = renderer.shoot(&frame, &Transfer::Srgb.into());

@@ -1,5 +1,5 @@
-//! Color: CIE spaces and the rearrangements of RGB against other implementations and against themselves; a stimulus'
-//! color as text; ramps between two colors.
+//! Color: CIE spaces and the transformations of RGB, compared with other implementations and with their own inverses; a
+//! stimulus's color as text; ramps between two colors.
 
 use super::{common::golden, ramp::band};
 use machband::light::Depth;
@@ -19,7 +19,7 @@ fn assert_near(actual: &[f64], expected: &[f64], within: f64, what: &str) {
     assert!(near(actual, expected, within), "{what}: {actual:?}, not {expected:?}");
 }
 
-/// Hue first: an angle, 359.999 is near 0.
+/// The first component is the hue. It is an angle, so 359.999 is near 0.
 fn near_by_hue(a: [f64; 3], b: [f64; 3], within: f64) -> bool {
     let apart = wrapped_deg(a[0] - b[0]);
     (0.0..360.0).contains(&a[0]) && apart.min(360.0 - apart) <= 1e4 * within && near(&a[1..], &b[1..], within)
@@ -36,7 +36,7 @@ fn hsv_and_hls_agree_with_colorsys() {
         assert!(near_by_hue(hls, three(&row, 6), 1e-13), "{rgb:?}: {hls:?}");
         assert_eq!(hue(rgb).is_none(), hsv[1] == 0.0 && hls[2] == 0.0, "{rgb:?}: a gray has no hue");
     }
-    // What Shoaff prints, 1 − …/(2 − max + min), would give a saturation of 0.25/1.75 here.
+    // The formula as printed in Shoaff, 1 − …/(2 − max + min), would give a saturation of 0.25/1.75 here.
     assert_eq!(hls_from_rgb([1.0, 0.75, 0.75]), [0.0, 0.875, 1.0]);
 }
 
@@ -74,7 +74,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn every_model_comes_back(rgb in rgb()) {
+    fn every_model_converts_back(rgb in rgb()) {
         let (hsv, hls, cmyk) = (hsv_from_rgb(rgb), hls_from_rgb(rgb), cmyk_from_rgb(rgb));
         prop_assert!(near(&rgb_from_hsv(hsv), &rgb, 1e-14));
         prop_assert!(near(&rgb_from_hls(hls), &rgb, 1e-14));
@@ -90,7 +90,7 @@ proptest! {
     }
 }
 
-// A stimulus' color.
+// The color of a stimulus.
 
 fn color(text: &str) -> StimulusColor {
     text.parse().unwrap_or_else(|error| panic!("{error}"))
@@ -130,18 +130,18 @@ fn colors_are_read_in_every_model() {
         assert_eq!(color(text).rgb(), rgb, "{text}");
         assert_eq!(color(text).to_string(), written, "{text}");
     }
-    // Written as it was asked where that is short.
+    // A color is written as it was given if that is short.
     for text in ["hsv:20,0.5,0.8", "hsv:210.5,0.35,0.9", "xyY:0.35,0.4,0.5", "xyY:0.3,0.31,0.25", "0.9,0.45,0.1"] {
         assert_eq!(color(text).to_string(), text);
     }
-    // Shoaff's own formula by hand: 20° is a third of the way from red to yellow.
+    // Shoaff's formula, computed by hand: 20° is a third of the way from red to yellow.
     assert_near(&color("hsv:20,0.5,0.8").rgb(), &[0.8, 0.8 * (1.0 - 0.5 * (2.0 / 3.0)), 0.4], 1e-15, "hsv");
-    // The reference: colour-science's inverse matrix, 0.21263900587151 the luminance of red.
+    // The reference is the inverse matrix of colour-science; the luminance of red is 0.21263900587151.
     assert_near(&color("xyY:0.64,0.33,0.106319502935755").rgb(), &[0.5, 0.0, 0.0], 1e-11, "xyY");
 }
 
 #[test]
-fn other_texts_say_what_is_wrong() {
+fn invalid_texts_are_explained() {
     let problem = |text: &str| text.parse::<StimulusColor>().unwrap_err().to_string();
     let unknown = "pink|Yellow||1|1,1|1,1,1,1|hsv:1,1|hsv:a,1,1|cmyk:0,0,0|xyz:50,0,0|hsv|1;1;0|xyy:0.3,0.3,1";
     for text in unknown.split('|') {
@@ -156,7 +156,7 @@ fn other_texts_say_what_is_wrong() {
         ("1,nan,1", "has G = NaN, outside 0…1"),
         ("hsv:60,1.5,1", "has S = 1.5, outside 0…1"),
         ("hsv:60,1,-1", "has V = -1, outside 0…1"),
-        ("hsv:inf,1,1", "has H = inf, outside the angles in degrees"),
+        ("hsv:inf,1,1", "has H = inf, outside the finite angles"),
         ("xyY:0.3,0,1", "has y = 0, outside 0…1−x, 0 excluded"),
         ("xyY:1.3,0.1,1", "has x = 1.3, outside 0…1"),
         ("xyY:0.3,0.3,1.2", "has Y = 1.2, outside 0…1"),
@@ -170,7 +170,7 @@ fn other_texts_say_what_is_wrong() {
     ] {
         assert!(problem(text).contains(expected), "{text}: {}", problem(text));
     }
-    // A saturated green that only a laser makes.
+    // A saturated green that only a laser can produce.
     let green = problem("xyY:0.17,0.797,0.5");
     assert!(green.contains("red would be -0.") && green.contains("blue would be -"), "{green}");
 }
@@ -188,7 +188,7 @@ fn a_color_is_written_in_every_model() {
         "luv:80.192,56.543,82.071",
     ];
     assert_eq!(color("1,0.5,0").in_models(), expected);
-    // To the three decimals that are shown, all say the same color; a gray too, which has no hue.
+    // To the three decimals that are shown, all texts mean the same color, even for a gray, which has no hue.
     for named in ["hsv:20,0.5,0.8", "0.2,0.4,0.1", "0.5,0.5,0.5"] {
         for text in color(named).in_models() {
             assert_near(&color(&text).rgb(), &color(named).rgb(), 2e-2, &text);
@@ -243,12 +243,13 @@ fn ramps_agree_with_other_implementations() {
     for (space, row) in rows {
         let band = ramp(three(&row, 0), three(&row, 3), row[6], row[7], space.parse().unwrap());
         let light = band.ramp().light_at(row[8] - 0.5);
-        // The rounding to f32.
+        // The tolerance covers the rounding to f32.
         assert_near(&light, &row[9..12], 7e-8, &format!("{space} {row:?}"));
     }
 }
 
-/// The hue goes the short way round, up where both are as long; a gray and black have no hue of their own.
+/// The hue takes the shorter arc, and increases if both arcs are equal. Gray has no hue of its own, but black keeps its
+/// color's.
 #[test]
 fn hues_take_the_shorter_arc() {
     let at = |from: &str, to: &str, low: f64, x: f64| {
@@ -257,14 +258,14 @@ fn hues_take_the_shorter_arc() {
     };
     assert_near(&at("hsv:350,1,1", "hsv:30,1,1", 1.0, 0.0), &color("hsv:10,1,1").rgb(), 1e-6, "over 0");
     assert_near(&at("hsv:30,1,1", "hsv:350,1,1", 1.0, 0.25), &color("hsv:0,1,1").rgb(), 1e-6, "over 0, down");
-    // Shoaff §2.2.9: half-way from red to green is yellow.
+    // Shoaff §2.2.9: halfway from red to green is yellow.
     assert_eq!(at("red", "green", 1.0, 0.0), [1.0, 1.0, 0.0]);
     assert_near(&at("red", "cyan", 1.0, 0.0), &color("hsv:90,1,1").rgb(), 1e-6, "half a turn");
     assert_near(&at("cyan", "red", 1.0, 0.0), &color("hsv:270,1,1").rgb(), 1e-6, "half a turn");
     assert_near(&at("gray", "blue", 1.0, 0.0), &color("hsv:240,0.5,1").rgb(), 1e-6, "from gray");
     assert_near(&at("blue", "gray", 1.0, 0.0), &color("hsv:240,0.5,1").rgb(), 1e-6, "to gray");
     assert_near(&at("gray", "gray", 0.5, 0.0), &[0.75; 3], 1e-6, "gray");
-    // From black: black blue, not black gray.
+    // Black is a black blue here, not a black gray.
     assert_near(&at("blue", "red", 0.0, 0.0), &color("hsv:300,1,0.5").rgb(), 1e-6, "from black");
 }
 
@@ -278,13 +279,13 @@ proptest! {
         let plateau = |color: StimulusColor, level: f64| color.rgb().map(|weight| weight * level);
         let color_high = band.color_high.unwrap_or(band.color);
         let end = band.width / 2.0 + 1e-9;
-        // Equal plateaus in one color are uniform in every space.
+        // Equal plateaus of one color are uniform in every space.
         if color_high == band.color && band.low == band.high {
             prop_assert_eq!(band.ramp().light_at(x), plateau(band.color, band.low));
         }
         prop_assert_eq!(band.ramp().light_at(-end), plateau(band.color, band.low));
         prop_assert_eq!(band.ramp().light_at(end), plateau(color_high, band.high));
-        // Just inside the ramp of finite depth, nothing jumps.
+        // Just inside a ramp of finite depth, the light does not jump.
         if band.width > 0.1 && band.depth != Depth::Infinite {
             for end in [-0.5, 0.5] {
                 let (out, inside) = (band.ramp().light_at(band.width * end * 1.000_000_1), band.ramp().light_at(band.width * end * 0.999_999_9));
@@ -293,9 +294,9 @@ proptest! {
         }
     }
 
-    /// One color, straight in RGB or HSV, changes in luminance only.
+    /// A ramp of one color in RGB or HSV changes only in luminance.
     #[test]
-    fn one_color_changes_in_luminance_only(mut band in band(), x in -0.5..=0.5f64, named in any::<bool>()) {
+    fn a_ramp_of_one_color_changes_only_in_luminance(mut band in band(), x in -0.5..=0.5f64, named in any::<bool>()) {
         band.color_high = named.then_some(band.color);
         if band.space != RampSpace::Lab {
             let luminance = band.ramp().luminance_at(x);

@@ -1,5 +1,5 @@
-//! Dither and halftone against the published matrices and algorithm, and against their defining properties: only the two
-//! enclosing codes, the right mean light, no noise where none is needed.
+//! Dither and halftone, compared with the published matrices and algorithm and with their defining properties: only the
+//! two enclosing codes occur, the mean light is right, and there is no noise where none is needed.
 
 use super::{Draw as _, transfers};
 use std::{collections::BTreeSet, sync::LazyLock};
@@ -12,14 +12,14 @@ use machband::light::{
 };
 use machband::stimulus::{MachBand, StimulusColor};
 
-/// Every kind, the random one with several seeds.
+/// Returns every kind of dither, the random kind with several seeds.
 fn dithers() -> Vec<Dither> {
     let random = [1, 2, 99].map(|seed| Dither::Random { seed });
     let ordered = DitherMatrix::ALL.iter().copied().map(Dither::Ordered);
     [Dither::BlueNoise].into_iter().chain(random).chain(ordered).collect()
 }
 
-/// Quantizers that tests share: at 16 bits they take a while to make.
+/// Quantizers that tests share, because creating one for 16 bits takes a while.
 static SRGB_8: LazyLock<Quantizer> = LazyLock::new(|| Quantizer::new(&Transfer::Srgb, Bits::Eight));
 static SRGB_16: LazyLock<Quantizer> = LazyLock::new(|| Quantizer::new(&Transfer::Srgb, Bits::Sixteen));
 
@@ -38,7 +38,7 @@ fn ramp(size: u32, orientation_deg: f64) -> LinearImage {
     band.linear(size)
 }
 
-/// Red codes in row `y`.
+/// Returns the red codes in row `y`.
 fn reds(codes: &CodeImage, y: u32) -> Vec<u16> {
     (0..codes.width).map(|x| codes.pixel(x, y)[0]).collect()
 }
@@ -48,7 +48,7 @@ fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
 }
 
 #[test]
-fn names_are_read_back_and_other_texts_say_what_is_expected() {
+fn names_read_back_and_other_texts_are_explained() {
     for text in ["none", "ordered", "ordered:bayer2", "ordered:clustered3", "blue-noise", "random"] {
         let dither: Dither = text.parse().unwrap();
         assert_eq!((dither.to_string().as_str(), format!(" {text} ").parse()), (text, Ok(dither)));
@@ -88,7 +88,7 @@ const BAYER_8: [[u16; 8]; 8] = [
 ];
 
 #[test]
-fn matrices_are_the_published_ones() {
+fn matrices_match_the_published_ones() {
     assert_eq!(DitherMatrix::Bayer8.ranks(), BAYER_8.concat());
     assert_eq!(DitherMatrix::Bayer2.ranks(), [0, 2, 3, 1]);
     assert_eq!(DitherMatrix::Bayer4.ranks(), [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5]);
@@ -107,13 +107,13 @@ fn matrices_are_the_published_ones() {
 
 // Thresholds.
 
-/// The thresholds of the first `size` × `size` pixels, row by row.
+/// Returns the thresholds of the first `size` × `size` pixels, row by row.
 fn thresholds(dither: Dither, size: u32) -> Vec<f64> {
     let mut rows = Thresholds::new(&dither, size).unwrap();
     (0..size).flat_map(|y| rows.row(y).to_vec()).collect()
 }
 
-/// Each rank is there once. How the blue-noise mask is made is tested with its generator, in `tools`.
+/// Each rank occurs once. The tests of the mask's generator, in `tools`, check how the blue-noise mask is made.
 #[test]
 fn thresholds_are_spread_over_the_open_interval() {
     for dither in dithers().into_iter().filter(|dither| !matches!(dither, Dither::Random { .. })) {
@@ -124,15 +124,14 @@ fn thresholds_are_spread_over_the_open_interval() {
         assert_eq!(first, rows.row(5 + 9 * period)[3 + period as usize], "{dither} repeats");
         all.sort_unstable_by(f64::total_cmp);
         let count = all.len() as f64;
-        // One in every share of (0, 1), none at its ends.
+        // Each of the equal parts of (0, 1) contains one threshold; none is at an end.
         assert!((0..).zip(&all).all(|(i, t)| *t > 0.0 && (t * count).floor() == f64::from(i)), "{dither}");
     }
     assert!(Thresholds::new(&Dither::None, 7).is_none());
 }
 
-/// ChaCha8 and its use are pinned: another order would make other stimuli of the same seed. The four
-/// figures are those of a Python script that has ChaCha8 after Bernstein and the seed's expansion after
-/// rand_core 0.10.
+/// ChaCha8 and its use are pinned: another order would make different stimuli from the same seed. The four numbers come
+/// from a Python script that implements ChaCha8 after Bernstein and the seed expansion of rand_core 0.10.
 #[test]
 fn random_thresholds_are_pinned_and_stratified() {
     let mut rows = Thresholds::new(&Dither::Random { seed: 1 }, 1024).unwrap();
@@ -158,7 +157,7 @@ fn random_thresholds_are_pinned_and_stratified() {
     assert_eq!(orders.len(), 20, "every seed and tile has its own order");
 }
 
-/// Every order of strata over pixels is as likely: no pixel of the tile prefers a stratum.
+/// All orders of strata over pixels are equally likely, so no pixel of the tile prefers a stratum.
 #[test]
 fn random_thresholds_prefer_no_place() {
     let mut counts = [[0u32; 16]; 16];
@@ -166,16 +165,16 @@ fn random_thresholds_prefer_no_place() {
         let (x, y) = (i % 256, i / 256);
         counts[y % 4 * 4 + x % 4][(threshold * 16.0) as usize] += 1;
     }
-    // 4096 tiles: 256 expected, standard deviation 15.5.
+    // With 4096 tiles, 256 are expected, with a standard deviation of 15.5.
     let chi2: f64 = counts.concat().iter().map(|&count| (f64::from(count) - 256.0).powi(2) / 256.0).sum();
-    // 15 · 15 degrees of freedom: mean 225, standard deviation 21.
+    // With 15 · 15 degrees of freedom, the mean is 225 and the standard deviation is 21.
     assert!((140.0..330.0).contains(&chi2), "{chi2}");
 }
 
 // Decisions.
 
-/// The definition, of the public parts only: the upper of the enclosing codes iff p > t; light a rounding away from a
-/// code's own gets that code.
+/// The definition, using only public parts: the result is the upper of the two enclosing codes if and only if p > t.
+/// Light within a rounding error of a code's own light gets that code.
 fn by_definition(quantizer: &Quantizer, channel: usize, linear: f32, threshold: f64) -> u16 {
     let channel = quantizer.channel(channel);
     let level = |code: u16| channel.linear(code) as f32;
@@ -192,7 +191,7 @@ fn by_definition(quantizer: &Quantizer, channel: usize, linear: f32, threshold: 
 /// Red, green and blue share a pixel's threshold; each has its own transfer function.
 #[test]
 fn every_pixel_follows_the_definition() {
-    // Sides that no period divides.
+    // The sides are not multiples of any period.
     let (width, height) = (131, 71);
     let image = LinearImage::from_fn(width, height, |x, y| {
         let level = (x as f32 + 0.37 * y as f32) / 160.0;
@@ -216,14 +215,14 @@ fn every_pixel_follows_the_definition() {
     }
 }
 
-/// Nor does light that is a rounding away from it.
+/// Light that is a rounding error away from it has no noise either.
 #[test]
-fn a_codes_own_light_has_no_noise() {
+fn the_exact_light_of_a_code_has_no_noise() {
     let eight: Vec<Quantizer> = transfers().iter().map(|transfer| Quantizer::new(transfer, Bits::Eight)).collect();
     for quantizer in eight.iter().chain([&*SRGB_16]) {
         let codes = u32::from(quantizer.bits().max_code()) + 1;
         for dither in dithers() {
-            // Two arrangements, so that a code meets two thresholds and more.
+            // Two arrangements, so that a code meets at least two thresholds.
             for factor in [1, 40_503] {
                 let code = |x: u32, y: u32| ((x + 256 * y) * factor % codes) as u16;
                 for nudge in [f32::next_down, |linear: f32| linear, f32::next_up] {
@@ -258,9 +257,9 @@ fn light_outside_the_range_is_clamped() {
     }
 }
 
-/// A table whose steps f32 can hardly tell apart, and an exponent whose lowest codes f32 cannot hold.
+/// Tests a table with steps that f32 can barely resolve, and an exponent whose lowest codes f32 cannot represent.
 #[test]
-fn extreme_transfers_stay_next_to_the_nearest_code() {
+fn extreme_transfers_stay_within_one_code() {
     let flat = TransferTable::new(vec![0.0, 0.2, 0.8, 1.0], vec![0.0, 0.5, 0.500_000_1, 1.0]).unwrap();
     for transfer in [Transfer::Table(flat), Transfer::gamma(10.0).unwrap(), Transfer::gamma(0.1).unwrap()] {
         for bits in [Bits::Eight, Bits::Sixteen] {
@@ -282,7 +281,7 @@ fn extreme_transfers_stay_next_to_the_nearest_code() {
     }
 }
 
-/// The bytes of a picture, pinned: the same on every machine.
+/// The bytes of a picture are pinned, so that they are the same on every machine.
 #[test]
 fn bytes_are_pinned() {
     let image = LinearImage::from_fn(150, 130, |x, y| {
@@ -318,9 +317,9 @@ fn bytes_are_pinned() {
     );
 }
 
-// Issue 3, "must show" 2: the ramp w = 0.8, n = 1, 1024², sRGB, 8 bits.
+// Requirement 2 of issue 3: the ramp with w = 0.8 and n = 1, 1024² pixels, sRGB, 8 bits.
 
-/// Means over 16 × 16 pixels, from sums over rectangles that begin at the top left.
+/// Returns the means over 16 × 16 pixels, computed from sums over rectangles that start at the top left.
 fn means(size: u32, value: impl Fn(u32, u32) -> f64) -> impl Fn(u32, u32) -> f64 {
     let width = size as usize + 1;
     let mut sums = vec![0.0; width * width];
@@ -338,9 +337,9 @@ fn means(size: u32, value: impl Fn(u32, u32) -> f64) -> impl Fn(u32, u32) -> f64
     }
 }
 
-/// The largest difference between the means of asked and emitted light over 16 × 16 pixels, in units of
-/// the step between the two codes that enclose the asked mean. Every `stride`-th window each way, but
-/// none that one of `corners`, columns where the ramp meets a plateau, runs through.
+/// Returns the largest difference between the means of requested and emitted light over 16 × 16 pixels, in units of the
+/// step between the two codes that enclose the requested mean. It checks every `stride`-th window in each direction,
+/// but skips windows that contain one of `corners`, the columns where the ramp meets a plateau.
 fn local_error(asked: &LinearImage, codes: &CodeImage, stride: usize, corners: &[f64]) -> f64 {
     let (size, side) = (asked.width, 16);
     let light: Vec<f64> = (0..=255).map(|code| SRGB_8.channel(0).linear(code)).collect();
@@ -361,10 +360,10 @@ fn local_error(asked: &LinearImage, codes: &CodeImage, stride: usize, corners: &
     largest
 }
 
-/// The dithers that have names of their own, and the largest error that each may make.
+/// The dithers and the largest error that each may have.
 ///
-/// The matrices that only an option names have too few levels for 0.1 everywhere: n² + 1 levels are up
-/// to 1/2n² from what is asked, an eighth of a code with n = 2.
+/// Some small matrices have too few levels for a bound of 0.1: with n² + 1 levels, the error is up to 1/2n², which is
+/// an eighth of a code for n = 2.
 const BOUNDS: &[(&str, f64)] = &[
     ("none", 0.5),
     ("ordered", 0.1),
@@ -377,7 +376,7 @@ const BOUNDS: &[(&str, f64)] = &[
     ("ordered:clustered2", 0.125),
 ];
 
-/// Level with no window on a corner, and turned with windows everywhere.
+/// Tests a horizontal ramp without windows on a corner, and rotated ramps with windows everywhere.
 #[test]
 fn the_local_mean_of_light_is_right() {
     for (orientation, stride, corners) in [(0.0, 2, &[0.1 * 1024.0, 0.9 * 1024.0][..]), (30.0, 4, &[]), (90.0, 4, &[])]
@@ -395,7 +394,7 @@ fn the_local_mean_of_light_is_right() {
     }
 }
 
-/// Uniform fields, where no gradient helps: any share of the upper code, any window.
+/// Tests uniform fields, where no gradient helps, with any share of the upper code and in any window.
 #[test]
 fn the_local_mean_of_uniform_fields_is_right() {
     for (dither, bound) in [
@@ -418,8 +417,8 @@ fn the_local_mean_of_uniform_fields_is_right() {
     }
 }
 
-/// Within the ramp: the mean run of one code along a row, and the most columns side by side with one code in all of their
-/// pixels, the widest band that can be seen.
+/// Returns, for the inside of the ramp, the mean length of a run of one code along a row, and the width of the widest
+/// visible band: the largest number of adjacent columns in which all pixels have the same code.
 fn runs(codes: &CodeImage) -> (f64, usize) {
     let columns = (codes.width as usize).div_ceil(10)..codes.width as usize * 9 / 10;
     let rows: Vec<Vec<u16>> = (0..codes.height).map(|y| reds(codes, y)[columns.clone()].to_vec()).collect();
@@ -431,9 +430,9 @@ fn runs(codes: &CodeImage) -> (f64, usize) {
     (mean, same.map(<[_]>::len).max().unwrap_or(0))
 }
 
-/// With dither runs are at most a third as long, and with blue noise the widest band at most an eighth as wide.
+/// With dither, runs are at most a third as long; with blue noise, the widest band is at most an eighth as wide.
 #[test]
-fn bands_fall_apart() {
+fn dither_breaks_up_bands() {
     let asked = ramp(1024, 0.0);
     let (mean, band) = runs(&SRGB_8.quantize(&asked));
     assert_eq!(band, 13);
@@ -450,7 +449,7 @@ fn halftone(matrix: DitherMatrix, bits: u32, transfer: &Transfer) -> Halftone {
     Halftone::new(Screen { matrix, bits }, &transfer.into())
 }
 
-/// The mean light of each level's cell.
+/// Returns the mean light of each level's cell.
 fn lights(halftone: &Halftone, bits: u32, transfer: &Transfer) -> Vec<f64> {
     let max = 2u32.pow(bits) - 1;
     let light: Vec<f64> =
@@ -460,13 +459,13 @@ fn lights(halftone: &Halftone, bits: u32, transfer: &Transfer) -> Vec<f64> {
 }
 
 #[test]
-fn cells_have_the_levels_of_the_formula() {
+fn the_number_of_levels_follows_the_formula() {
     for &matrix in DitherMatrix::ALL {
         for bits in 1..=8 {
             let halftone = halftone(matrix, bits, &Transfer::Srgb);
             let n = matrix.size();
             assert_eq!(halftone.level_count(), n * n * (2u32.pow(bits) - 1) + 1);
-            // As many different lights, and every step lights one dot by one code and dims none.
+            // There are as many different lights, and every step brightens one dot by one code and dims none.
             let count = halftone.level_count();
             let mut before = halftone.cell(0);
             assert!(before.iter().all(|&code| code == 0));
@@ -481,9 +480,10 @@ fn cells_have_the_levels_of_the_formula() {
             assert!(lights(&halftone, bits, &Transfer::Srgb).is_sorted_by(|a, b| a < b));
         }
     }
-    // A dot grows from the middle of Shoaff's D⁽³⁾, x across his rows: then up, then left of it.
+    // A dot grows from the middle of Shoaff's D⁽³⁾, with x across his rows: first the middle, then above it, then to
+    // its left.
     assert_eq!(halftone(DitherMatrix::Clustered3, 1, &Transfer::Linear).cell(3), [0, 1, 0, 0, 1, 1, 0, 0, 0]);
-    // Shoaff's figure: 5 levels of a 2 × 2 cell of one bit.
+    // As in Shoaff's figure, a 2 × 2 cell of one bit has 5 levels.
     assert_eq!(halftone(DitherMatrix::Clustered2, 1, &Transfer::Linear).level_count(), 5);
     for text in ["clustered2:0", "bayer2:9", "bayer3:1", "clustered3", "clustered3:"] {
         let error = text.parse::<Screen>().unwrap_err().to_string();
@@ -492,7 +492,7 @@ fn cells_have_the_levels_of_the_formula() {
 }
 
 #[test]
-fn a_values_level_is_the_nearest() {
+fn every_value_gets_the_nearest_level() {
     for transfer in transfers() {
         for (matrix, bits) in [(DitherMatrix::Clustered2, 1), (DitherMatrix::Clustered3, 2), (DitherMatrix::Bayer4, 4)]
         {
@@ -514,7 +514,7 @@ fn a_values_level_is_the_nearest() {
     }
 }
 
-/// Every pixel is its level's cell, in 8 bits; each channel by its own transfer function.
+/// Every pixel becomes its level's cell, in 8 bits. Each channel uses its own transfer function.
 #[test]
 fn enlarged_images_have_a_cell_for_every_pixel() {
     let image = LinearImage::from_fn(23, 11, |x, y| {

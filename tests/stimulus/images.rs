@@ -1,4 +1,4 @@
-//! Image files: what is in them, that they prove themselves, and that many of them can be made in parts.
+//! Image files: their contents, their verification against the recipe in them, and making many of them in parts.
 
 use std::{path::Path, time::Duration};
 
@@ -29,9 +29,10 @@ fn table() -> Transfer {
     transfers().pop().unwrap()
 }
 
-/// Every kind, transfer, depth and dither: what is written reads back as the codes that were rendered, and proves itself.
+/// For every kind, transfer, depth and dither, a written image reads back as the codes that were rendered and passes
+/// verification.
 #[test]
-fn images_read_back_and_prove_themselves() {
+fn images_read_back_and_can_be_verified() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     for entry in catalog::all() {
@@ -51,7 +52,7 @@ fn images_read_back_and_prove_themselves() {
                     image::write_recipe(&path, &recipe, &quantizer).unwrap();
                     let read = image::read(&path).unwrap();
                     assert_eq!(read.image, recipe.codes(&quantizer), "{recipe:?}");
-                    // The text of a random dither has no seed: the recipe's own counts.
+                    // The text of a random dither has no seed; the seed of the recipe applies.
                     assert!(read.recipe == recipe || matches!(recipe.dither, Dither::Random { .. }));
                     image::prove(&path).unwrap();
                 }
@@ -61,7 +62,7 @@ fn images_read_back_and_prove_themselves() {
 }
 
 #[test]
-fn an_image_describes_its_codes() {
+fn an_image_file_describes_its_codes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     let info = |recipe: &Recipe| {
@@ -91,7 +92,7 @@ fn a_changed_image_is_detected() {
     let path = folder.path().join("image.png");
     let recipe = recipe("kanizsa");
     image::write_recipe(&path, &recipe, &recipe.quantizer()).unwrap();
-    // The same codes but one, under the same recipe.
+    // The same codes except for one, with the same recipe.
     let mut codes: Vec<u8> = recipe.codes(&recipe.quantizer()).bytes().unwrap().iter().step_by(3).copied().collect();
     codes[123] ^= 1;
     let mut encoder = png::Encoder::new(std::fs::File::create(&path).unwrap(), 40, 40);
@@ -115,7 +116,7 @@ fn a_changed_image_is_detected() {
 }
 
 #[test]
-fn a_palette_and_a_halftone_prove_themselves_too() {
+fn palettes_and_halftones_can_be_verified() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for method in ["popularity:8", "median-cut:16", "k-means:4"] {
@@ -130,9 +131,10 @@ fn a_palette_and_a_halftone_prove_themselves_too() {
     fails(folder, &["stimulus", "--palette", "median-cut:0", "--out", "q.png"], 2);
 }
 
-/// `emitted` is the light of the code, everywhere, and the codes are those of the image where the profile runs along a row.
+/// `emitted` is always the light of the code. If the profile runs along a row of the image, its codes are those of the
+/// image.
 #[test]
-fn the_profile_is_that_of_the_image() {
+fn the_profile_matches_the_image() {
     for dither in [Dither::None, Dither::BlueNoise] {
         for entry in catalog::all() {
             let transfers = Transfers::new([Transfer::Gamma(2.0), table(), Transfer::gog(2.4, 1.1, -0.1).unwrap()]);
@@ -144,7 +146,8 @@ fn the_profile_is_that_of_the_image() {
                 let encoded = f64::from(sample.codes[strongest]) / 255.0;
                 let light = recipe.transfers.channels()[strongest].linear_from_encoded(encoded);
                 assert!((sample.emitted - light).abs() < 1e-12, "{} {i}", entry.kind);
-                // The discs of a Kanizsa triangle are averaged over the pixel; its middle row meets none of their edges.
+                // In the image, the discs of a Kanizsa triangle are averaged over each pixel, so its codes can differ
+                // from the profile.
                 if dither == Dither::None && entry.kind != "kanizsa" {
                     assert_eq!(sample.codes, image.pixel(i as u32, 32), "{} {i}", entry.kind);
                 }
@@ -153,7 +156,7 @@ fn the_profile_is_that_of_the_image() {
     }
 }
 
-/// The command that the gallery copies makes the very same file.
+/// The command that the gallery copies creates exactly the same file.
 #[test]
 fn the_copied_command_makes_the_same_image() {
     let folder = tempfile::tempdir().unwrap();
@@ -176,7 +179,7 @@ fn the_copied_command_makes_the_same_image() {
 }
 
 #[test]
-fn shards_together_are_the_whole_and_a_killed_run_is_resumed() {
+fn shards_make_up_the_whole_and_a_killed_run_can_be_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let content = |name: &str| {
         let root = folder.path().join(name);
@@ -194,7 +197,7 @@ fn shards_together_are_the_whole_and_a_killed_run_is_resumed() {
     }
     assert!(content("parts") == whole);
 
-    // Killed at several moments; each time what is whole is kept.
+    // Kill the run at several moments. Each time, complete files are kept.
     for delay in [3, 6, 9, 12, 20] {
         let mut child = command(folder.path(), &[&options[..], &["killed"]].concat()).spawn().unwrap();
         std::thread::sleep(Duration::from_millis(delay));
@@ -204,13 +207,13 @@ fn shards_together_are_the_whole_and_a_killed_run_is_resumed() {
     stimuli("killed", &[]);
     assert!(content("killed") == whole);
 
-    // Whole: nothing is made again. One file touched, one gone: just those.
+    // If everything is complete, nothing is made again. If one file was changed and one is gone, only those are made.
     assert!(stimuli("whole", &[]).starts_with("0 images made, 120 kept"));
     std::fs::remove_file(folder.path().join("whole").join(&whole[5].0)).unwrap();
     std::fs::write(folder.path().join("whole").join(&whole[7].0), "touched").unwrap();
     assert!(stimuli("whole", &[]).starts_with("2 images made, 118 kept"));
     assert!(content("whole") == whole);
-    // Other options: everything is made anew.
+    // With different options, everything is made again.
     assert!(stimuli("whole", &["--bits", "16"]).starts_with("120 images made"));
     fails(folder.path(), &["stimuli", "quick", "--out", "x", "--shard", "4/3"], 2);
 }

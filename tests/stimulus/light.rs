@@ -1,5 +1,5 @@
-//! Interpolation, transfer functions and the way from light to codes, against other implementations and against their
-//! defining properties.
+//! Interpolation, transfer functions and the conversion of light to codes, compared with other implementations and with
+//! their defining properties.
 
 use machband::light::interpolation::{TANH_K, coefficients};
 use machband::light::quantize::reference_code;
@@ -19,22 +19,21 @@ fn interpolation_agrees_with_other_implementations() {
         let golden = golden(file);
         assert_eq!(golden.len(), rows, "{file}");
         for (depth, row) in golden {
-            // Either a number or inf, which is a number to Rust.
+            // The depth is either a number or inf, which Rust also parses as a number.
             let (depth, u, expected) = match row[..] {
                 [n, u, expected] if n.is_finite() => (Depth::finite(n as u32).unwrap(), u, expected),
                 [.., u, expected] => (Depth::Infinite, u, expected),
                 _ => panic!("{depth} {row:?}"),
             };
             let value = Interpolation::new(depth).value(u);
-            // The lower half does not cancel: it is good relatively, however small.
+            // The lower half has no cancellation, so its relative error is small, no matter how small the value is.
             let within = if u <= 0.5 { 1e-12 * expected } else { 1e-12 };
             assert!((value - expected).abs() <= within, "n={depth} u={u}: {value}, not {expected}");
         }
     }
 }
 
-/// n − 1 derivatives vanish at the ends and the n-th does not: I_n(h) goes as hⁿ, with the
-/// coefficient C(2n−1, n).
+/// At the ends, n − 1 derivatives vanish and the n-th does not: I_n(h) behaves like hⁿ with the coefficient C(2n−1, n).
 #[test]
 fn derivatives_vanish_up_to_the_depth_and_then_jump() {
     for n in depths() {
@@ -45,8 +44,7 @@ fn derivatives_vanish_up_to_the_depth_and_then_jump() {
         let leading: f64 = (1..=i32::from(n)).map(|k| f64::from(i32::from(n) - 1 + k) / f64::from(k)).product();
         let jump = i.value(h) / h.powi(n.into());
         assert!((jump / leading - 1.0).abs() < 1e-4, "n={n}: the n-th derivative jumps by {jump}·n!, not {leading}·n!");
-        // The shoulder mirrors the foot. 1 − I is representable to 1e-16, so h is as large as the
-        // order needs.
+        // The shoulder mirrors the foot. 1 − I is representable only to 1e-16, so h is as large as the order requires.
         let h = 10f64.powf(-8.0 / f64::from(n)).min(0.01);
         let shoulder = 1.0 - i.value(1.0 - h);
         assert!((shoulder - i.value(h)).abs() < 2e-16, "n={n}");
@@ -64,7 +62,7 @@ fn infinite_depth_is_zero_before_the_ramp_and_has_a_steepness() {
 proptest! {
     #[test]
     fn halves_complement_each_other(n in 1u8..=32, billionths in 0u32..=1 << 30) {
-        // A multiple of 2⁻³⁰, so that 1 − u is exact and all of the error is the function's.
+        // A multiple of 2⁻³⁰, so that 1 − u is exact and any error comes from the function.
         let u = f64::from(billionths) / f64::from(1u32 << 30);
         for depth in [Depth::Finite(n), Depth::Infinite] {
             let i = Interpolation::new(depth);
@@ -94,7 +92,7 @@ fn coefficients_are_exact() {
 
 #[test]
 fn transfer_functions_have_their_published_values() {
-    // The standards' formulas in mpmath 1.3.0, 40 digits.
+    // Computed from the formulas of the standards in mpmath 1.3.0 with 40 digits.
     let srgb = Transfer::Srgb;
     assert!((srgb.linear_from_encoded(0.5) - 0.214_041_140_482_232_55).abs() < 1e-15);
     assert!((srgb.linear_from_encoded(0.04) - 0.04 / 12.92).abs() < 1e-17);
@@ -120,7 +118,7 @@ fn transfer_functions_are_inverses_and_rise() {
             (last_linear, last_encoded) = (linear, encoded);
         }
     }
-    // The standard's constants do not quite meet; across the gap the encoded value stands still.
+    // The constants in the standard do not quite meet. Across the gap, the encoded value stays constant.
     let knee: f64 = 0.04045 / 12.92;
     let across = [knee.next_down(), knee, knee.next_up(), knee + 1e-9, knee + 2e-9, knee + 1e-8];
     let encoded = across.map(|linear| Transfer::Srgb.encoded_from_linear(linear));
@@ -128,7 +126,7 @@ fn transfer_functions_are_inverses_and_rise() {
 }
 
 #[test]
-fn transfers_are_read_and_refused_with_reasons() {
+fn transfers_are_read_and_errors_are_explained() {
     for text in ["srgb", "linear", "gamma:2.2", "gamma:1"] {
         assert_eq!(text.parse::<Transfer>().unwrap().to_string(), text);
     }
@@ -142,7 +140,7 @@ fn transfers_are_read_and_refused_with_reasons() {
             assert!(message.contains(expected), "{text}: {message}");
         }
     }
-    // Tables rise over the whole range.
+    // Tables must rise over the whole range.
     let table = |encoded: &[f64], linear: &[f64]| TransferTable::new(encoded.to_vec(), linear.to_vec());
     assert!(table(&[0.0, 0.5, 1.0], &[0.0, 0.2, 1.0]).is_ok());
     for (encoded, linear, expected) in [
@@ -164,7 +162,7 @@ fn gain_offset_and_gamma_are_inverse_and_reach_both_ends() {
         assert_eq!(transfer.to_string().parse::<Transfer>().unwrap(), transfer);
         assert_eq!([0.0, 1.0].map(|v| transfer.linear_from_encoded(v)), [0.0, 1.0]);
         assert_eq!([0.0, 1.0].map(|l| transfer.encoded_from_linear(l)), [0.0, 1.0]);
-        // By hand: (g·V + o)^γ less what is there at 0, over its range.
+        // By hand: (g·V + o)^γ minus its value at 0, divided by its range.
         let raw = |v: f64| (gain * v + offset).max(0.0).powf(gamma);
         let mut last = (0.0, 0.0);
         for i in 1..1000 {
@@ -177,7 +175,7 @@ fn gain_offset_and_gamma_are_inverse_and_reach_both_ends() {
             last = (linear, encoded);
         }
     }
-    // Without an offset it is a plain gamma, whatever the gain.
+    // Without an offset, it is a plain gamma, regardless of the gain.
     let plain = Transfer::gog(2.2, 0.7, 0.0).unwrap();
     assert!((plain.linear_from_encoded(0.3) - Transfer::Gamma(2.2).linear_from_encoded(0.3)).abs() < 1e-15);
     for (gamma, gain, offset) in [(0.0, 1.0, 0.0), (2.2, 0.0, 0.0), (2.2, 0.1, -0.2), (2.2, f64::NAN, 0.0)] {
@@ -186,7 +184,7 @@ fn gain_offset_and_gamma_are_inverse_and_reach_both_ends() {
 }
 
 #[test]
-fn channels_that_differ_are_quantized_each_by_its_own() {
+fn each_channel_is_quantized_by_its_own_transfer() {
     let text = "gamma:1.8/gog:2.2,1.05,-0.05/srgb";
     let transfers: Transfers = text.parse().unwrap();
     assert_eq!((transfers.to_string().as_str(), transfers.uniform()), (text, None));
@@ -203,10 +201,9 @@ fn channels_that_differ_are_quantized_each_by_its_own() {
     }
 }
 
-/// The quantizer against the formula that defines it: both sides of every threshold, and all over
-/// the range.
+/// Compares the quantizer with the formula that defines it, on both sides of every threshold and over the whole range.
 #[test]
-fn quantizer_is_the_plain_formula() {
+fn the_quantizer_matches_the_formula() {
     for transfer in transfers().into_iter().chain([Transfer::Gamma(10.0), Transfer::Gamma(0.1)]) {
         for (bits, around, stride) in [(Bits::Eight, 300u32, 4_001), (Bits::Sixteen, 2, 40_009)] {
             let quantizer = Quantizer::new(&transfer, bits);
@@ -215,7 +212,7 @@ fn quantizer_is_the_plain_formula() {
                 assert_eq!(quantizer.channel(0).code(v), plain, "{transfer} {bits} bits, {v:e} = {:#x}", v.to_bits());
             };
             for code in 1..=bits.max_code() {
-                // Below γ = 0.2 and above 5 neighboring codes may have one f32.
+                // Below γ = 0.2 and above 5, neighboring codes may share one f32 value.
                 let light = quantizer.channel(0).linear(code) as f32;
                 let is_extreme = matches!(transfer, Transfer::Gamma(gamma) if !(0.2..5.0).contains(&gamma));
                 assert!(is_extreme || quantizer.channel(0).code(light) == code, "{transfer} {bits} bits, {code}");
@@ -235,7 +232,7 @@ fn quantizer_is_the_plain_formula() {
     }
 }
 
-/// Equal ratios, and the nearest level by ratio, half-way upwards.
+/// Steps are equal ratios, and the nearest level is determined by ratio, with the boundary halfway between two levels.
 #[test]
 fn equal_brightness_steps_are_equal_ratios() {
     let levels = equal_brightness_levels(0.02, 4).unwrap();
@@ -256,10 +253,9 @@ fn equal_brightness_steps_are_equal_ratios() {
     }
 }
 
-/// Sizes and angles worked out by hand: a 10° window at 50 cm, on a screen of 1920 pixels over 53.1
-/// cm.
+/// Compares with sizes and angles computed by hand: a 10° window at 50 cm on a screen with 1920 pixels over 53.1 cm.
 #[test]
-fn two_givens_fix_the_third() {
+fn size_angle_and_distance_determine_each_other() {
     use machband::display::geometry::{Screen, Viewing, distance_cm, width_cm_from_card};
     let viewing = Viewing::new(Screen::new(1920, 1080, 53.1).unwrap(), 50.0).unwrap();
     let px = viewing.px_from_deg(10.0);

@@ -1,4 +1,4 @@
-//! Light, screen, eye and stimulus: the numbers below every picture.
+//! Tests of light, screen, eye and stimulus: the numbers behind every picture.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -22,13 +22,13 @@ use machband::{
     stimulus::{MachBand, Stimulus},
 };
 
-/// One of every kind, and exponents below and above 1.
+/// Returns transfer functions of several kinds, with exponents below and above 1.
 fn transfers() -> Vec<Transfer> {
     let table = TransferTable::new(vec![0.0, 0.1, 0.35, 0.8, 1.0], vec![0.0, 0.004, 0.11, 0.55, 1.0]).unwrap();
     [Transfer::Linear, Transfer::Srgb, Transfer::Gamma(2.2), Transfer::Gamma(0.45), Transfer::Table(table)].into()
 }
 
-/// A Mach band drawn without saying each time that it is a stimulus.
+/// Draws a Mach band without converting it to a stimulus first.
 trait Draw {
     fn linear(&self, size: u32) -> LinearImage;
 }

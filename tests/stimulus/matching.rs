@@ -1,4 +1,4 @@
-//! Gamma by eye, run by simulated observers before known displays.
+//! Gamma matching by eye, performed by simulated observers on known displays.
 
 use machband::{
     display::{
@@ -20,7 +20,7 @@ fn power(gammas: [f64; 3]) -> Transfers {
     Transfers::new(gammas.map(|gamma| Transfer::gamma(gamma).unwrap()))
 }
 
-/// All matches of a run; the observer leaves the square where it starts with probability `lapse`.
+/// Returns all matches of a run. With the probability `lapse`, the observer leaves the square at its starting value.
 fn run(settings: &MatchSettings, display: &Transfers, lapse: f64, seed: u64) -> Vec<Match> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
     let mut matching = Matching::new(settings, seed, Vec::new()).unwrap();
@@ -35,7 +35,7 @@ fn run(settings: &MatchSettings, display: &Transfers, lapse: f64, seed: u64) -> 
     matching.done().to_vec()
 }
 
-/// Three exponents within 1.6…2.8.
+/// Returns three exponents in 1.6…2.8.
 fn gammas(seed: u64) -> [f64; 3] {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0xd15);
     std::array::from_fn(|_| 1.6 + 1.2 * (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64)
@@ -45,8 +45,9 @@ fn found(matches: &[Match], channel: Channel) -> ChannelGamma {
     estimate(matches).into_iter().find(|(one, _)| *one == channel).unwrap().1.unwrap()
 }
 
-/// An observer with a difference threshold of 2 %, three channels that differ, γ from 1.6 to 2.8: within ± 0.05, in five
-/// minutes; and the spread of the matches is the interval that it is said to be.
+/// An observer with a difference threshold of 2 % matches three different channels with γ from 1.6 to 2.8. Within five
+/// minutes, γ is found to within ±0.05, and the intervals from the spread of the matches cover it as often as they
+/// claim.
 #[test]
 fn gamma_is_recovered_within_five_minutes() {
     let settings = MatchSettings::default();
@@ -72,7 +73,7 @@ fn gamma_is_recovered_within_five_minutes() {
 }
 
 #[test]
-fn careless_matches_bring_a_warning() {
+fn careless_matches_cause_a_warning() {
     let mut warned = 0;
     for seed in 0..50 {
         let matches = run(&MatchSettings::default(), &power([2.2; 3]), 1.0, seed);
@@ -92,14 +93,14 @@ fn matches_without_a_gamma_are_explained() {
     assert_eq!(error(&[one(Channel::Red, 250), one(Channel::Red, 10)]), GammaError::Open);
     let half = Match { rows: Rows { period: 2, ..rows }, ..one(Channel::Red, 190) };
     assert_eq!(error(&[one(Channel::Red, 130), half]), GammaError::Mixed);
-    // Gray alone serves all three; red alone does not.
+    // Gray alone is enough for all three channels; red alone is not.
     let two = |channel| estimate(&[one(channel, 130), one(channel, 132)]);
     assert!(transfers(&two(Channel::Gray)).unwrap().uniform().is_some());
     assert_eq!(transfers(&two(Channel::Red)), None);
 }
 
 #[test]
-fn a_match_taken_back_comes_again_and_a_run_is_resumed() {
+fn matches_can_be_undone_and_runs_resumed() {
     let settings = MatchSettings { row_px: 2, ..MatchSettings::default() };
     let mut matching = Matching::new(&settings, 9, Vec::new()).unwrap();
     assert_eq!(matching.undo(), None);
@@ -114,7 +115,7 @@ fn a_match_taken_back_comes_again_and_a_run_is_resumed() {
     for (i, one) in done.iter().enumerate().rev() {
         assert_eq!((matching.undo(), matching.shown()), (Some(*one), Some(*one)));
         assert_eq!(matching.done().len(), i);
-        // What an earlier run left is continued with the same pictures.
+        // A resumed run continues with the same pictures.
         let resumed = Matching::new(&settings, 9, done[..i].to_vec()).unwrap();
         assert_eq!(resumed.shown(), Some(shown[i]));
     }
@@ -123,7 +124,7 @@ fn a_match_taken_back_comes_again_and_a_run_is_resumed() {
 }
 
 #[test]
-fn settings_that_cannot_run_are_explained() {
+fn invalid_settings_are_explained() {
     let with = |change: &dyn Fn(&mut MatchSettings)| {
         let mut settings = MatchSettings::default();
         change(&mut settings);
@@ -143,17 +144,17 @@ fn settings_that_cannot_run_are_explained() {
     assert_eq!(with(&|_| ()), "");
 }
 
-/// Columns do not differ, the rows' mean is the share that the match counts on, and the patch begins and ends with a
-/// period.
+/// Columns do not differ, the mean of the rows is the share that the match assumes, and the patch begins and ends with
+/// a period.
 #[test]
-fn the_picture_is_rows_and_a_patch() {
+fn the_picture_has_rows_and_a_patch() {
     for (row_px, period) in [(1, 4), (2, 2)] {
         let settings = MatchSettings { row_px, period, channels: vec![Channel::Gray], ..MatchSettings::default() };
         let shown = Matching::new(&settings, 2, Vec::new()).unwrap().shown().unwrap();
         let image = shown.picture(120, 50);
         let column = |x: u32| -> Vec<u16> { (0..120).map(|y| image.pixel(x, y)[0]).collect() };
         let (edge, middle) = (column(0), column(60));
-        assert!((0..35).all(|x| column(x) == edge), "columns beside the patch are alike");
+        assert!((0..35).all(|x| column(x) == edge), "columns next to the patch are alike");
         let inside: Vec<usize> = (0..120).filter(|y| middle[*y] != edge[*y]).collect();
         let (first, last) = (inside[0], inside[inside.len() - 1] + 1);
         let period = shown.rows.period_px() as usize;
@@ -164,10 +165,10 @@ fn the_picture_is_rows_and_a_patch() {
     }
 }
 
-/// The check's patch has the rows' light where the profile is right, to half a code, and plainly not where γ is wrong by
-/// 0.2.
+/// The patch of the check has the light of the rows, to half a code, if the profile is right, and clearly different
+/// light if γ is wrong by 0.2.
 #[test]
-fn the_check_vanishes_only_where_the_profile_is_right() {
+fn the_check_patch_vanishes_only_if_the_profile_is_right() {
     let transfers =
         Transfers::new([Transfer::Srgb, Transfer::gamma(2.4).unwrap(), Transfer::gog(2.0, 0.9, 0.1).unwrap()]);
     let quantizer = Quantizer::new(&transfers, Bits::Eight);

@@ -1,4 +1,4 @@
-//! Palettes: what each reducer leaves, and that it is the same every time.
+//! Palettes: what each reducer keeps, and that the result is always the same.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ fn image(width: u32, pixels: &[[u8; 3]]) -> CodeImage {
     CodeImage { width, height, samples: Samples::Eight(pixels.as_flattened().to_vec()) }
 }
 
-/// The error by the definition: every pixel decoded, one by one.
+/// Compares the error with its definition, decoding every pixel individually.
 fn assert_error_is_right(image: &CodeImage, reduced: &IndexedImage, transfer: &Transfer) {
     let quantizer = Quantizer::new(transfer, Bits::Eight);
     let (mut squares, mut max) = (0.0, 0.0f64);
@@ -32,7 +32,7 @@ fn reduce(image: &CodeImage, transfer: &Transfer, colors: u32, reducer: Reducer)
 }
 
 #[test]
-fn other_texts_and_images_are_refused() {
+fn invalid_texts_and_images_are_rejected() {
     for text in ["median-cut:0", "median-cut:257", "median-cut", "octree:8", "k-means:many"] {
         let message = text.parse::<Reduction>().unwrap_err().to_string();
         assert!(message.contains("expected popularity, median-cut or k-means, a colon and 1…256 colors"), "{message}");
@@ -46,26 +46,26 @@ fn other_texts_and_images_are_refused() {
     }
 }
 
-/// Small enough to do by hand.
+/// An example small enough to compute by hand.
 #[test]
 fn each_reducer_does_what_its_name_says() {
     let pixels = [(10, 5), (12, 4), (100, 3), (201, 1)].map(|(red, count)| vec![[red, 0, 0]; count]).concat();
     let of = |colors, reducer| reduce(&image(1, &pixels), &Transfer::Linear, colors, reducer);
     assert_eq!(of(2, Reducer::Popularity).palette, [[10, 0, 0], [12, 0, 0]]);
-    // 13 pixels: the middle one is a 12, nearer to the cut before it (5 | 8) than to the one after it (9 | 4).
+    // Of 13 pixels, the middle one is a 12. It is nearer to the cut before it (5 | 8) than to the cut after it (9 | 4).
     // The mean of 4·12, 3·100 and 201 is 68.6.
     assert_eq!(of(2, Reducer::MedianCut).palette, [[10, 0, 0], [69, 0, 0]]);
-    // Least squares: {10, 12} and {100, 201}: 10.9 and 125.25.
+    // Least squares gives {10, 12} and {100, 201}, with means of 10.9 and 125.25.
     assert_eq!(of(2, Reducer::KMeans).palette, [[11, 0, 0], [125, 0, 0]]);
-    // Of equally frequent colors the lowest.
+    // Among equally frequent colors, the lowest are kept.
     let even = image(1, &[[3, 0, 0], [1, 0, 0], [2, 0, 0]]);
     assert_eq!(reduce(&even, &Transfer::Srgb, 2, Reducer::Popularity).palette, [[1, 0, 0], [2, 0, 0]]);
 }
 
-/// The palette of one machine, pinned: any other must make the same.
+/// The palette from one machine is pinned; every other machine must produce the same.
 #[test]
 fn palettes_are_the_same_everywhere() {
-    // Whole numbers only, so that the image itself cannot differ.
+    // Uses only whole numbers, so that the image itself cannot differ.
     let pixels: Vec<[u8; 3]> = (0..64u32 * 64)
         .map(|i| {
             let (x, y) = (i % 64, i / 64);
@@ -85,7 +85,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
-    fn any_image_is_reduced(
+    fn any_image_can_be_reduced(
         pixels in prop::collection::vec(prop::array::uniform3(prop_oneof![any::<u8>(), Just(0), Just(255)]), 1..300),
         colors in 1u32..=40, linear in any::<bool>(), which in 0usize..3,
     ) {

@@ -1,5 +1,4 @@
-//! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and its codes against
-//! its light.
+//! The Mach-band stimulus: its symmetries, its plateaus, its parameters, and the agreement of its codes with its light.
 
 use super::{Draw as _, transfers};
 use machband::light::{Bits, Depth, Quantizer, Transfer, Transfers};
@@ -9,22 +8,22 @@ use proptest::prelude::*;
 fn quantizers() -> Vec<Quantizer> {
     let alike = transfers().into_iter().map(|transfer| Quantizer::new(transfer, Bits::Eight));
     let dark_toe = Transfer::gog(2.2, 1.05, -0.05).unwrap();
-    // Red and green differ, whose equal weights make a yellow.
+    // Red and green, whose equal weights make yellow, have different transfer functions.
     let differing = Transfers::new([Transfer::Gamma(2.0), Transfer::Gamma(2.2), Transfer::Srgb]);
     alike.chain([Quantizer::new(dark_toe, Bits::Eight), Quantizer::new(differing, Bits::Eight)]).collect()
 }
 
-/// The codes are those of the quantized light; else says where they are not.
+/// Checks that the codes are those of the quantized light.
 fn assert_codes_are_right(stimulus: &Stimulus, size: u32, quantizer: &Quantizer) {
     let codes = stimulus.codes(size, quantizer);
     let plain = quantizer.quantize(&stimulus.linear(size));
     assert!(codes == plain, "{stimulus:?}, size {size}, {}", quantizer.transfers());
 }
 
-/// Steps and jumps on pixel centers, in rows whose shifts are whole or nearly whole; a plateau a hair below a threshold,
-/// and a ramp so flat at its foot that L's rounding decides where it crosses; whole windows.
+/// Tests steps and jumps on pixel centers, in rows with shifts that are exactly or nearly whole; a plateau just below a
+/// threshold, and a ramp so flat at its foot that the rounding of L decides where it crosses; and whole windows.
 #[test]
-fn codes_are_those_of_the_light_in_hard_cases() {
+fn codes_match_the_light_in_hard_cases() {
     let [linear, srgb] = [Transfer::Linear, Transfer::Srgb].map(|transfer| Quantizer::new(transfer, Bits::Eight));
     let sixteen = Quantizer::new(Transfer::Srgb, Bits::Sixteen);
     for size in [16, 51, 255, 256] {
@@ -39,7 +38,7 @@ fn codes_are_those_of_the_light_in_hard_cases() {
                 }
             }
             for steps in [1, 2, 4, 5, 17, 51, 85, 255].map(f64::from) {
-                // Linear light, linear ramp, one code for every pixel or every few of them.
+                // Linear light and a linear ramp, with one code for every pixel or every few pixels.
                 for width in [1.0, 0.5, (steps * pixel).min(1.0)] {
                     let band =
                         MachBand { width, low: 0.0, high: steps / 255.0, orientation_deg, ..MachBand::default() };
@@ -50,7 +49,7 @@ fn codes_are_those_of_the_light_in_hard_cases() {
     }
     for code in [1, 20, 64, 100, 127] {
         let threshold = linear.channel(0).threshold(code);
-        // From here on the cast to f32 ends at the threshold.
+        // From this value on, the cast to f32 rounds up to the threshold.
         let up = 0.5 * (f64::from(threshold) + f64::from(threshold.next_down()));
         for (low, high) in [(up.next_down(), 0.9), (up, 0.9), (0.0, up), (0.0, up.next_up())] {
             for depth in [2, 4, 8, 16, 32].map(Depth::Finite) {
@@ -65,7 +64,7 @@ fn codes_are_those_of_the_light_in_hard_cases() {
             assert_codes_are_right(&band.clone().into(), size, quantizer);
         }
     }
-    // Below an offset all codes are dark: the first twelve have one threshold, the smallest light there is.
+    // Below the offset, all codes are dark: the first twelve share one threshold, the smallest possible light.
     let dark_toe = Quantizer::new(Transfer::gog(2.2, 1.05, -0.05).unwrap(), Bits::Eight);
     let orientation_deg = -234.444_854_903_795_72;
     for (width, size) in [(0.884_692_315_109_643_1, 93), (1.0, 93), (1.0, 18)] {
@@ -103,9 +102,9 @@ fn luminances() -> impl Strategy<Value = (f64, f64)> {
         Just((0.25, 0.75)),
         Just((0.0, 1.0)),
         (0.0..=1.0f64, 0.0..=1.0f64).prop_map(sorted),
-        // A few codes, one, or none apart.
+        // A few codes apart, one code apart, or none.
         (0.0..=1.0f64, -20.0..-3.0f64).prop_map(|(low, span)| (low, (low + span.exp()).min(1.0))),
-        // On a code's threshold, or a rounding off it.
+        // On the threshold of a code, or a rounding error away from it.
         (1u16..255, 1u16..255, -2..=2i32)
             .prop_map(|(a, b, off)| {
                 let quantizer = Quantizer::new(&Transfer::Linear, Bits::Eight);
@@ -138,7 +137,7 @@ prop_compose! {
     }
 }
 
-/// A band, or any other kind that varies in one direction.
+/// Generates a Mach band or any other kind that varies in one direction.
 fn line() -> impl Strategy<Value = Stimulus> {
     let other = (1..catalog::all().len(), 0..3usize, orientation()).prop_map(|(entry, variant, degrees)| {
         let mut stimulus = catalog::all()[entry].stimuli().swap_remove(variant);
@@ -153,7 +152,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1500))]
 
     #[test]
-    fn codes_are_those_of_the_light(
+    fn codes_match_the_light(
         stimulus in line(),
         size in prop_oneof![1u32..140, Just(255), Just(256)],
         (transfer, gamma) in (0usize..8, 0.1..10.0f64),
@@ -175,9 +174,9 @@ proptest! {
     }
 }
 
-/// Where cosine and sine differ by a last digit, the diagonal of a step is not a line any more.
+/// If cosine and sine differed in their last digit, the diagonal of a step would no longer be a line.
 #[test]
-fn a_step_through_pixel_centers_is_half_way_there() {
+fn a_step_through_pixel_centers_is_halfway_there() {
     for (eighths, on_line) in [
         (0, (|x, _| x == 20) as fn(u32, u32) -> bool),
         (1, |x, y| x == y),
@@ -203,13 +202,13 @@ fn a_quarter_turn_swaps_rows_and_columns() {
         let (level, upright) = (level.linear(size), upright.linear(size));
         for y in 0..size {
             for x in 0..size {
-                // 0° brightens to the right, 90° upwards; rows count downwards.
+                // 0° brightens to the right, 90° upward; row numbers increase downward.
                 assert_eq!(level.pixel(x, y), upright.pixel(y, size - 1 - x));
             }
         }
         assert!(level.pixel(size - 1, 0)[0] > level.pixel(0, 0)[0]);
     }
-    // 45° and its neighbors: swapping the axes takes θ to 90° − θ.
+    // Swapping the axes turns θ into 90° − θ.
     let at = |orientation_deg| MachBand { orientation_deg, ..MachBand::default() }.linear(50);
     let (a, b) = (at(20.0), at(70.0));
     for (x, y) in [(0, 0), (49, 3), (17, 30), (25, 25)] {
@@ -244,7 +243,7 @@ fn parameters_are_set_and_read_by_name() {
     let defaults =
         "width=0.4 depth=1 tanh_k=5 orientation_deg=0 low=0.25 high=0.75 color=yellow color_high=same space=rgb";
     assert_eq!(read(&stimulus), defaults);
-    // Every level that is suggested can be set, and reads back as it was written.
+    // Every suggested level can be set and reads back as it was written.
     for parameter in stimulus.parameters() {
         for level in parameter.levels_hint {
             let value: ParameterValue = level.parse().unwrap();
@@ -286,9 +285,10 @@ fn parameters_are_set_and_read_by_name() {
     assert_eq!(stimulus.get("wdith"), None);
 }
 
-/// A definition's hash is made of this: what has no second color is written as it was before there was one.
+/// The hash of a definition depends on this text. A ramp without a second color is written as it was before second
+/// colors existed.
 #[test]
-fn specifications_survive_being_written() {
+fn specifications_read_back_as_written() {
     let band = MachBand { depth: Depth::Infinite, color: "0.5,1,0".parse().unwrap(), ..MachBand::default() };
     let written = serde_json::to_string(&Stimulus::MachBand(band.clone())).unwrap();
     assert!(written.contains(r#""kind":"mach-band""#) && written.contains(r#""depth":"inf""#), "{written}");

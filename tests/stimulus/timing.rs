@@ -1,4 +1,4 @@
-//! Frames under a clock that the test turns: every count is known beforehand.
+//! Frames under a simulated clock, so that every count is known in advance.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use machband::{
 };
 use proptest::prelude::*;
 
-/// A screen that refreshes at exact times, and a program that misses some refreshes.
+/// A screen that refreshes at exact times, with a program that misses some refreshes.
 struct Screen {
     now_s: f64,
     refresh: Refresh,
@@ -27,7 +27,7 @@ impl Screen {
         Self { now_s: 0.123_456_7, refresh, times: FrameTimes::default(), frames: 0 }
     }
 
-    /// The next frame, `refreshes` after the last, seen `early` refreshes too early.
+    /// Shows the next frame `refreshes` refreshes after the last, observed `early` refreshes too early.
     fn frame(&mut self, refreshes: u32, early: f64) {
         self.now_s += f64::from(refreshes) * self.refresh.seconds();
         let seen = Duration::from_secs_f64(self.now_s - early * self.refresh.seconds());
@@ -40,7 +40,7 @@ impl Screen {
     }
 }
 
-/// Numbers in −1…1 that look random and are the same everywhere.
+/// Returns numbers in −1…1 that look random but are the same on every machine.
 fn noise(seed: u64) -> impl Iterator<Item = f64> {
     (1..).map(move |i: u64| {
         let mixed = (i + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(31).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -49,7 +49,7 @@ fn noise(seed: u64) -> impl Iterator<Item = f64> {
 }
 
 #[test]
-fn a_steady_screen_drops_nothing_however_long() {
+fn a_steady_screen_never_drops_a_frame() {
     for hz in [59.94, 60.0, 75.0, 119.88, 120.0, 144.0, 240.0] {
         let mut screen = Screen::new(hz);
         // An hour and a half at 60 Hz.
@@ -69,7 +69,7 @@ fn a_steady_screen_drops_nothing_however_long() {
 }
 
 #[test]
-fn jitter_of_a_fifth_drops_nothing_and_a_drop_among_it_is_one() {
+fn jitter_of_a_fifth_neither_adds_nor_hides_drops() {
     let mut screen = Screen::new(59.94);
     for (i, jitter) in noise(7).take(100_001).enumerate() {
         screen.frame(if i % 1000 == 500 { 2 } else { 1 }, 0.2 * jitter);
@@ -78,7 +78,7 @@ fn jitter_of_a_fifth_drops_nothing_and_a_drop_among_it_is_one() {
 }
 
 #[test]
-fn stalls_are_dropped_frames_once_and_missed_refreshes_as_often_as_they_last() {
+fn a_stall_is_one_dropped_frame_but_several_missed_refreshes() {
     let mut screen = Screen::new(60.0);
     let stalls = [(100, 2), (200, 3), (201, 3), (500, 61), (999, 10)];
     for i in 0..1001 {
@@ -87,7 +87,7 @@ fn stalls_are_dropped_frames_once_and_missed_refreshes_as_often_as_they_last() {
     assert_eq!(screen.counted(), (1000, 5, 1 + 2 + 2 + 60 + 9));
     assert_eq!(screen.times.quantile(1.0), Some(1.016_667));
 
-    // A page without frames between is no stall, and no interval at all.
+    // A page without frames in between is neither a stall nor an interval.
     let before = screen.counted();
     screen.times.interrupt();
     screen.frame(600, 0.0);
@@ -112,7 +112,7 @@ fn without_a_refresh_frames_are_measured_but_not_judged() {
     }
 }
 
-/// Against a sorted list.
+/// Compares quantiles with a sorted list.
 #[test]
 fn quantiles_are_exact() {
     let mut times = FrameTimes::default();
@@ -130,8 +130,8 @@ fn quantiles_are_exact() {
 }
 
 proptest! {
-    /// The refresh comes out of jitter and drops as it is, nowhere moved to what is usual. Jitter of the first and the
-    /// last frame is all that remains of it.
+    /// The refresh is estimated correctly in spite of jitter and drops, and is not rounded to a common rate. Only the
+    /// jitter of the first and the last frame affects it.
     #[test]
     fn the_refresh_is_estimated_from_frames_that_jitter_and_drop(
         hz in 24.0..250.0_f64, jitter in 0.0..0.2_f64, drops in 0.0..0.15_f64, frames in 200..2000_usize, seed: u32,
@@ -139,7 +139,7 @@ proptest! {
         let mut screen = Screen::new(hz);
         let chance: Vec<f64> = noise(u64::from(seed) + 99).take(frames).collect();
         for (early, chance) in noise(u64::from(seed)).take(frames).zip(chance) {
-            // Uniform in −1…1, so that a share `drops` lies below.
+            // Uniform in −1…1, so that a share of `drops` lies below this.
             screen.frame(if chance < 2.0 * drops - 1.0 { 2 } else { 1 }, jitter * early);
         }
         let estimate = Refresh::estimate(screen.times.intervals_us()).expect("steady enough");
@@ -147,9 +147,10 @@ proptest! {
         prop_assert!((estimate.hz() / hz - 1.0).abs() < bound + 1e-4 / frames as f64 * hz, "{} {hz}", estimate.hz());
     }
 
-    /// Held to whole refreshes: one frame and only one is the first that is due, and it is the Nth whatever the jitter.
+    /// Durations are whole numbers of refreshes: the first frame that is due is always the Nth, regardless of the
+    /// jitter.
     #[test]
-    fn jitter_adds_and_drops_no_frame_of_a_duration(
+    fn jitter_does_not_change_the_frames_of_a_duration(
         hz in 24.0..250.0_f64, duration_s in 0.0..5.0_f64, jitter in 0.0..0.24_f64, seed: u32,
     ) {
         let refresh = Refresh::from_hz(hz).unwrap();
@@ -168,7 +169,7 @@ proptest! {
 }
 
 #[test]
-fn a_refresh_is_not_made_up() {
+fn a_refresh_is_not_invented() {
     let run = |interval: &dyn Fn(usize) -> f64, n: usize| {
         let mut times = FrameTimes::default();
         let mut now_s = 0.0;
@@ -180,15 +181,15 @@ fn a_refresh_is_not_made_up() {
     };
     assert!(run(&|_| 1.0 / 60.0, 29).is_none(), "too few");
     assert!(run(&|_| 0.15, 240).is_none(), "too slow");
-    // Frames that no screen holds: as long as the work takes.
+    // Frames that are not synchronized with a screen take as long as the work takes.
     let work: Vec<f64> = noise(5).take(500).map(|x| (2.0 * x).exp() * 0.008).collect();
     assert!(run(&|i| work[i], 500).is_none());
-    // An interruption of seconds among them is none of the screen's.
+    // An interruption of several seconds does not count as a screen interval.
     let estimate = run(&|i| if i == 50 { 3.21 } else { 1.0 / 60.0 }, 240).unwrap();
     assert!((estimate.hz() - 60.0).abs() < 0.005);
 }
 
-/// Dropped frames and jitter are a screen's; times in between two refreshes are not.
+/// Dropped frames and jitter are compatible with a refresh; times between two refreshes are not.
 #[test]
 fn frames_that_scatter_follow_no_refresh() {
     let refresh = Refresh::from_hz(60.0).unwrap();
@@ -204,9 +205,9 @@ fn frames_that_scatter_follow_no_refresh() {
     assert!(!refresh.is_followed_by(&run(&|_, _| 0.3)), "faster than the screen");
 }
 
-// What `machband timing` and its page say of frames.
+// What `machband timing` and its page say about frames.
 
-/// As on a screen that nothing holds the frames to: a median of 8 ms, from 4 to 20.
+/// Returns intervals of frames that are not synchronized with a screen: a median of 8 ms, ranging from 4 to 20 ms.
 fn scattered() -> Vec<u32> {
     noise(11).take(600).map(|x| (8000.0 * (0.4 * x).exp() + if x > 0.9 { 9000.0 } else { 0.0 }) as u32).collect()
 }
@@ -244,9 +245,9 @@ fn only_a_steady_refresh_is_reported_with_the_drops() {
     }
 }
 
-// The state machine of a session on such a screen.
+// The state machine of a session on a simulated screen.
 
-/// A participant at a screen, who rates a second after each onset.
+/// A session on a simulated screen, and the rows that it recorded.
 struct Sitting {
     session: Session,
     now_s: f64,
@@ -269,7 +270,7 @@ impl Sitting {
         sitting
     }
 
-    /// The next frame, as [`Screen::frame`]; `event` came before it.
+    /// Shows the next frame, as in [`Screen::frame`]. `event` came before it.
     fn frame(&mut self, refreshes: u32, early: f64, event: Option<Event>) -> &State {
         self.now_s += f64::from(refreshes) * self.refresh_s;
         let now = Duration::from_secs_f64(self.now_s - early * self.refresh_s);
@@ -283,7 +284,7 @@ impl Sitting {
         self.session.state()
     }
 
-    /// Frames of one refresh until the state is wanted; how many.
+    /// Shows frames of one refresh each until `wanted` accepts the state. Returns their number.
     fn until(&mut self, wanted: fn(&State) -> bool) -> u32 {
         (1..10_000).find(|_| wanted(self.frame(1, 0.0, None))).expect("a state that comes")
     }
@@ -298,7 +299,7 @@ fn is_recovery(state: &State) -> bool {
 }
 
 #[test]
-fn a_recovery_has_its_refreshes_whatever_the_jitter() {
+fn jitter_does_not_change_the_refreshes_of_a_recovery() {
     for (hz, planned) in [(59.94, 120), (60.0, 120), (120.0, 240), (75.0, 150)] {
         let mut sitting = Sitting::new("[design]\nrepetitions = 5\n", hz);
         let mut noise = noise(11);
@@ -316,7 +317,7 @@ fn a_recovery_has_its_refreshes_whatever_the_jitter() {
         };
         assert_eq!(counts(Shown::Recovery), [planned; 20], "{hz}");
         assert_eq!((counts(Shown::Stimulus), counts(Shown::Closing)), (vec![1; 20], vec![planned]), "{hz}");
-        // What is kept of each frame is all that was counted, and as long as the session.
+        // The intervals that were kept are exactly those that were counted.
         let kept: Vec<u32> = stretches.iter().flat_map(|s| s.intervals_us.clone()).collect();
         let times = sitting.session.frame_times();
         assert_eq!(kept, times.intervals_us());
@@ -330,12 +331,12 @@ fn a_recovery_has_its_refreshes_whatever_the_jitter() {
 }
 
 #[test]
-fn a_rating_is_timed_by_its_stamp_and_the_stimulus_by_its_frames() {
+fn a_rating_is_timed_by_its_timestamp_and_the_stimulus_by_its_frames() {
     let mut sitting = Sitting::new("", 60.0);
     let ms = Duration::from_millis;
     let frame = Duration::from_secs_f64(1.0 / 60.0);
     for (before_frame_ms, expected) in
-        // Heard 4 ms before the frame; before the onset; after the frame that answers.
+        // Received 4 ms before the frame, before the onset, and after the frame that handles it.
         [(4, 30 * frame - ms(4)), (9_000, Duration::ZERO), (0, 30 * frame)]
     {
         sitting.until(is_stimulus);
@@ -353,7 +354,7 @@ fn a_rating_is_timed_by_its_stamp_and_the_stimulus_by_its_frames() {
 }
 
 #[test]
-fn a_presentation_of_fixed_duration_has_its_refreshes_and_waits_for_the_rating() {
+fn a_fixed_presentation_lasts_its_refreshes_and_waits_for_the_rating() {
     for (hz, planned) in [(59.94, 30), (60.0, 30), (144.0, 72)] {
         let mut sitting = Sitting::new("[presentation]\nduration_s = 0.5\n", hz);
         sitting.until(is_stimulus);
@@ -363,25 +364,25 @@ fn a_presentation_of_fixed_duration_has_its_refreshes_and_waits_for_the_rating()
         let row = &sitting.rows[0];
         let elapsed = |refreshes: u32| Duration::from_secs_f64(f64::from(refreshes) / hz);
         assert_eq!(row.frames, Some(planned));
-        // What is dropped while nothing is presented is none of the stimulus.
+        // A frame dropped after the stimulus does not count for the stimulus.
         assert_eq!(row.dropped_frames, Some(0));
         assert!(row.stimulus.unwrap().abs_diff(elapsed(planned)) < Duration::from_micros(1));
         assert!(row.response_time.abs_diff(elapsed(planned + 42)) < Duration::from_micros(1));
-        // Paused while the answer is awaited: the trial comes again.
+        // If the session is paused while waiting for the answer, the trial starts over.
         sitting.until(|state| matches!(state, State::Response { .. }));
         sitting.frame(1, 0.0, Some(Event::Pause));
         assert!(is_recovery(sitting.frame(60, 0.0, Some(Event::Resume))));
-        // A rating that comes early ends the stimulus.
+        // An early rating ends the stimulus.
         sitting.until(is_stimulus);
         assert!(is_recovery(sitting.frame(1, 0.0, Some(Event::Rate(0)))));
         assert_eq!((sitting.rows[1].frames, sitting.rows[1].attempt), (Some(1), 1));
         let pages = sitting.session.frame_times().missed_refreshes();
-        assert_eq!(pages, Some(1), "one was dropped above, and what stood on the page counts nowhere");
+        assert_eq!(pages, Some(1), "one refresh was missed above, and the time on the pause page does not count");
     }
 }
 
 #[test]
-fn an_onset_is_late_when_its_refresh_has_gone_by() {
+fn an_onset_is_late_if_it_misses_its_refresh() {
     for (last, late) in [(1, false), (2, true), (30, true)] {
         let mut sitting = Sitting::new("", 60.0);
         (0..119).for_each(|_| assert!(is_recovery(sitting.frame(1, 0.0, None))));
@@ -392,7 +393,7 @@ fn an_onset_is_late_when_its_refresh_has_gone_by() {
         assert_eq!(row.dropped_frames, Some(u32::from(late)));
         assert_eq!(times.missed_refreshes(), Some(u64::from(last) - 1));
     }
-    // The disk was slow: the frames came, and the onset was late all the same.
+    // If the disk is slow, no frames are dropped, but the onset is still late.
     let mut sitting = Sitting::new("", 60.0);
     sitting.until(is_stimulus);
     let now = Duration::from_secs_f64(sitting.now_s);
@@ -405,7 +406,7 @@ fn an_onset_is_late_when_its_refresh_has_gone_by() {
 }
 
 #[test]
-fn another_monitor_counts_from_its_first_frame_on() {
+fn a_new_monitor_counts_from_its_first_frame_on() {
     for (first, second) in [(60.0, 120.0), (120.0, 60.0), (60.0, 59.94), (144.0, 24.0)] {
         let mut sitting = Sitting::new("", first);
         (0..20).for_each(|_| _ = sitting.frame(1, 0.0, None));
@@ -425,7 +426,7 @@ fn another_monitor_counts_from_its_first_frame_on() {
         let expected = [(Shown::Recovery, of(first)), (Shown::Recovery, of(second)), (Shown::Stimulus, of(second))];
         assert_eq!(judged, expected);
     }
-    // Where it is no longer known, the trial is not judged, and durations are held to the clock.
+    // If the refresh is no longer known, the trial is not judged, and durations follow the clock.
     let mut sitting = Sitting::new("", 60.0);
     (0..20).for_each(|_| _ = sitting.frame(1, 0.0, None));
     sitting.session.judge_against(FrameCount::Frames);
@@ -441,14 +442,14 @@ fn a_frame_belongs_to_the_trial_whose_picture_it_shows() {
     let mut sitting = Sitting::new("", 60.0);
     sitting.until(is_stimulus);
     sitting.frame(3, 0.0, Some(Event::Rate(1)));
-    // Taken back after two frames of the next recovery; the third takes four refreshes.
+    // The rating is undone after two frames of the next recovery; the third frame takes four refreshes.
     sitting.frame(1, 0.0, None);
     sitting.frame(1, 0.0, None);
     sitting.frame(4, 0.0, Some(Event::TakeBack));
     sitting.until(is_stimulus);
     sitting.frame(1, 0.0, Some(Event::Rate(2)));
-    assert_eq!(sitting.rows[0].dropped_frames, Some(1), "the stimulus' last frame");
-    assert_eq!(sitting.rows[1].dropped_frames, Some(0), "the frame before it was taken back is none of its own");
+    assert_eq!(sitting.rows[0].dropped_frames, Some(1), "the last frame of the stimulus");
+    assert_eq!(sitting.rows[1].dropped_frames, Some(0), "the frame before the rating was undone does not count");
     let trials: Vec<_> = (sitting.session.take_stretches().iter())
         .map(|s| (s.trial, s.attempt, s.shown, s.intervals_us.len()))
         .collect();
@@ -460,8 +461,8 @@ fn a_frame_belongs_to_the_trial_whose_picture_it_shows() {
         (0, 2, Shown::Stimulus, 1),
     ];
     assert_eq!(trials, expected);
-    assert_eq!(sitting.session.take_stretches(), [], "each is given once");
-    // A stretch becomes a row by the plan.
+    assert_eq!(sitting.session.take_stretches(), [], "each stretch is returned only once");
+    // A stretch becomes a row according to the schedule.
     let stretch = Stretch { trial: 1, attempt: 2, shown: Shown::Stimulus, refresh: None, intervals_us: vec![1, 2] };
     let row = FrameRow::new(stretch.clone(), sitting.session.schedule(), 3).unwrap();
     assert_eq!((row.sitting, row.trial, row.attempt, row.intervals_us), (3, 2, 2, vec![1, 2]));

@@ -1,4 +1,4 @@
-//! The vision model against known facts about Mach bands, each with its source, and against itself.
+//! The model of vision, compared with known facts about Mach bands, each with its source, and checked for consistency.
 
 use super::Draw as _;
 use machband::{
@@ -8,12 +8,12 @@ use machband::{
     vision::{Border, Eye, Line, LinePrediction, Picture, Polarity, VisionError, luminance, luminances},
 };
 
-/// Windows, in degrees, and pixels per degree in which the facts must hold.
+/// Windows, in degrees, and pixels per degree for which the facts must hold.
 const WINDOWS: [f64; 3] = [2.0, 5.0, 10.0];
 const SAMPLINGS: [f64; 3] = [32.0, 64.0, 128.0];
 const DEPTHS: [Depth; 4] = [Depth::Finite(1), Depth::Finite(2), Depth::Finite(3), Depth::Finite(4)];
 
-/// A ramp of `width` degrees in a window.
+/// Returns a ramp of `width` degrees in a window of `window` degrees.
 fn band(width: f64, depth: Depth, window: f64) -> MachBand {
     MachBand { width: width / window, depth, ..MachBand::default() }
 }
@@ -35,7 +35,7 @@ fn visibility(width: f64, depth: Depth, window: f64, px_per_deg: f64) -> f64 {
     predict(width, depth, window, px_per_deg).visibility.max()
 }
 
-/// Widths from a hundredth of a degree to four fifths of the window, in steps of a quarter.
+/// Returns widths from `from` degrees to four fifths of the window, each larger than the last by a quarter.
 fn widths(from: f64, window: f64) -> Vec<f64> {
     let steps = ((0.8 * window / from).ln() / 1.25_f64.ln()).floor() as i32;
     (0..=steps).map(|k| from * 1.25_f64.powi(k)).collect()
@@ -54,9 +54,9 @@ fn each_condition(mut check: impl FnMut(f64, f64, f64)) {
     }
 }
 
-/// Ross, Morrone & Burr 1989: no bands at a sharp step, nor at a ramp that the eye cannot tell from one.
+/// Ross, Morrone & Burr 1989: there are no bands at a sharp step or at a ramp that the eye cannot tell from a step.
 #[test]
-fn a_step_has_no_band_and_a_very_narrow_ramp_hardly_one() {
+fn a_step_has_no_band_and_a_very_narrow_ramp_hardly_any() {
     each_condition(|window, px, most| {
         let step = visibility(0.0, Depth::Finite(1), window, px);
         assert!(step <= 0.01 * most, "{window}° at {px}: {step} of {most}");
@@ -67,9 +67,9 @@ fn a_step_has_no_band_and_a_very_narrow_ramp_hardly_one() {
     });
 }
 
-/// Ross, Morrone & Burr 1989, Bangay's Figure 4: one best width, and a fall on both sides of it.
+/// Ross, Morrone & Burr 1989, Bangay's Figure 4: visibility is greatest at one width and falls on both sides of it.
 #[test]
-fn visibility_has_one_optimum_of_width() {
+fn visibility_is_greatest_at_one_width() {
     each_condition(|window, px, most| {
         let widths = widths(0.02, window);
         let predicted: Vec<f64> = widths.iter().map(|width| visibility(*width, Depth::Finite(1), window, px)).collect();
@@ -77,7 +77,7 @@ fn visibility_has_one_optimum_of_width() {
         assert!(0 < best && best < predicted.len() - 1, "{window}° at {px}: best at {}°", widths[best]);
         for i in 1..predicted.len() {
             let change = if i <= best { predicted[i] - predicted[i - 1] } else { predicted[i - 1] - predicted[i] };
-            // Ramps a few pixels wide are drawn by chance.
+            // How a ramp a few pixels wide is drawn depends on chance.
             let least = match i {
                 i if i > best + 2 => 0.01,
                 i if widths[i] * px < 8.0 => 0.2,
@@ -89,7 +89,8 @@ fn visibility_has_one_optimum_of_width() {
     });
 }
 
-/// Bangay's Figure 4: visibility falls with n, and still after n = 3; ∞ is at most n = 3.
+/// Bangay's Figure 4: visibility falls with n, and it is still falling after n = 3. At n = ∞, visibility is no greater
+/// than at n = 3.
 #[test]
 fn visibility_falls_with_depth() {
     each_condition(|window, px, most| {
@@ -111,9 +112,9 @@ fn visibility_falls_with_depth() {
     });
 }
 
-/// Wallis & Georgeson 2012: doubling all sizes changes little; contrasts of 20 to 80 % neither.
+/// Wallis & Georgeson 2012: neither doubling all sizes nor contrasts of 20 to 80 % change the order much.
 #[test]
-fn order_survives_size_and_contrast() {
+fn size_and_contrast_do_not_change_the_order() {
     let conditions: Vec<(f64, Depth)> = [0.2, 0.5, 1.0, 2.0, 4.0, 8.0]
         .into_iter()
         .flat_map(|width| DEPTHS.into_iter().chain([Depth::Infinite]).map(move |depth| (width, depth)))
@@ -135,9 +136,9 @@ fn order_survives_size_and_contrast() {
     }
 }
 
-/// What has no band: Ross, Morrone & Burr 1989.
+/// Ross, Morrone & Burr 1989: these stimuli have no bands.
 #[test]
-fn uniform_fields_gratings_and_blurred_edges_have_none() {
+fn uniform_fields_gratings_and_blurred_edges_have_no_bands() {
     each_condition(|window, px, most| {
         let n = (window * px) as usize;
         let x = |i: usize| (i as f64 + 0.5) / px - window / 2.0;
@@ -159,7 +160,7 @@ fn uniform_fields_gratings_and_blurred_edges_have_none() {
     });
 }
 
-/// Error function, Abramowitz & Stegun 7.1.26: to 1.5e-7.
+/// Returns the error function to 1.5e-7, Abramowitz & Stegun 7.1.26.
 fn erf(x: f64) -> f64 {
     let t = 1.0 / (1.0 + 0.327_591_1 * x.abs());
     let poly =
@@ -167,7 +168,7 @@ fn erf(x: f64) -> f64 {
     (1.0 - poly * (-x * x).exp()).copysign(x)
 }
 
-/// A bright band at the upper end, a dark one at the lower, each within its channel's scale of the end.
+/// A bright band lies at the upper end and a dark band at the lower end, each within the scale of its channel.
 #[test]
 fn bands_lie_at_the_ends_of_the_ramp_and_have_the_right_sign() {
     each_condition(|window, px, most| {
@@ -189,7 +190,7 @@ fn bands_lie_at_the_ends_of_the_ramp_and_have_the_right_sign() {
     });
 }
 
-/// Pixels of half the size show the same, where a ramp is wide enough to be drawn: 16 pixels.
+/// Pixels of half the size give nearly the same result if a ramp is wide enough to be drawn: 16 pixels.
 #[test]
 fn resolution_changes_little() {
     for window in WINDOWS {
@@ -215,7 +216,7 @@ fn predicted(light: &[f64], px_per_deg: f64) -> machband::vision::PicturePredict
     Picture { light, width: 512, height: 512, px_per_deg, mask: None }.predict(&Eye::default()).unwrap()
 }
 
-/// A line and an image have the same prediction at every orientation: Bangay §3.2.
+/// A line and an image have nearly the same prediction at every orientation; Bangay §3.2.
 #[test]
 fn images_and_lines_agree_at_every_orientation() {
     for (width, depth) in [
@@ -239,9 +240,9 @@ fn images_and_lines_agree_at_every_orientation() {
     }
 }
 
-/// Turning the image turns the map.
+/// Rotating the image rotates the map.
 #[test]
-fn the_map_turns_with_the_image() {
+fn the_map_rotates_with_the_image() {
     let mesh = Stimulus::default_of("vasarely").unwrap();
     let band = luminances(&MachBand { orientation_deg: 20.0, width: 0.1, ..MachBand::default() }.linear(512));
     let squares = luminances(&mesh.linear(512));
@@ -252,13 +253,13 @@ fn the_map_turns_with_the_image() {
         assert!(most > 1.0);
         assert!((view.visibility.max() - other.visibility.max()).abs() <= 1e-6 * most);
         assert!((view.density - other.density).abs() <= 1e-6 * view.density, "{} and {}", view.density, other.density);
-        // Strokes are drawn pixel by pixel, and which of two pixels a place between them belongs to is chance.
+        // Strokes are drawn pixel by pixel, and a place between two pixels may be assigned to either of them.
         let sums = [&view.map, &other.map].map(|map| map.bright.iter().chain(&map.dark).sum::<f64>());
         assert!((sums[0] - sums[1]).abs() <= 0.01 * sums[0], "{sums:?}");
     }
 }
 
-/// A mask hides what is behind it, and what is near it.
+/// A mask hides bands outside it and near its edge.
 #[test]
 fn masked_bands_are_not_predicted() {
     let (light, px_per_deg) = picture(0.5, Depth::Finite(1), 0.0);
@@ -270,7 +271,7 @@ fn masked_bands_are_not_predicted() {
 }
 
 #[test]
-fn images_without_a_prediction_are_refused() {
+fn images_that_cannot_be_predicted_are_rejected() {
     let eye = Eye::default();
     let of = |light: &[f64], side: usize, px_per_deg: f64| {
         Picture { light, width: side, height: side, px_per_deg, mask: None }.predict(&eye).map(|_| ())

@@ -158,13 +158,13 @@ schema = 1\n => \n => 1:1 => schema is missing | expected schema = 1
 name = "mine" =>  => 1:1 => name is missing
 kind = "mach-band" =>  => 5:2 => stimulus.kind is missing
 kind = "mach-band" => kind = "mach-bend" => 6:1 => kind "mach-bend" | did you mean mach-band?
-name = "mine" => name = "my/study" => 2:1 => name "my/study" | lower-case
+name = "mine" => name = "my/study" => 2:1 => name "my/study" | lowercase
 name = "mine" => name = "Mine" => 2:1 => name "Mine"
 name = "mine" => name = "con" => 2:1 => "con" is reserved by Windows
 name = "mine" => name = "" => 2:1 => name "" is not allowed
 # Order and scale.
 order = "random" => order = "shuffled" => 19:1 => order "shuffled" | blocked:FACTOR
-order = "random" => order = "latin:color" => 19:1 => latin:color names no factor | width, depth
+order = "random" => order = "latin:color" => 19:1 => latin:color does not name a factor | width, depth
 labels = ["a", "b", "c", "d"]\nkeys = ["0", "1", "2", "3"] => labels = ["a", "b", "c"] => 28:1 => 3 categories | expected 4
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2"] => 29:1 => 3 keys; expected 4
 keys = ["0", "1", "2", "3"] => keys = ["0", "1", "2", "1"] => 29:24 => key '1' appears twice

@@ -1,5 +1,5 @@
-//! Reduces trials to counts. Memory grows with the distinct combinations of subject and
-//! condition, not with the rows.
+//! Reduces trials to counts. Memory use grows with the number of distinct combinations of subject and condition, not
+//! with the number of rows.
 
 use std::{
     cmp::Ordering,
@@ -9,37 +9,38 @@ use std::{
 use super::table::{CountError, CountRow, Counts, Factor, Measured, RetestPair, TimeCount, time_bin};
 use crate::{analysis::levels, experiment::RatingRow};
 
-/// Collects trials into [`Measured`], in any order and in as many parts as there are threads.
+/// Collects trials into [`Measured`]. The trials can come in any order and can be split among several builders, one per
+/// thread.
 #[derive(Clone, Debug)]
 pub struct MeasuredBuilder {
     factors: Vec<String>,
     declared: Option<Vec<String>>,
-    /// Whether factors that have one level only are dropped.
+    /// Whether to drop factors that have only one level.
     only_varied: bool,
-    /// Texts of ratings in order of first appearance.
+    /// Texts of the ratings, in the order of their first appearance.
     ratings: Vec<String>,
     index: HashMap<Box<[u8]>, u32>,
     cells: Vec<Cell>,
     key: Vec<u8>,
 }
 
-/// A subject and a condition, as in the file.
+/// A subject and a condition, as written in the file.
 #[derive(Clone, Debug)]
 struct Cell {
     /// Subject and values, each followed by [`END`].
     key: Box<[u8]>,
-    /// By index into the builder's ratings.
+    /// Number of ratings, by index into [`MeasuredBuilder::ratings`].
     counts: Vec<u64>,
-    /// (bin, rating) and how often.
+    /// Response times: bin, rating and number.
     times: Vec<(u16, u8, u64)>,
     earliest: Earliest,
 }
 
-/// The two earliest ratings.
+/// The two earliest ratings, in order.
 #[derive(Clone, Debug, Default)]
 struct Earliest([Option<Placed>; 2]);
 
-/// A rating and its place in time.
+/// A rating and its place in the study.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Placed {
     session: Box<str>,
@@ -47,11 +48,11 @@ struct Placed {
     rating: u8,
 }
 
-/// Ends a text within a key: no text of a CSV file in UTF-8 has this byte.
+/// The byte that ends each text within a key. It cannot occur in UTF-8, and therefore not in any text of a CSV file.
 const END: u8 = 0xff;
 
 impl MeasuredBuilder {
-    /// Trials with these factors, whose categories are the ratings that occur, in natural order.
+    /// Creates a builder for trials with these factors. The categories are the ratings that occur, in natural order.
     pub fn new<S: AsRef<str>>(factors: &[S]) -> Self {
         Self {
             factors: factors.iter().map(|name| name.as_ref().to_owned()).collect(),
@@ -64,7 +65,7 @@ impl MeasuredBuilder {
         }
     }
 
-    /// Declares the ordered categories, the lowest first: a rating outside them is an error.
+    /// Declares the ordered categories, starting with the lowest. Any other rating is then an error.
     #[must_use]
     pub fn with_categories<S: AsRef<str>>(mut self, categories: &[S]) -> Self {
         let declared: Vec<String> = categories.iter().map(|name| name.as_ref().to_owned()).collect();
@@ -73,17 +74,18 @@ impl MeasuredBuilder {
         self
     }
 
-    /// Leaves out, at the end, every factor that has one level only.
+    /// Drops every factor that turns out to have only one level.
     #[must_use]
     pub fn only_varied_factors(mut self) -> Self {
         self.only_varied = true;
         self
     }
 
-    /// Adds a row: one rating, or several equal ones; nothing for a count of 0.
+    /// Adds a row: one rating, or several equal ratings. A count of 0 adds nothing.
     ///
     /// # Errors
-    /// A wrong number of values, an empty subject or rating, a rating that was not declared.
+    /// Returns a [`CountError`] if the number of values is wrong, if the subject or the rating is empty, if the rating
+    /// is not a declared category, or if there are too many different ratings.
     pub fn add(&mut self, observation: &RatingRow<'_>) -> Result<(), CountError> {
         let RatingRow { subject, values, rating, count, place, response_time_s } = *observation;
         if values.len() != self.factors.len() {
@@ -112,10 +114,10 @@ impl MeasuredBuilder {
         Ok(())
     }
 
-    /// Adds `count` equal ratings without a time; an empty text among `values` is a missing value.
+    /// Adds `count` equal ratings without times. An empty text in `values` is a missing value.
     ///
     /// # Errors
-    /// As [`Self::add`].
+    /// The same as for [`Self::add`].
     pub fn add_counts<S: AsRef<str>>(
         &mut self,
         subject: &str,
@@ -127,7 +129,7 @@ impl MeasuredBuilder {
         self.add(&RatingRow { subject, values: &values, rating, count, place: None, response_time_s: None })
     }
 
-    /// The cell of `self.key`, new if there is none yet.
+    /// Returns the cell for `self.key`, and creates it if necessary.
     fn cell(&mut self) -> &mut Cell {
         let Self { index, cells, key, .. } = self;
         let number = index.get(&key[..]).copied().unwrap_or_else(|| {
@@ -164,15 +166,15 @@ impl MeasuredBuilder {
         Ok(self.ratings.len() as u8 - 1)
     }
 
-    /// Distinct combinations of subject and condition so far.
+    /// Returns the number of distinct combinations of subject and condition so far.
     pub fn cells(&self) -> usize {
         self.cells.len()
     }
 
-    /// Adds what another builder has collected with the same factors and categories.
+    /// Adds everything that another builder with the same factors and categories has collected.
     ///
     /// # Errors
-    /// More different ratings than a scale has.
+    /// Returns a [`CountError`] if there are too many different ratings.
     pub fn absorb(&mut self, other: Self) -> Result<(), CountError> {
         let ratings: Vec<u8> = other.ratings.iter().map(|text| self.rating_index(text)).collect::<Result<_, _>>()?;
         for from in other.cells {
@@ -192,7 +194,7 @@ impl MeasuredBuilder {
         Ok(())
     }
 
-    /// Everything in natural order.
+    /// Returns all that was collected, in natural order.
     pub fn finish(self) -> Measured {
         let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = self.cells.iter().map(Cell::parts).unzip();
         let (subjects, subject_of) = levels::rank(&subjects.into_iter().map(Some).collect::<Vec<_>>());
@@ -218,7 +220,7 @@ impl MeasuredBuilder {
             None => levels::rank(&ratings),
         };
         let category = |rating: usize| category_of[rating].unwrap_or_default() as u8;
-        // Two spellings of a level, 0.4 and 0.40, are two cells here and one condition.
+        // Two spellings of a level, such as 0.4 and 0.40, are two cells here but one condition.
         let mut counts: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
         let mut times: BTreeMap<(u32, u32, u8, u16), u64> = BTreeMap::new();
         let mut earliest: BTreeMap<(u32, u32), Earliest> = BTreeMap::new();
@@ -278,17 +280,18 @@ impl Cell {
         }
     }
 
-    /// The subject, and the values of the factors.
+    /// Returns the subject and the values of the factors.
     fn parts(&self) -> (&str, Vec<&str>) {
         let mut texts = self.key.split(|&byte| byte == END).map(|text| std::str::from_utf8(text).unwrap_or_default());
-        // After the last END there is nothing.
+        // The text after the last END is empty and is not used.
         let subject = texts.next().unwrap_or_default();
         (subject, texts.map(str::trim).collect())
     }
 }
 
 impl Earliest {
-    /// Keeps the two earliest ratings; of two at the same place the lower, whatever order they come in.
+    /// Adds a rating if it is one of the two earliest. At the same place, a lower rating counts as earlier, so the
+    /// result does not depend on the order of the calls.
     fn place(&mut self, session: &str, repetition: u32, rating: u8) {
         let before = |placed: &Option<Placed>| match placed {
             None => true,

@@ -1,4 +1,4 @@
-//! The sufficient statistic of every model here: how often each subject gave each rating in each condition. Fitting on
+//! The sufficient statistic for every model here: how often each subject gave each rating in each condition. Fitting
 //! these counts costs the same for a thousand rows as for a billion.
 
 mod builder;

@@ -1,5 +1,5 @@
-//! The data kept for any number of trials: counts of ratings, repeated ratings, and response times in a histogram whose
-//! bins grow with time.
+//! The data that are kept for any number of trials: counts of ratings, pairs of repeated ratings, and a histogram of
+//! response times whose bins become wider for longer times.
 
 use std::collections::BTreeSet;
 
@@ -8,14 +8,14 @@ use thiserror::Error;
 
 use crate::analysis::levels;
 
-/// A factor of the design and its levels, in natural order.
+/// A factor of the design and its levels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
-    /// The column's name.
+    /// Name of the column.
     pub name: String,
-    /// Level names in natural order: numbers ascending with `inf` last, otherwise texts by their bytes.
+    /// Names of the levels in natural order: numbers ascending with `inf` last, or else texts by their bytes.
     pub levels: Vec<String>,
-    /// The levels as numbers where all of them are numbers; infinite for `inf`.
+    /// The levels as numbers, if all of them are numbers; `inf` is infinite.
     pub numbers: Option<Vec<f64>>,
 }
 
@@ -26,36 +26,37 @@ pub struct CountRow {
     pub subject: u32,
     /// Index into [`Counts::conditions`].
     pub condition: u32,
-    /// Index into [`Counts::categories`], 0 the lowest.
+    /// Index into [`Counts::categories`]; 0 is the lowest.
     pub rating: u8,
-    /// How often, at least 1.
+    /// Number of these ratings, at least 1.
     pub count: u64,
 }
 
-/// Subject × condition × rating counts. Rows are sorted and unique, whatever the order they were added in.
+/// Counts by subject × condition × rating. The rows are sorted and unique, regardless of the order in which they were
+/// added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counts {
-    /// Subjects' names in natural order.
+    /// Names of the subjects in natural order.
     pub subjects: Vec<String>,
-    /// The factors, in the order they were named.
+    /// The factors, in the order in which they were named.
     pub factors: Vec<Factor>,
-    /// The distinct conditions: for every factor the index of its level, or None where the value is missing.
+    /// The distinct conditions: for each factor, the index of its level, or `None` if the value is missing.
     pub conditions: Vec<Vec<Option<u32>>>,
-    /// Names of the ordered categories, the lowest first. A category may have no ratings.
+    /// Names of the ordered categories, starting with the lowest. A category may have no ratings.
     pub categories: Vec<String>,
-    /// The table, by subject, condition and rating.
+    /// The rows, sorted by subject, condition and rating.
     pub rows: Vec<CountRow>,
 }
 
-/// What a row must have to be counted.
+/// The reason why a row cannot be counted.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum CountError {
-    /// The row names another number of factor values than there are factors.
+    /// The number of values in the row is not the number of factors.
     #[error("{found} factor values; expected {expected}")]
     Width {
-        /// Factors of the table.
+        /// Number of factors in the table.
         expected: usize,
-        /// Values given.
+        /// Number of values given.
         found: usize,
     },
     /// The subject's name is empty.
@@ -64,38 +65,38 @@ pub enum CountError {
     /// The rating is empty.
     #[error("no rating; expected one of the ordered categories")]
     NoRating,
-    /// The rating is not one of the categories that were declared.
+    /// The rating is not one of the declared categories.
     #[error("rating {rating}; expected one of {}", .categories.join(", "))]
     UnknownRating {
-        /// The rating as it was given.
+        /// The rating, as given.
         rating: String,
         /// The declared categories.
         categories: Vec<String>,
     },
-    /// More ordered categories than a rating scale has.
+    /// There are more different ratings than a rating scale can have categories.
     #[error("more than 255 different ratings; expected a scale of ordered categories")]
     TooManyCategories,
 }
 
 impl Counts {
-    /// Ratings in the table.
+    /// Returns the number of ratings in the table.
     pub fn total(&self) -> u64 {
         self.rows.iter().map(|row| row.count).sum()
     }
 
-    /// The factor of this name, and its index.
+    /// Returns the factor with this name and its index.
     pub fn factor(&self, name: &str) -> Option<(usize, &Factor)> {
         self.factors.iter().enumerate().find(|(_, factor)| factor.name == name)
     }
 
-    /// Names of a condition's levels, in the order of the factors; empty where a value is missing.
+    /// Returns the names of a condition's levels, in the order of the factors. A missing value has an empty name.
     pub fn level_names(&self, condition: u32) -> Vec<&str> {
         (self.conditions[condition as usize].iter().zip(&self.factors))
             .map(|(level, factor)| level.map_or("", |level| factor.levels[level as usize].as_str()))
             .collect()
     }
 
-    /// Ratings in each category.
+    /// Returns the number of ratings in each category.
     pub fn category_totals(&self) -> Vec<u64> {
         let mut totals = vec![0; self.categories.len()];
         for row in &self.rows {
@@ -110,9 +111,8 @@ impl Counts {
 pub struct Measured {
     /// How often each subject gave each rating in each condition.
     pub counts: Counts,
-    /// First and second rating of the conditions that a subject rated more than once.
+    /// The first and the second rating of each condition that a subject rated more than once.
     pub retests: Vec<RetestPair>,
-    /// Response times.
     pub times: Vec<TimeCount>,
 }
 
@@ -143,7 +143,7 @@ pub struct TimeCount {
 }
 
 impl Measured {
-    /// Response times by group: each trial in the group that `group_of` names, if any.
+    /// Groups the response times. Each trial goes into the group that `group_of` returns, if any.
     pub fn times_by(&self, groups: usize, group_of: impl Fn(&TimeCount) -> Option<usize>) -> Vec<Times> {
         let mut times = vec![Times::default(); groups];
         for row in &self.times {
@@ -154,8 +154,8 @@ impl Measured {
         times
     }
 
-    /// The ratings of some subjects and some conditions. Levels and subjects without ratings are left out; categories
-    /// stay.
+    /// Returns the ratings by some subjects in some conditions. Levels and subjects without ratings are dropped; all
+    /// categories stay.
     #[must_use]
     pub fn filtered(&self, subject: impl Fn(u32) -> bool, condition: impl Fn(&[Option<u32>]) -> bool) -> Self {
         let counts = &self.counts;
@@ -204,7 +204,7 @@ impl Measured {
     }
 }
 
-/// The indices that stay, in order.
+/// The indices that are kept, in order.
 struct Kept(Vec<u32>);
 
 impl Kept {
@@ -212,32 +212,32 @@ impl Kept {
         Self(indices.collect::<BTreeSet<_>>().into_iter().collect())
     }
 
-    /// The new index of one that stays.
+    /// Returns the new index of an index that is kept.
     fn index(&self, old: u32) -> u32 {
         self.0.partition_point(|kept| *kept < old) as u32
     }
 
-    /// What stays of a list.
+    /// Returns the elements of a list that are kept.
     fn of<T: Clone>(&self, all: &[T]) -> Vec<T> {
         self.0.iter().map(|&index| all[index as usize].clone()).collect()
     }
 }
 
-/// Upper end of a bin divided by its lower end: quantiles are correct to 2.5 %.
+/// Ratio of a bin's upper end to its lower end. With this ratio, quantiles are correct to 2.5 %.
 const GROWTH: f64 = 1.05;
 /// Lower end of bin 0, seconds.
 const SHORTEST_S: f64 = 0.01;
-/// Bins; the last begins at about three hours.
+/// Number of bins; the last begins at about three hours.
 const BINS: u16 = 280;
 
-/// The bin that a time falls into.
+/// Returns the bin into which a time falls.
 pub(super) fn time_bin(seconds: f64) -> u16 {
     let bin = (seconds / SHORTEST_S).ln() / GROWTH.ln();
-    // Shorter times, 0 s among them, are in the first bin.
+    // Shorter times, including 0 s, go into the first bin.
     bin.clamp(0.0, f64::from(BINS - 1)) as u16
 }
 
-/// The time in the (geometric) middle of a bin.
+/// Returns the time in the (geometric) middle of a bin.
 fn middle(bin: u16) -> f64 {
     SHORTEST_S * GROWTH.powf(f64::from(bin) + 0.5)
 }
@@ -248,32 +248,32 @@ pub struct Times {
     counts: Vec<u64>,
 }
 
-/// Quartiles of response times in seconds, each within 2.5 % of the exact one.
+/// Quartiles of response times in seconds, each within 2.5 % of the exact value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Quartiles {
-    /// Times.
+    /// Number of times.
     pub n: u64,
-    /// A quarter are shorter.
+    /// A quarter of the times are shorter.
     pub lower: f64,
-    /// Half are shorter.
+    /// Half of the times are shorter.
     pub median: f64,
-    /// Three quarters are shorter.
+    /// Three quarters of the times are shorter.
     pub upper: f64,
 }
 
 impl Times {
-    /// Adds a number of times of one bin.
+    /// Adds a number of times to one bin.
     fn add(&mut self, bin: u16, count: u64) {
         self.counts.resize(usize::from(BINS), 0);
         self.counts[usize::from(bin)] += count;
     }
 
-    /// Times in the histogram.
+    /// Returns the number of times in the histogram.
     pub fn n(&self) -> u64 {
         self.counts.iter().sum()
     }
 
-    /// The quantile of a proportion, seconds; none if there are no times.
+    /// Returns the quantile for a proportion in seconds, or `None` if there are no times.
     pub fn quantile(&self, proportion: f64) -> Option<f64> {
         let wanted = (proportion * self.n() as f64).ceil().max(1.0) as u64;
         let mut below = 0;
@@ -283,7 +283,7 @@ impl Times {
         })
     }
 
-    /// The quartiles; none if there are no times.
+    /// Returns the quartiles, or `None` if there are no times.
     pub fn quartiles(&self) -> Option<Quartiles> {
         let [lower, median, upper] = [0.25, 0.5, 0.75].map(|proportion| self.quantile(proportion));
         Some(Quartiles { n: self.n(), lower: lower?, median: median?, upper: upper? })

@@ -1,33 +1,33 @@
-//! The cumulative-link model P(Y ≤ j) = F((θ_j + w·α_j − x·β) / exp(z·ζ)), fitted by Newton's method on counts.
+//! The cumulative-link model P(Y ≤ j) = F((θ_j + w·α_j − x·β) / exp(z·ζ)), fitted to counts by Newton's method.
 //!
-//! β shifts the scale (McCullagh 1980), α lets a term have an effect of its own at every threshold (partial
-//! proportional odds), ζ is the log of a scale that depends on terms. The sign is that of R's `ordinal` and of
-//! `statsmodels`: a positive β means higher ratings. Without ζ the log-likelihood is concave (Pratt 1981).
+//! β shifts the scale (McCullagh 1980), α gives a term a separate effect at each threshold (partial proportional odds),
+//! and ζ holds the coefficients of the log scale. The signs are those of R's `ordinal` and of `statsmodels`: a positive
+//! β means higher ratings. Without ζ, the log-likelihood is concave (Pratt 1981).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::link::Link;
 
-/// Counts by design row and category, with the rows of the three design matrices.
+/// Counts by design row and category, and the three design matrices.
 #[derive(Clone, Debug)]
 pub(super) struct ClmData {
     pub link: Link,
-    /// Location, one row a distinct condition.
+    /// Location; one row per distinct condition.
     pub x: DMatrix<f64>,
-    /// Terms with an effect at every threshold.
+    /// Terms with a separate effect at each threshold.
     pub nominal: DMatrix<f64>,
     /// Terms of the scale.
     pub scale: DMatrix<f64>,
-    /// Ratings in each category.
+    /// Number of ratings in each row and category.
     pub counts: DMatrix<f64>,
 }
 
 /// How an iteration ended.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum End {
-    /// The gradient is small and the last step was.
+    /// The gradient and the last step are small.
     Converged,
-    /// The likelihood rises without bound in this direction: the ratings are separated.
+    /// The likelihood keeps rising in this direction, without a maximum: the ratings are separated.
     Separated(DVector<f64>),
     /// The iteration could not continue.
     Stalled,
@@ -36,12 +36,12 @@ pub(super) enum End {
 /// A maximum of the likelihood.
 #[derive(Clone, Debug)]
 pub(super) struct ClmFit {
-    /// θ (then α, threshold by threshold within a column), β, ζ.
+    /// θ, α (for each column, one value per threshold), β and ζ, in this order.
     pub parameters: DVector<f64>,
     pub loglik: f64,
     /// Largest absolute element of the gradient.
     pub gradient: f64,
-    /// Observed information.
+    /// Observed information matrix.
     pub information: DMatrix<f64>,
     pub iterations: usize,
     pub end: End,
@@ -54,7 +54,8 @@ struct Derivatives {
     information: DMatrix<f64>,
 }
 
-/// Ratings up to which the gradient can and must fall below 1e-9; above, rounding grows with them.
+/// Up to this number of ratings, the gradient can and must fall below 1e-9. Beyond it, rounding errors grow with the
+/// number of ratings.
 const EXACT_RATINGS: f64 = 1e4;
 
 impl ClmData {
@@ -66,7 +67,7 @@ impl ClmData {
         self.categories() - 1
     }
 
-    /// Index of the first β.
+    /// Returns the index of the first β.
     pub fn first_beta(&self) -> usize {
         self.thresholds() * (1 + self.nominal.ncols())
     }
@@ -83,12 +84,12 @@ impl ClmData {
         self.counts.sum()
     }
 
-    /// The gradient that counts as zero.
+    /// Returns the largest gradient that counts as zero.
     pub fn tolerance(&self) -> f64 {
         1e-9 * (self.ratings() / EXACT_RATINGS).max(1.0)
     }
 
-    /// Thresholds that give the pooled ratings, everything else 0.
+    /// Returns starting values: thresholds that reproduce the pooled ratings, and 0 for everything else.
     pub fn start(&self) -> DVector<f64> {
         let mut parameters = DVector::zeros(self.parameters());
         let total = self.ratings();
@@ -100,7 +101,7 @@ impl ClmData {
         parameters
     }
 
-    /// The bounds η_1 … η_(K−1) of a row, and what its scale divides by.
+    /// Computes the bounds η_1 … η_(K−1) of a row. Returns the scale by which they are divided.
     fn bounds(&self, parameters: &DVector<f64>, row: usize, bounds: &mut [f64]) -> f64 {
         let dot = |matrix: &DMatrix<f64>, first: usize, stride: usize| -> f64 {
             (0..matrix.ncols()).map(|c| matrix[(row, c)] * parameters[first + c * stride]).sum()
@@ -114,7 +115,7 @@ impl ClmData {
         scale
     }
 
-    /// The gradient of bound j of a row by the parameters.
+    /// Computes the gradient of bound `j` of a row with respect to the parameters.
     fn bound_gradient(&self, row: usize, j: usize, bound: f64, scale: f64, gradient: &mut DVector<f64>) {
         gradient.fill(0.0);
         let thresholds = self.thresholds();
@@ -130,7 +131,7 @@ impl ClmData {
         }
     }
 
-    /// The log-likelihood, −∞ where a rating that occurs has no probability.
+    /// Returns the log-likelihood, or −∞ if a rating that occurs has a probability of 0.
     pub fn loglik(&self, parameters: &DVector<f64>) -> f64 {
         let mut bounds = vec![0.0; self.thresholds()];
         let mut sum = 0.0;
@@ -193,7 +194,9 @@ impl ClmData {
         sum
     }
 
-    /// The second derivative of a bound, which only a scale bends: times z against every other parameter.
+    /// Adds `factor` times the second derivatives of a bound. They are 0 unless a scale parameter ζ is involved: the
+    /// second derivative with respect to ζ and another parameter is −z times the first derivative with respect to the
+    /// other.
     fn add_scale_curvature(
         &self,
         sum: &mut DMatrix<f64>,
@@ -215,7 +218,7 @@ impl ClmData {
         }
     }
 
-    /// The largest change of a bound of any rating that a step makes.
+    /// Returns the largest change that a step makes in the bounds.
     fn reach(&self, parameters: &DVector<f64>, step: &DVector<f64>) -> f64 {
         let mut bounds = vec![0.0; self.thresholds()];
         let mut gradient = DVector::zeros(self.parameters());
@@ -230,8 +233,8 @@ impl ClmData {
         most
     }
 
-    /// Whether the likelihood rises for ever along a direction: no rating's upper bound falls, no lower bound rises,
-    /// and one of them moves (Albert & Anderson 1984, for ordered categories).
+    /// Returns whether the likelihood keeps rising along a direction: no rating's upper bound falls, no lower bound
+    /// rises, and at least one bound moves (Albert & Anderson 1984, for ordered categories).
     fn is_recession(&self, direction: &DVector<f64>) -> bool {
         const SLACK: f64 = 1e-3;
         let mut gradient = DVector::zeros(self.parameters());
@@ -253,7 +256,7 @@ impl ClmData {
         most > 0.1 && least > -SLACK * most
     }
 
-    /// The direction of a step where it is one of recession, its largest element ±1.
+    /// If a step is in a direction of recession, returns that direction, with ±1 as its largest element.
     fn recession(&self, step: &DVector<f64>) -> Option<DVector<f64>> {
         let mut direction = step / step.amax();
         direction.apply(|element| {
@@ -264,7 +267,7 @@ impl ClmData {
         (self.scale.ncols() == 0 && self.is_recession(&direction)).then_some(direction)
     }
 
-    /// The maximum of the likelihood, by Newton's method with step halving.
+    /// Finds the maximum of the likelihood by Newton's method with step halving.
     pub fn fit(&self, start: DVector<f64>) -> ClmFit {
         const MOST_ITERATIONS: usize = 200;
         let tolerance = self.tolerance();
@@ -287,7 +290,7 @@ impl ClmData {
                 break;
             }
             let Some(next) = self.halve(&parameters, &current, &step) else {
-                // Limited by rounding: this is the best possible precision.
+                // Rounding errors limit the precision; this is the best possible.
                 if gradient < 1e3 * tolerance {
                     end = End::Converged;
                 }
@@ -307,7 +310,7 @@ impl ClmData {
         }
     }
 
-    /// The first of the step and its halves that does not lower the likelihood.
+    /// Tries the full step and then repeatedly halves it. Returns the first point that does not lower the likelihood.
     fn halve(&self, from: &DVector<f64>, at: &Derivatives, step: &DVector<f64>) -> Option<DVector<f64>> {
         let slack = 1e-13 * at.loglik.abs();
         let mut factor = 1.0;
@@ -325,7 +328,7 @@ impl ClmData {
     }
 }
 
-/// Upper and lower bound of a category.
+/// Returns the upper and the lower bound of a category.
 #[inline]
 pub(super) fn category_bounds(bounds: &[f64], category: usize) -> (f64, f64) {
     let upper = bounds.get(category).copied().unwrap_or(f64::INFINITY);
@@ -333,14 +336,14 @@ pub(super) fn category_bounds(bounds: &[f64], category: usize) -> (f64, f64) {
     (upper, lower)
 }
 
-/// Adds the outer product of two vectors, leaving out the zeros that treatment contrasts are full of.
+/// Adds the outer product of two vectors times `factor`. It skips zeros, which are frequent in treatment contrasts.
 pub(super) fn add_product(sum: &mut DMatrix<f64>, factor: f64, left: &DVector<f64>, right: &DVector<f64>) {
     for (column, &r) in right.iter().enumerate().filter(|(_, r)| **r != 0.0) {
         sum.column_mut(column).axpy(factor * r, left, 1.0);
     }
 }
 
-/// Newton's step, with the curvature raised where the likelihood is not concave or too flat to invert.
+/// Returns Newton's step. The curvature is raised if the likelihood is not concave or is too flat to invert.
 fn newton_step(at: &Derivatives) -> DVector<f64> {
     match positive_definite(&at.information) {
         Some(factor) => factor.solve(&at.gradient),
@@ -348,7 +351,8 @@ fn newton_step(at: &Derivatives) -> DVector<f64> {
     }
 }
 
-/// The factor of a matrix, or of the least raised one that has a factor; None where an element is not a number.
+/// Returns the Cholesky factor of a matrix. If it has none, its diagonal is raised by as little as possible. Returns
+/// `None` if an element is not a number.
 pub(super) fn positive_definite(matrix: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     let largest = matrix.diagonal().amax().max(f64::MIN_POSITIVE);
     let mut ridge = 0.0;

@@ -1,8 +1,9 @@
-//! The cumulative-link mixed model P(Y ≤ j | u) = F(θ_j − xβ − σu) with u ~ N(0, 1) for every subject, fitted on counts.
+//! The cumulative-link mixed model P(Y ≤ j | u) = F(θ_j − xβ − σu) with u ~ N(0, 1) for each subject, fitted to counts.
 //!
-//! A subject's likelihood is the integral over u, by Laplace's approximation (one node) or adaptive Gauss–Hermite
-//! quadrature around the mode (Liu & Pierce 1994). Its gradient is analytic, including how the mode and the curvature
-//! there move with the parameters: it is the gradient of the number that is maximized, not of the exact integral.
+//! A subject's likelihood is the integral over u. It is approximated by Laplace's method (one node) or by adaptive
+//! Gauss–Hermite quadrature around the mode (Liu & Pierce 1994). The gradient is analytic and accounts for how the mode
+//! and the curvature at the mode change with the parameters: it is the gradient of the approximation that is maximized,
+//! not of the exact integral.
 
 use std::ops::Range;
 
@@ -13,10 +14,10 @@ use super::{
     link::{Category, Link, Shift},
 };
 
-/// The most quadrature nodes: far more than any likelihood here needs.
+/// Maximum number of quadrature nodes, far more than any likelihood here needs.
 pub const MOST_NODES: usize = 100;
 
-/// Equal ratings of a subject in one design row.
+/// Equal ratings by a subject in one design row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Observation {
     /// Row of the design matrix.
@@ -25,37 +26,37 @@ pub(super) struct Observation {
     pub count: f64,
 }
 
-/// A mixed model's data.
+/// The data of a mixed model.
 #[derive(Clone, Debug)]
 pub(super) struct ClmmData {
     pub link: Link,
     pub categories: usize,
-    /// Location, one row a distinct condition.
+    /// Location; one row per distinct condition.
     pub x: DMatrix<f64>,
     /// All subjects' observations, one subject after the other.
     pub observations: Vec<Observation>,
-    /// Where each subject's observations are.
+    /// The range of each subject's observations.
     pub subjects: Vec<Range<usize>>,
     /// The quadrature rule.
     pub nodes: Vec<Node>,
 }
 
-/// Where the modes are, kept from one evaluation to the next as starting values.
+/// The mode of each subject's integrand, kept from one evaluation to the next as starting values.
 #[derive(Clone, Debug)]
 pub(super) struct Modes {
     pub u: Vec<f64>,
-    /// Minus the second derivative of the log-integrand there.
+    /// The negative second derivative of the log-integrand at each mode.
     pub curvature: Vec<f64>,
 }
 
-/// Log-likelihood and gradient by θ, β, σ.
+/// The log-likelihood and its gradient with respect to θ, β and σ.
 #[derive(Clone, Debug)]
 pub(super) struct Evaluation {
     pub loglik: f64,
     pub gradient: DVector<f64>,
 }
 
-/// One subject's observations at a point of the search.
+/// One subject's observations at the current parameters.
 struct Subject<'a> {
     link: Link,
     sigma: f64,
@@ -64,7 +65,8 @@ struct Subject<'a> {
     categories: Vec<Category>,
 }
 
-/// Sums over a subject's observations of the log-probability and its derivatives by a shift, each times the count.
+/// Sums, over a subject's observations, of the log-probability and its derivatives with respect to a shift, each
+/// weighted by the count.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     log_p: f64,
@@ -73,22 +75,22 @@ struct Sums {
     g3: f64,
 }
 
-/// What the nodes add up to, relative to the mode.
+/// Sums over the nodes, relative to the mode.
 #[derive(Default)]
 struct NodeSums {
-    /// Σ w e^(h − h at the mode): 1 for Laplace.
+    /// Σ w e^(h − h at the mode); 1 for Laplace.
     total: f64,
-    /// The mean of h′(u) over the nodes, and of h′(u) z.
+    /// The means of h′(u) and of h′(u) z over the nodes.
     slope: f64,
     slope_z: f64,
     /// The mean of ∂h/∂σ.
     sigma: f64,
-    /// The means of ∂g/∂a and ∂g/∂b of every observation.
+    /// The means of ∂g/∂a and ∂g/∂b for each observation.
     bounds: Vec<(f64, f64)>,
 }
 
 impl Subject<'_> {
-    /// The derivatives at u: of every observation, and their sums.
+    /// Returns the derivatives of each observation at u, and their sums.
     fn at(&self, u: f64) -> (Vec<Shift>, Sums) {
         let by = self.sigma * u;
         let up = by.exp();
@@ -103,7 +105,8 @@ impl Subject<'_> {
         (shifts, sums)
     }
 
-    /// The mode of the log-integrand, which is concave: Newton's method, halved while the slope grows.
+    /// Finds the mode of the log-integrand, which is concave, by Newton's method. A step is halved until it reduces the
+    /// slope.
     fn mode(&self, start: f64) -> Option<f64> {
         let slope_at = |u: f64| {
             let (_, Sums { g1, g2, .. }) = self.at(u);
@@ -117,7 +120,7 @@ impl Subject<'_> {
         }
         for _ in 0..100 {
             let mut step = -slope / curvature;
-            // Newton's error after a step is of the order of its square.
+            // After a Newton step, the error is of the order of the step squared.
             if step.abs() < 1e-9 * (1.0 + u.abs()) {
                 return Some(u + step);
             }
@@ -129,7 +132,7 @@ impl Subject<'_> {
                     break;
                 }
                 step /= 2.0;
-                // Rounding is reached; a slope that is not a number ends here too.
+                // The limit of precision is reached. A slope that is not a number ends here as well.
                 if step.is_nan() || step.abs() < 1e-13 * (1.0 + u.abs()) {
                     return slope.is_finite().then_some(u);
                 }
@@ -138,14 +141,14 @@ impl Subject<'_> {
         None
     }
 
-    /// Sums over the nodes around the mode u, where the log-integrand is `h`.
+    /// Computes the sums over the nodes around the mode `u`, where the log-integrand is `h`.
     fn integrate(&self, nodes: &[Node], u: f64, h: f64, spread: f64) -> Option<NodeSums> {
         let mut sums = NodeSums { bounds: vec![(0.0, 0.0); self.observations.len()], ..NodeSums::default() };
         for node in nodes {
             let value = u + spread * node.z;
             let (shifts, Sums { log_p, g1, .. }) = self.at(value);
             let weight = node.weight * (log_p - 0.5 * value * value - h).exp();
-            // A node too far out has no weight, and maybe no finite derivatives.
+            // A node too far out has no weight, and its derivatives may not be finite.
             if weight == 0.0 || weight.is_nan() {
                 continue;
             }
@@ -175,7 +178,7 @@ impl ClmmData {
         self.categories - 1
     }
 
-    /// θ, β and σ.
+    /// Returns the number of parameters: θ, β and σ.
     pub fn parameters(&self) -> usize {
         self.thresholds() + self.x.ncols() + 1
     }
@@ -184,17 +187,18 @@ impl ClmmData {
         self.observations.iter().map(|observation| observation.count).sum()
     }
 
-    /// Modes at 0.
+    /// Returns starting values for the modes: 0 for every subject.
     pub fn modes(&self) -> Modes {
         Modes { u: vec![0.0; self.subjects.len()], curvature: vec![1.0; self.subjects.len()] }
     }
 
-    /// xβ for every design row.
+    /// Returns xβ for each design row.
     fn location(&self, parameters: &DVector<f64>) -> DVector<f64> {
         &self.x * parameters.rows(self.thresholds(), self.x.ncols())
     }
 
-    /// The approximated log-likelihood and its gradient, or None where a rating that occurs has no probability.
+    /// Returns the approximate log-likelihood and its gradient, or `None` if the thresholds are not increasing or a
+    /// rating that occurs has a probability of 0.
     pub fn evaluate(&self, parameters: &DVector<f64>, modes: &mut Modes) -> Option<Evaluation> {
         let thresholds = &parameters.as_slice()[..self.thresholds()];
         if thresholds.windows(2).any(|pair| pair[0] >= pair[1]) {
@@ -221,7 +225,8 @@ impl ClmmData {
         (value.loglik.is_finite() && value.gradient.iter().all(|g| g.is_finite())).then_some(value)
     }
 
-    /// Adds a subject's log-likelihood and its gradient, that of the location by design row; the curvature at the mode u.
+    /// Adds a subject's log-likelihood and its gradient; the gradient of the location is added to `by_row`, per design
+    /// row. Returns the curvature at the mode `u`.
     fn add(&self, subject: &Subject, u: f64, sum: &mut Evaluation, by_row: &mut DVector<f64>) -> Option<f64> {
         let sigma = subject.sigma;
         let (shifts, at) = subject.at(u);
@@ -229,7 +234,8 @@ impl ClmmData {
         let curvature = 1.0 - sigma * sigma * at.g2;
         let spread = curvature.sqrt().recip();
         let nodes = subject.integrate(&self.nodes, u, h, spread)?;
-        // How the mode and the spread move the nodes: weights of h_uψ and of h_uuψ.
+        // The nodes move with the mode and the spread: `second` is the weight of h_uψ, and `third` is the weight of
+        // h_uuψ.
         let third = 0.5 * (nodes.slope_z * spread + 1.0) / curvature;
         let second = (nodes.slope - third * sigma.powi(3) * at.g3) / curvature;
         let (by_mode, by_spread) = (-sigma * second, sigma * sigma * third);
@@ -251,8 +257,8 @@ impl ClmmData {
         Some(curvature)
     }
 
-    /// The information that a search begins with: the curvature of the integrand profiled over the modes, and for σ
-    /// that of log det too, whose second derivative is what keeps σ from 0.
+    /// Returns approximate information to begin a search: the curvature of the integrand profiled over the modes. For
+    /// σ, it includes the curvature of the log determinant, whose second derivative is what keeps σ away from 0.
     pub fn rough_information(&self, parameters: &DVector<f64>, modes: &Modes) -> DMatrix<f64> {
         let (size, thresholds) = (self.parameters(), self.thresholds());
         let (thetas, sigma) = (&parameters.as_slice()[..thresholds], parameters[size - 1]);
@@ -290,7 +296,7 @@ impl ClmmData {
             }
             by_mode[size - 1] -= g1;
             add_product(&mut sum, -1.0 / curvature, &by_mode, &by_mode);
-            // log D = log(1 + σ²I): its second derivative by σ, with I held.
+            // The second derivative of log D = log(1 + σ²I) with respect to σ, with I held constant.
             let information = (curvature - 1.0) / (sigma * sigma).max(1e-12);
             sum[(size - 1, size - 1)] += information * (1.0 - sigma * sigma * information) / (curvature * curvature);
         }
@@ -298,20 +304,20 @@ impl ClmmData {
     }
 }
 
-/// A node z and its weight w, such that ∫ f(z) dz ≈ √(2π) Σ w f(z) for f near the standard normal density: the
+/// A node z and its weight w, such that ∫ f(z) dz ≈ √(2π) Σ w f(z) for any f close to the standard normal density. The
 /// weight includes the inverse of the density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Node {
-    /// In standard deviations.
+    /// Position in standard deviations.
     z: f64,
     /// 1 for the only node of the Laplace approximation.
     weight: f64,
 }
 
-/// The rule with this many nodes, by ascending position, symmetric to the last bit.
+/// Returns the quadrature rule with this many nodes, in ascending order and symmetric to the last bit.
 ///
-/// The eigenvalues of the Jacobi matrix (Golub & Welsch 1969) start Newton's iteration on the orthonormal Hermite
-/// functions, whose values give the weights without overflow.
+/// The eigenvalues of the Jacobi matrix (Golub & Welsch 1969) are the starting values for Newton's iteration on the
+/// orthonormal Hermite functions. The values of these functions give the weights without overflow.
 pub(super) fn gauss_hermite(nodes: usize) -> Vec<Node> {
     let jacobi = DMatrix::from_fn(nodes, nodes, |row, column| match row.abs_diff(column) {
         1 => (row.max(column) as f64 / 2.0).sqrt(),
@@ -325,7 +331,7 @@ pub(super) fn gauss_hermite(nodes: usize) -> Vec<Node> {
         let middle = nodes % 2 == 1 && index == half;
         let root = if middle { 0.0 } else { refine(roots[index], nodes) };
         let (_, before) = hermite_function(root, nodes);
-        // ∫ f dx ≈ Σ f(x) / (N ψ²) for ψ the function of degree N − 1; x = z/√2.
+        // ∫ f dx ≈ Σ f(x) / (N ψ²), where ψ is the function of degree N − 1 and x = z/√2.
         let weight = 1.0 / (nodes as f64 * before * before * std::f64::consts::PI.sqrt());
         rule[index] = Node { z: root * std::f64::consts::SQRT_2, weight };
         rule[nodes - 1 - index] = Node { z: -root * std::f64::consts::SQRT_2, weight };
@@ -341,7 +347,7 @@ fn refine(mut root: f64, degree: usize) -> f64 {
     root
 }
 
-/// The orthonormal Hermite functions of a degree and of the one before it.
+/// Returns the orthonormal Hermite functions of a degree and of the next lower degree at `x`.
 fn hermite_function(x: f64, degree: usize) -> (f64, f64) {
     let mut before = 0.0;
     let mut value = std::f64::consts::PI.powf(-0.25) * (-x * x / 2.0).exp();

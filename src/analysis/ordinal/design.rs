@@ -1,8 +1,8 @@
-//! The design matrix of some terms, without an intercept: the thresholds take its place.
+//! The design matrix of a model's terms. It has no intercept, because the thresholds take its place.
 //!
-//! Columns are coded and named as R's `model.matrix` does with treatment contrasts. A factor's column is called by the
-//! factor and the level (`width0.05`); within an interaction a factor has contrasts where the term without it is in
-//! the model too, and a column for every level where it is not.
+//! Columns are coded and named as in R's `model.matrix` with treatment contrasts. The name of a factor's column is the
+//! factor followed by the level (`width0.05`). In an interaction, a factor has contrasts if the term without this
+//! factor is also in the model; otherwise, it has a column for each level.
 
 use nalgebra::{DMatrix, DVector, DVectorView};
 
@@ -15,11 +15,11 @@ use crate::analysis::frame::{Frame, find_factor};
 /// One column of a design matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Column {
-    /// R's name of the coefficient.
+    /// The coefficient's name, as in R.
     pub name: String,
     /// Index of the term in [`Design::terms`].
     pub term: usize,
-    /// The value for every condition of the table; 0 for those that are not in the frame.
+    /// The value for each condition of the table; 0 for conditions that are not in the frame.
     values: Vec<f64>,
 }
 
@@ -28,15 +28,15 @@ pub(crate) struct Column {
 pub(crate) struct Design {
     pub terms: Terms,
     pub columns: Vec<Column>,
-    /// Columns that were left out because they follow from others.
+    /// Columns that were dropped because they are combinations of others.
     pub dropped: Vec<Column>,
 }
 
 impl Design {
-    /// The columns of these terms for the conditions of a frame.
+    /// Creates the columns of these terms for the conditions of a frame.
     ///
     /// # Errors
-    /// A variable that is unknown or not a number.
+    /// Returns a [`ModelError`] if a variable is unknown or is used as a number but has a level that is not one.
     pub fn new(frame: &Frame, terms: &Terms) -> Result<Self, ModelError> {
         let mut columns = Vec::new();
         for (index, term) in terms.iter().enumerate() {
@@ -45,30 +45,31 @@ impl Design {
         Ok(Self { terms: terms.clone(), columns, dropped: Vec::new() })
     }
 
-    /// No columns.
+    /// Returns a design with no columns.
     pub fn empty() -> Self {
         Self { terms: Terms::default(), columns: Vec::new(), dropped: Vec::new() }
     }
 
-    /// A row for each of these conditions.
+    /// Returns the matrix with one row for each of these conditions.
     pub fn matrix(&self, conditions: &[u32]) -> DMatrix<f64> {
         DMatrix::from_fn(conditions.len(), self.columns.len(), |row, column| {
             self.columns[column].values[conditions[row] as usize]
         })
     }
 
-    /// Whether two conditions have the same row.
+    /// Returns a key that is equal for conditions with the same row.
     pub fn key(&self, condition: u32) -> Vec<u64> {
         self.columns.iter().map(|column| (column.values[condition as usize] + 0.0).to_bits()).collect()
     }
 
-    /// The columns that do not follow from an intercept and those before them.
+    /// Keeps only the columns that are not combinations of an intercept and the columns before them.
     #[must_use]
     pub fn independent(self, frame: &Frame) -> Self {
         self.independent_of(&Self::empty(), frame)
     }
 
-    /// The columns that do not follow from an intercept, those of another design and those before them.
+    /// Keeps only the columns that are not combinations of an intercept, the columns of another design and the columns
+    /// before them.
     #[must_use]
     pub fn independent_of(&self, other: &Self, frame: &Frame) -> Self {
         let conditions = frame.conditions();
@@ -81,7 +82,7 @@ impl Design {
     }
 }
 
-/// One variable's part of a column: its name and its value for every condition.
+/// One variable's part of a column: its name and its value for each condition.
 struct Part {
     name: String,
     values: Vec<f64>,
@@ -99,7 +100,7 @@ fn term_columns(frame: &Frame, terms: &Terms, term: &Term, index: usize) -> Resu
     Ok(columns.into_iter().map(|part| Column { name: part.name, term: index, values: part.values }).collect())
 }
 
-/// All products, the first factor's levels varying fastest.
+/// Returns all products of the columns. The levels of the first factor vary fastest.
 fn products(left: &[Part], right: &[Part]) -> Vec<Part> {
     let pairs = right.iter().flat_map(|r| left.iter().map(move |l| (l, r)));
     pairs
@@ -128,24 +129,25 @@ fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result
     })
 }
 
-/// A column of which less than this is left is a combination of those before it: R's tolerance.
+/// A column counts as a combination of the columns before it if less than this share of it remains after projection.
+/// This is R's tolerance.
 const SPAN_TOLERANCE: f64 = 1e-7;
 
-/// An orthonormal basis.
+/// A vector space, with an orthonormal basis.
 pub(crate) struct Span {
     pub basis: Vec<DVector<f64>>,
 }
 
 impl Span {
-    /// That of a constant.
+    /// Creates the span of a constant.
     pub fn with_constant(rows: usize) -> Self {
         Self { basis: vec![DVector::from_element(rows, 1.0 / (rows as f64).sqrt())] }
     }
 
-    /// Adds a column; false if it is a combination of those before it.
+    /// Adds a column. Returns false if it is a combination of the columns before it.
     pub fn add(&mut self, column: DVectorView<f64>) -> bool {
         let column = column.clone_owned();
-        // Twice, because one pass of Gram and Schmidt loses orthogonality where columns are nearly dependent.
+        // Project twice, because a single Gram–Schmidt pass loses orthogonality if columns are nearly dependent.
         let once = &column - self.project(&column);
         let rest = &once - self.project(&once);
         let is_new = column.norm() > 0.0 && rest.norm() >= SPAN_TOLERANCE * column.norm();
@@ -155,7 +157,7 @@ impl Span {
         is_new
     }
 
-    /// The part of a vector within the span.
+    /// Returns the part of a vector that lies within the span.
     pub fn project(&self, vector: &DVector<f64>) -> DVector<f64> {
         let mut part = DVector::zeros(vector.len());
         for direction in &self.basis {
@@ -165,7 +167,7 @@ impl Span {
     }
 }
 
-/// What was subtracted from each column and what it was divided by; contrasts stay as they are.
+/// The number that was subtracted from each column, and the number by which it was divided. Contrasts are unchanged.
 #[derive(Clone, Debug)]
 pub(super) struct Standard {
     centers: DVector<f64>,
@@ -173,8 +175,8 @@ pub(super) struct Standard {
 }
 
 impl Standard {
-    /// Scales the columns of a matrix, and centers them if `centered`: the center of a column of a scale would divide the
-    /// thresholds too.
+    /// Scales the columns of a matrix, and centers them if `centered`. Columns of the scale must not be centered,
+    /// because their center would divide the thresholds as well.
     pub fn of(mut x: DMatrix<f64>, centered: bool) -> (DMatrix<f64>, Self) {
         let columns = x.ncols();
         let mut standard = Self { centers: DVector::zeros(columns), scales: DVector::from_element(columns, 1.0) };
@@ -194,7 +196,8 @@ impl Standard {
     }
 }
 
-/// The matrix that takes θ, β, ζ (and what follows) of standardized columns to those of the data.
+/// Returns the matrix that converts θ, β, ζ and any further parameters from standardized columns to the scale of the
+/// data.
 pub(super) fn back(location: &Standard, scale: &Standard, thresholds: usize, size: usize) -> DMatrix<f64> {
     let mut back = DMatrix::identity(size, size);
     for column in 0..location.scales.len() {

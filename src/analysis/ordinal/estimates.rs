@@ -1,4 +1,4 @@
-//! What the maxima mean, on the scale of the data: estimates, their errors, notes, and predictions with intervals.
+//! What the maxima mean on the scale of the data: estimates, standard errors, notes, and predictions with intervals.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -18,12 +18,13 @@ use crate::{
 /// Fits a model.
 ///
 /// # Errors
-/// Data or terms that allow no model. All other problems with the data are notes of the model.
+/// Returns a [`ModelError`] if the data or the terms allow no model. All other problems with the data become notes of
+/// the model.
 pub fn fit(counts: &Counts, spec: &ModelSpec) -> Result<Model, ModelError> {
     Ok(report(&fit_counts(counts, spec, true)?))
 }
 
-/// The model that a fit means, on the scale of the data.
+/// Converts a fit to a model on the scale of the data.
 pub(super) fn report(fitted: &Fitted) -> Model {
     let mut notes = fitted.notes.clone();
     let mixed = ended(fitted);
@@ -109,12 +110,12 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, se: Option<f64>) -> RandomEf
     }
 }
 
-/// The fit with a random intercept, where it has an end.
+/// Returns the fit with a random intercept, if there is one and it did not run away.
 fn ended<'a>(fitted: &'a Fitted) -> Option<&'a MixedFit> {
     fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedEnd::Runaway)
 }
 
-/// The estimates of the search, and the matrix that takes them to the scale of the data.
+/// Returns the estimates of the search and the matrix that converts them to the scale of the data.
 fn found<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) {
     let parameters = match ended(fitted) {
         Some(mixed) if mixed.end != MixedEnd::Boundary => &mixed.parameters,
@@ -125,7 +126,7 @@ fn found<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) {
     (parameters, design::back(location, scale, thresholds, parameters.len()))
 }
 
-/// Estimates of all parameters on the scale of the data; infinite where there is no finite one.
+/// Returns the estimates of all parameters on the scale of the data. A parameter without a finite estimate is infinite.
 fn estimates(fitted: &Fitted) -> DVector<f64> {
     let (parameters, back) = found(fitted);
     let mut estimates = back * parameters;
@@ -135,7 +136,8 @@ fn estimates(fitted: &Fitted) -> DVector<f64> {
     estimates
 }
 
-/// Covariance of all parameters on the scale of the data; NaN for those without a finite estimate.
+/// Returns the covariance of all parameters on the scale of the data, or `None` if the information matrix cannot be
+/// inverted. It is NaN for parameters without a finite estimate.
 fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
     let (parameters, back) = found(fitted);
     let information = match ended(fitted) {
@@ -159,7 +161,7 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
     Some(covariance)
 }
 
-/// The linear predictor of each of these conditions, thresholds apart.
+/// Returns the linear predictor of each of these conditions, without thresholds.
 pub(crate) fn predictors(fitted: &Fitted, conditions: &[u32]) -> Vec<f64> {
     let estimates = estimates(fitted);
     let coefficients = estimates.rows(fitted.frame.categories.len() - 1, fitted.x.columns.len());
@@ -167,12 +169,12 @@ pub(crate) fn predictors(fitted: &Fitted, conditions: &[u32]) -> Vec<f64> {
     x.row_iter().map(|row| finite_product(row.iter(), coefficients.iter())).collect()
 }
 
-/// The scalar product, where nothing of something infinite is nothing.
+/// Returns the scalar product. A weight of 0 times an infinite value counts as 0.
 pub(crate) fn finite_product<'a>(weights: impl Iterator<Item = &'a f64>, values: impl Iterator<Item = &'a f64>) -> f64 {
     weights.zip(values).filter(|(weight, _)| weight.abs() > 1e-12).map(|(weight, value)| weight * value).sum()
 }
 
-/// The information of the parameters that have a finite estimate.
+/// Returns the information of the parameters that have finite estimates.
 fn finite_part(fitted: &Fitted, information: &DMatrix<f64>) -> DMatrix<f64> {
     let free: Vec<usize> = (0..information.nrows()).filter(|&index| !fitted.is_infinite(index)).collect();
     information.select_rows(&free).select_columns(&free)
@@ -217,25 +219,26 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
     });
 }
 
-/// The two-sided probability of a standard normal z.
+/// Returns the two-sided probability of a standard normal z.
 pub(crate) fn two_sided(z: f64) -> f64 {
     statrs::function::erf::erfc(z.abs() * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The ratings of one condition that a model expects; of a mixed model, from a subject in the middle (u = 0).
+/// The ratings that a model predicts for one condition. A mixed model predicts those of an average subject (u = 0).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Names of the levels, in the order of the factors; empty where the value is missing.
+    /// Names of the levels, in the order of the factors; a missing value has an empty name.
     pub names: Vec<String>,
     /// Probability of each category that has ratings, in the order of [`Model::categories`].
     pub probabilities: Vec<f64>,
-    /// Mean rating, in the numbers of the categories, or their positions from 0 where they are texts.
+    /// Mean rating. It is computed from the numbers of the categories or, if they are texts, from their positions,
+    /// starting at 0.
     pub mean: f64,
-    /// Its 95 % interval by the delta method; none where a coefficient has no finite estimate.
+    /// The 95 % interval of the mean by the delta method; `None` if a coefficient has no finite estimate.
     pub interval: Option<Interval>,
 }
 
-/// A model's predictions for every condition that it was fitted on.
+/// Returns a model's predictions for every condition on which it was fitted.
 pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
     let values: Vec<f64> = levels::numbers_of(&model.categories)
         .unwrap_or_else(|| (0..model.categories.len()).map(|index| index as f64).collect());
@@ -272,9 +275,9 @@ fn predict(fitted: &Fitted, model: &Model, values: &[f64], condition: u32, x: &[
     Prediction { names, probabilities, mean, interval }
 }
 
-/// The gradient of the mean rating by thresholds, coefficients and scale.
+/// Returns the gradient of the mean rating with respect to the thresholds, the coefficients and the scale.
 fn mean_gradient(model: &Model, values: &[f64], bounds: &[f64], scale: f64, x: &[f64], z: &[f64]) -> DVector<f64> {
-    // The mean falls by the step between two categories where the bound between them rises.
+    // If the bound between two categories rises, the mean falls in proportion to the step between them.
     let by_bound: Vec<f64> = (bounds.iter().enumerate())
         .map(|(j, bound)| -(values[j + 1] - values[j]) * model.link.density(*bound))
         .collect();

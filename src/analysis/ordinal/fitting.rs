@@ -1,4 +1,4 @@
-//! From a table of counts to the maxima of its likelihoods.
+//! Fits models to a table of counts: from the counts to the maxima of the likelihoods.
 
 use std::collections::HashMap;
 
@@ -15,7 +15,7 @@ use super::{
 };
 use crate::analysis::{counts::Counts, frame::Frame};
 
-/// Everything about a fit that the tests need again.
+/// Everything about a fit that the tests need.
 pub(crate) struct Fitted<'a> {
     pub(super) frame: Frame<'a>,
     pub(super) spec: ModelSpec,
@@ -28,8 +28,8 @@ pub(crate) struct Fitted<'a> {
     pub(super) mixed: Option<MixedFit>,
 }
 
-/// Fits a model, with another baseline where the first has no finite estimates. The standard errors of a mixed model,
-/// which take as long as its estimates, only with `errors`.
+/// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed
+/// model take as long as its estimates and are computed only if `errors` is true.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
     if spec.random == Random::Subject && !(1..=MOST_NODES).contains(&spec.quadrature) {
         return Err(ModelError::Quadrature { nodes: spec.quadrature, most: MOST_NODES });
@@ -55,8 +55,8 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
     })
 }
 
-/// Fits the terms of a specification on a frame; `notes` are those of the frame. A mixed model needs `errors` for its
-/// standard errors; its likelihood comes without.
+/// Fits the terms of a specification to a frame. `notes` are the notes of the frame. The standard errors of a mixed
+/// model are computed only if `errors` is true; its likelihood does not need them.
 pub(super) fn fit_terms(
     frame: Frame<'_>,
     spec: ModelSpec,
@@ -82,13 +82,13 @@ pub(super) fn fit_clm(data: &ClmData) -> Result<ClmFit, ModelError> {
     if data.scale.ncols() == 0 {
         return Ok(data.fit(start));
     }
-    // The scale bends the likelihood: begin where the location is settled.
+    // With a scale, the likelihood may not be concave, so start at the estimates of the location.
     let plain = ClmData { scale: DMatrix::zeros(data.x.nrows(), 0), ..data.clone() };
     let location = plain.fit(plain.start()).parameters;
     Ok(data.fit(location.resize_vertically(data.parameters(), 0.0)))
 }
 
-/// Counts by distinct rows of three designs.
+/// Returns the counts for each distinct row of three designs, and the standardizations of the location and the scale.
 pub(super) fn clm_data(
     frame: &Frame,
     link: Link,
@@ -107,7 +107,7 @@ pub(super) fn clm_data(
     (ClmData { link, x, nominal, scale, counts }, (location, spread))
 }
 
-/// A condition for every distinct row of some designs, and the index of each condition's row.
+/// Returns one condition for each distinct row of some designs, and the index of each condition's row.
 fn distinct_rows(frame: &Frame, designs: &[&Design]) -> (Vec<u32>, HashMap<u32, usize>) {
     let mut rows: HashMap<Vec<u64>, usize> = HashMap::new();
     let mut conditions = Vec::new();
@@ -124,15 +124,15 @@ fn distinct_rows(frame: &Frame, designs: &[&Design]) -> (Vec<u32>, HashMap<u32, 
     (conditions, row_of)
 }
 
-/// The mixed model from the estimates of the model without a random intercept. Coefficients without a finite estimate
-/// stay where they are: their ratings are predicted perfectly whoever gives them.
+/// Fits the mixed model, starting from the estimates of the model without a random intercept. Coefficients without a
+/// finite estimate stay fixed, because their ratings are predicted perfectly for any subject.
 fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
     let frame = &fitted.frame;
     let (conditions, row_of) = distinct_rows(frame, &[&fitted.x]);
     let (x, _) = Standard::of(fitted.x.matrix(&conditions), true);
     let mut observations = Vec::new();
     let mut subjects = Vec::new();
-    // Rows are sorted by subject; conditions that share a design row are added up.
+    // Rows are sorted by subject. Conditions that share a design row are combined.
     for rows in frame.rows.chunk_by(|l, r| l.subject == r.subject) {
         let mut cells: HashMap<(usize, usize), f64> = HashMap::new();
         for row in rows {
@@ -156,18 +156,18 @@ fn fit_mixed(fitted: &Fitted, errors: bool) -> Option<MixedFit> {
 }
 
 impl Fitted<'_> {
-    /// The parameters that have no finite estimate, each with the direction in which it runs away.
+    /// Returns the parameters that have no finite estimate, each with the direction in which it diverges.
     pub fn infinite(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let direction = if let End::Separated(direction) = &self.clm.end { direction.as_slice() } else { &[] };
         direction.iter().copied().enumerate().filter(|(_, element)| *element != 0.0)
     }
 
-    /// Whether a parameter has no finite estimate.
+    /// Returns whether a parameter has no finite estimate.
     pub fn is_infinite(&self, index: usize) -> bool {
         self.infinite().any(|(infinite, _)| infinite == index)
     }
 
-    /// Whether a threshold has no finite estimate.
+    /// Returns whether a threshold has no finite estimate.
     fn has_infinite_threshold(&self) -> bool {
         self.infinite().any(|(index, _)| index < self.frame.categories.len() - 1)
     }
@@ -176,19 +176,19 @@ impl Fitted<'_> {
         design.terms.iter().nth(design.columns[column].term).map(ToString::to_string).unwrap_or_default()
     }
 
-    /// The log-likelihood that the tests compare.
+    /// Returns the log-likelihood that the tests compare.
     pub fn loglik(&self) -> f64 {
         self.mixed.as_ref().map_or(self.clm.loglik, |mixed| mixed.loglik)
     }
 
-    /// Parameters of location and scale that can be estimated.
+    /// Returns the number of location and scale parameters that can be estimated.
     pub fn rank(&self) -> usize {
         self.x.columns.len() + self.scale.columns.len()
     }
 }
 
-/// Where thresholds run away because all ratings at a factor's first level are the same extreme, the frame with
-/// another baseline.
+/// If a threshold diverges because all ratings at a factor's first level are in the same extreme category, returns the
+/// frame with another baseline, and a note.
 fn rebased<'a>(fitted: &Fitted<'a>) -> Option<(Frame<'a>, Note)> {
     if !fitted.has_infinite_threshold() {
         return None;
@@ -217,7 +217,7 @@ fn rebased<'a>(fitted: &Fitted<'a>) -> Option<(Frame<'a>, Note)> {
     None
 }
 
-/// The lowest or highest category where all ratings at a level are in it.
+/// Returns the lowest or the highest category if it contains all ratings at a level.
 fn extreme_category(frame: &Frame, factor: usize, level: u32) -> Option<usize> {
     let mut ratings = (frame.rows.iter())
         .filter(|row| frame.counts.conditions[row.condition as usize][factor] == Some(level))

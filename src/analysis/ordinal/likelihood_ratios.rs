@@ -1,4 +1,4 @@
-//! Likelihood-ratio tests: of each term, of proportional odds, of scale effects.
+//! Likelihood-ratio tests of each term, of proportional odds and of scale effects.
 
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::analysis::counts::Counts;
 
-/// Which part of a model a test is about.
+/// The part of a model that a test concerns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Part {
@@ -29,13 +29,13 @@ pub enum Part {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TermTest {
     pub term: String,
-    /// Where it is, or would be.
+    /// The part of the model in which the term is, or would be.
     pub part: Part,
-    /// Twice the difference of the log-likelihoods; none where the other model has no maximum.
+    /// Twice the difference of the log-likelihoods; `None` if one of the models has no maximum.
     pub lr: Option<f64>,
-    /// Parameters more or less.
+    /// The difference in the number of parameters.
     pub df: usize,
-    /// Probability of a larger ratio if the smaller model were true, by the χ² distribution.
+    /// Probability of a larger ratio if the smaller model were true, from the χ² distribution.
     pub p: Option<f64>,
 }
 
@@ -43,7 +43,7 @@ pub struct TermTest {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelReport {
     pub model: Model,
-    /// Likelihood ratios against the model without each term.
+    /// Tests of each term against the model without it.
     pub terms: Vec<TermTest>,
     /// Tests of proportional odds.
     pub proportional_odds: Vec<TermTest>,
@@ -51,10 +51,10 @@ pub struct ModelReport {
     pub predictions: Vec<Prediction>,
 }
 
-/// Fits a model, and makes its tests and predictions.
+/// Fits a model and computes its tests and predictions.
 ///
 /// # Errors
-/// As [`fit`](super::fit).
+/// The same as for [`fit`](super::fit).
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
     let model = estimates::report(&full);
@@ -66,8 +66,8 @@ pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, 
     })
 }
 
-/// Likelihood-ratio tests against the model without each term. A term that is part of an interaction of the model is
-/// not tested: the model without it would be the same one (R's `drop1`).
+/// Tests each term by the likelihood ratio against the model without it. A term that is part of an interaction in the
+/// model is not tested, because the model without it would be the same model (as in R's `drop1`).
 pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let mut tests = Vec::new();
     for part in [Part::Location, Part::Scale] {
@@ -86,7 +86,7 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
     Ok(tests)
 }
 
-/// Whether both have a maximum, of the same kind of likelihood.
+/// Returns whether both fits have a maximum, and of the same kind of likelihood.
 fn comparable(one: &Fitted, other: &Fitted) -> bool {
     let fine = |fitted: &Fitted| {
         fitted.clm.end != End::Stalled
@@ -95,13 +95,14 @@ fn comparable(one: &Fitted, other: &Fitted) -> bool {
     fine(one) && fine(other) && one.mixed.is_some() == other.mixed.is_some()
 }
 
-/// Parameters up to which proportional odds are tested: a threshold of its own for each level needs their product, and a
-/// fit grows with its cube. A scale of 101 steps has no use for it.
+/// Maximum number of parameters for a test of proportional odds. A separate effect of each level at each threshold
+/// needs levels × thresholds parameters, and the time for a fit grows with the cube of their number. On a scale of 101
+/// steps, the test would be useless.
 const MOST_NOMINAL: usize = 300;
 
-/// Tests of proportional odds: each term in turn has an effect of its own at every threshold, against the one common
-/// effect (R's `nominal_test`). The random intercept is left out: this is a check of the scale, not of the effects. A test
-/// of more than [`MOST_NOMINAL`] parameters is not made and has no ratio.
+/// Tests proportional odds. Each term in turn gets a separate effect at each threshold, which is compared with one
+/// common effect (R's `nominal_test`). The random intercept is omitted, because this checks the scale and not the
+/// effects. A test with more than [`MOST_NOMINAL`] parameters is not performed and has no ratio.
 fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let mut tests = Vec::new();
     for term in &full.spec.terms {
@@ -119,11 +120,11 @@ fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     Ok(tests)
 }
 
-/// Tests of scale effects: each term of the location in turn also spreads the ratings (R's `scale_test`). The random
-/// intercept is left out.
+/// Tests scale effects. Each location term in turn may also affect the spread of the ratings (R's `scale_test`). The
+/// random intercept is omitted.
 ///
 /// # Errors
-/// As [`fit`](super::fit).
+/// The same as for [`fit`](super::fit).
 pub fn scale_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, ModelError> {
     let spec = ModelSpec { random: Random::None, ..spec.clone() };
     let full = fit_counts(counts, &spec, true)?;
@@ -139,14 +140,14 @@ pub fn scale_tests(counts: &Counts, spec: &ModelSpec) -> Result<Vec<TermTest>, M
 }
 
 impl TermTest {
-    /// A test from the difference of two log-likelihoods.
+    /// Creates a test from the difference of two log-likelihoods.
     fn new(term: &Term, part: Part, difference: Option<f64>, df: usize) -> Self {
         let lr = difference.filter(|_| df > 0).map(|difference| (2.0 * difference).max(0.0));
         Self { term: term.to_string(), part, lr, df, p: lr.map(|lr| chi_squared_tail(lr, df)) }
     }
 }
 
-/// P(χ² > x).
+/// Returns P(χ² > x) for `df` degrees of freedom.
 pub(crate) fn chi_squared_tail(x: f64, df: usize) -> f64 {
     if x <= 0.0 { 1.0 } else { statrs::function::gamma::gamma_ur(df as f64 / 2.0, x / 2.0) }
 }

@@ -1,5 +1,5 @@
-//! Cumulative links: the distribution F of P(Y ≤ j) = F(θ_j − xβ), and the derivatives of a category's log-probability
-//! log(F(upper) − F(lower)) by its two bounds.
+//! Cumulative links: the distribution F in P(Y ≤ j) = F(θ_j − xβ), and the derivatives of a category's log-probability
+//! log(F(upper) − F(lower)) with respect to its two bounds.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -19,8 +19,8 @@ named! {
     }
 }
 
-/// The log-probability of a category between two bounds, a above b, and its derivatives. Without a probability above
-/// 0, `log_p` is −∞ or NaN and nothing else means anything.
+/// The log-probability of a category between an upper bound a and a lower bound b, and its derivatives. If the
+/// probability is not above 0, `log_p` is −∞ or NaN, and the other fields are meaningless.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cell {
     pub log_p: f64,
@@ -31,24 +31,24 @@ pub struct Cell {
     pub bb: f64,
 }
 
-/// A category whose bounds are shifted together many times. With the logit link e^(θ − xβ − σu) is a product, so the
-/// exponentials of the bounds are taken once for all values of u.
+/// A category whose bounds are shifted together many times. With the logit link, e^(θ − xβ − σu) is a product, so the
+/// exponentials of the bounds are computed only once for all values of u.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Category {
-    /// The bounds a and b; with the logit link e^(−a) and e^b.
+    /// The bounds a and b, or e^(−a) and e^b with the logit link.
     upper: f64,
     lower: f64,
-    /// What the width of the category adds with the logit link: log(1 − e^(b − a)) and 1 / (e^(a − b) − 1).
+    /// The contributions of the category's width with the logit link: log(1 − e^(b − a)) and 1 / (e^(a − b) − 1).
     log_width: f64,
     q: f64,
 }
 
-/// What a shift of both bounds by t does: derivatives of g(t) = log(F(a + t) − F(b + t)) at 0, and how the first two
-/// change with each bound.
+/// The effect of shifting both bounds by t: the derivatives of g(t) = log(F(a + t) − F(b + t)) at t = 0, and the
+/// derivatives of the first two with respect to each bound.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shift {
     pub log_p: f64,
-    /// ∂g/∂a and ∂g/∂b, whose sum is g′.
+    /// ∂g/∂a and ∂g/∂b; their sum is g′.
     pub a: f64,
     pub b: f64,
     pub g1: f64,
@@ -61,7 +61,7 @@ pub(super) struct Shift {
 }
 
 impl Link {
-    /// The distribution function F.
+    /// Returns the distribution function F at `x`.
     pub fn cdf(self, x: f64) -> f64 {
         match self {
             Self::Logit => 1.0 / (1.0 + (-x).exp()),
@@ -69,7 +69,7 @@ impl Link {
         }
     }
 
-    /// The quantile function, the inverse of F, for 0 < p < 1.
+    /// Returns the quantile function, the inverse of F, for 0 < `p` < 1.
     pub fn quantile(self, p: f64) -> f64 {
         match self {
             Self::Logit => (p / (1.0 - p)).ln(),
@@ -77,7 +77,7 @@ impl Link {
         }
     }
 
-    /// The density F′.
+    /// Returns the density F′ at `x`.
     pub fn density(self, x: f64) -> f64 {
         match self {
             Self::Logit => {
@@ -88,7 +88,7 @@ impl Link {
         }
     }
 
-    /// Log-probability and its derivatives to the second order.
+    /// Returns the log-probability of the category between the bounds and its derivatives up to the second order.
     pub fn cell(self, a: f64, b: f64) -> Cell {
         match self {
             Self::Logit => {
@@ -118,7 +118,7 @@ impl Link {
         }
     }
 
-    /// A category between the bounds a and b, for [`Link::shift`].
+    /// Creates the category between the bounds a and b, for [`Link::shift`].
     pub(super) fn category(self, a: f64, b: f64) -> Category {
         match self {
             Self::Logit => {
@@ -129,7 +129,7 @@ impl Link {
         }
     }
 
-    /// The derivatives with both bounds lower by `by`; `up` is e^`by`.
+    /// Returns the derivatives after both bounds are lowered by `by`. `up` is e^`by`.
     #[inline]
     pub(super) fn shift(self, category: &Category, by: f64, up: f64) -> Shift {
         match self {
@@ -156,7 +156,7 @@ impl Link {
             Self::Probit => {
                 let (a, b) = (category.upper - by, category.lower - by);
                 let cell = self.cell(a, b);
-                // The density over p, and its first and second derivatives.
+                // The density divided by p, then its first and second derivatives divided by p.
                 let (fa, fb) = (cell.a, -cell.b);
                 let (fa1, fb1) = (-times(a, fa), -times(b, fb));
                 let (fa2, fb2) = (-times(a, fa1) - fa, -times(b, fb1) - fb);
@@ -183,7 +183,7 @@ impl Link {
     }
 }
 
-/// The logistic distribution at a point: below it, and above it.
+/// The probabilities of the logistic distribution below and above a point.
 #[derive(Clone, Copy)]
 struct Tails {
     below: f64,
@@ -204,12 +204,13 @@ impl Tails {
     }
 }
 
-/// F(a) − F(b) = F(a) F(−b) (1 − e^(b − a)) for the logistic distribution: no cancellation, and the bounds enter apart.
+/// F(a) − F(b) = F(a) F(−b) (1 − e^(b − a)) for the logistic distribution. This form avoids cancellation and separates
+/// the two bounds.
 struct Logistic {
     a: Tails,
     b: Tails,
     log_p: f64,
-    /// 1 / (e^(a − b) − 1): what the width of the category adds.
+    /// 1 / (e^(a − b) − 1): the contribution of the category's width.
     q: f64,
 }
 
@@ -224,7 +225,7 @@ impl Logistic {
     }
 }
 
-/// log F(x) of the logistic distribution.
+/// Returns log F(x) for the logistic distribution.
 fn log_below(x: f64) -> f64 {
     if x >= 0.0 { -(-x).exp().ln_1p() } else { x - x.exp().ln_1p() }
 }
@@ -234,13 +235,13 @@ fn normal_density(x: f64) -> f64 {
     INV_SQRT_2PI * (-0.5 * x * x).exp()
 }
 
-/// Φ(a) − Φ(b), taken in the tail where it does not cancel.
+/// Returns Φ(a) − Φ(b), computed in the tail where the terms do not cancel.
 fn normal_between(a: f64, b: f64) -> f64 {
     let (near, far) = if a + b > 0.0 { (b, a) } else { (-a, -b) };
     0.5 * (erfc(near * FRAC_1_SQRT_2) - erfc(far * FRAC_1_SQRT_2))
 }
 
-/// The product, 0 where the bound is infinite.
+/// Returns the product, or 0 if the bound is infinite.
 fn times(bound: f64, density: f64) -> f64 {
     if bound.is_finite() { bound * density } else { 0.0 }
 }

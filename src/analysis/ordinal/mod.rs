@@ -1,13 +1,13 @@
-//! Ordinal regression: cumulative-link models of counts of ratings, with or without a random intercept.
+//! Ordinal regression: cumulative-link models for counts of ratings, with or without a random intercept.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
-//! | [`terms`], `design` | from the terms of a model to the columns of its matrix |
+//! | [`terms`], `design` | the terms of a model, and the matrix columns made from them |
 //! | `link`, `clm` | the likelihood without a random intercept, and its maximum |
-//! | `clmm`, `search` | the likelihood with one, and its maximum |
-//! | `fitting` | from counts to the maxima |
+//! | `clmm`, `search` | the likelihood with a random intercept, and its maximum |
+//! | `fitting` | fits the models to counts |
 //! | `estimates`, `likelihood_ratios` | estimates, tests and predictions, on the scale of the data |
-//! | `model` | a fitted model, its notes, and why there may be none |
+//! | `model` | fitted models, their notes, and the errors if there is no model |
 
 mod clm;
 mod clmm;

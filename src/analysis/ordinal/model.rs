@@ -1,4 +1,4 @@
-//! Models of ordered ratings: their specifications and their fits.
+//! Models of ordered ratings: specifications, fitted models, notes and errors.
 
 use nalgebra::DMatrix;
 use serde::{Serialize, Serializer};
@@ -8,7 +8,7 @@ use super::{link::Link, terms::Terms};
 use crate::light::names::{expected_one_of, named};
 
 named! {
-    /// Whether subjects differ by a random intercept.
+    /// Whether subjects have random intercepts.
     #[derive(Default)]
     Random, RandomError {
         /// All ratings are independent: a cumulative-link model.
@@ -19,12 +19,12 @@ named! {
     }
 }
 
-/// A model to fit.
+/// The specification of a model to fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelSpec {
-    /// Location: what shifts the ratings.
+    /// Location: the terms that shift the ratings.
     pub terms: Terms,
-    /// What spreads the ratings; without a random intercept only.
+    /// Scale: the terms that spread the ratings. Only a model without a random intercept can have them.
     pub scale: Terms,
     pub link: Link,
     /// The random part.
@@ -34,7 +34,7 @@ pub struct ModelSpec {
 }
 
 impl ModelSpec {
-    /// These terms with the logit link, without random or scale effects.
+    /// Specifies these terms with the logit link, without random or scale effects.
     pub fn new(terms: Terms) -> Self {
         Self { terms, scale: Terms::default(), link: Link::Logit, random: Random::None, quadrature: 1 }
     }
@@ -43,28 +43,28 @@ impl ModelSpec {
 /// A threshold between two categories.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Threshold {
-    /// The categories it lies between, `0|1`.
+    /// The two categories that it separates, such as `0|1`.
     pub name: String,
-    /// On the scale of the link; infinite where it has no finite estimate.
+    /// Estimate on the scale of the link; infinite if there is no finite estimate.
     #[serde(serialize_with = "finite")]
     pub estimate: f64,
-    /// Standard error, from the observed information.
+    /// Standard error from the observed information.
     pub se: Option<f64>,
 }
 
-/// A regression coefficient: how far one unit, or a level in place of the baseline, shifts the latent rating upwards.
+/// A regression coefficient: how far one unit, or a level instead of the baseline, shifts the latent rating upward.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Coefficient {
-    /// R's name: the factor and the level, or the number's name.
+    /// The name, as in R: the factor followed by the level, or the name of the number.
     pub name: String,
     /// The term it belongs to.
     pub term: String,
-    /// On the scale of the link; infinite where it has no finite estimate.
+    /// Estimate on the scale of the link; infinite if there is no finite estimate.
     #[serde(serialize_with = "finite")]
     pub estimate: f64,
-    /// Standard error, from the observed information.
+    /// Standard error from the observed information.
     pub se: Option<f64>,
-    /// Estimate over standard error.
+    /// The estimate divided by its standard error.
     pub z: Option<f64>,
     /// Two-sided probability of z.
     pub p: Option<f64>,
@@ -75,9 +75,9 @@ pub struct Coefficient {
 pub struct RandomEffect {
     /// Standard deviation between subjects, on the scale of the link.
     pub sd: f64,
-    /// Its standard error; none at 0.
+    /// Standard error of `sd`; `None` if `sd` is 0.
     pub se: Option<f64>,
-    /// Every subject's intercept.
+    /// Each subject's intercept.
     pub subjects: Vec<SubjectMode>,
 }
 
@@ -85,9 +85,9 @@ pub struct RandomEffect {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SubjectMode {
     pub subject: String,
-    /// The most probable intercept: positive gives higher ratings.
+    /// The most probable intercept. A positive intercept means higher ratings.
     pub mode: f64,
-    /// Its conditional standard deviation.
+    /// Conditional standard deviation of the intercept.
     pub sd: f64,
 }
 
@@ -97,15 +97,15 @@ pub struct Model {
     pub link: Link,
     /// `clm`, or `clmm` with its approximation: `clmm-laplace`, `clmm-aghq-10`.
     pub method: String,
-    /// Ratings.
+    /// Number of ratings.
     pub nobs: u64,
     pub subjects: usize,
-    /// Log-likelihood, or its approximation; without constants of the counts, as in R.
+    /// The log-likelihood, or its approximation, without constants that depend only on the counts, as in R.
     pub loglik: f64,
     /// Largest absolute element of the gradient at the estimates.
     pub gradient: f64,
     pub iterations: usize,
-    /// Parameters that were estimated, the standard deviation of a mixed model among them.
+    /// Number of estimated parameters, including the standard deviation of a mixed model.
     pub parameters: usize,
     pub thresholds: Vec<Threshold>,
     /// Coefficients of the location.
@@ -118,64 +118,64 @@ pub struct Model {
     pub categories: Vec<String>,
     /// Notes on the data.
     pub notes: Vec<Note>,
-    /// Covariance of thresholds, coefficients, scale and sd, in this order; NaN for parameters without a finite
-    /// estimate, and no row for an sd of 0.
+    /// Covariance of thresholds, coefficients, scale and sd, in this order. It is NaN for parameters without a finite
+    /// estimate, and an sd of 0 has no row.
     #[serde(skip)]
     pub covariance: DMatrix<f64>,
 }
 
 impl Model {
-    /// Whether the maximum was found.
+    /// Returns whether the maximum was found.
     pub fn converged(&self) -> bool {
         !self.notes.iter().any(|note| matches!(note, Note::NotConverged { .. }))
     }
 
-    /// Akaike's information criterion.
+    /// Returns Akaike's information criterion.
     pub fn aic(&self) -> f64 {
         2.0 * self.parameters as f64 - 2.0 * self.loglik
     }
 }
 
-/// Numbers that are not finite are null in JSON.
+/// Serializes a number; in JSON, a number that is not finite becomes null.
 fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
 }
 
-/// A property of the data that the reader of a model must know.
+/// Something about the data that a reader of the model must know.
 #[derive(Clone, Debug, Error, PartialEq, Serialize)]
 #[serde(tag = "note", rename_all = "snake_case")]
 pub enum Note {
-    /// Ratings without a value of a factor that the model needs.
+    /// Some ratings have no value for a factor that the model needs.
     #[error("{ratings} ratings without a {factor} are excluded")]
     MissingValues {
         factor: String,
-        /// Excluded ratings.
+        /// Number of excluded ratings.
         ratings: u64,
     },
-    /// A category that nobody used: it has no probability to estimate and is excluded.
+    /// Nobody used this category, so its probability cannot be estimated and it is excluded.
     #[error("no rating is {category}, so this category is excluded from the scale")]
     EmptyCategory { category: String },
-    /// A column that is a combination of other columns: dropped, as in R.
+    /// A column is a combination of other columns, so it is dropped, as in R.
     #[error("{column} is determined by the preceding terms and is dropped")]
     Aliased {
-        /// The coefficient's name.
+        /// Name of the coefficient.
         column: String,
     },
-    /// A term with no remaining column.
+    /// A term has no remaining columns.
     #[error("the term {term} adds nothing to the preceding terms and is dropped")]
     AliasedTerm { term: String },
-    /// Ratings that a term predicts perfectly: its coefficient has no finite estimate.
+    /// A term predicts some ratings perfectly, so its coefficient has no finite estimate.
     #[error("{coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
             if *.positive { "" } else { "minus " })]
     Separation {
-        /// The coefficient's name.
+        /// Name of the coefficient.
         coefficient: String,
         /// The term it belongs to.
         term: String,
         /// Whether the estimate is +∞.
         positive: bool,
     },
-    /// A threshold that runs away together with coefficients.
+    /// A threshold diverges together with coefficients.
     #[error("the threshold {threshold} has no finite estimate because the ratings are separated")]
     SeparatedThreshold {
         /// The threshold's name, such as `0|1`.
@@ -187,71 +187,72 @@ pub enum Note {
     )]
     Rebased {
         factor: String,
-        /// The level that all others are compared with now.
+        /// The level with which all others are now compared.
         baseline: String,
         /// The level whose ratings are all the same.
         separated: String,
         category: String,
     },
-    /// One subject: nothing can be said about other people.
+    /// There is only one subject, so nothing can be said about other people.
     #[error("only one participant: no random intercept, and no inference about other people")]
     OneSubject,
-    /// Ratings were not repeated within subjects, or subjects do not differ: the variance between subjects is 0.
+    /// The variance between subjects is 0, because ratings were not repeated within subjects or because subjects do not
+    /// differ.
     #[error("the estimated variance between participants is 0: the mixed model is the same as the model without it")]
     NoSubjectVariance,
-    /// Every subject uses a single category: the variance between subjects, or an effect within them, has no finite
-    /// estimate.
+    /// Each subject uses a single category, so the variance between subjects, or an effect within subjects, has no
+    /// finite estimate.
     #[error(
         "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that ratings of the same participant are related, and the standard errors are too small"
     )]
     RunawayVariance,
-    /// The ratings are separated in a way that leaves no mixed model to fit.
+    /// The ratings are separated in such a way that no mixed model can be fitted.
     #[error(
         "no mixed model could be fitted: the results ignore that ratings of the same participant are related, and the standard errors are too small"
     )]
     NoMixedModel,
-    /// The iteration ended before the gradient was small.
+    /// The iteration ended before the gradient became small.
     #[error("the fit did not converge: the largest gradient is {gradient:.1e}")]
     NotConverged {
-        /// Largest absolute gradient element.
+        /// Largest absolute element of the gradient.
         gradient: f64,
     },
-    /// The information matrix cannot be inverted: standard errors are missing.
+    /// The information matrix cannot be inverted, so there are no standard errors.
     #[error("no standard errors: the likelihood is flat in some direction")]
     Flat,
-    /// A random intercept together with scale terms.
+    /// A random intercept was requested together with scale terms.
     #[error("scale terms are dropped: only a model without a random intercept can have them")]
     ScaleIgnored,
 }
 
-/// Why there is no model.
+/// The reason why there is no model.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ModelError {
-    /// The table is empty, or no row has all the values the terms need.
+    /// The table is empty, or no row has all the values that the terms need.
     #[error("no ratings; expected at least two different ones")]
     NoRatings,
     /// Every rating is the same.
     #[error("every rating is {category}; expected at least two different ones")]
     NoVariation { category: String },
-    /// A term names no factor of the table.
+    /// A term names a factor that is not in the table.
     #[error("--terms {name}: no such factor; {}", expected_one_of(.name, .known))]
     UnknownFactor {
         name: String,
-        /// All factors.
+        /// Names of all factors.
         known: Vec<String>,
     },
     /// A factor used as a number has a level that is not a number.
     #[error("--terms num:{factor}: the level {level} is not a finite number; expected numbers, or the factor {factor}")]
     NotANumber { factor: String, level: String },
-    /// The depth as a number, with `inf` among its levels.
+    /// The depth is used as a number but has the level `inf`.
     #[error(
         "--terms num:{name}: the depth inf is not a finite number; expected num:inv_n (1/depth, 0 for inf), or the factor {name}"
     )]
     InfiniteDepth {
-        /// The factor.
+        /// Name of the factor.
         name: String,
     },
-    /// Too many or no quadrature nodes.
+    /// There are too many quadrature nodes, or none.
     #[error("--quadrature {nodes}; expected 1 (Laplace) to {most}")]
     Quadrature {
         /// Requested number of nodes.
@@ -259,7 +260,7 @@ pub enum ModelError {
         /// Maximum number of nodes.
         most: usize,
     },
-    /// The iteration found no likelihood at all.
+    /// The likelihood is not finite at the starting values.
     #[error("the likelihood cannot be computed at the starting values")]
     NoLikelihood,
 }

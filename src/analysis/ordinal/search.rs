@@ -1,4 +1,4 @@
-//! The search for the maximum of a mixed model's likelihood, and the observed information there.
+//! The search for the maximum of a mixed model's likelihood and for the observed information at the maximum.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -7,9 +7,9 @@ use super::{
     clmm::{ClmmData, Evaluation, Modes},
 };
 
-/// Below this the standard deviation is 0.
+/// A standard deviation below this counts as 0.
 const NO_SIGMA: f64 = 1e-4;
-/// A parameter beyond this, with columns of size 1, has no finite estimate.
+/// A parameter above this has no finite estimate. Columns are standardized to a size of 1.
 const RUNAWAY: f64 = 60.0;
 
 /// How a search ended.
@@ -19,19 +19,19 @@ pub(super) enum MixedEnd {
     Converged,
     /// The standard deviation is 0.
     Boundary,
-    /// The standard deviation, or an effect within subjects, grows without end.
+    /// The standard deviation, or an effect within subjects, grows without bound.
     Runaway,
     /// The search could not continue.
     Stalled,
 }
 
-/// A maximum.
+/// A maximum of a mixed model's likelihood.
 #[derive(Clone, Debug)]
 pub(super) struct MixedFit {
     /// θ, β and σ ≥ 0.
     pub parameters: DVector<f64>,
     pub loglik: f64,
-    /// Largest absolute element of the gradient, over the parameters that are free.
+    /// Largest absolute element of the gradient over the free parameters.
     pub gradient: f64,
     /// Observed information of the free parameters.
     pub information: DMatrix<f64>,
@@ -40,7 +40,7 @@ pub(super) struct MixedFit {
     pub end: MixedEnd,
 }
 
-/// A search over the parameters that are free; the others keep their starting values.
+/// A search over the free parameters; all others keep their starting values.
 struct Search<'a> {
     data: &'a ClmmData,
     free: &'a [usize],
@@ -49,9 +49,9 @@ struct Search<'a> {
     value: Evaluation,
 }
 
-/// Fits a mixed model from the estimates of the model without a random intercept (θ and β). `free` lists the indices
-/// of the parameters that may move, in order, σ the last of them. Without `errors` there is no information matrix, and
-/// the gradient is as small as the likelihood needs.
+/// Fits a mixed model, starting from the estimates of the model without a random intercept (θ and β). `free` lists the
+/// indices of the parameters that may change, in order; the last is σ. Without `errors`, there is no information
+/// matrix, and the gradient is only as small as the likelihood needs.
 pub(super) fn fit(
     data: &ClmmData,
     start: &DVector<f64>,
@@ -78,7 +78,7 @@ pub(super) fn fit(
 }
 
 impl<'a> Search<'a> {
-    /// Begins at the best of a few standard deviations.
+    /// Starts at the best of a few standard deviations.
     fn begin(data: &'a ClmmData, start: &DVector<f64>, free: &'a [usize]) -> Option<Self> {
         let mut best: Option<Self> = None;
         for sigma in [0.25, 0.6, 1.2, 3.0] {
@@ -110,7 +110,8 @@ impl<'a> Search<'a> {
         to
     }
 
-    /// Takes the first of a step and its halves that raises the likelihood enough; the factor that was taken.
+    /// Tries the full step and then repeatedly halves it. Takes the first that raises the likelihood enough and returns
+    /// the factor by which the step was shortened.
     fn take(&mut self, step: &DVector<f64>) -> Option<f64> {
         let slope = self.free_gradient().dot(step);
         let slack = 1e-13 * self.value.loglik.abs();
@@ -129,7 +130,7 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// Quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno) from the rough information.
+    /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the approximate information.
     fn climb(&mut self, tolerance: f64) -> (usize, MixedEnd) {
         const MOST_ITERATIONS: usize = 300;
         let rough = self.data.rough_information(&self.at, &self.modes).select_rows(self.free).select_columns(self.free);
@@ -145,7 +146,7 @@ impl<'a> Search<'a> {
             }
             let before = self.free_gradient();
             let mut step = &inverse * &before;
-            // No parameter leaps: a bound that moves by 3 has crossed most of the scale.
+            // Limit how far a parameter can jump: a bound that moves by 3 has crossed most of the scale.
             step *= (3.0 / step.amax()).min(1.0);
             let Some(factor) = self.take(&step) else { return (iteration, MixedEnd::Stalled) };
             step *= factor;
@@ -155,7 +156,7 @@ impl<'a> Search<'a> {
         (MOST_ITERATIONS, MixedEnd::Stalled)
     }
 
-    /// Newton steps with the observed information, which is returned.
+    /// Takes Newton steps with the observed information and returns that information.
     fn polish(&mut self, tolerance: f64) -> Option<DMatrix<f64>> {
         let mut information = self.information()?;
         for _ in 0..5 {
@@ -167,7 +168,7 @@ impl<'a> Search<'a> {
             let far = step.amax() > 1e-3;
             let kept = (self.at.clone(), self.value.clone());
             if self.take(&step).is_none() || self.gradient() >= gradient {
-                // Rounding is reached.
+                // The limit of precision is reached.
                 (self.at, self.value) = kept;
                 break;
             }
@@ -178,10 +179,11 @@ impl<'a> Search<'a> {
         Some(information)
     }
 
-    /// Minus the differences of the gradient: the observed information.
+    /// Returns the observed information: the negative differences of the gradient.
     ///
-    /// Differences are taken along directions in which the likelihood changes alike: with many ratings a threshold alone
-    /// is known a thousand times better than all of them with the subjects' mean, and no one step would suit both.
+    /// The differences are taken along directions in which the likelihood changes equally fast. With many ratings, a
+    /// single threshold is known a thousand times more precisely than all thresholds together with the subjects' mean,
+    /// so no single step size would suit both.
     fn information(&self) -> Option<DMatrix<f64>> {
         let rough = self.data.rough_information(&self.at, &self.modes).select_rows(self.free).select_columns(self.free);
         let factor = positive_definite(&rough)?.unpack();
@@ -198,7 +200,7 @@ impl<'a> Search<'a> {
         Some(&factor * alike * factor.transpose())
     }
 
-    /// Minus the change of the gradient along a direction, per unit of it.
+    /// Returns the negative change of the gradient along a direction, per unit of that direction.
     fn change(&self, direction: &DVector<f64>, distance: f64) -> Option<DVector<f64>> {
         let gradient = |sign: f64| {
             let to = self.moved(&(direction * (sign * distance)));
@@ -208,7 +210,7 @@ impl<'a> Search<'a> {
         Some((gradient(-1.0)? - gradient(1.0)?) / (2.0 * distance))
     }
 
-    /// σ = 0, and everything else as in the model without it.
+    /// Sets σ to 0 and all other parameters to the estimates of the model without a random intercept.
     fn move_to_boundary(&mut self, start: &DVector<f64>) -> Option<()> {
         self.at = start.clone().insert_row(start.len(), 0.0);
         self.value = self.data.evaluate(&self.at, &mut self.modes)?;
@@ -227,7 +229,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The update of the inverse of a positive definite matrix from a step and the change of the gradient along it.
+/// Updates the inverse of a positive definite matrix from a step and the change of the gradient along it.
 fn update_inverse(inverse: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>) {
     let curvature = step.dot(change);
     if curvature <= 1e-12 * step.norm() * change.norm() {

@@ -1,5 +1,5 @@
-//! The grammar of `--terms`: `width,depth` are factors, `num:width` a number, `a:b` an interaction, `a*b` is
-//! `a,b,a:b`. `num:inv_n` is 1/depth, and 0 for `inf`.
+//! The grammar of `--terms`: `width,depth` are factors, `num:width` is a number, `a:b` is an interaction, and `a*b`
+//! means `a,b,a:b`. `num:inv_n` is 1/depth, which is 0 for `inf`.
 
 use std::fmt;
 
@@ -8,36 +8,36 @@ use thiserror::Error;
 /// One variable of a term.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Variable {
-    /// A factor: treatment contrasts against its first level.
+    /// A factor, with treatment contrasts against its first level.
     Factor(String),
-    /// A number: one column, the value itself.
+    /// A number, with one column for the value itself.
     Number(String),
 }
 
-/// A main effect, or an interaction of several variables.
+/// A main effect or an interaction of several variables.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Term {
-    /// The variables, at least one, none twice.
+    /// The variables: at least one, and none of them twice.
     pub variables: Vec<Variable>,
 }
 
-/// The terms of a model, main effects first, then interactions by order, as R arranges them.
+/// The terms of a model in R's arrangement: main effects first, then interactions by order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Terms(Vec<Term>);
 
-/// What is wrong with a list of terms.
+/// The error for a list of terms that cannot be read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum TermError {
     /// A name is missing between commas, colons or stars.
     #[error("--terms {text}: an empty name; expected a factor, num:NAME, or such names joined by : or *")]
     Empty {
-        /// The list as it was given.
+        /// The list, as given.
         text: String,
     },
 }
 
 impl Variable {
-    /// The column's name, without `num:`.
+    /// Returns the name of the column, without `num:`.
     pub fn name(&self) -> &str {
         match self {
             Self::Factor(name) | Self::Number(name) => name,
@@ -73,27 +73,27 @@ impl fmt::Display for Terms {
 }
 
 impl Term {
-    /// A main effect of a factor.
+    /// Creates the main effect of a factor.
     pub fn factor(name: &str) -> Self {
         Self { variables: vec![Variable::Factor(name.to_owned())] }
     }
 
-    /// Whether both have the same variables, in any order.
+    /// Returns whether both terms have the same variables, in any order.
     pub fn same(&self, other: &Self) -> bool {
         self.variables.len() == other.variables.len() && other.contains(self)
     }
 
-    /// Whether every variable of `part` is one of this term's.
+    /// Returns whether this term has every variable of `part`.
     pub fn contains(&self, part: &Self) -> bool {
         part.variables.iter().all(|variable| self.variables.contains(variable))
     }
 }
 
 impl Terms {
-    /// Reads a list such as `width,depth,num:inv_n,width:depth`. An empty text is the model without terms.
+    /// Reads a list such as `width,depth,num:inv_n,width:depth`. An empty text means the model without terms.
     ///
     /// # Errors
-    /// An empty name.
+    /// Returns a [`TermError`] if a name is empty.
     pub fn parse(text: &str) -> Result<Self, TermError> {
         if text.trim().is_empty() {
             return Ok(Self::default());
@@ -105,7 +105,8 @@ impl Terms {
         Ok(Self::new(terms))
     }
 
-    /// These terms, each once, main effects first, and the variables of each in the order of their first appearance.
+    /// Creates a list of these terms, each once and main effects first. The variables in a term are in the order of
+    /// their first appearance.
     pub fn new(terms: impl IntoIterator<Item = Term>) -> Self {
         let mut seen: Vec<Variable> = Vec::new();
         let mut distinct: Vec<Term> = Vec::new();
@@ -124,33 +125,33 @@ impl Terms {
         Self(distinct)
     }
 
-    /// The main effects of these factors.
+    /// Creates the main effects of these factors.
     pub fn factors<S: AsRef<str>>(names: &[S]) -> Self {
         Self::new(names.iter().map(|name| Term::factor(name.as_ref())))
     }
 
-    /// The terms in order.
+    /// Returns the terms in order.
     pub fn iter(&self) -> std::slice::Iter<'_, Term> {
         self.0.iter()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no terms.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether one of them has these variables.
+    /// Returns whether one of the terms has these variables.
     pub fn has(&self, term: &Term) -> bool {
         self.0.iter().any(|other| other.same(term))
     }
 
-    /// All but one.
+    /// Returns all terms but this one.
     #[must_use]
     pub fn without(&self, term: &Term) -> Self {
         Self(self.0.iter().filter(|other| !other.same(term)).cloned().collect())
     }
 
-    /// Whether a term is part of a larger one, so that leaving it out alone would not make a smaller model.
+    /// Returns whether a term is part of a larger term, so that dropping it alone would not give a smaller model.
     pub fn is_marginal(&self, term: &Term) -> bool {
         self.0.iter().any(|other| other.variables.len() > term.variables.len() && other.contains(term))
     }
@@ -165,7 +166,7 @@ impl<'a> IntoIterator for &'a Terms {
     }
 }
 
-/// The terms of `a*b*c`: every combination of its parts.
+/// Expands `a*b*c` into terms: every combination of its parts.
 fn expand(item: &str) -> Option<Vec<Term>> {
     let parts: Vec<Term> = item.split('*').map(interaction).collect::<Option<_>>()?;
     let mut terms: Vec<Term> = Vec::new();
@@ -183,7 +184,7 @@ fn expand(item: &str) -> Option<Vec<Term>> {
     Some(terms)
 }
 
-/// One term of the form `a:num:b`.
+/// Reads one term of the form `a:num:b`.
 fn interaction(text: &str) -> Option<Term> {
     let mut variables: Vec<Variable> = Vec::new();
     let mut names = text.split(':').map(str::trim);

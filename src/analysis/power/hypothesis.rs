@@ -1,4 +1,4 @@
-//! The hypotheses, and the true size of each effect.
+//! The hypotheses to test and the true size of each effect.
 
 use nalgebra::DVector;
 use serde::Serialize;
@@ -12,42 +12,46 @@ use crate::analysis::{
     },
 };
 
-/// The test of an effect.
+/// The kind of test of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Test {
-    /// Likelihood-ratio test of a term of the ordinal model: mixed, or of one subject without a random intercept.
+    /// Likelihood-ratio test of a term of the ordinal model. The model is mixed, or has no random intercept if there is
+    /// only one subject.
     LikelihoodRatio,
-    /// Friedman's test of a factor, on each subject's mean rating at each level.
+    /// Friedman's test of a factor, applied to each subject's mean rating at each level.
     Friedman,
 }
 
-/// An effect that exists: the most that the term moves the observer's linear predictor between two conditions.
+/// An existing effect: the largest difference that the term makes in the observer's linear predictor between two
+/// conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
-    /// The positive difference in logits; `None` if a level has no band, so that the predictor is not finite.
+    /// The difference in logits, which is positive; `None` if a level has no band, because the predictor is then not
+    /// finite.
     pub logits: Option<f64>,
-    /// The level that is rated higher; several, joined by `:`, of an interaction.
+    /// The level that is rated higher. For an interaction, several levels joined by `:`.
     pub above: String,
     /// The level that is rated lower.
     pub below: String,
 }
 
-/// One effect and one test of it.
+/// An effect and a test of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hypothesis {
-    /// The term, or the factor of Friedman's test.
+    /// The term of the model, or the factor of Friedman's test.
     pub term: String,
     pub test: Test,
-    /// The true effect; none if the term has no effect, so that finding one is a false alarm.
+    /// The true effect; `None` if the term has no effect, so that finding one is a false alarm.
     pub effect: Option<Effect>,
     /// Index of the factor of Friedman's test.
     pub(super) factor: Option<usize>,
-    /// Weights of the fitted predictor, one per condition, whose sum is the estimate of the effect.
+    /// One weight per condition. The weighted sum of the fitted predictors is the estimate of the effect.
     pub(super) contrast: Option<DVector<f64>>,
 }
 
-/// How far below every other predictor one stands that is −∞: ratings other than 0 have next to no probability.
+/// A predictor of −∞ is replaced by one this far below all others, where ratings other than 0 have almost no
+/// probability.
 const NO_BAND: f64 = 30.0;
 
 /// Lays out the tests of some terms.
@@ -74,7 +78,8 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Every testable term, each followed by Friedman's test of its factor; then the factors that are left.
+    /// Returns the test of every testable term, each followed by Friedman's test of its factor, and then Friedman's
+    /// tests of the remaining factors.
     pub fn hypotheses(&self) -> Result<Vec<Hypothesis>, PlanError> {
         let mut hypotheses = Vec::new();
         let mut factors = Vec::new();
@@ -99,7 +104,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Indices of the factors of a term.
+    /// Returns the indices of the factors of a term.
     fn factors(&self, term: &Term) -> Result<Vec<usize>, PlanError> {
         let mut factors = Vec::new();
         for variable in &term.variables {
@@ -111,7 +116,8 @@ impl<'a> Layout<'a> {
         Ok(factors)
     }
 
-    /// The part of the predictor that only this term of the model can express.
+    /// Creates the hypothesis for a term. Its effect is the part of the predictor that no other term of the model can
+    /// express.
     fn of_term(&self, term: &Term) -> Result<Hypothesis, PlanError> {
         let whole = self.span(self.terms)?;
         let rest = self.span(&self.terms.without(term))?;
@@ -131,7 +137,8 @@ impl<'a> Layout<'a> {
         Ok(Hypothesis { term: term.to_string(), test: Test::LikelihoodRatio, effect, factor: None, contrast })
     }
 
-    /// The mean predictor at each level of a factor; none for a factor of one level.
+    /// Creates the hypothesis for Friedman's test of a factor from the mean predictor at each level, or returns `None`
+    /// if the factor has only one level.
     fn of_factor(&self, factor: usize) -> Option<Hypothesis> {
         let conditions = &self.scenario.empty.conditions;
         let description = &self.scenario.empty.factors[factor];
@@ -156,7 +163,7 @@ impl<'a> Layout<'a> {
         })
     }
 
-    /// What a constant and these terms can express.
+    /// Returns the space that a constant and these terms can express.
     fn span(&self, terms: &Terms) -> Result<Span, PlanError> {
         let design = Design::new(self.frame, terms)?.matrix(&self.scenario.conditions());
         let mut span = Span::with_constant(design.nrows());
@@ -164,9 +171,10 @@ impl<'a> Layout<'a> {
         Ok(span)
     }
 
-    /// The conditions where a part of the predictor is largest and smallest; none where it is the same everywhere.
+    /// Returns the conditions where a part of the predictor is largest and smallest, or `None` if it is the same
+    /// everywhere.
     fn extremes(&self, part: &DVector<f64>) -> Option<(usize, usize)> {
-        // Rounding makes no difference.
+        // Differences caused by rounding do not count.
         let slack = 1e-9 * (1.0 + self.predictors.amax());
         let first = |better: &dyn Fn(f64, f64) -> bool| {
             (0..part.len()).fold(0, |best, place| if better(part[place], part[best]) { place } else { best })
@@ -182,7 +190,7 @@ impl<'a> Layout<'a> {
             factors.iter().map(|factor| names[*factor]).collect::<Vec<_>>().join(":")
         };
         Effect {
-            // Without the rounding of the projections.
+            // Remove the rounding errors of the projections.
             logits: self.finite.then(|| ((part[above] - part[below]) * 1e9).round() / 1e9),
             above: name(above),
             below: name(below),

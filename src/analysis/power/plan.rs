@@ -1,4 +1,4 @@
-//! A plan: the tests in the studies of a definition, and how often they find an effect.
+//! A plan: the tests that the studies of a definition allow, and how often they find an effect.
 
 use rayon::prelude::*;
 use statrs::function::beta::beta_reg;
@@ -22,7 +22,7 @@ use crate::{
 /// How studies are analyzed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelChoice {
-    /// Terms of the model; None for the main effects of all factors with two levels or more.
+    /// Terms of the model. If `None`, the main effects of all factors with two or more levels.
     pub terms: Option<Terms>,
     pub link: Link,
     /// Number of quadrature nodes; 1 is the Laplace approximation.
@@ -32,9 +32,9 @@ pub struct ModelChoice {
 /// The size of the simulation, and the criterion for finding an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
-    /// Studies for each number of participants.
+    /// Number of studies for each number of participants.
     pub studies: u32,
-    /// Significance level: an effect is found if p is below it.
+    /// Significance level: an effect counts as found if p is below it.
     pub alpha: f64,
     /// Seed of all ratings.
     pub seed: u64,
@@ -57,27 +57,28 @@ pub struct Plan {
 /// How often the test of one hypothesis was significant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Power {
-    /// Participants of each study.
+    /// Number of participants in each study.
     pub participants: u32,
     /// Index into [`Plan::hypotheses`].
     pub hypothesis: usize,
     pub studies: usize,
-    /// Studies in which p is below α.
+    /// Number of studies in which p is below α.
     pub found: usize,
-    /// Studies in which there was no test: no model, or the same ratings everywhere. They count as not found.
+    /// Number of studies with no test, because there was no model or all ratings were the same. They count as not
+    /// found.
     pub untested: usize,
-    /// Median over studies of the estimated effect, on the scale of the link; the same contrast as `Effect::logits`.
-    /// Infinite where in half of the studies or more the ratings are separated.
+    /// Median of the estimated effect over studies, on the scale of the link, for the same contrast as
+    /// `Effect::logits`. It is infinite if the ratings are separated in half of the studies or more.
     pub estimate: Option<f64>,
 }
 
 impl Power {
-    /// Proportion of studies that found it.
+    /// Returns the proportion of studies that found the effect.
     pub fn share(&self) -> f64 {
         self.found as f64 / self.studies.max(1) as f64
     }
 
-    /// Its exact 95 % interval (Clopper & Pearson).
+    /// Returns the exact 95 % interval of that proportion (Clopper & Pearson).
     pub fn interval(&self) -> Interval {
         clopper_pearson(self.found, self.studies, 0.95)
     }
@@ -87,7 +88,7 @@ impl Plan {
     /// Prepares the simulation and its tests.
     ///
     /// # Errors
-    /// Terms, factors or levels that the definition does not have; nothing to test.
+    /// Returns a [`PlanError`] if the definition does not have a term, factor or level, or if there is nothing to test.
     pub fn new(
         protocol: &Protocol,
         observer: &OrderedLogit,
@@ -116,7 +117,7 @@ impl Plan {
         Ok(Self { scenario, spec, hypotheses })
     }
 
-    /// The tests.
+    /// Returns the hypotheses and their tests.
     pub fn hypotheses(&self) -> &[Hypothesis] {
         &self.hypotheses
     }
@@ -129,20 +130,22 @@ impl Plan {
         self.scenario.observer()
     }
 
-    /// The smallest p of Friedman's test with this number of participants if all agree; `None` for other tests.
+    /// Returns the smallest p that Friedman's test can reach with this number of participants, when all of them agree,
+    /// or `None` for other tests.
     pub fn least_p(&self, power: &Power) -> Option<f64> {
         let factor = self.hypotheses[power.hypothesis].factor?;
         let df = self.scenario.empty.factors[factor].levels.len() - 1;
         Some(chi_squared_tail(f64::from(power.participants) * df as f64, df))
     }
 
-    /// Ratings that each participant gives.
+    /// Returns the number of ratings that each participant gives.
     pub fn ratings(&self) -> u64 {
         self.scenario.ratings()
     }
 
-    /// Simulates and analyzes studies for each number of participants, on all threads of the pool. `progress` receives the
-    /// number of participants of each completed study. Friedman's test needs two participants and is omitted for one.
+    /// Simulates and analyzes studies for each number of participants, on all threads of the pool. After each completed
+    /// study, `progress` receives its number of participants. Friedman's test needs two participants and is omitted for
+    /// one.
     pub fn run(&self, participants: &[u32], sampling: &Sampling, progress: &(dyn Fn(u64) + Sync)) -> Vec<Power> {
         let pieces: Vec<(u32, u32)> =
             participants.iter().flat_map(|people| (0..sampling.studies).map(|study| (*people, study))).collect();
@@ -164,7 +167,7 @@ impl Plan {
     }
 }
 
-/// Counts the outcomes of a hypothesis.
+/// Counts the outcomes of a hypothesis over all studies.
 fn power(participants: u32, hypothesis: usize, outcomes: &[Vec<Outcome>], alpha: f64) -> Power {
     let all = || outcomes.iter().map(|outcomes| outcomes[hypothesis]);
     Power {
@@ -180,22 +183,22 @@ fn power(participants: u32, hypothesis: usize, outcomes: &[Vec<Outcome>], alpha:
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let (low, high) = (values.get(values.len().checked_sub(1)? / 2)?, values.get(values.len() / 2)?);
-    // Half the sum of two infinite values is infinite, and of two opposite ones nothing.
+    // The mean of two equal infinite values is infinite; two opposite infinite values have no mean.
     Some(if low == high { *low } else { (low + high) / 2.0 }).filter(|median| !median.is_nan())
 }
 
 /// The outcome of one hypothesis in one study.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Outcome {
-    /// Probability by the test; none where there is no test, as without a model.
+    /// Probability from the test; `None` if there is no test, for example because there is no model.
     pub p: Option<f64>,
-    /// Estimate of the effect; infinite where the ratings are separated.
+    /// Estimate of the effect; infinite if the ratings are separated.
     pub estimate: Option<f64>,
 }
 
-/// The outcome of every hypothesis.
+/// Returns the outcome of each hypothesis in a study.
 fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis]) -> Vec<Outcome> {
-    // Without standard errors, which no likelihood-ratio test needs.
+    // Omit the standard errors: likelihood-ratio tests do not need them.
     let fitted = fit_counts(counts, spec, false).ok();
     let tests = fitted.as_ref().and_then(|fitted| without_terms(fitted).ok());
     let conditions: Vec<u32> = (0..counts.conditions.len() as u32).collect();
@@ -214,18 +217,18 @@ fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis]) -> Vec
     hypotheses.iter().map(outcome).collect()
 }
 
-/// The exact interval of Clopper & Pearson (1934), Biometrika 26, 404, for `found` out of `all`: it covers the true
-/// proportion with probability `level` or more.
+/// Returns the exact interval of Clopper & Pearson (1934), Biometrika 26, 404, for `found` out of `all`. It covers the
+/// true proportion with a probability of at least `level`.
 pub fn clopper_pearson(found: usize, all: usize, level: f64) -> Interval {
     let tail = (1.0 - level) / 2.0;
     let (k, n) = (found as f64, all as f64);
-    // P(X ≥ k) rises with the proportion and P(X ≤ k) falls: both are incomplete beta functions.
+    // P(X ≥ k) rises with the proportion, and P(X ≤ k) falls. Both are incomplete beta functions.
     let low = if found == 0 { 0.0 } else { crossing(|p| beta_reg(k, n - k + 1.0, p) - tail) };
     let high = if found >= all { 1.0 } else { crossing(|p| beta_reg(k + 1.0, n - k, p) - (1.0 - tail)) };
     Interval { low, high }
 }
 
-/// Where a function that rises on 0…1 is 0, by halving.
+/// Finds by bisection where a function that rises on 0…1 is 0.
 fn crossing(rising: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {

@@ -1,4 +1,4 @@
-//! The conditions of a definition, and how visible each of them is to the observer.
+//! The conditions of a definition and how visible the bands of each are to the observer.
 
 use std::collections::HashMap;
 
@@ -17,47 +17,47 @@ use crate::{
     stimulus::ParameterError,
 };
 
-/// Why a plan is impossible.
+/// The reason why a plan is impossible.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PlanError {
-    /// A term, or the number of nodes.
+    /// A term or the number of nodes is not valid.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A condition of the definition.
+    /// A condition of the definition is not valid.
     #[error(transparent)]
     Condition(#[from] ParameterError),
-    /// An effect of a factor that is not in the definition.
+    /// An effect was given for a factor that is not in the definition.
     #[error("--effect {name}: no such factor; {}", expected_one_of(name, known))]
     UnknownFactor {
         name: String,
-        /// The definition's factors.
+        /// Names of the definition's factors.
         known: Vec<String>,
     },
-    /// An effect of a level that the factor does not have.
+    /// An effect was given for a level that the factor does not have.
     #[error("--effect {factor}:{level}: no such level; {}", expected_one_of(level, known))]
     UnknownLevel {
         factor: String,
-        /// The level as it was given.
+        /// The level, as given.
         level: String,
         /// The factor's levels.
         known: Vec<String>,
     },
-    /// A term without a column of its own.
+    /// A term has no column of its own.
     #[error("--terms {term}: the term adds nothing to the other terms; expected terms that each add something")]
     Untestable { term: String },
-    /// No term.
+    /// There is no term to test.
     #[error("nothing to test; expected a definition with a factor of two levels or more, and a term in --terms")]
     NothingVaries,
 }
 
-/// An effect without a parameter of the observer: a level's contribution to the linear predictor.
+/// An effect for which the observer has no parameter: the contribution of a level to the linear predictor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shift {
     /// A factor of the definition.
     pub factor: String,
     /// One of its levels.
     pub level: String,
-    /// Logits; positive gives higher ratings.
+    /// Contribution in logits; positive values give higher ratings.
     pub logits: f64,
 }
 
@@ -66,14 +66,15 @@ pub struct Shift {
 pub(super) struct Scenario {
     /// Every condition of the definition, without subjects and ratings.
     pub empty: Counts,
-    /// The observer's linear predictor for each condition, of a subject whose intercept is 0; −∞ where there is no band.
+    /// The observer's linear predictor for each condition, for a subject with an intercept of 0; −∞ if there is no
+    /// band.
     pub predictors: Vec<f64>,
     observer: OrderedLogit,
     repetitions: u32,
 }
 
 impl Scenario {
-    /// The conditions of a definition for an observer.
+    /// Computes the conditions of a definition for an observer.
     pub fn new(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift]) -> Result<Self, PlanError> {
         let conditions = protocol.conditions()?;
         let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<Vec<_>, _>>()?;
@@ -86,7 +87,7 @@ impl Scenario {
         let mut builder = MeasuredBuilder::new(&factors).with_categories(&categories);
         let names: Vec<Vec<String>> = conditions.iter().map(|condition| level_names(protocol, condition)).collect();
         for names in &names {
-            // A definition's levels are never empty and its ratings are those declared.
+            // This cannot fail: the levels of a definition are never empty, and the rating is a declared one.
             let _ = builder.add_counts("S", names, "0", 1);
         }
         let mut empty = builder.finish().counts;
@@ -103,22 +104,23 @@ impl Scenario {
         Ok(Self { empty, predictors, observer: observer.clone(), repetitions: protocol.design.repetitions })
     }
 
-    /// Every condition, in order.
+    /// Returns every condition, in order.
     pub fn conditions(&self) -> Vec<u32> {
         (0..self.empty.conditions.len() as u32).collect()
     }
 
-    /// Ratings that each subject gives.
+    /// Returns the number of ratings that each subject gives.
     pub fn ratings(&self) -> u64 {
         self.predictors.len() as u64 * u64::from(self.repetitions)
     }
 
-    /// The observer's parameters.
+    /// Returns the observer's parameters.
     pub fn observer(&self) -> &OrderedLogit {
         &self.observer
     }
 
-    /// Every condition rated both lowest and highest by one subject: what a design needs to be laid out.
+    /// Returns counts in which one subject rates every condition both lowest and highest, so that a design can be laid
+    /// out.
     pub fn outline(&self) -> Counts {
         let ratings = [0, RATING_MAX];
         let rows = self
@@ -128,8 +130,8 @@ impl Scenario {
         Counts { subjects: vec!["S".to_owned()], rows: rows.collect(), ..self.empty.clone() }
     }
 
-    /// One study. What a subject does depends on the seed, the study and the subject's number alone, so that a larger
-    /// study is a smaller one with more people.
+    /// Simulates one study. What a subject does depends only on the seed, the study and the subject's number, so a
+    /// larger study is a smaller one with more people.
     pub fn study(&self, people: u32, study: u32, seed: u64) -> Counts {
         let mut rows = Vec::new();
         for subject in 0..people {
@@ -146,7 +148,7 @@ impl Scenario {
                 rows.extend(given.map(|(rating, count)| CountRow { subject, condition, rating, count }));
             }
         }
-        // The names sort as the numbers do.
+        // The names sort in the same order as the numbers.
         let subjects = (1..=people).map(|number| format!("S{number:010}")).collect();
         Counts { subjects, rows, ..self.empty.clone() }
     }
@@ -157,7 +159,7 @@ fn level_names(protocol: &Protocol, condition: &Condition) -> Vec<String> {
     levels.map(|(factor, level)| factor.levels[*level].to_string().trim().to_owned()).collect()
 }
 
-/// Indices of a shift's factor and level.
+/// Returns the indices of a shift's factor and level, and its logits.
 fn resolve(protocol: &Protocol, shift: &Shift) -> Result<(usize, usize, f64), PlanError> {
     let known = || protocol.factors.iter().map(|factor| factor.name.clone()).collect();
     let factor = (protocol.factors.iter().position(|factor| factor.name == shift.factor))
