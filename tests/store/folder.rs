@@ -314,7 +314,7 @@ mod interrupted {
         let other = |from: &str, to: &str| definition::parse("small.toml", &TEXT.replace(from, to)).unwrap();
         refused(&other("0.4", "0.5"), Some(7), "another definition");
         refused(&other("tanh_k = [5, 7.5]", "depth = [1, 2]"), Some(7), "another definition");
-        refused(&small(), Some(8), "has seed 7; expected that or none, not 8");
+        refused(&small(), Some(8), "has seed 7; expected that seed or no seed, not 8");
         // The same without a sidecar to say so.
         let saved = fs::read(paths(folder.path()).sidecar).unwrap();
         fs::remove_file(paths(folder.path()).sidecar).unwrap();
@@ -391,7 +391,8 @@ mod interrupted {
         for absurd in ["1e300", "1e19", "-1", "inf", "NaN"] {
             let (head, last) = text.trim_end().rsplit_once('\n').unwrap();
             let mut cells: Vec<&str> = last.rsplitn(13, ',').collect();
-            // From the end: three columns that came later, tanh_k, seed, sitting, started_at, dropped_frames, frames, recovery_s, onset_s.
+            // From the end: three columns that came later, tanh_k, seed, sitting, started_at, dropped_frames, frames,
+            // recovery_s, onset_s.
             cells[10] = absurd;
             cells.reverse();
             fs::write(&csv, format!("{head}\n{}\n", cells.join(","))).unwrap();

@@ -381,7 +381,7 @@ mod discovery {
         let said =
             faults(&[&folder.path().join("void"), &folder.path().join("lost.csv"), &good], &ReadOptions::default());
         assert_eq!(said.len(), 2, "{said:?}");
-        assert!(said[0].starts_with("void: has no CSV file; expected "), "{said:?}");
+        assert!(said[0].starts_with("void: contains no CSV files; expected "), "{said:?}");
         assert!(said[1].starts_with("lost.csv: cannot be opened: "), "{said:?}");
         assert!(try_read(&[], &ReadOptions::default()).is_err());
     }
@@ -436,19 +436,19 @@ mod faults {
             ),
             (
                 |text| text.replacen("\nS1_1_main_0011_1,", "\nS1_1_main_0011_1,more,", 1).into(),
-                "18:1: the row has 30 cells; expected 29, as the header has".into(),
+                "18:1: the row has 30 cells; expected 29, as in the header".into(),
                 23,
             ),
             (
                 |text| text[..text.len() - 30].into(),
-                format!("19:1: the last row is cut in the middle, {interrupted}"),
+                format!("19:1: the last row is cut off, {interrupted}"),
                 23,
             ),
-            (|text| (text + "S1_1_ma").into(), format!("20:1: the last row is cut in the middle, {interrupted}"), 24),
-            (|text| (text + &"\0".repeat(5000)).into(), format!("20:1: the last row has zero bytes, {interrupted}"), 24),
+            (|text| (text + "S1_1_ma").into(), format!("20:1: the last row is cut off, {interrupted}"), 24),
+            (|text| (text + &"\0".repeat(5000)).into(), format!("20:1: the last row contains zero bytes, {interrupted}"), 24),
             (
                 |text| format!("{text}{}\n", text.lines().nth(17).unwrap()).into(),
-                "20:1: row_id \"S1_1_main_0011_1\" already appears above; expected every row once (this one is left out)".into(),
+                "20:1: row_id \"S1_1_main_0011_1\" already appears above; expected each row only once (this one is left out)".into(),
                 24,
             ),
             (
@@ -461,11 +461,11 @@ mod faults {
             (|_| b"row_id,\xe9,".to_vec(), "1:8: the header is not UTF-8 text; expected CSV in UTF-8".into(), 12),
             (
                 |_| b"PK\x03\x04\0\0".to_vec(),
-                "1:1: is not a CSV file: there are zero bytes in its first line".into(),
+                "1:1: is not a CSV file: its first line contains zero bytes".into(),
                 12,
             ),
             (|_| b"\xff\xfer\0o\0".to_vec(), "1:1: is UTF-16 text; expected CSV in UTF-8".into(), 12),
-            (|_| vec![b'x'; 2_000_000], "1:1: the first row has more than 65,000 bytes; expected a".into(), 12),
+            (|_| vec![b'x'; 2_000_000], "1:1: the first row is longer than 65,000 bytes; expected a".into(), 12),
         ];
         for (change, expected, left) in cases {
             let (said, counted) = damaged(|file| fs::write(file, change(fs::read_to_string(file).unwrap())).unwrap());
@@ -484,7 +484,7 @@ mod faults {
         assert_eq!(
             super::faults(&[folder.path()], &ReadOptions::default()),
             [
-                "z_data.csv: all its 18 rows already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected every session once (this file is left out)"
+                "z_data.csv: all its 18 rows already appear in small-one/data/subject-S1_session-1_task-smallone_data.csv; expected each session only once (this file is left out)"
             ]
         );
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
@@ -550,7 +550,7 @@ mod faults {
                     "5:9: count is \"1e30\"; expected a count of at most 10^12",
                     "6:1: subject_id is empty; expected a participant",
                     "7:7: rating is empty; expected a rating from 0 to 3",
-                    "8:1: the row has 3 cells; expected 4, as the header has",
+                    "8:1: the row has 3 cells; expected 4, as in the header",
                 ],
                 &["A 0.1 1 7"],
             ),
@@ -620,7 +620,7 @@ mod faults {
         let said = super::faults(&[folder.path()], &ReadOptions::default());
         assert!(try_read(&[folder.path()], &ReadOptions::default()).is_err());
         assert!(
-            said[0].ends_with("none of the 2 rows counts: 2 from practice; expected ratings of main trials"),
+            said[0].ends_with("none of the 2 rows count: 2 from practice; expected ratings of main trials"),
             "{said:?}"
         );
     }

@@ -72,7 +72,7 @@ fn every_text_that_is_replaced_is_named() {
     let sidecar = csv.with_extension("json");
     const PLAN: &str = "is not planned by the definition and seed";
     const SEAL: &str = "_data.json: was changed since";
-    const DEFINITION: &str = "that of the definition used";
+    const DEFINITION: &str = "the hash of the one used";
     const PICTURE: &str = "condition 24 of sitting 1 renders to sha256";
     for (path, from, to, expected) in [
         (&csv, "mach-band,0.4,1,", "mach-band,0.1,1,", [PLAN, "_data.csv: was changed since"]),
