@@ -1,4 +1,4 @@
-//! The output of `machband analyze` and of the pane's export.
+//! The output of `machband analyze` and of the export in the window's analysis pane.
 
 use std::{
     collections::HashSet,
@@ -21,15 +21,15 @@ use crate::{
     store::{StoreError, write_file},
 };
 
-/// What was written.
+/// The files that were written, and the prediction.
 #[derive(Debug)]
 pub struct Written {
     pub files: Vec<PathBuf>,
-    /// The prediction by the model of vision, and the time it took; `None` if only tables were requested.
+    /// The vision model's prediction, and the time it took; `None` if only tables were requested.
     pub prediction: Option<(Result<StudyPrediction, PredictionError>, Duration)>,
 }
 
-/// Writes an analysis into a folder: the tables and the model and, unless only these were requested, the figures and the
+/// Writes an analysis into a folder: the tables and the model and, unless `tables_only` is set, the figures and the
 /// report. Replaces the files of an earlier analysis.
 ///
 /// # Errors
@@ -94,7 +94,8 @@ fn tables(study: &Study, results: &Results) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// A factor's name as part of a file name: anything but letters, digits, hyphens and dots becomes an underscore.
+/// Makes a factor's name safe for a file name: all characters except letters, digits, hyphens and dots become
+/// underscores.
 fn file_part(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '.' { c } else { '_' }).collect()
 }

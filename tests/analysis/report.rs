@@ -172,7 +172,8 @@ fn numbers_have_the_digits_of_a_paper() {
     assert_eq!(shell_command(arguments), "machband analyze 'a b' '' 'num:inv_n,width'");
 }
 
-/// The reverse of the ratings has the reverse course, and the same odds ratio of the same two levels in the other order.
+/// The reverse of the ratings has the reverse course, and the same odds ratio of the same two levels in the other
+/// order.
 #[test]
 fn sentences_follow_the_direction_of_the_data() {
     let (forwards, backwards) = (summary(&results(8, &DEPTHS, false)), summary(&results(8, &DEPTHS, true)));
@@ -183,7 +184,7 @@ fn sentences_follow_the_direction_of_the_data() {
     for summary in [&forwards, &backwards] {
         let same = finding(summary, "shader");
         assert!(same.contains("cannot distinguish the levels"));
-        let caution = "found no clear difference by shader. This does not show that there is none";
+        let caution = "found no clear effect of shader. This does not show that there is none";
         assert_parts(&summary.cautions.join(" "), &[caution]);
         // The largest of many differences that chance can make is no estimate.
         for part in ["The odds", "rises", "falls"] {
@@ -277,7 +278,7 @@ fn one_participant_gets_a_description_and_nothing_that_looks_like_inference() {
     assert!(!page(1).contains(">p</th>") && !page(1).contains(">SE</th>"));
     let alone = "which do not generalize to other people";
     assert_parts(&one, &[alone, "machband plan"]);
-    assert_parts(&one, &["In these ratings the mean tends to fall with depth, from 1.83 at 1 to 0.00 at ∞"]);
+    assert_parts(&one, &["In these ratings, the mean tends to fall with depth, from 1.83 at 1 to 0.00 at ∞"]);
     // With a second person the same signs are there.
     assert_parts(&two, &["p <", " interval "]);
     assert!(!two.contains(alone));
@@ -385,7 +386,7 @@ fn participants_who_answer_oddly_are_named() {
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &options())).cautions.join("\n");
     // Their first ratings are 1 and their second 2, whatever the width: no better than chance.
     let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00.\n";
-    let (ben, slow) = ("\nben used one category only: all 30 ratings are 2.\n", "dot answered unusually slowly");
+    let (ben, slow) = ("\nben used only one category: all 30 ratings are 2.\n", "dot answered unusually slowly");
     assert_parts(&cautions, &[ben, alike, "answers of cyd came within 0.2", slow]);
     assert!(!cautions.contains("answered unusually quickly"), "a second sentence: {cautions:?}");
 }
@@ -473,7 +474,7 @@ fn what_the_model_of_vision_predicts_or_why_it_predicts_nothing() {
     source.sessions = [4.0, 5.0].map(|deg| session(&protocol, "S001", seated(deg))).to_vec();
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
-    assert_parts(&text, &["window 4.5° wide", "requires the agreement of at least two participants"]);
+    assert_parts(&text, &["window 4.5° wide", "because this requires at least two participants"]);
     // What cannot be predicted.
     let rated = |categories: &[&str]| {
         let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(categories);

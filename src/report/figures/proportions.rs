@@ -1,4 +1,5 @@
-//! How often each category was used, with one bar per level of the first factor and one panel per level of the second.
+//! A chart of how often each category was used, with one bar for each level of the first factor and one panel for each
+//! level of the second.
 
 use super::{
     axes::{EDGE, TEXT},
@@ -13,13 +14,13 @@ use crate::analysis::{
     counts::{Counts, Factor},
 };
 
-/// Text size in a chart of page width.
+/// Text size in a chart that is as wide as the page.
 const SMALL: f64 = 20.0;
 /// Maximum number of panels in a chart.
 const MOST_PANELS: usize = 10;
 /// Maximum number of panels in a row.
 const ABREAST: usize = 5;
-/// Maximum number of categories in the legend; readers can interpolate the colors between them.
+/// Maximum number of categories in the legend; readers can interpolate the colors in between.
 const MOST_NAMED: usize = 10;
 /// Maximum number of bars in a panel.
 const MOST_BARS: usize = 40;
@@ -31,7 +32,6 @@ struct Chart<'a> {
     bars: Vec<(usize, String)>,
     /// Level and name of each panel.
     panels: Vec<(usize, String)>,
-    /// Text size.
     size: f64,
     /// Distance between bars.
     pitch: f64,
@@ -39,7 +39,7 @@ struct Chart<'a> {
     label: f64,
 }
 
-/// `proportions`.
+/// Draws `proportions`.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
     let chosen: Vec<usize> = by_interest(&results.measured.counts).into_iter().take(2).collect();
     let counts = project(&results.measured.counts, &chosen);
@@ -64,13 +64,13 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     Some(Figure { wide, ..chart.figure(title, caption) })
 }
 
-/// The levels shown, or a single one without a name.
+/// Returns the levels to show, or a single level without a name if there is no factor.
 fn shown(factor: Option<&Factor>, most: usize) -> Vec<(usize, String)> {
     let Some(factor) = factor else { return vec![(0, String::new())] };
     evenly(factor.levels.len(), most).into_iter().map(|level| (level, labels::level(&factor.levels[level]))).collect()
 }
 
-/// Ratings in each category, by level of the second factor, then of the first.
+/// Counts the ratings in each category, by level of the second factor and then of the first.
 fn tallies(counts: &Counts) -> Vec<Vec<Vec<u64>>> {
     let levels = |index: usize| counts.factors.get(index).map_or(1, |factor| factor.levels.len());
     let mut tallies = vec![vec![vec![0; counts.categories.len()]; levels(0)]; levels(1)];
@@ -117,11 +117,11 @@ impl Chart<'_> {
         })
     }
 
-    /// A panel's heading and bars, with the axis below.
+    /// Draws a panel's heading and bars, with the axis below.
     fn panel(&self, svg: &mut Svg, name: &str, tallies: &[Vec<u64>], (left, top): Point, width: f64) {
         let (size, pitch) = (self.size, self.pitch);
         if let Some(factor) = self.counts.factors.get(1) {
-            // A text explains itself; a number does not.
+            // A text is self-explanatory, but a number needs the factor's name.
             let heading = match factor.name.as_str() {
                 "depth" => format!("n = {name}"),
                 "orientation_deg" => format!("{name}°"),
@@ -136,7 +136,7 @@ impl Chart<'_> {
         }
         let bottom = top + pitch * self.bars.len() as f64;
         svg.line(&[(left, bottom), (left + width, bottom)], AXIS);
-        // The outer labels are shifted inward, away from those of the next panel.
+        // The outer labels are shifted inward, away from the labels of the next panel.
         let ticks = [(0, Anchor::Start, true), (50, Anchor::Middle, width > 7.0 * size), (100, Anchor::End, true)];
         for (percent, anchor, named) in ticks {
             let x = left + f64::from(percent) / 100.0 * width;
@@ -166,7 +166,7 @@ impl Chart<'_> {
         }
     }
 
-    /// Names of the bars, and of their factor.
+    /// Draws the names of the bars and of their factor.
     fn names(&self, svg: &mut Svg, (left, top): Point) {
         let Some(factor) = self.counts.factors.first() else { return };
         let (size, pitch) = (self.size, self.pitch);
@@ -180,7 +180,7 @@ impl Chart<'_> {
         svg.text(&title, at, Font::new(size, Anchor::Middle).upright());
     }
 
-    /// Entries of the legend: color, name, left end and line.
+    /// Returns the entries of the legend: color, name, left end, and line of the legend from 0.
     fn legend(&self) -> Vec<(Rgb, String, f64, f64)> {
         let (size, categories) = (self.size, &self.counts.categories);
         let first = EDGE + labels::width("Rating", 1.2 * size) + size;
