@@ -33,7 +33,7 @@ pub(super) struct Arguments {
     out: PathBuf,
     #[command(flatten)]
     model: ModelOptions,
-    /// Random intercept per participant [default: subject if there are at least two participants].
+    /// Random intercept for each participant [default: subject if there are at least two participants].
     #[arg(long, value_parser = named::<Random>(Random::NAMES))]
     random: Option<Random>,
     /// Bootstrap seed.

@@ -37,7 +37,7 @@ pub(super) fn check(arguments: &CheckArguments) -> anyhow::Result<()> {
     if faults.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(faults.join("\n"))) }
 }
 
-/// Verify recorded sessions: that rows and pictures are correct and no file was changed.
+/// Verify that the rows and pictures of recorded sessions are correct and that no file was changed.
 ///
 /// Checks every row against the definition and the seed in the sidecar, re-renders every picture that was shown and
 /// compares its hash, and compares every file with the hash recorded at the end of the session. Prints one line per

@@ -45,8 +45,8 @@ pub(super) struct Arguments {
     /// Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=16384))]
     size: Option<u32>,
-    /// Width of the stimulus or image in degrees of visual angle [default: from the rated sessions, else from the
-    /// definition, else 10].
+    /// Width of the stimulus or image in degrees of visual angle [default: the width in the rated sessions, otherwise
+    /// in the definition, otherwise 10].
     #[arg(long, value_name = "DEG")]
     window: Option<f64>,
     /// Luminance of white in cd/m² [default: the display profile's, or 100].

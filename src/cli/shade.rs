@@ -197,7 +197,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints a note to stderr; it is not an error.
+/// Prints a note to stderr. A note is not an error.
 fn note(text: &str) {
     // It does not matter if stderr is closed.
     let _ = writeln!(std::io::stderr(), "note: {text}");

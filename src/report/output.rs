@@ -41,7 +41,7 @@ pub fn write_all(
     folder: &Path,
     tables_only: bool,
 ) -> Result<Written, StoreError> {
-    fs::create_dir_all(folder).map_err(|error| StoreError::io(folder, "make the folder", error))?;
+    fs::create_dir_all(folder).map_err(|error| StoreError::io(folder, "create the folder", error))?;
     let mut contents = tables(study, results);
     let mut prediction = None;
     if !tables_only {

@@ -60,7 +60,7 @@ pub fn open(name_or_path: &str) -> Result<Protocol, FileFaults> {
     parse(name_or_path, &read_text(path)?)
 }
 
-/// Reads a definition; `file` names it in messages.
+/// Parses the text of a definition; `file` identifies it in messages.
 ///
 /// # Errors
 /// Returns every error, with its line and column.

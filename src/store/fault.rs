@@ -55,10 +55,10 @@ impl FileFaults {
         Self(vec![FileFault::whole(file, message)])
     }
 
-    /// Succeeds if there are no faults.
+    /// Succeeds if the list is empty.
     ///
     /// # Errors
-    /// Returns the faults, if there are any.
+    /// Returns the errors in the list, if there are any.
     pub fn none(faults: Vec<FileFault>) -> Result<(), Self> {
         if faults.is_empty() { Ok(()) } else { Err(Self(faults)) }
     }

@@ -65,7 +65,7 @@ pub(super) const TEMPORARY: &str = ".tmp";
 /// # Errors
 /// I/O errors.
 pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), StoreError> {
-    let mut text = serde_json::to_vec_pretty(value).map_err(|error| io(path, "describe")(Error::other(error)))?;
+    let mut text = serde_json::to_vec_pretty(value).map_err(|error| io(path, "encode")(Error::other(error)))?;
     text.push(b'\n');
     write_whole(path, &text, true)
 }
@@ -115,7 +115,7 @@ fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<(
 /// # Errors
 /// I/O errors.
 pub(super) fn make_folder(path: &Path) -> Result<(), StoreError> {
-    fs::create_dir_all(path).map_err(io(path, "make the folder"))
+    fs::create_dir_all(path).map_err(io(path, "create the folder"))
 }
 
 /// Returns the folder that contains a file.
@@ -167,7 +167,7 @@ pub(super) fn is_there(path: &Path) -> Result<bool, StoreError> {
     match fs::metadata(path) {
         Ok(_) => Ok(true),
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(false),
-        Err(error) => Err(io(path, "look for")(error)),
+        Err(error) => Err(io(path, "access")(error)),
     }
 }
 

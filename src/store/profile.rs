@@ -281,7 +281,6 @@ pub fn hash(profile: &DisplayProfile) -> String {
 /// # Errors
 /// I/O errors.
 pub fn write(path: &Path, profile: &DisplayProfile) -> Result<(), StoreError> {
-    let text =
-        ::toml::to_string(&table(profile)).map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
+    let text = ::toml::to_string(&table(profile)).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
     write_whole(path, text.as_bytes(), true)
 }

@@ -181,7 +181,7 @@ fn failures_are_errors_that_name_their_place() {
     let bad = "schema = 1\nname = \"a\"\nstimulus.kind = \"mach-band\"\nfactors.width = [1.5]\n";
     fs::write(folder.path().join("bad.toml"), bad).unwrap();
     for (line, part) in [
-        ("simulate quick --results file", "error: file/quick/data: cannot make the folder"),
+        ("simulate quick --results file", "error: file/quick/data: cannot create the folder"),
         ("simulate quik", "error: quik: is neither a built-in definition nor a file"),
         ("simulate none.toml", "error: none.toml: cannot be opened"),
         ("simulate bad.toml", "error: bad.toml:4:18: width 1.5"),

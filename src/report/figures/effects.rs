@@ -30,7 +30,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     }
     let rows = rows(results, model);
     let (low, high) = range(model);
-    // Headings may extend into the panel, since their line is empty there.
+    // Headings may extend into the panel because their row is empty there.
     let names = rows.iter().filter(|(_, one)| one.is_some()).map(|(name, _)| INDENT + labels::width(name, TEXT));
     let left = EDGE + names.fold(120.0, f64::max).min(LONGEST) + 14.0;
     let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;

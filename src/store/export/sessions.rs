@@ -64,7 +64,7 @@ fn faults(session: &Recorded) -> Vec<FileFault> {
     faults
 }
 
-/// Excludes incomplete sessions if requested; otherwise notes them.
+/// Notes every incomplete session, and excludes it if requested.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
         let (rated, planned) = session.rated();

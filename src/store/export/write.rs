@@ -19,7 +19,7 @@ pub enum Format {
     PsychDs,
 }
 
-/// What was written.
+/// A summary of what was exported.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Exported {
     /// Names of the experiments, sorted.

@@ -87,7 +87,7 @@ impl Trials {
         self.index.get(&(subject.to_owned(), session.to_owned())).copied()
     }
 
-    /// Returns a session whose last file is `file`, and creates either if necessary.
+    /// Returns a session with `file` as its last file. Creates the session and the file's entry if necessary.
     fn enter(&mut self, subject: &str, session: &str, file: usize) -> &mut Session {
         self.recent = self.find(subject, session, self.recent).unwrap_or_else(|| {
             let (subject, session) = (subject.to_owned(), session.to_owned());

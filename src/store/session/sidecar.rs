@@ -199,7 +199,7 @@ impl Sidecar {
     /// # Errors
     /// I/O errors.
     pub fn write(&self, path: &Path) -> Result<(), StoreError> {
-        let value = serde_json::to_value(self).map_err(|error| io(path, "describe")(std::io::Error::other(error)))?;
+        let value = serde_json::to_value(self).map_err(|error| io(path, "encode")(std::io::Error::other(error)))?;
         write_json(path, &value)
     }
 }
