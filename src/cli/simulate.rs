@@ -45,8 +45,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR", default_value = "results")]
     results: PathBuf,
     /// Simulated observer.
-    #[arg(long, value_enum, default_value_t = Rule::Paper)]
-    observer: Rule,
+    #[arg(long, value_enum, default_value_t = ObserverKind::Paper)]
+    observer: ObserverKind,
     /// Parameters of the paper or vision observer; experiments/observers has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
     observer_file: Option<PathBuf>,
@@ -57,7 +57,7 @@ pub(super) struct Arguments {
 
 /// How a simulated observer rates.
 #[derive(Clone, Copy, clap::ValueEnum)]
-enum Rule {
+enum ObserverKind {
     /// Follows the paper's findings
     Paper,
     /// Presses any key
@@ -110,19 +110,19 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 fn observer(arguments: &Arguments, protocol: &Protocol) -> anyhow::Result<(Box<dyn Observer>, serde_json::Value)> {
     let file = arguments.observer_file.as_deref();
     Ok(match arguments.observer {
-        Rule::Random if file.is_some() => {
+        ObserverKind::Random if file.is_some() => {
             let message = "--observer-file does not apply to --observer random; expected --observer paper or vision";
             return Err(UsageError(message.to_owned()).into());
         }
-        Rule::Random => (Box::new(UniformObserver), json!({ "observer": "random" })),
-        Rule::Vision => {
+        ObserverKind::Random => (Box::new(UniformObserver), json!({ "observer": "random" })),
+        ObserverKind::Vision => {
             let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
             let description = json!({ "observer": "vision", "vision": parameters });
             let observer = VisionObserver::new(parameters, protocol)
                 .map_err(|error| anyhow::anyhow!("{}: {error}", arguments.experiment))?;
             (Box::new(observer), description)
         }
-        Rule::Paper => {
+        ObserverKind::Paper => {
             let parameters = match file {
                 Some(path) => observer::open(path)?,
                 None => observer::parse("paper.toml", observer::PAPER)?,

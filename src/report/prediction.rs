@@ -22,9 +22,9 @@ use crate::{
 pub const LEAST: f64 = 0.5;
 
 /// Maximum number of conditions that a report predicts; each takes about a millisecond.
-const MOST_LINES: usize = 5000;
+const MAX_CONDITIONS: usize = 5000;
 /// The same maximum if each condition needs a rendered picture, which takes a few tenths of a second.
-const MOST_PICTURES: usize = 100;
+const MAX_PICTURES: usize = 100;
 
 /// A prediction compared with ratings.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,7 +104,7 @@ impl StudyPrediction {
         let protocol = source.protocol.as_ref().ok_or(PredictionError::NoDefinition)?;
         check_categories(counts)?;
         let conditions = protocol.conditions().map_err(|error| PredictionError::Conditions(error.to_string()))?;
-        let most = if protocol.stimulus.is_line() { MOST_LINES } else { MOST_PICTURES };
+        let most = if protocol.stimulus.is_line() { MAX_CONDITIONS } else { MAX_PICTURES };
         if conditions.len() > most {
             let name = protocol.name.clone();
             return Err(PredictionError::TooMany { conditions: conditions.len(), most, name });

@@ -11,7 +11,7 @@ use crate::report::{
 
 const STYLE: &str = include_str!("style.css");
 /// Maximum number of rows of a table on a page; the CSV files contain all of them.
-const MOST_ROWS: usize = 2000;
+const MAX_ROWS: usize = 2000;
 /// A table with more rows is collapsed under its caption.
 const MANY_ROWS: usize = 24;
 /// Text to copy is collapsed if it has more lines than this.
@@ -109,7 +109,7 @@ fn table_markup(table: &Table) -> Markup {
                 caption { (caption) }
                 thead { tr { @for (column, name) in header.iter().enumerate() { th scope="col" class=[class(column)] { (name) } } } }
                 tbody {
-                    @for row in rows.iter().take(MOST_ROWS) {
+                    @for row in rows.iter().take(MAX_ROWS) {
                         tr {
                             @for (column, cell) in row.iter().enumerate() {
                                 @if column == 0 { th scope="row" class=[class(column)] { (cell) } }
@@ -120,8 +120,8 @@ fn table_markup(table: &Table) -> Markup {
                 }
             }
         }
-        @if rows.len() > MOST_ROWS {
-            p.note { "Only the first " (whole(MOST_ROWS as u64)) " of " (whole(rows.len() as u64)) " rows are shown." }
+        @if rows.len() > MAX_ROWS {
+            p.note { "Only the first " (whole(MAX_ROWS as u64)) " of " (whole(rows.len() as u64)) " rows are shown." }
         }
     };
     folded(rows.len() > MANY_ROWS, &format!("{caption} – {} rows", rows.len()), body)

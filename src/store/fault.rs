@@ -72,7 +72,7 @@ impl std::fmt::Display for FileFaults {
 }
 
 /// Maximum number of errors kept for one column of a table.
-const KEPT: usize = 5;
+const MAX_KEPT: usize = 5;
 
 /// The errors in a table's rows: the first ones in each column are kept, and the others are counted.
 #[derive(Clone, Debug, Default)]
@@ -87,7 +87,7 @@ impl RowFaults {
     pub fn add(&mut self, file: &str, cell: Option<usize>, message: String, place: impl FnOnce() -> (usize, usize)) {
         let count = self.counts.entry(cell).or_default();
         *count += 1;
-        if *count <= KEPT {
+        if *count <= MAX_KEPT {
             self.kept.push(FileFault::at(file, place(), message));
         }
     }
@@ -97,10 +97,10 @@ impl RowFaults {
     pub fn finish(self, file: &str, columns: &[impl AsRef<str>]) -> Vec<FileFault> {
         let mut faults = self.kept;
         faults.sort_by_key(|fault| fault.position);
-        for (cell, count) in self.counts.into_iter().filter(|(_, count)| *count > KEPT) {
+        for (cell, count) in self.counts.into_iter().filter(|(_, count)| *count > MAX_KEPT) {
             let column = cell.and_then(|cell| columns.get(cell));
             let column = column.map_or(String::new(), |name| format!(" in {}", name.as_ref()));
-            let message = format!("{} more rows have errors{column}; expected none", count - KEPT);
+            let message = format!("{} more rows have errors{column}; expected none", count - MAX_KEPT);
             faults.push(FileFault::whole(file, message));
         }
         faults

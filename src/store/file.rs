@@ -16,14 +16,14 @@ use super::{
 };
 
 /// Maximum size of a text file in bytes. The largest realistic file has a few thousand bytes.
-const LARGEST_TEXT: u64 = 1 << 20;
+const MAX_TEXT: u64 = 1 << 20;
 
 /// Reads a whole UTF-8 file of at most 1 MiB: a definition, a profile, an observer.
 ///
 /// # Errors
 /// The same as for [`read_bytes`]; or the text is not UTF-8, with the line and column.
 pub(super) fn read_text(path: &Path) -> Result<String, FileFaults> {
-    String::from_utf8(read_bytes(path, LARGEST_TEXT, "a readable file")?).map_err(|error| {
+    String::from_utf8(read_bytes(path, MAX_TEXT, "a readable file")?).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..valid]);
         let place = position(&before, before.len());

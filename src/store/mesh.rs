@@ -21,7 +21,7 @@ use super::{FileFault, FileFaults, file::read_bytes, table::shortened};
 use crate::shading::{Mesh, MeshError, Polygons, mesh::LARGEST_COORDINATE};
 
 /// Maximum file size in bytes, enough for about two million triangles.
-const LARGEST_FILE: u64 = 1 << 28;
+const MAX_FILE: u64 = 1 << 28;
 
 /// Reads an OBJ file. If the file has no normals, faces that meet at more than `crease_deg` degrees do not share a
 /// normal; 180 makes the whole mesh smooth.
@@ -29,7 +29,7 @@ const LARGEST_FILE: u64 = 1 << 28;
 /// # Errors
 /// The file cannot be read or is too large; otherwise the same as for [`parse`].
 pub fn read(path: &Path, crease_deg: f64) -> Result<Mesh, FileFaults> {
-    parse(&path.display().to_string(), &read_bytes(path, LARGEST_FILE, "an OBJ file")?, crease_deg)
+    parse(&path.display().to_string(), &read_bytes(path, MAX_FILE, "an OBJ file")?, crease_deg)
 }
 
 /// Reads the content of an OBJ file; `file` identifies it in messages.
@@ -51,10 +51,10 @@ pub fn parse(file: &str, content: &[u8], crease_deg: f64) -> Result<Mesh, FileFa
 }
 
 /// Maximum number of corners of a face, because triangulation takes quadratic time.
-const MOST_CORNERS: usize = 4096;
+const MAX_CORNERS: usize = 4096;
 
 /// Maximum number of errors reported per file.
-const MOST_FAULTS: usize = 20;
+const MAX_FAULTS: usize = 20;
 
 /// Returns the distinct positions, in the order in which faces use them, and the faces.
 ///
@@ -66,7 +66,7 @@ fn polygons(file: &str, content: &[u8]) -> Result<(Vec<DVec3>, Polygons), FileFa
     let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
     let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
     let faults = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
-    FileFaults::none(faults.take(MOST_FAULTS).collect())?;
+    FileFaults::none(faults.take(MAX_FAULTS).collect())?;
     Ok(reader.polygons())
 }
 
@@ -136,7 +136,7 @@ impl Reader {
         let statement = Statement { file, number, text };
         // A comment may follow the numbers.
         let words = text.split_ascii_whitespace().skip(1).take_while(|word| !word.starts_with('#'));
-        let words: Vec<&str> = words.take(MOST_CORNERS + 1).collect();
+        let words: Vec<&str> = words.take(MAX_CORNERS + 1).collect();
         match keyword {
             b"v" => {
                 let vertex = statement.vertex(&words);
@@ -154,9 +154,9 @@ impl Reader {
     }
 
     fn face(&mut self, statement: &Statement<'_>, words: &[&str]) -> Result<(), FileFault> {
-        if !(3..=MOST_CORNERS).contains(&words.len()) {
-            let more = if words.len() > MOST_CORNERS { "or more " } else { "" };
-            let message = format!("a face has {} {more}corners; expected 3…{MOST_CORNERS}", words.len());
+        if !(3..=MAX_CORNERS).contains(&words.len()) {
+            let more = if words.len() > MAX_CORNERS { "or more " } else { "" };
+            let message = format!("a face has {} {more}corners; expected 3…{MAX_CORNERS}", words.len());
             return Err(statement.fault(statement.text.trim_ascii_start(), message));
         }
         for word in words {

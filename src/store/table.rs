@@ -12,7 +12,7 @@ use csv::{ByteRecord, Position};
 use super::{FileFault, FileFaults};
 
 /// A row with more bytes than this must have an unclosed quote.
-const LONGEST_ROW: u64 = 1 << 20;
+const MAX_ROW: u64 = 1 << 20;
 
 /// The byte order mark with which some programs begin a file.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
@@ -52,13 +52,13 @@ impl<'a> Content<'a> {
         }
     }
 
-    /// Reads at most [`LONGEST_ROW`] bytes of this range; empty if they cannot be read.
+    /// Reads at most [`MAX_ROW`] bytes of this range; empty if they cannot be read.
     fn slice(self, from: u64, to: u64) -> Vec<u8> {
         let mut bytes = Vec::new();
         if let Ok(mut reader) = self.open()
             && reader.seek(SeekFrom::Start(from)).is_ok()
         {
-            let _ = reader.take((to - from).min(LONGEST_ROW)).read_to_end(&mut bytes);
+            let _ = reader.take((to - from).min(MAX_ROW)).read_to_end(&mut bytes);
         }
         bytes
     }

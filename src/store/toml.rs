@@ -9,7 +9,7 @@ use super::{FileFault, FileFaults, fault::position};
 use crate::light::names::expected_one_of;
 
 /// Maximum number of unreadable values, because the document is deserialized again for each of them.
-const MOST_UNREAD: usize = 100;
+const MAX_UNREAD: usize = 100;
 
 /// A TOML document, and the errors found in it so far.
 pub(super) struct Document<'t> {
@@ -55,7 +55,7 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
             document.faults.push((place, explained(path, &message)));
             document.unread.push(place);
         }
-        if document.unread.len() > MOST_UNREAD || !remove(&mut value, path) {
+        if document.unread.len() > MAX_UNREAD || !remove(&mut value, path) {
             return Err(document.located());
         }
     }

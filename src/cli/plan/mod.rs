@@ -110,7 +110,7 @@ fn proportion(text: &str) -> Result<f64, String> {
 }
 
 /// Largest number of logits that a level can add; far beyond the whole scale.
-const MOST_LOGITS: f64 = 1000.0;
+const MAX_LOGITS: f64 = 1000.0;
 
 /// Returns the observer with the requested effects, and the effects that none of its parameters can express.
 fn apply(
@@ -133,8 +133,8 @@ fn apply(
         }
         names.push(name);
         match name.split_once(':') {
-            Some(_) if value.abs() > MOST_LOGITS => {
-                return Err(fault(&format!("is out of range; expected {}…{MOST_LOGITS} logits", -MOST_LOGITS)));
+            Some(_) if value.abs() > MAX_LOGITS => {
+                return Err(fault(&format!("is out of range; expected {}…{MAX_LOGITS} logits", -MAX_LOGITS)));
             }
             Some((factor, level)) => {
                 shifts.push(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: value })

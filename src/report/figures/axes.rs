@@ -22,11 +22,11 @@ pub(super) const EDGE: f64 = 16.0;
 /// Length of a tick.
 const TICK: f64 = 8.0;
 /// Maximum width of a category's name at a tick.
-const LONGEST_VALUE: f64 = 170.0;
+const MAX_NAME: f64 = 170.0;
 /// Maximum length of a level's name that is rotated below a tick.
-const LONGEST_UPRIGHT: f64 = 250.0;
+const MAX_UPRIGHT: f64 = 250.0;
 /// Maximum number of ticks without a name.
-const MOST_TICKS: usize = 40;
+const MAX_TICKS: usize = 40;
 
 /// A rectangle in which values are drawn.
 #[derive(Clone, Copy)]
@@ -96,7 +96,7 @@ impl Values {
     }
 
     fn widest(&self) -> f64 {
-        let widths = self.ticks.iter().map(|(_, name)| labels::width(name, TEXT).min(LONGEST_VALUE));
+        let widths = self.ticks.iter().map(|(_, name)| labels::width(name, TEXT).min(MAX_NAME));
         widths.fold(0.0, f64::max)
     }
 
@@ -108,7 +108,7 @@ impl Values {
             svg.line(&[(panel.left, y), (panel.right, y)], GRID);
             svg.line(&[(panel.left - TICK, y), (panel.left, y)], AXIS);
             if title.is_some() {
-                let name = labels::fit(name, LONGEST_VALUE, TEXT);
+                let name = labels::fit(name, MAX_NAME, TEXT);
                 svg.text(&name, (panel.left - TICK - 8.0, y), Font::new(TEXT, Anchor::End));
             }
         }
@@ -171,7 +171,7 @@ impl Levels {
         let upright = !self.ordered && !fits(1, &widths);
         let widths = if upright { vec![0.75 * TEXT; widths.len()] } else { widths };
         let each = (1..=widths.len()).find(|each| fits(*each, &widths)).unwrap_or(1);
-        let room = if upright { LONGEST_UPRIGHT } else { width };
+        let room = if upright { MAX_UPRIGHT } else { width };
         let texts: Vec<Option<String>> = (self.names.iter().enumerate())
             .map(|(index, name)| (index % each == 0).then(|| labels::fit(name, room, TEXT)))
             .collect();
@@ -185,7 +185,7 @@ impl Levels {
         let font =
             if upright { Font::new(TEXT, Anchor::End).upright() } else { Font::new(TEXT, Anchor::Middle).below() };
         for (at, name) in self.at.iter().zip(names) {
-            if name.is_some() || self.at.len() <= MOST_TICKS {
+            if name.is_some() || self.at.len() <= MAX_TICKS {
                 tick(svg, panel, *at, name.as_deref().unwrap_or_default(), font);
             }
         }

@@ -17,7 +17,7 @@ const STEPS: usize = 128;
 /// Heights of the upper and the lower panel.
 const HEIGHTS: (f64, f64) = (400.0, 230.0);
 /// Minimum range of the lower panel, in 8-bit codes.
-const LEAST_CODES: f64 = 1.0;
+const MIN_CODES: f64 = 1.0;
 
 /// Draws `calibration`: readings, curves and residuals.
 #[must_use]
@@ -30,7 +30,7 @@ pub fn calibration(calibration: &Calibration) -> Figure {
         calibration.chosen,
     );
     let light = Values::from_zero(calibration.readings.largest_cd_m2());
-    let reach = residuals(calibration).map(|(_, _, codes)| codes.abs()).fold(LEAST_CODES, f64::max) * 1.1;
+    let reach = residuals(calibration).map(|(_, _, codes)| codes.abs()).fold(MIN_CODES, f64::max) * 1.1;
     let codes = Values::between(-reach, reach);
     let (left, right) = (light.margin().max(codes.margin()), WIDTH - EDGE - TEXT);
     let legend = EDGE + 0.6 * TEXT;

@@ -14,11 +14,11 @@ use crate::analysis::{
 };
 
 /// Maximum number of coefficients in a chart.
-const MOST: usize = 60;
+const MAX_SHOWN: usize = 60;
 /// Distance between rows.
 const PITCH: f64 = 1.4 * TEXT;
 /// Maximum width of a row's name.
-const LONGEST: f64 = 290.0;
+const MAX_NAME: f64 = 290.0;
 /// Indentation of the names of levels.
 const INDENT: f64 = 18.0;
 
@@ -32,7 +32,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let (low, high) = range(model);
     // Headings may extend into the panel because their row is empty there.
     let names = rows.iter().filter(|(_, one)| one.is_some()).map(|(name, _)| INDENT + labels::width(name, TEXT));
-    let left = EDGE + names.fold(120.0, f64::max).min(LONGEST) + 14.0;
+    let left = EDGE + names.fold(120.0, f64::max).min(MAX_NAME) + 14.0;
     let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
     let panel = Panel { left, right: WIDTH - EDGE - 8.0, top: EDGE, bottom, low: 0.0, high: 1.0 };
     let share = |value: f64| (value - low) / (high - low);
@@ -54,7 +54,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
                 svg.text(&name, (EDGE, y), Font::new(TEXT, Anchor::Start).bold());
                 continue;
             };
-            let name = labels::fit(name, LONGEST - INDENT, TEXT);
+            let name = labels::fit(name, MAX_NAME - INDENT, TEXT);
             svg.text(&name, (left - 14.0, y), Font::new(TEXT, Anchor::End));
             effect(svg, &panel, coefficient, share, y);
         }
@@ -73,8 +73,8 @@ fn caption(results: &Results, model: &Model) -> String {
         text += " An arrow without a marker means that there is no finite estimate.";
     }
     let all = model.coefficients.len();
-    if all > MOST {
-        text += &format!(" Only the first {MOST} of {all} coefficients are shown.");
+    if all > MAX_SHOWN {
+        text += &format!(" Only the first {MAX_SHOWN} of {all} coefficients are shown.");
     }
     text
 }
@@ -84,7 +84,7 @@ fn caption(results: &Results, model: &Model) -> String {
 fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coefficient>)> {
     let mut rows = Vec::new();
     let mut last = None;
-    for coefficient in model.coefficients.iter().take(MOST) {
+    for coefficient in model.coefficients.iter().take(MAX_SHOWN) {
         let term = results.spec.terms.iter().find(|term| term.to_string() == coefficient.term);
         let is_number = term.is_none_or(|term| matches!(term.variables[..], [Variable::Number(_)]));
         if !is_number && last != Some(&coefficient.term) {
@@ -140,7 +140,7 @@ fn interval(&Coefficient { estimate, se, .. }: &Coefficient) -> Interval {
 
 /// Returns the range of the axis: all intervals, except a few extreme ones that would leave no room for the others.
 fn range(model: &Model) -> (f64, f64) {
-    let finite = || model.coefficients.iter().take(MOST).filter(|c| c.estimate.is_finite());
+    let finite = || model.coefficients.iter().take(MAX_SHOWN).filter(|c| c.estimate.is_finite());
     let largest = finite().map(|c| c.estimate.abs()).fold(0.0, f64::max);
     let mut halves: Vec<f64> = finite().map(|c| (interval(c).high - c.estimate).abs()).collect();
     halves.sort_by(f64::total_cmp);

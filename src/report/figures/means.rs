@@ -20,7 +20,7 @@ use crate::analysis::{
 };
 
 /// Maximum width of a name in the legend.
-const LONGEST_NAME: f64 = 180.0;
+const MAX_NAME: f64 = 180.0;
 
 /// A mean and its interval.
 type Mean = (f64, Option<Interval>);
@@ -109,9 +109,9 @@ fn chart(counts: &Counts, means: &Means, x: usize, name: &'static str, what: &st
     caption += &format!("; {source}.");
     // A single line needs no legend.
     let by = by.filter(|_| lines.len() > 1);
-    let heading = by.map(|by| labels::fit(labels::heading(&by.name), 56.0 + LONGEST_NAME, TEXT));
+    let heading = by.map(|by| labels::fit(labels::heading(&by.name), 56.0 + MAX_NAME, TEXT));
     let legend_width = heading.as_ref().map_or(0.0, |heading| {
-        let names = lines.iter().map(|line| labels::width(&line.name, TEXT).min(LONGEST_NAME));
+        let names = lines.iter().map(|line| labels::width(&line.name, TEXT).min(MAX_NAME));
         24.0 + names.fold(0.0, f64::max).max(1.2 * labels::width(heading, TEXT) - 56.0) + 56.0
     });
     let values = Values::ratings(counts);
@@ -155,7 +155,7 @@ fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bo
     let pitch = (PANEL / (lines.len() as f64 + 1.0)).min(1.35 * TEXT);
     svg.text(heading, (x, top), Font::new(TEXT, Anchor::Start).bold());
     for (index, line) in lines.iter().enumerate() {
-        let name = labels::fit(&line.name, LONGEST_NAME, TEXT);
+        let name = labels::fit(&line.name, MAX_NAME, TEXT);
         svg.legend_entry((x, top + (index as f64 + 1.0) * pitch), line.series, lined, &name, TEXT);
     }
 }

@@ -17,13 +17,13 @@ use crate::analysis::{
 /// Text size in a chart that is as wide as the page.
 const SMALL: f64 = 20.0;
 /// Maximum number of panels in a chart.
-const MOST_PANELS: usize = 10;
+const MAX_PANELS: usize = 10;
 /// Maximum number of panels in a row.
-const ABREAST: usize = 5;
+const PER_ROW: usize = 5;
 /// Maximum number of categories in the legend; readers can interpolate the colors in between.
-const MOST_NAMED: usize = 10;
+const MAX_NAMED: usize = 10;
 /// Maximum number of bars in a panel.
-const MOST_BARS: usize = 40;
+const MAX_BARS: usize = 40;
 
 /// The layout of the chart.
 struct Chart<'a> {
@@ -46,8 +46,8 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     if counts.total() == 0 {
         return None;
     }
-    let bars = shown(counts.factors.first(), MOST_BARS);
-    let panels = shown(counts.factors.get(1), MOST_PANELS);
+    let bars = shown(counts.factors.first(), MAX_BARS);
+    let panels = shown(counts.factors.get(1), MAX_PANELS);
     let mut title = "How often each rating was given".to_owned();
     let mut caption = "Proportions of the ratings".to_owned();
     let drawn = [("bar", ", by ", bars.len()), ("panel", " and ", panels.len())];
@@ -86,7 +86,7 @@ impl Chart<'_> {
     fn figure(&self, title: String, caption: String) -> Figure {
         let size = self.size;
         let abreast =
-            if self.panels.len() <= ABREAST { self.panels.len() } else { self.panels.len().div_ceil(2).min(ABREAST) };
+            if self.panels.len() <= PER_ROW { self.panels.len() } else { self.panels.len().div_ceil(2).min(PER_ROW) };
         let left = EDGE + if !self.counts.factors.is_empty() { 1.5 * size + self.label + 10.0 } else { 0.0 };
         let (right, gap) = (WIDTH - 1.5 * size, 1.2 * size);
         let width = (right - left + gap) / abreast as f64 - gap;
@@ -194,6 +194,6 @@ impl Chart<'_> {
             x += width;
             (category(index, categories.len()), name, x - width, line)
         };
-        evenly(categories.len(), MOST_NAMED).into_iter().map(entry).collect()
+        evenly(categories.len(), MAX_NAMED).into_iter().map(entry).collect()
     }
 }

@@ -27,7 +27,7 @@ const HASTY_S: f64 = 0.3;
 /// A participant's median time is unusual if it is this many times longer or shorter than the typical median.
 const ODD_TIMES: f64 = 3.0;
 /// Maximum number of names in one sentence.
-const MOST_NAMES: usize = 6;
+const MAX_NAMES: usize = 6;
 
 /// Returns all cautions, most serious first.
 pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
@@ -56,7 +56,7 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
              with ratings from people.",
             simulated.len(),
             count(results.people() as u64, "participant"),
-            short_list(&simulated, MOST_NAMES)
+            short_list(&simulated, MAX_NAMES)
         )
     })
 }
@@ -197,7 +197,7 @@ fn odd(
     let (who, values): (Vec<&str>, Vec<f64>) =
         subjects.iter().filter_map(|s| Some((participant(s), value(s).filter(|value| is_odd(*value))?))).unzip();
     let least = values.iter().copied().min_by(f64::total_cmp)?;
-    Some((short_list(&who, MOST_NAMES), least, values.into_iter().max_by(f64::total_cmp)?))
+    Some((short_list(&who, MAX_NAMES), least, values.into_iter().max_by(f64::total_cmp)?))
 }
 
 fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {

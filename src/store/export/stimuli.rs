@@ -25,7 +25,7 @@ use crate::{
 /// Number of digits of a hash in a file name.
 const HASH_SHOWN: usize = 8;
 /// Maximum length of the part of a file name that lists the levels.
-const LONGEST_LABEL: usize = 150;
+const MAX_LABEL: usize = 150;
 
 /// The picture's file name for each data file, sitting (from 1) and condition (from 0).
 #[derive(Default)]
@@ -112,6 +112,6 @@ fn label(protocol: &Protocol, condition: &Condition) -> String {
         let clean = level.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '-' });
         label += &format!("_{}-{}", factor.name, clean.collect::<String>());
     }
-    label.truncate(LONGEST_LABEL);
+    label.truncate(MAX_LABEL);
     label
 }

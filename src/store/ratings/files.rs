@@ -112,7 +112,7 @@ fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
 }
 
 /// The header row must end within this many bytes, and the first row below it is read only up to here.
-const LONGEST: u64 = 1 << 16;
+const MAX_HEAD: u64 = 1 << 16;
 
 /// The head of a file.
 #[derive(Clone, Debug, Default)]
@@ -141,7 +141,7 @@ impl Header {
         let metadata = std::fs::metadata(path).map_err(unreadable)?;
         let mut file = File::open(path).map_err(unreadable)?;
         let (mut head, mut rest) = (Vec::new(), Vec::new());
-        file.by_ref().take(LONGEST).read_to_end(&mut head).map_err(unreadable)?;
+        file.by_ref().take(MAX_HEAD).read_to_end(&mut head).map_err(unreadable)?;
         let mut header = Self { size: metadata.len().max(head.len() as u64), ..Self::default() };
         // A pipe can be read only once. Old spreadsheets end lines with only a carriage return, but lines are counted
         // by their line feeds.
@@ -176,7 +176,7 @@ impl Header {
             let column = String::from_utf8_lossy(&line[..error.valid_up_to()]).chars().count() + 1;
             return Err((column, "the header is not UTF-8 text; expected CSV in UTF-8".to_owned()));
         }
-        if line.len() as u64 + 3 >= LONGEST {
+        if line.len() as u64 + 3 >= MAX_HEAD {
             return fault("the first row is longer than 65,000 bytes; expected a header row");
         }
         self.separator = separator(line);

@@ -26,7 +26,7 @@ use crate::{
 };
 
 /// Maximum size, in bytes, of a file for which a hash is reported.
-const HASHED: u64 = 64 << 20;
+const MAX_HASHED: u64 = 64 << 20;
 
 /// Reads files and folders of files. For each file, `new` creates a `T`, and `add` adds to it every row that counts;
 /// the results are in the order of the files. If `add` fails, an error is reported at the line and column of the
@@ -322,7 +322,7 @@ fn torn(row: &Row<'_>, fault: &RowFault) -> Option<RowFault> {
 }
 
 fn sha256(input: &Input) -> Option<String> {
-    if input.header.size > HASHED {
+    if input.header.size > MAX_HASHED {
         return None;
     }
     input.header.content(&input.path).bytes().ok().map(|bytes| file::sha256(&bytes))
